@@ -83,14 +83,14 @@ class GearmeshError(Exception):
         name = f"{self.key} {self.entry}".strip()
         return name if self.value is None else f"{name} = {self.shown or shown_value(self.value, self.unit)}"
 
-    def worded(self, words: Callable[[str], str]) -> Self:
+    def reword(self, words: Callable[[str], str]) -> Self:
         """The same refusal in other words, as it is read where things are called otherwise."""
         made = copy(self)
         for name in ("key", "entry", "reason", "allowed", "remedy"):
             setattr(made, name, words(getattr(self, name)))
         return made
 
-    def renamed(self, key: str) -> Self:
+    def rename(self, key: str) -> Self:
         """The same refusal of what is called otherwise where it is read."""
         made = copy(self)
         made.key = key
@@ -113,10 +113,10 @@ class GearmeshError(Exception):
         """As plain fields, so that errors come back from other processes."""
         told = self.key is not None
         assert told, "reading a field makes all of them known"
-        return _restored, (type(self), self.__dict__.copy())
+        return _restore, (type(self), self.__dict__.copy())
 
 
-def _restored(kind: type[GearmeshError], fields: dict[str, Any]) -> GearmeshError:
+def _restore(kind: type[GearmeshError], fields: dict[str, Any]) -> GearmeshError:
     made = kind.__new__(kind)
     made.__dict__.update(fields)
     return made

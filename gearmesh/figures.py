@@ -67,7 +67,7 @@ class Figure:
         """The key without its unit."""
         return self.key.removesuffix(UNITS[self.unit])
 
-    def numbered(self, k: int) -> Figure:
+    def item(self, k: int) -> Figure:
         """The k-th, from 1, of a figure that is a list."""
         return replace(
             self, key=f"{self.singular or self.stem}_{k}{UNITS[self.unit]}", meaning=f"{self.meaning}, number {k}"
@@ -144,7 +144,7 @@ class Figures:
 
     @classmethod
     @cache
-    def _told(cls) -> tuple[tuple[str, Figure, type[Figures] | None], ...]:
+    def _by_field(cls) -> tuple[tuple[str, Figure, type[Figures] | None], ...]:
         """Names of fields, their figures, and what kind of figures stands in their place."""
         return tuple(
             (
@@ -161,20 +161,24 @@ class Figures:
         )
 
     @classmethod
-    def declared(cls) -> tuple[Figure, ...]:
+    def declared_figures(cls) -> tuple[Figure, ...]:
         """The figures that it can have, in order."""
-        return tuple(each for _, known, kind in cls._told() for each in ((known,) if kind is None else kind.declared()))
+        return tuple(
+            each
+            for _, known, kind in cls._by_field()
+            for each in ((known,) if kind is None else kind.declared_figures())
+        )
 
     @classmethod
     def key_of(cls, name: str) -> str:
         """The key of the figure of a field."""
-        return next(known.key for own, known, _ in cls._told() if own == name)
+        return next(known.key for own, known, _ in cls._by_field() if own == name)
 
     @property
     def entries(self) -> tuple[Entry, ...]:
         """The figures that it has, one for each member where it holds members' own."""
         found: list[Entry] = []
-        for name, known, kind in self._told():
+        for name, known, kind in self._by_field():
             value = getattr(self, name)
             if value is None and known.optional:
                 continue
@@ -189,13 +193,13 @@ class Figures:
 
     def entries_of(self, member: str) -> tuple[Entry, ...]:
         """The figures that it has, as those of a member, whose name takes the place of {member}."""
-        told = ((known.of(member), getattr(self, name)) for name, known, _ in self._told())
+        told = ((known.of(member), getattr(self, name)) for name, known, _ in self._by_field())
         return tuple(Entry(known, value) for known, value in told if value is not None or not known.optional)
 
     @property
     def row(self) -> dict[str, Any]:
         """Values by key, figures within figures as rows of their own."""
-        return {each.key: laid_out(each.known) for each in self.entries}
+        return {each.key: as_rows(each.known) for each in self.entries}
 
     @property
     def flat(self) -> dict[str, Any]:
@@ -208,16 +212,16 @@ def _of_members(values: Mapping[str, Figures]) -> list[Entry]:
     return [each for member, own in values.items() for each in own.entries_of(member)]
 
 
-def laid_out(value: Any) -> Any:
+def as_rows(value: Any) -> Any:
     """A value of a figure with figures in it as rows."""
     if isinstance(value, Figures):
         return value.row if value.known else None
     if isinstance(value, Summary):
         return value.row
     if isinstance(value, list | tuple) and any(isinstance(each, Figures) for each in value):
-        return [laid_out(each) for each in value]
+        return [as_rows(each) for each in value]
     if isinstance(value, Mapping):
-        return {key: laid_out(each) for key, each in value.items()}
+        return {key: as_rows(each) for key, each in value.items()}
     return value
 
 
@@ -267,7 +271,7 @@ class Summary(Mapping[str, Any]):
     @property
     def row(self) -> dict[str, Any]:
         """Values by key."""
-        return {key: laid_out(each.known) for key, each in self._entries.items()}
+        return {key: as_rows(each.known) for key, each in self._entries.items()}
 
     @property
     def flat(self) -> Summary:
@@ -275,7 +279,7 @@ class Summary(Mapping[str, Any]):
         found: list[Entry] = []
         for each in self.entries:
             if isinstance(each.value, list | tuple):
-                found += [Entry(each.figure.numbered(k), value) for k, value in enumerate(each.value, start=1)]
+                found += [Entry(each.figure.item(k), value) for k, value in enumerate(each.value, start=1)]
             else:
                 found.append(each)
         return Summary(found)

@@ -26,7 +26,7 @@ from gearmesh.contact.path import ARCSEC
 from gearmesh.fe import ccx
 from gearmesh.fe.gear_model import GearModel, Request, gear_model
 from gearmesh.fe.model import STIFFNESS_RATIO
-from gearmesh.fe.placing import PlacedPair, placed
+from gearmesh.fe.placing import PlacedPair, place
 from gearmesh.fe.results import NodalSolution, contact_figures, largest_principal
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import CELLS, HeldTeeth, held_teeth
@@ -128,7 +128,7 @@ def pair_of(case: Case) -> GearPair:
 
 def places(case: Case, pair: GearPair) -> list[PlacedPair]:
     """The leading teeth at the phases of the case."""
-    return [placed(pair, pair.pitch * phase, 1e3 * case.torque, (STEEL, STEEL)) for phase in case.phases]
+    return [place(pair, pair.pitch * phase, 1e3 * case.torque, (STEEL, STEEL)) for phase in case.phases]
 
 
 def by_elements(case: Case, pair: GearPair, at: PlacedPair) -> Figures:

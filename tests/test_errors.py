@@ -177,7 +177,7 @@ def test_errors_have_fields(spur: gm.Gears, case: tuple[Callable[[gm.Gears], Any
     assert "\n" not in line
     # Dask has tracebacks and causes pickled, too, which is not looked at here
     error.__cause__ = error.__context__ = error.__traceback__ = None
-    for again in (pickle.loads(pickle.dumps(error)), error.renamed(key)):
+    for again in (pickle.loads(pickle.dumps(error)), error.rename(key)):
         assert type(again) is type(error)
         assert str(again) == line
         assert repr(again) == repr(error)
@@ -212,7 +212,7 @@ def test_one_form_of_sentence() -> None:
     assert (
         str(OutputError("cannot write", Path("a.stl"), reason="it is a folder")) == "cannot write a.stl: it is a folder"
     )
-    assert error.worded(str.upper).key == "GEAR.WEB.THICKNESS"
+    assert error.reword(str.upper).key == "GEAR.WEB.THICKNESS"
 
 
 def test_what_is_work_to_find_out_is_asked_for_once_and_late() -> None:

@@ -119,7 +119,7 @@ class GearSet:
 
     def placed(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, TriangleMesh]:
         """Meshes of the members, in their own frames, where they mesh at phi1 = 0 (fixed frame)."""
-        return {name: meshes[name].moved(place) for name, place in self.places.items()}
+        return {name: meshes[name].move(place) for name, place in self.places.items()}
 
     def within(self, tolerance: Length | None, default: float | None = None) -> float:
         """A tolerance in mm, where none is given the `default`, or the design's."""

@@ -49,11 +49,11 @@ class Pinned(Result):
         return {**header(self.design), "added": self.added}
 
     def _write(self, target: Path) -> None:
-        from gearmesh.design.files import written
+        from gearmesh.design.files import design_text
         from gearmesh.io.atomic import whole_text
 
         left_out = () if self.positions else RANGE
-        whole_text(target, written(self.design, target.parent, left_out))
+        whole_text(target, design_text(self.design, target.parent, left_out))
 
 
 def pinned(stated: Design, design: Design, pairs: tuple[GearPair, ...]) -> Pinned:

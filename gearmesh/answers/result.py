@@ -13,7 +13,7 @@ from gearmesh import __version__
 from gearmesh.answers.tables import Listing, aligned, as_html, json_text, plain
 from gearmesh.design.core import Design
 from gearmesh.errors import OutputError
-from gearmesh.figures import Content, Figures, Summary, figure, laid_out
+from gearmesh.figures import Content, Figures, Summary, as_rows, figure
 
 
 class Result(ABC):
@@ -109,7 +109,7 @@ class Result(ABC):
 
 def header(design: Design) -> Mapping[str, Content]:
     """What every document begins with."""
-    return {"gearmesh": __version__, "design": design.resolved()}
+    return {"gearmesh": __version__, "design": design.resolve()}
 
 
 @dataclass(frozen=True)
@@ -133,12 +133,12 @@ def times_apart(table: Figures | Mapping[str, Content]) -> tuple[dict[str, Any],
         elif isinstance(value, list | tuple):
             kept[key] = [_timeless(each) for each in value]
         else:
-            kept[key] = laid_out(value)
+            kept[key] = as_rows(value)
     return kept, times
 
 
 def _timeless(value: Content) -> Any:
-    return times_apart(value)[0] if isinstance(value, Figures) and value.known else laid_out(value)
+    return times_apart(value)[0] if isinstance(value, Figures) and value.known else as_rows(value)
 
 
 def _named(table: Figures | Mapping[str, Content]) -> Iterator[tuple[str, Any, bool]]:

@@ -32,10 +32,10 @@ class Filling(Result):
         """The design with the values given."""
 
     def _write(self, target: Path) -> None:
-        from gearmesh.design.files import written
+        from gearmesh.design.files import design_text
         from gearmesh.io.atomic import whole_text
 
-        whole_text(target, written(self.applied(), target.parent))
+        whole_text(target, design_text(self.applied(), target.parent))
 
 
 @dataclass(frozen=True, repr=False)

@@ -137,10 +137,10 @@ class Sizing(Result):
         return self.candidates[number - 1].keys
 
     def _write(self, target: Path) -> None:
-        from gearmesh.design.files import versioned
+        from gearmesh.design.files import with_version
         from gearmesh.io.atomic import whole_text
 
-        whole_text(target, versioned(self.keys()))
+        whole_text(target, with_version(self.keys()))
 
 
 def size(

@@ -139,7 +139,7 @@ def _tool_picture(
     if tool.as_part:
         worm = worm or gears.part(WORM)
         assert worm.own_to_tool is not None
-        part = gear_solid(worm.member, pictures.WHOLE).moved(worm.own_to_tool)
+        part = gear_solid(worm.member, pictures.WHOLE).move(worm.own_to_tool)
     return Picture(pictures.tool_picture(mesh, name, tool, part, size, title))
 
 

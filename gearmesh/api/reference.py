@@ -74,4 +74,4 @@ def _first_line(kind: type[Figures]) -> str:
 
 def _named(kind: type[Figures], word: str) -> tuple[Figure, ...]:
     """Its own figures whose key contains a word; those that consist of figures of another kind are listed there."""
-    return tuple(each for each in kind.declared() if each.key and word in each.key)
+    return tuple(each for each in kind.declared_figures() if each.key and word in each.key)

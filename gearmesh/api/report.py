@@ -24,7 +24,7 @@ from gearmesh.answers.sheet import sheet_of
 from gearmesh.answers.tables import Listing, as_html, figures
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
-from gearmesh.design.files import versioned
+from gearmesh.design.files import with_version
 from gearmesh.errors import NoSolutionError, OutputArgumentError, OutputError
 from gearmesh.files.reading import MIB, file_bytes, read_json
 from gearmesh.io.atomic import whole_text
@@ -254,7 +254,7 @@ def loaded_plots(loaded: Mapping[int, LoadedPictures]) -> list[tuple[str, bytes]
 
 def given_keys(design: Design) -> str:
     """The keys that a design sets, as TOML."""
-    return versioned(with_keys({}, design.own()))
+    return with_version(with_keys({}, design.own()))
 
 
 def _contact_tables(contact: Contact) -> list[Listing]:

@@ -24,7 +24,7 @@ def naming_options(command: Callable[..., Any]) -> Callable[..., Any]:
         except GearmeshError as failure:
             if not failure.of_argument:
                 raise
-            raise failure.renamed(option_of(command, failure.key)) from failure
+            raise failure.rename(option_of(command, failure.key)) from failure
 
     return named
 

@@ -140,7 +140,7 @@ def bar_part(member: Member) -> tuple[Part, float]:
             # out of the material: along the chain times from toe to heel
             shape = _plane(corners[n, 0], np.cross(corners[n + 1, 0] - corners[n, 0], way), sides)
         else:
-            shape = _drawn(link.arc, way, sides)
+            shape = _extrude(link.arc, way, sides)
         faces.append(NamedFace(shape, link.name, link.region))
     down = [[straight_edge(vertices[n][row], under[n][row]) for row in (0, 1)] for n in (0, -1)]
     across_back = [straight_edge(*column) for column in under]
@@ -148,12 +148,12 @@ def bar_part(member: Member) -> tuple[Part, float]:
     for row, region, z in ((0, Region.FACE_TOE, -1.0), (1, Region.FACE_HEEL, 1.0)):
         outline = [*((edges[row], True) for edges in across), (down[1][row], True), (along_back[row], False)]
         outline.append((down[0][row], False))
-        shape = _plane(corners[0, row], np.array([0.0, 0.0, z]), outline if row else _turned(outline))
+        shape = _plane(corners[0, row], np.array([0.0, 0.0, z]), outline if row else _reverse(outline))
         faces.append(NamedFace(shape, region, region))
     for n, sense in ((0, -1.0), (1, 1.0)):
         outline = [(along[-n], True), (down[n][1], True), (across_back[n], False), (down[n][0], False)]
         normal = sense * np.cross(corners[-n, 1] - corners[-n, 0], [1.0, 0.0, 0.0])
-        shape = _plane(corners[-n, 0], normal, outline if n == 0 else _turned(outline))
+        shape = _plane(corners[-n, 0], normal, outline if n == 0 else _reverse(outline))
         faces.append(NamedFace(shape, f"end_{n + 1}", Region.END))
     outline = [(across_back[0], True), (along_back[1], True), (across_back[1], False), (along_back[0], False)]
     faces.append(NamedFace(_plane(back[0, 0], np.array([-1.0, 0.0, 0.0]), outline), Region.BACK, Region.BACK))
@@ -211,7 +211,7 @@ def _across(link: BarLink, begin: Any, end: Any, way: Array) -> Any:
     return edge(link.arc.curve(way), begin, end, link.arc.first, link.arc.last)
 
 
-def _turned(sides: list[tuple[Any, bool]]) -> list[tuple[Any, bool]]:
+def _reverse(sides: list[tuple[Any, bool]]) -> list[tuple[Any, bool]]:
     """A closed line the other way round."""
     return [(edge, not forward) for edge, forward in reversed(sides)]
 
@@ -224,7 +224,7 @@ def _plane(origin: Array, normal: Array, sides: list[tuple[Any, bool]]) -> Any:
     return face(Geom_Plane(point(origin), gp_Dir(*normal.tolist())), [wire(*sides)], True)
 
 
-def _drawn(arc: BarArc, way: Array, sides: list[tuple[Any, bool]]) -> Any:
+def _extrude(arc: BarArc, way: Array, sides: list[tuple[Any, bool]]) -> Any:
     """The face of an arc drawn by `way` (3,) from toe to heel; its sides are toe, far, heel, near."""
     from OCP.BRep import BRep_Builder
     from OCP.TopLoc import TopLoc_Location
@@ -236,4 +236,4 @@ def _drawn(arc: BarArc, way: Array, sides: list[tuple[Any, bool]]) -> Any:
     builder, here = BRep_Builder(), TopLoc_Location()
     for (side, _), (start, direction) in zip(sides, curves, strict=True):
         builder.UpdateEdge(side, straight2d(start, direction), surface, here, PRECISION)
-    return face(surface, [wire(*(sides if sense > 0.0 else _turned(sides)))], sense > 0.0)
+    return face(surface, [wire(*(sides if sense > 0.0 else _reverse(sides)))], sense > 0.0)

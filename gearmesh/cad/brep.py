@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, planned, samples
+from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, plan, samples
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface
@@ -155,7 +155,7 @@ def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
     patches: dict[Piece, tuple[Patch, ...]] = {}
     deviation: dict[Piece, float] = {}
     for run in _runs(tooth, links):
-        for link, (drawn, miss) in _Run(tooth, run, spans, tolerance).drawn().items():
+        for link, (drawn, miss) in _Run(tooth, run, spans, tolerance).fit().items():
             patches[link], deviation[link] = drawn, miss
     corners = np.array([link.grid(tooth, np.zeros(1), ends).points[0] for link in links])
     return SplineTooth(tooth, bounds, links, patches, corners, deviation)
@@ -241,12 +241,12 @@ class _Run:
     spans: list[tuple[float, float]]
     tolerance: float
 
-    def drawn(self) -> dict[Piece, tuple[tuple[Patch, ...], float]]:
+    def fit(self) -> dict[Piece, tuple[tuple[Patch, ...], float]]:
         """Patches of each link, and its deviation (mm)."""
         along = [self._planned_along(span) for span in self.spans]
         across = {link: self._planned_across(link) for link in self.run.links}
         for turn in range(ROUNDS):
-            patches, misses = self._measured(across, along)
+            patches, misses = self._measure(across, along)
             largest = {link: max(miss.largest for miss in own) for link, own in misses.items()}
             worst = {link: np.max([miss.across for miss in own], axis=0) for link, own in misses.items()}
             worst_along = [np.max([misses[link][g].along for link in across], axis=0) for g in range(len(along))]
@@ -273,7 +273,7 @@ class _Run:
             f"the tolerance of {1000.0 * self.tolerance:g} um; choose a larger tolerance"
         )
 
-    def _measured(
+    def _measure(
         self, across: dict[Piece, Nodes], along: list[Nodes]
     ) -> tuple[dict[Piece, list[Patch]], dict[Piece, list[_Miss]]]:
         patches: dict[Piece, list[Patch]] = {link: [] for link in across}
@@ -309,7 +309,7 @@ class _Run:
                 off = np.maximum(off, self._off_station(drawn[:, end], end))
             return np.asarray(off)
 
-        return planned(points, excess)
+        return plan(points, excess)
 
     def _planned_along(self, span: tuple[float, float]) -> Nodes:
         sections, links = self._sections(span, samples()), self.run.links
@@ -321,7 +321,7 @@ class _Run:
                 off = np.maximum(off, self._off_level(links[end], drawn[:, end], end))
             return np.asarray(off)
 
-        return planned(points, excess)
+        return plan(points, excess)
 
     def _sections(self, span: tuple[float, float], x: Array) -> Sections:
         low, high = span

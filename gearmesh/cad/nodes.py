@@ -47,14 +47,14 @@ class Nodes:
 
     def own(self, y: Array) -> Array:
         """The curve's own parameter at y (...,), both from 0 to 1."""
-        return bent(y, self.bend)
+        return warp(y, self.bend)
 
     def spread(self, excess: Array, strictness: int = 0) -> Nodes:
         """New nodes by the errors (N - 1,) between the present ones, as multiples of what is allowed."""
         return replace(self, y=_spread(self.y, excess, TARGET * TIGHTER**strictness, self.degree))
 
 
-def bent(y: Array, bend: float) -> Array:
+def warp(y: Array, bend: float) -> Array:
     return y + bend * y * (1.0 - y)
 
 
@@ -75,7 +75,7 @@ def samples() -> Array:
     return 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 1.0, SAMPLES))
 
 
-def planned(points: Array, excess: Callable[[Array, Array], Array], degree: int = DEGREE) -> Nodes:
+def plan(points: Array, excess: Callable[[Array, Array], Array], degree: int = DEGREE) -> Nodes:
     """Bend and nodes for splines through curves with points (SAMPLES, K, 3) at `samples`, the bend that takes the fewest nodes.
 
     `excess` gives, of drawn and exact points (F, K, 3), the errors as multiples of what is allowed, (F,).

@@ -41,24 +41,24 @@ _LINE = re.compile(r"(.{400}[^,]*#\d+,)(?=#)")
 Instances = dict[int, str]
 
 
-def condensed(text: str) -> str:
+def condense(text: str) -> str:
     """A whole file as OpenCASCADE writes it, with equal instances merged and numbered anew from 1.
 
     A text that is written otherwise is returned as it is.
     """
     head, data = text.split("DATA;\n", 1)
     data, tail = data.rsplit("ENDSEC;", 1)
-    instances = {int(number): _unfolded(value) for number, value in _INSTANCE.findall(data)}
+    instances = {int(number): _unfold(value) for number, value in _INSTANCE.findall(data)}
     if _INSTANCE.sub("", data).strip():
         return text
     used = {number for value in instances.values() for number in _references(value)}
     whole = [number for number in instances if number not in used]
     _drop_curves_on_planes(instances)
     _merge(instances)
-    return f"{head}DATA;\n{_numbered(instances, whole)}ENDSEC;{tail}"
+    return f"{head}DATA;\n{_renumber(instances, whole)}ENDSEC;{tail}"
 
 
-def _unfolded(value: str) -> str:
+def _unfold(value: str) -> str:
     """A value in one line; a string goes on where its line is broken."""
     if "\n" not in value:
         return value
@@ -69,7 +69,7 @@ def _references(value: str) -> list[int]:
     return [int(number) for number in _STRING_OR_REFERENCE.findall(value) if number]
 
 
-def _renamed(value: str, names: dict[int, int]) -> str:
+def _rename(value: str, names: dict[int, int]) -> str:
     """A value with its references replaced where `names` has others."""
     return _STRING_OR_REFERENCE.sub(
         lambda match: f"#{names.get(int(match[1]), match[1])}" if match[1] else match[0], value
@@ -106,15 +106,15 @@ def _merge(instances: Instances) -> None:
     for numbers in kinds.values():
         known: dict[str, int] = {}
         for number in numbers:
-            value = instances[number] = _renamed(instances[number], first)
+            value = instances[number] = _rename(instances[number], first)
             if known.setdefault(value, number) != number:
                 first[number] = known[value]
     for number, value in instances.items():
         if number not in first:
-            instances[number] = _renamed(value, first)
+            instances[number] = _rename(value, first)
 
 
-def _numbered(instances: Instances, whole: list[int]) -> str:
+def _renumber(instances: Instances, whole: list[int]) -> str:
     """The text of `whole` and all that they refer to, each before what it refers to first.
 
     OpenCASCADE gathers the colours of the parts of an assembly in no fixed order; here it is that of what they colour.
@@ -132,5 +132,5 @@ def _numbered(instances: Instances, whole: list[int]) -> str:
         if number not in names:
             names[number] = len(names) + 1
             wanted += reversed(references[number])
-    lines = (f"#{new}={_renamed(instances[old], names)};\n" for old, new in names.items())
+    lines = (f"#{new}={_rename(instances[old], names)};\n" for old, new in names.items())
     return "".join(_LINE.sub(r"\1\n", line) if len(line) > 500 else line for line in lines)

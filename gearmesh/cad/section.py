@@ -19,7 +19,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from gearmesh.cad.bar import rounding
 from gearmesh.cad.brep import NARROWEST, ROUNDS, Piece
-from gearmesh.cad.nodes import MOST, STEP, by_interval, planned, samples
+from gearmesh.cad.nodes import MOST, STEP, by_interval, plan, samples
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.kernel.surface.levels import station_normal
@@ -56,10 +56,10 @@ class PlaneCurve(Protocol):
     def at(self, s: Array) -> Array:
         """Points (K, 2), mm, at s (K,) from 0 to 1."""
 
-    def turned(self, angle: float) -> PlaneCurve:
+    def turn(self, angle: float) -> PlaneCurve:
         """The same about the origin by an angle (rad)."""
 
-    def moved(self, way: Array) -> PlaneCurve:
+    def move(self, way: Array) -> PlaneCurve:
         """The same moved by `way` (2,), mm."""
 
 
@@ -77,11 +77,11 @@ class PlaneLine:
     def at(self, s: Array) -> Array:
         return np.asarray(self.start + s[:, None] * (self.end - self.start))
 
-    def turned(self, angle: float) -> PlaneLine:
+    def turn(self, angle: float) -> PlaneLine:
         rotation = _rotation(angle)
         return PlaneLine(rotation @ self.start, rotation @ self.end)
 
-    def moved(self, way: Array) -> PlaneLine:
+    def move(self, way: Array) -> PlaneLine:
         return PlaneLine(self.start + way, self.end + way)
 
 
@@ -122,10 +122,10 @@ class PlaneArc:
         angle = self.first + s * self.width
         return np.asarray(self.centre + self.radius * np.stack((np.cos(angle), np.sin(angle)), axis=-1))
 
-    def turned(self, angle: float) -> PlaneArc:
+    def turn(self, angle: float) -> PlaneArc:
         return PlaneArc(_rotation(angle) @ self.centre, self.radius, self.first + angle, self.width)
 
-    def moved(self, way: Array) -> PlaneArc:
+    def move(self, way: Array) -> PlaneArc:
         return PlaneArc(self.centre + way, self.radius, self.first, self.width)
 
 
@@ -173,10 +173,10 @@ class PlaneSpline:
         """The same with its ends moved a little."""
         return PlaneSpline(np.concatenate(([start], self.control[1:-1], [end])), self.knots)
 
-    def turned(self, angle: float) -> PlaneSpline:
+    def turn(self, angle: float) -> PlaneSpline:
         return PlaneSpline(self.control @ _rotation(angle).T, self.knots)
 
-    def moved(self, way: Array) -> PlaneSpline:
+    def move(self, way: Array) -> PlaneSpline:
         return PlaneSpline(self.control + way, self.knots)
 
 
@@ -299,8 +299,8 @@ def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
     """The contour round all teeth, and the deviation (mm) of its splines."""
     tooth = member.tooth
     one, deviation = _one_tooth(tooth, z, tolerance)
-    moved = _join(one, one[-1].turned(-tooth.pitch_angle))
-    turned = [curve.turned(k * tooth.pitch_angle) for k in range(tooth.teeth) for curve in one]
+    moved = _join(one, one[-1].turn(-tooth.pitch_angle))
+    turned = [curve.turn(k * tooth.pitch_angle) for k in range(tooth.teeth) for curve in one]
     return (TEETH, tuple(turned)), deviation + moved
 
 
@@ -309,9 +309,9 @@ def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, 
     tooth = member.tooth
     one, deviation = _one_tooth(tooth, z, tolerance)
     pitch = np.asarray(tooth.joint.to(tooth.pitch_angle).translation)[:2]
-    moved = _join(one, one[-1].moved(-pitch))
+    moved = _join(one, one[-1].move(-pitch))
     places = tooth.joint.places(tooth.teeth)
-    row = [curve.moved(place * pitch) for place in places.tolist() for curve in one]
+    row = [curve.move(place * pitch) for place in places.tolist() for curve in one]
     # from the middle of the root before the first tooth to the middle of that behind the last
     root = float(tooth.blank.root.at(z))
     rooted = abs(one[0].start[0] - root) + abs(one[0].end[0] - root) < NARROWEST
@@ -335,7 +335,7 @@ def _one_tooth(tooth: Tooth, z: float, tolerance: float) -> tuple[list[PlaneCurv
         ends = piece.grid(tooth, np.array([0.0, 1.0]), sections).points[:, 0, :2]
         if np.linalg.norm(ends[1] - ends[0]) <= NARROWEST:
             continue
-        curve, miss = _drawn(tooth, piece, sections, tolerance)
+        curve, miss = _draw(tooth, piece, sections, tolerance)
         one.append(curve)
         deviation = max(deviation, miss)
     return one, deviation
@@ -358,13 +358,13 @@ def _join(curves: list[PlaneCurve], last: PlaneCurve) -> float:
     return moved
 
 
-def _drawn(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneCurve, float]:
+def _draw(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneCurve, float]:
     """One link, or smooth piece of it, at one station, and its deviation (mm)."""
     link = tooth.chain[piece.region]
     if tooth.joint.travel is not None:
         return _of_rack(tooth, piece, sections, tolerance)
     if isinstance(link, (GeneratedLink, BottomLink)):
-        return _fitted(tooth, piece, sections, tolerance)
+        return _fit(tooth, piece, sections, tolerance)
     first, last = link.grid([0.0, 1.0], sections).points[:, 0, :2]
     if not isinstance(link, DrawnLink):
         return _arc(np.zeros(2), first, last), 0.0
@@ -383,7 +383,7 @@ def _of_rack(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -
         return PlaneLine(first, last), 0.0
     trace = np.diff(tooth.grid(piece.region, np.zeros(1), tooth.sections([0.0, 1.0])).points[0], axis=0)[0]
     if abs(trace[1]) > ON_FACE:
-        return _fitted(tooth, piece, sections, tolerance)
+        return _fit(tooth, piece, sections, tolerance)
     grid = link.grid(np.linspace(0.0, 1.0, STEP + 1), sections)
     centre, radius = rounding(grid.points[:, 0], grid.normals[:, 0], unit(trace))
     miss = np.linalg.norm(grid.points[:, 0, :2] - centre[:2], axis=-1) - radius
@@ -397,7 +397,7 @@ def _arc(centre: Array, first: Array, last: Array) -> PlaneArc:
     return PlaneArc(centre, float(np.linalg.norm(first - centre)), float(before), float(width))
 
 
-def _fitted(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneSpline, float]:
+def _fit(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneSpline, float]:
     """A piece of a generated link at one station as a cubic spline through exact points."""
 
     allowed = SHARE * tolerance
@@ -408,7 +408,7 @@ def _fitted(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) ->
     def excess(drawn: Array, wanted: Array) -> Array:
         return np.asarray(np.linalg.norm(drawn - wanted, axis=-1).max(axis=1) / allowed)
 
-    nodes = planned(exact(samples())[:, None], excess, DEGREE)
+    nodes = plan(exact(samples())[:, None], excess, DEGREE)
     for turn in range(ROUNDS):
         wanted = exact(nodes.own(nodes.fine))
         spline = make_interp_spline(nodes.y, wanted[::STEP], k=DEGREE)
@@ -446,11 +446,11 @@ def _circles(member: Member, z: float) -> list[_Bound]:
     for radius, band in sorted(circles, reverse=True):
         if radius > 0.0:
             keyed = band is Region.BORE and member.keyway is not None
-            bounds.append((band.value, _keyed(member, radius) if keyed else (PlaneArc.circle(radius),)))
+            bounds.append((band.value, _bore_with_keyway(member, radius) if keyed else (PlaneArc.circle(radius),)))
     return bounds
 
 
-def _keyed(member: Member, radius: float) -> tuple[PlaneCurve, ...]:
+def _bore_with_keyway(member: Member, radius: float) -> tuple[PlaneCurve, ...]:
     """The bore with the keyway on +x."""
     keyway = member.keyway
     assert keyway is not None

@@ -64,7 +64,7 @@ def _faces(member: Member, teeth: SplineTooth) -> list[NamedFace]:
     """All faces of a member: of the teeth of all halves and the gaps between, and of its body."""
     faces, loops, rows = list[NamedFace](), list[tuple[Loop, Loop]](), list[tuple[_Row, _Row]]()
     for half in member.halves:
-        toothed, ends, outlines = _toothed(teeth.placed(half), {-end: rows[0][end] for end in half.shared})
+        toothed, ends, outlines = _tooth_faces(teeth.placed(half), {-end: rows[0][end] for end in half.shared})
         faces += toothed
         loops.append(ends)
         rows.append(outlines)
@@ -112,7 +112,7 @@ def volume(part: Part) -> float:
 _Row = tuple[list[Any], list[Any]]
 
 
-def _toothed(
+def _tooth_faces(
     teeth: SplineTooth, shared: Mapping[int, _Row] | None = None
 ) -> tuple[list[NamedFace], tuple[Loop, Loop], tuple[_Row, _Row]]:
     """The faces of all teeth, the loops of their outline on toe and heel, and what these are made of.
@@ -128,12 +128,12 @@ def _toothed(
             places[row] = corner
     outlines = [_LinkCurves.of(teeth, i) for i in range(links)]
 
-    def placed(curve: Any, n: int) -> Any:
+    def place(curve: Any, n: int) -> Any:
         return curve.Transformed(turns[n // links])
 
     across = [
         {
-            row: edge(placed(curve, n), vertices[n][row], vertices[(n + 1) % count][row], 0.0, last)
+            row: edge(place(curve, n), vertices[n][row], vertices[(n + 1) % count][row], 0.0, last)
             for row, (curve, last) in outlines[n % links].across.items()
         }
         for n in range(count)
@@ -144,7 +144,7 @@ def _toothed(
             column[row % bounds] = own
     along = [
         [
-            edge(placed(curve, n), vertices[n][g], vertices[n][g + 1], 0.0, 1.0)
+            edge(place(curve, n), vertices[n][g], vertices[n][g + 1], 0.0, 1.0)
             for g, curve in enumerate(outlines[n % links].along)
         ]
         for n in range(count)
@@ -160,7 +160,7 @@ def _toothed(
                 across[n][part.rows[1]],
                 along[n][slice(*part.rows)],
             )
-            shape = part.face(placed(part.surface, n), sides)
+            shape = part.face(place(part.surface, n), sides)
             name = f"{part.region}_{k + 1}{teeth.half.suffix}"
             faces.append(NamedFace(shape, name, part.region, 0 if k else teeth.tooth.teeth))
     ends = [
@@ -376,7 +376,7 @@ def _traces(teeth: SplineTooth, row: int) -> tuple[Trace, ...]:
         else:
             arc = _Arc.of(teeth, i, row)
             links.append(Trace.arc(arc.width, arc.rho, arc.z, _within_half_turn(arc.start - angle)))
-    return tuple(trace.turned(k * teeth.tooth.pitch_angle) for k in range(teeth.tooth.teeth) for trace in links)
+    return tuple(trace.turn(k * teeth.tooth.pitch_angle) for k in range(teeth.tooth.teeth) for trace in links)
 
 
 def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[NamedFace]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh import __version__
-from gearmesh.cad.part21 import condensed
+from gearmesh.cad.part21 import condense
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.palette import region_colours
@@ -89,7 +89,7 @@ def write_step(parts: Sequence[Part], path: PathLike, description: str, placemen
     if writer.WriteStream(stream) != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise OutputError("cannot write", path, reason="OpenCASCADE does not write the file")
     # names come in whatever bytes they went in
-    text = condensed(stream.getvalue().decode("latin-1"))
+    text = condense(stream.getvalue().decode("latin-1"))
     with whole_file(path) as temporary:
         temporary.write_bytes(text.encode("latin-1"))
 

@@ -83,7 +83,7 @@ class Trace:
         assert trace is not None
         return trace
 
-    def turned(self, angle: float) -> Trace:
+    def turn(self, angle: float) -> Trace:
         """The same farther round the axis."""
         return Trace(self.knots, self.control + np.array([angle, 0.0, 0.0]), self.miss)
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.nearest import nearest, tangential
-from gearmesh.mesh.patch import PatchMesh, trimmed
+from gearmesh.mesh.patch import PatchMesh, trim
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.teeth.region import Region
 
@@ -78,7 +78,7 @@ class _Around:
 
     @staticmethod
     def of(mesh: ToothMesh) -> _Around:
-        one = mesh.welded()
+        one = mesh.weld()
         count, pitch = len(one.vertices), mesh.tooth.pitch_angle
         points = one.vertices
         if mesh.whole:
@@ -166,10 +166,10 @@ def _beside(patch: PatchMesh, q: Array, t: Array) -> Array:
         if link.surface is None or not link.generated:
             continue
         turned = tooth.joint.to(-over * tooth.pitch_angle).point(q)
-        start = link.grid(np.full((1, len(q)), end), trimmed(tooth, t)).parameters[0]
+        start = link.grid(np.full((1, len(q)), end), trim(tooth, t)).parameters[0]
         foot = nearest(link.surface, turned, *start.T)
         at = np.clip((np.asarray(tooth.blank.axial.value(foot.jet.r)) - toe) / (heel - toe), 0.0, 1.0)
-        first, last = link.span(trimmed(tooth, np.where(foot.converged, at, t)))
+        first, last = link.span(trim(tooth, np.where(foot.converged, at, t)))
         p = foot.values[:, 0]
         within = foot.converged & ((p - first) * (p - last) <= 0.0)
         distance = np.where(within, np.fmin(distance, _length(turned - foot.jet.r)), distance)
@@ -186,13 +186,13 @@ def _surface_to_facets(patch: PatchMesh, around: _Around, first: int) -> float:
         q, at = points.reshape(-1, 3), np.repeat(own, points.shape[1])
 
         def closest(which: NDArray[np.intp], least: float, q: Array = q, at: NDArray[np.intp] = at) -> Array:
-            return _walked(q[which], at[which], around, least)
+            return _walk(q[which], at[which], around, least)
 
         worst = _largest(bound, closest, worst)
     return worst
 
 
-def _walked(q: Array, at: NDArray[np.intp], around: _Around, least: float) -> Array:
+def _walk(q: Array, at: NDArray[np.intp], around: _Around, least: float) -> Array:
     """Distances (M,) of points q (M, 3) from the facets, by steps from facets `at` (M,) to ever closer ones.
 
     Where facets are long and skew, the one that is closest to a point may be many away from its own, and those between

@@ -93,7 +93,7 @@ class Arcs:
         middle = polar_angle(normal)
         length = flat[..., 0] * np.hypot(normal[..., 0], normal[..., 1])
         half = np.arccos((offset - normal[..., 2] * flat[..., 1]) / length)
-        side = np.sign(_wrapped(polar_angle(near) - middle))
+        side = np.sign(_wrap(polar_angle(near) - middle))
         return self._height(middle + side * half)
 
     def lowest(self, corners: Array) -> Array:
@@ -117,7 +117,7 @@ class Arcs:
         return radius
 
     def _height(self, theta: Array) -> Array:
-        return self.sense * (self.reference + _wrapped(theta - self.reference))
+        return self.sense * (self.reference + _wrap(theta - self.reference))
 
 
 @dataclass(frozen=True)
@@ -317,7 +317,7 @@ class MeshField:
             much = (np.ptp(self.chart.split(pieces)[0], axis=1) > large).all(axis=1)
             if not much.any():
                 break
-            halved = _halved(pieces[much])
+            halved = _halve(pieces[much])
             pieces = np.concatenate((pieces[~much], *halved))
             whose = np.concatenate((whose[~much], *[whose[much]] * len(halved)))
         return pieces, whose
@@ -381,14 +381,14 @@ class MeshField:
 
         first = np.lexsort((-self.side * height, query))
         first = first[np.diff(query[first], prepend=-1) > 0]
-        hits = _missed(len(flat))
+        hits = _misses(len(flat))
         hits.height[query[first]] = height[first]
         hits.point[query[first]] = point[first]
         hits.normal[query[first]] = _uphill(self.chart, point[first], self._area_vectors[triangle[first]])
         return hits
 
 
-def _halved(triangles: Array) -> tuple[Array, Array]:
+def _halve(triangles: Array) -> tuple[Array, Array]:
     """Both halves of triangles (T, 3, 3), cut across their longest edges."""
     length = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=-1)
     order = (length.argmax(axis=1)[:, None] + np.arange(3)) % 3
@@ -418,7 +418,7 @@ class _Bins:
         first = np.clip(np.floor((low - margin - origin) / size).astype(np.int64), 0, shape - 1)
         last = np.clip(np.floor((high + margin - origin) / size).astype(np.int64), 0, shape - 1)
         span = last - first + 1
-        box, step = _expanded(span.prod(axis=1))
+        box, step = _expand(span.prod(axis=1))
         cell = first[box] + np.stack((step // span[box, 1], step % span[box, 1]), axis=-1)
         key = cell[:, 0] * shape[1] + cell[:, 1]
         start = np.concatenate(([0], np.cumsum(np.bincount(key, minlength=int(shape.prod())))))
@@ -430,7 +430,7 @@ class _Bins:
         inside = np.all((place >= -1e-6) & (place <= self.shape + 1e-6), axis=-1)
         cell = np.clip(np.where(inside[:, None], place, 0.0).astype(np.int64), 0, self.shape - 1)
         key = cell[:, 0] * self.shape[1] + cell[:, 1]
-        query, step = _expanded(np.where(inside, self.start[key + 1] - self.start[key], 0))
+        query, step = _expand(np.where(inside, self.start[key + 1] - self.start[key], 0))
         return query, self.members[self.start[key[query]] + step]
 
 
@@ -563,7 +563,7 @@ class GridField:
         """Hits found from the nearest of some grid points."""
         distance, nearest = tree.query(flat)
         index = np.stack(np.unravel_index(nodes[nearest], self.flank.grid.shape[:2]), axis=-1).astype(float)
-        hits = _missed(len(flat))
+        hits = _misses(len(flat))
         # a place in a cell is no farther from its nearest corner than the cell is long
         todo = np.flatnonzero(distance <= self._longest)
         for _ in range(GRID_ITERATIONS):
@@ -579,7 +579,7 @@ class GridField:
             hits.height[done], hits.point[done] = height[met], point[met]
             hits.normal[done] = _uphill(self.chart, point[met], cross(r_i[met], r_j[met]))
             wanted = index[todo] + np.clip(
-                _solved(self.chart.rate(point, r_i), self.chart.rate(point, r_j), residual), -5.0, 5.0
+                _solve(self.chart.rate(point, r_i), self.chart.rate(point, r_j), residual), -5.0, 5.0
             )
             # places beyond the rim stay on it with a residual: they are misses
             moved = np.clip(wanted, 0.0, self.flank.last)
@@ -638,7 +638,7 @@ class PatchedField:
 
     def rim(self, segment: NDArray[np.int64], share: Array) -> RimPlaces:
         owner = np.searchsorted(self._first, segment, side="right") - 1
-        hits = _missed(len(segment))
+        hits = _misses(len(segment))
         flat, rate = np.empty((len(segment), 2)), np.empty((len(segment), 2))
         for k, field in enumerate(self.fields):
             own = np.flatnonzero(owner == k)
@@ -648,11 +648,11 @@ class PatchedField:
         return RimPlaces(flat, rate, hits)
 
     def at(self, flat: Array) -> Hits:
-        best = _missed(len(flat))
+        best = _misses(len(flat))
         for k, (field, (low, high)) in enumerate(zip(self.fields, self._boxes, strict=True)):
             near = np.flatnonzero(((flat >= low) & (flat <= high)).all(axis=-1))
             if near.size:
-                own = _missed(len(flat))
+                own = _misses(len(flat))
                 _put(own, near, field.at(flat[near]), k)
                 best = best.better(own, self.side)
         return best
@@ -670,7 +670,7 @@ def _powers(t: Array) -> tuple[Array, Array]:
     return np.stack((t**3, t**2, t, one), axis=-1), np.stack((3.0 * t**2, 2.0 * t, one, zero), axis=-1)
 
 
-def _solved(first: Array, second: Array, right: Array) -> Array:
+def _solve(first: Array, second: Array, right: Array) -> Array:
     """Solutions (N, 2) of x0 first + x1 second = right, all (N, 2); not finite where they are parallel."""
     with np.errstate(all="ignore"):
         determinant = plane_cross(first, second)
@@ -684,17 +684,17 @@ def _uphill(chart: HeightChart, point: Array, normal: Array) -> Array:
     return np.where(dot(normal, chart.uphill(point)) < 0.0, -1.0, 1.0)[:, None] * normal
 
 
-def _missed(count: int) -> Hits:
+def _misses(count: int) -> Hits:
     nan = np.full((count, 3), np.nan)
     return Hits(np.full(count, np.nan), nan, nan.copy(), np.zeros(count, dtype=np.int64))
 
 
-def _expanded(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _expand(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """For counts (N,): every owner repeated as often as it counts, and the running number within the owner."""
     owner = np.repeat(np.arange(len(counts)), counts)
     return owner, np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
-def _wrapped(angle: Array) -> Array:
+def _wrap(angle: Array) -> Array:
     """Angles (...,) in [-pi, pi)."""
     return np.mod(angle + np.pi, 2.0 * np.pi) - np.pi

@@ -90,7 +90,7 @@ def roll_members(
     Whole turns are added to phi2 to bring it next to `guess_phi2` (P,) or (), by default ratio * phi1. Raises TrimError
     where a tooth cannot be trimmed.
     """
-    angles, guesses = _asked(pair, phi1, guess_phi2)
+    angles, guesses = _rotations(pair, phi1, guess_phi2)
     sides = [_RolledSide.of(pair, coast, cells) for coast in (False, True)]
     rolls = []
     for angle, guess in zip(angles.tolist(), guesses.tolist(), strict=True):
@@ -106,17 +106,17 @@ def roll_flanks(
 ) -> tuple[ToothTouch | None, ...]:
     """Roll the flanks of one tooth pair alone, on exact grids; as `roll_members`. None where they never meet."""
     halves = [flank_patches(m.tooth, side, cells) for m, side in zip(pair.both, pair.flanks, strict=True)]
-    return _RolledSide.made(pair, pair.drive, 0, (halves[0], halves[1])).alone(*_asked(pair, phi1, guess_phi2))
+    return _RolledSide.make(pair, pair.drive, 0, (halves[0], halves[1])).alone(*_rotations(pair, phi1, guess_phi2))
 
 
 def roll_teeth(
     pair: GearPair, phi1: ArrayLike, cells: int = HALF_CELLS, guess_phi2: ArrayLike | None = None
 ) -> tuple[ToothTouch | None, ...]:
     """Roll the teeth of one pair alone, fillets and edges with their flanks, on the drive side; as `roll_members`."""
-    return _RolledSide.of(pair, coast=False, cells=cells).alone(*_asked(pair, phi1, guess_phi2))
+    return _RolledSide.of(pair, coast=False, cells=cells).alone(*_rotations(pair, phi1, guess_phi2))
 
 
-def _asked(pair: GearPair, phi1: ArrayLike, guess_phi2: ArrayLike | None) -> tuple[Array, Array]:
+def _rotations(pair: GearPair, phi1: ArrayLike, guess_phi2: ArrayLike | None) -> tuple[Array, Array]:
     """Rotations (P,) of the pinion and next to which those of the gear are reported."""
     angles = np.atleast_1d(np.asarray(phi1, dtype=float))
     return angles, np.broadcast_to(pair.ratio * angles if guess_phi2 is None else np.asarray(guess_phi2), angles.shape)
@@ -151,10 +151,10 @@ class _RolledSide:
         sides = [side.other if coast else side for side in pair.flanks]
         pinion = tooth_half(pair.pinion.tooth, sides[0], cells)
         gear = tooth_half(pair.gear.tooth, sides[1], cells, turned=False)
-        return _RolledSide.made(pair, -pair.drive if coast else pair.drive, -pair.drive if coast else 0, (pinion, gear))
+        return _RolledSide.make(pair, -pair.drive if coast else pair.drive, -pair.drive if coast else 0, (pinion, gear))
 
     @staticmethod
-    def made(pair: GearPair, drive: int, ahead: int, halves: tuple[Half, Half]) -> _RolledSide:
+    def make(pair: GearPair, drive: int, ahead: int, halves: tuple[Half, Half]) -> _RolledSide:
         """`ahead`: the gear's tooth counted from that of the pair, in pitches of growing phi2."""
         mount, tooth = pair.gear.mount, pair.gear.tooth
 
@@ -197,9 +197,9 @@ class _RolledSide:
         sense = self.drive * second.sign
         arcs = arcs_over(self.pinion.flank, pinion_to_base, sense, side=1.0, joint=second.joint)
         first_contact = first_touch(arcs, self.gear_arcs(k), along(second.joint, sense, 0.0))
-        return None if first_contact is None else self._placed(first_contact, k, second, guess)
+        return None if first_contact is None else self._place(first_contact, k, second, guess)
 
-    def _placed(self, first_contact: FirstTouch, k: int, mount: Mount, guess: float) -> ToothTouch:
+    def _place(self, first_contact: FirstTouch, k: int, mount: Mount, guess: float) -> ToothTouch:
         phi2 = mount.joint.nearest(mount.zero + self.drive * first_contact.turn, guess)
         regions = self.pinion.regions[first_contact.parts[0]], self.gear.regions[first_contact.parts[1]]
         return ToothTouch(phi2, k, regions, first_contact.on_rims, mount.base.point(first_contact.point))

@@ -238,7 +238,7 @@ def _patch(pinion: Field, gear: Field, delta: float, start: float) -> _Patch:
         sides = margin * shape.halves
         lattice = _lattice(pinion, gear, shape.centre, shape.axes * sides, points)
         count += lattice.gap.size
-        better = _measured(lattice, shape, sides, delta)
+        better = _measure(lattice, shape, sides, delta)
         if better is None:
             shape = _PatchShape(0.0, shape.centre, shape.halves / 4.0, shape.axes)
             continue
@@ -246,7 +246,7 @@ def _patch(pinion: Field, gear: Field, delta: float, start: float) -> _Patch:
         if fits and lattice.rim_is_near(delta):
             margin *= 1.3
         elif fits and points == PATCH_POINTS:
-            inner = _measured(lattice, shape, sides, delta / 2.0)
+            inner = _measure(lattice, shape, sides, delta / 2.0)
             limit = np.full(2, np.nan) if inner is None else 2.0 * inner.centre - better.centre
             return _Patch(better, limit, lattice.points, lattice.gap, lattice.is_cut(delta), count)
         elif fits:
@@ -273,7 +273,7 @@ def _lattice(pinion: Field, gear: Field, centre: Array, stretch: Array, count: i
     return _Lattice(one.point.reshape(count, count, 3), gap.reshape(count, count))
 
 
-def _measured(lattice: _Lattice, shape: _PatchShape, sides: Array, delta: float) -> _PatchShape | None:
+def _measure(lattice: _Lattice, shape: _PatchShape, sides: Array, delta: float) -> _PatchShape | None:
     """Area, centre and axes of the patch on a lattice laid by `shape`; None if nothing is closer than delta.
 
     Linear interpolation cuts the convex gap's patch short by a relative h^2/8: the moments on the lattice and on every

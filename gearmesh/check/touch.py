@@ -161,7 +161,7 @@ def _inside(
         done = 2.0 * steepest * float(arcs.arm(best.point)) <= TOUCH_TOLERANCE
         if not len(grid) or (done and stage >= RIM_STAGES) or size.max() < SMALLEST_CELL:
             return
-        grid, size = _divided(grid), size / DIVISION
+        grid, size = _divide(grid), size / DIVISION
 
 
 def _bend(grid: NDArray[np.int64], leads: _Leads, rise: Array, stage: int) -> Array:
@@ -197,7 +197,7 @@ def _both(pinion: Field, gear: Field, flat: Array) -> _Leads:
     return _Leads(flat[on], one.height - other.height, one, other, (False, False))
 
 
-def _divided(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+def _divide(cells: NDArray[np.int64]) -> NDArray[np.int64]:
     """Cells (N, 2) with their eight neighbours, without doubles, each divided into DIVISION x DIVISION."""
     spread = np.unique((cells[:, None] + _square(np.arange(-1, 2))).reshape(-1, 2), axis=0)
     return (spread[:, None] * DIVISION + _square(np.arange(DIVISION))).reshape(-1, 2)

@@ -111,7 +111,7 @@ def touching_jets(pair: GearPair, path: ContactPath) -> tuple[Jet, Jet]:
             jet = surfaces.flank.jet(params[:, 0], params[:, 1])
             if (path.part == number).any():
                 jet = jet.where(path.part != number, surfaces.fillet.jet(params[:, 0], params[:, 1]))
-            jets.append(jet.moved(member.mount.at(turn)))
+            jets.append(jet.move(member.mount.at(turn)))
     return jets[0], jets[1]
 
 

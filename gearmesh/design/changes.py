@@ -81,7 +81,7 @@ CHANGES: tuple[Change, ...] = (
 )
 
 
-def parsed(version: str) -> tuple[int, int, int]:
+def parse_version(version: str) -> tuple[int, int, int]:
     """A version as numbers, "0.2" as (0, 2, 0). Raises ValueError for what is none."""
     if not _VERSION.fullmatch(version):
         raise ValueError(version)
@@ -94,14 +94,14 @@ def changes_since(version: str, kind: str) -> tuple[Change, ...]:
     return tuple(
         change
         for change in CHANGES
-        if parsed(change.version) > parsed(version) and (not change.kinds or kind in change.kinds)
+        if parse_version(change.version) > parse_version(version) and (not change.kinds or kind in change.kinds)
     )
 
 
 def unknown_version(stated: str, own: str) -> str:
     """Why a design cannot state a version: it is none, or newer than that of the program, `own`; empty where it can."""
     try:
-        newer = parsed(stated) > parsed(own)
+        newer = parse_version(stated) > parse_version(own)
     except ValueError:
         return f'must be a version, as "{own}"'
     return f'newer than this program, {own}, which may have other defaults; allowed is at most "{own}"' if newer else ""

@@ -15,7 +15,7 @@ from pydantic import PrivateAttr, ValidationError, model_validator
 from gearmesh import __version__
 from gearmesh.design.changes import unknown_version
 from gearmesh.design.dotted import with_keys
-from gearmesh.design.explain import explained
+from gearmesh.design.explain import explain
 from gearmesh.design.keys import DERIVED, MM_PER, Key, KeyLine, Table, conflict, key_lines
 
 #: Thickness of the marking compound that is not given, mm [LT02 5], and at most, in modules: no ellipse outgrows small teeth.
@@ -380,24 +380,24 @@ class Design(Table):
         try:
             given = own.__new__(own)
             own.__pydantic_validator__.validate_python(keys, self_instance=given, context=context)
-            complete = _filled(given.plain(), given.derived())
+            complete = _fill(given.plain(), given.derived_values())
             own.__pydantic_validator__.validate_python(complete, self_instance=self, context=context)
-            self._known_as(given)
+            self._count_as_set(given)
         except ValidationError as error:
-            raise explained(error, own, "inch" if mm_per_unit == MM_PER["inch"] else "mm") from None
+            raise explain(error, own, "inch" if mm_per_unit == MM_PER["inch"] else "mm") from None
 
     @property
-    def changed(self) -> tuple[str, ...]:
+    def changed_keys(self) -> tuple[str, ...]:
         """Dotted keys whose values were put in anew, over those of a file or of another design."""
         return self._changed.keys
 
-    def with_changed(self, keys: Iterable[str]) -> Self:
+    def with_changed_keys(self, keys: Iterable[str]) -> Self:
         """The same design, of which these keys count as put in anew."""
         self._changed = _Changed(tuple(keys))
         return self
 
-    def _known_as(self, other: Table) -> None:
-        super()._known_as(other)
+    def _count_as_set(self, other: Table) -> None:
+        super()._count_as_set(other)
         if isinstance(other, Design):
             self._changed = other._changed
 
@@ -405,7 +405,7 @@ class Design(Table):
     def complete(self) -> bool:
         """Whether every default is filled in."""
         plain = self.plain()
-        return _known(plain) == plain
+        return _finite_values(plain) == plain
 
     def derived_keys(self) -> Iterator[tuple[str, float]]:
         """Dotted keys whose defaults follow from other keys or from geometry, with their values."""
@@ -439,10 +439,10 @@ class Design(Table):
         """Whether the design itself sets a (dotted) key, and does not leave it to its default."""
         return any(key == dotted for key, _ in self.own())
 
-    def filled(self, derived: Mapping[str, float]) -> Self:
-        """The design with `derived` values, by dotted key, of what is still to be derived."""
-        made = type(self)(**_filled(self.plain(), derived))
-        made._known_as(self)
+    def fill(self, derived: Mapping[str, float]) -> Self:
+        """The design with `derived_values` values, by dotted key, of what is still to be derived."""
+        made = type(self)(**_fill(self.plain(), derived))
+        made._count_as_set(self)
         return made
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
@@ -464,15 +464,15 @@ class Design(Table):
             *tables, last = dotted.split(".")
             if dotted not in values and self.stays(dotted, values) and last in (table := _table(complete, tables)):
                 table[last] = value
-        made = type(self)(**_filled(complete, {}))
-        made._known_as(stated)
-        return made.with_changed(values)
+        made = type(self)(**_fill(complete, {}))
+        made._count_as_set(stated)
+        return made.with_changed_keys(values)
 
     def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:
         """Whether a derived value, by its dotted key, stays as it is when other keys get `values`: not where it would be wrong."""
         return True
 
-    def derived(self) -> dict[str, float]:
+    def derived_values(self) -> dict[str, float]:
         """Defaults that follow from other keys, by dotted key, in the file's units."""
         mm = self.mm_per_unit
         return {
@@ -505,11 +505,11 @@ class Design(Table):
         """The same design with all lengths in mm."""
         if self.units == "mm":
             return self
-        made = self.scaled(self.mm_per_unit).model_copy(update={"units": "mm"})
-        made._known_as(self)
+        made = self.scale(self.mm_per_unit).model_copy(update={"units": "mm"})
+        made._count_as_set(self)
         return made
 
-    def resolved(self) -> dict[str, Any]:
+    def resolve(self) -> dict[str, Any]:
         """The design as a plain dict, every default filled in, in its own units; it loads back to the same design."""
         return self.plain()
 
@@ -552,20 +552,20 @@ def _derived_keys(table: Table, prefix: str = "") -> Iterator[tuple[str, float]]
             yield prefix + name, value
 
 
-def _filled(complete: dict[str, Any], derived: Mapping[str, float]) -> dict[str, Any]:
+def _fill(complete: dict[str, Any], derived: Mapping[str, float]) -> dict[str, Any]:
     """A plain design with derived values where there is none; what is still to be derived is left out."""
     for dotted, value in derived.items():
         *tables, last = dotted.split(".")
         table = _table(complete, tables)
         if math.isnan(table.get(last, math.nan)):
             table[last] = value
-    return _known(complete)
+    return _finite_values(complete)
 
 
-def _known(table: dict[str, Any]) -> dict[str, Any]:
+def _finite_values(table: dict[str, Any]) -> dict[str, Any]:
     """A table without what is not a number."""
     return {
-        key: _known(value) if isinstance(value, dict) else value
+        key: _finite_values(value) if isinstance(value, dict) else value
         for key, value in table.items()
         if not (isinstance(value, float) and math.isnan(value))
     }

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _ORDER = {"extra_forbidden": 0, "missing": 1}
 
 
-def shown(value: Any, limit: int = 60) -> str:
+def value_text(value: Any, limit: int = 60) -> str:
     """A value as it would stand in a file: one line, printable, not long."""
     try:
         text = json.dumps(value, default=str)
@@ -32,7 +32,7 @@ def shown(value: Any, limit: int = 60) -> str:
 def shown_key(parts: Iterable[Any]) -> str:
     """A dotted key, printable even if it is not a sensible one."""
     words = [str(part) for part in parts]
-    return ".".join(word if word.isprintable() and len(word) <= 60 else shown(word) for word in words)
+    return ".".join(word if word.isprintable() and len(word) <= 60 else value_text(word) for word in words)
 
 
 def nearest(word: str, known: Iterable[str]) -> str | None:
@@ -40,7 +40,7 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
     return next(iter(difflib.get_close_matches(word, list(known), n=1, cutoff=0.55)), None)
 
 
-def explained(error: ValidationError, design: type[Design], units: str) -> DesignError:
+def explain(error: ValidationError, design: type[Design], units: str) -> DesignError:
     """The refusal of the first thing to mend, and how many more there are."""
     details = sorted(error.errors(include_url=False), key=lambda e: (e["loc"] != ("units",), _ORDER.get(e["type"], 2)))
     return _refusal(details[0], design, units, len(details) - 1)
@@ -51,18 +51,18 @@ def _refusal(detail: ErrorDetails, design: type[Design], units: str, more: int) 
     if detail["type"] == "conflict":
         key, value, fields = (ctx := dict(detail["ctx"])).pop("key"), ctx.pop("value"), ctx
         prefix = "".join(f"{part}." for part in detail["loc"])
-        return DesignError(prefix + key, value, shown=shown(value), more=more, **fields)
+        return DesignError(prefix + key, value, shown=value_text(value), more=more, **fields)
     table = _table(design, tables)
     key = shown_key(detail["loc"])
     if detail["type"] == "extra_forbidden":
         return DesignError(key, reason=f"unknown key; {_suggestion(str(last), tables, table, design)}", more=more)
-    allowed = _allowed(table, str(last), units)
+    allowed = _allowed_values(table, str(last), units)
     if detail["type"] == "missing":
         return DesignError(key, reason="missing", must_be=allowed, more=more)
     own, value = table.key_of(str(last)), detail["input"]
     least = own.least(units) if own is not None and detail["type"] == "too_small" else ""
     return DesignError(
-        key, value, shown=shown(value), must_be=f"{allowed}{least}{_with_unit(table, str(last), value)}", more=more
+        key, value, shown=value_text(value), must_be=f"{allowed}{least}{_with_unit(table, str(last), value)}", more=more
     )
 
 
@@ -74,13 +74,13 @@ def _table(design: type[Table], path: list[Any]) -> type[Table]:
     return design
 
 
-def _allowed(table: type[Table], name: str, units: str) -> str:
+def _allowed_values(table: type[Table], name: str, units: str) -> str:
     below = table.table_of(name)
     if below is not None:
         return "a table with the keys " + ", ".join(below.names())
     key = table.key_of(name)
     assert key is not None, "every field that is not a table has a Key"
-    return key.allowed(units)
+    return key.allowed_values(units)
 
 
 def _with_unit(table: type[Table], name: str, value: Any) -> str:
@@ -93,7 +93,7 @@ def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Des
     here = nearest(name, table.model_fields)
     if here is not None:
         return f"did you mean {'.'.join([*path, here])}?"
-    everywhere = {dotted.rsplit(".", 1)[-1]: dotted for dotted in _dotted(design)}
+    everywhere = {dotted.rsplit(".", 1)[-1]: dotted for dotted in _dotted_keys(design)}
     # what is near the top of the file first
     for deepest in (1, max(dotted.count(".") for dotted in everywhere.values())):
         elsewhere = nearest(name, [leaf for leaf, dotted in everywhere.items() if dotted.count(".") <= deepest])
@@ -102,10 +102,10 @@ def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Des
     return "known here: " + ", ".join(table.names())
 
 
-def _dotted(table: type[Table], prefix: str = "") -> Iterator[str]:
+def _dotted_keys(table: type[Table], prefix: str = "") -> Iterator[str]:
     # the last one wins in a dict by leaf name: yield backwards so that the pinion comes before the gear
     for name in reversed(table.model_fields):
         below = table.table_of(name)
         yield prefix + name
         if below is not None:
-            yield from _dotted(below, f"{prefix}{name}.")
+            yield from _dotted_keys(below, f"{prefix}{name}.")

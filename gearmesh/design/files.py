@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearmesh import __version__
-from gearmesh.design.explain import shown
+from gearmesh.design.explain import value_text
 from gearmesh.design.keys import Table
 from gearmesh.errors import ArgumentError, FileError
 from gearmesh.files.reading import DEEPEST, MIB, file_text, read_json, read_toml
@@ -26,11 +26,11 @@ def read(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The table in a TOML file, or in a JSON file if its name ends so. Raises DesignError naming file and line."""
     data = (read_json if Path(path).suffix.lower() == ".json" else read_toml)(path, LARGEST, WANTED)
     if not isinstance(data, dict):
-        raise FileError(path, reason=f"a design is a table (an object in JSON), not {shown(data)}")
+        raise FileError(path, reason=f"a design is a table (an object in JSON), not {value_text(data)}")
     return data
 
 
-def anchored(data: Mapping[str, Any], table: type[Table], folder: Path) -> dict[str, Any]:
+def anchor(data: Mapping[str, Any], table: type[Table], folder: Path) -> dict[str, Any]:
     """`data` of a table with the names of files in it counted from a folder."""
     return _with_files(data, table, lambda name: str(folder / name))
 
@@ -47,12 +47,12 @@ def override(data: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]
         dotted, equals, value = setting.partition("=")
         names = [name.strip() for name in dotted.split(".")]
         if not equals or not all(names) or len(names) > DEEPEST:
-            raise ArgumentError("overrides", entry=shown(setting), reason="must look like dotted.key=value")
+            raise ArgumentError("overrides", entry=value_text(setting), reason="must look like dotted.key=value")
         result = _with(result, names, _value(value.strip()), setting)
     return result
 
 
-def overridden(settings: Sequence[str]) -> Iterator[str]:
+def overridden_keys(settings: Sequence[str]) -> Iterator[str]:
     """The dotted keys of `settings`."""
     for setting in settings:
         yield ".".join(name.strip() for name in setting.partition("=")[0].split("."))
@@ -66,8 +66,8 @@ def _with(table: dict[str, Any], names: list[str], value: Any, setting: str) -> 
     if not isinstance(below, dict):
         raise ArgumentError(
             "overrides",
-            entry=shown(setting),
-            reason=f"{first} = {shown(below)} is not a table; no key can be set in it",
+            entry=value_text(setting),
+            reason=f"{first} = {value_text(below)} is not a table; no key can be set in it",
         )
     return {**table, first: _with(below, rest, value, setting)}
 
@@ -92,7 +92,7 @@ def toml(data: Mapping[str, Any]) -> str:
 BETTER_LEFT_OUT = ("contact.phi1.start", "contact.phi1.stop", "contact.delta")
 
 
-def written(design: Design, folder: Path, left_out: Sequence[str] = BETTER_LEFT_OUT) -> str:
+def design_text(design: Design, folder: Path, left_out: Sequence[str] = BETTER_LEFT_OUT) -> str:
     """The file of a design: every key that it has or that is derived, to the last digit, and the version.
 
     Keys of `left_out` that the design leaves to their defaults stay so. Names of other files are counted from `folder`, where the
@@ -106,10 +106,10 @@ def written(design: Design, folder: Path, left_out: Sequence[str] = BETTER_LEFT_
             table = table.get(name, {})
         if not design.sets(dotted):
             table.pop(key, None)
-    return versioned(plain)
+    return with_version(plain)
 
 
-def versioned(data: Mapping[str, Any]) -> str:
+def with_version(data: Mapping[str, Any]) -> str:
     """The TOML text of the keys of a design, which state the version."""
     first = {key: data[key] for key in ("kind",) if key in data}
     return toml(

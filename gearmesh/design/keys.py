@@ -15,13 +15,13 @@ from typing import Any, ClassVar, Literal, Self, get_args
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo, model_validator
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from gearmesh.design.explain import shown
+from gearmesh.design.explain import value_text
 from gearmesh.lengths import EXAMPLES, MM, length
 
 #: mm in the units that a file may have
 MM_PER = {unit: float(MM[unit]) for unit in ("mm", "inch")}
 
-#: Value of a field whose default follows from other keys, until `Design.derived` fills it in.
+#: Value of a field whose default follows from other keys, until `Design.derived_values` fills it in.
 DERIVED = math.nan
 
 #: The word for a direction in which a mount is rigid; inf is read as that.
@@ -93,11 +93,11 @@ class Key:
         def check(value: Any, info: ValidationInfo) -> Any:
             if value is None and optional:
                 return None
-            return self.checked(value, (info.context or {}).get("mm_per_unit", 1.0))
+            return self.check(value, (info.context or {}).get("mm_per_unit", 1.0))
 
         return core_schema.with_info_plain_validator_function(check)
 
-    def allowed(self, units: str) -> str:
+    def allowed_values(self, units: str) -> str:
         """What the key accepts, in words, lengths in `units`."""
         if self.unit == "choice":
             return "one of " + ", ".join(f'"{choice}"' for choice in self.choices)
@@ -108,7 +108,9 @@ class Key:
         if self.unit == "flag":
             return "true or false"
         if self.unit == "stiffness":
-            return f"6 numbers above 0 or {shown(RIGID)}, in {_UNIT_TEXT['stiffness']}, or 6 rows of 6 finite numbers"
+            return (
+                f"6 numbers above 0 or {value_text(RIGID)}, in {_UNIT_TEXT['stiffness']}, or 6 rows of 6 finite numbers"
+            )
         low, high = (f"{bound / self._factor(MM_PER[units]):.7g}" for bound in self._bounds)
         limits = f"above {low} and up to {high}" if self.above else f"from {low} to {high}"
         if self.most:
@@ -140,12 +142,12 @@ class Key:
             return low
         return f"{low}, <= {self.high:.7g}{unit}" if self.above else f"{self.low:g} .. {self.high:.7g}{unit}"
 
-    def checked(self, value: Any, mm_per_unit: float) -> Any:
+    def check(self, value: Any, mm_per_unit: float) -> Any:
         """`value` as the key's type, or PydanticCustomError "refused"."""
         if self.most:
             if not isinstance(value, (list, tuple)) or len(value) > self.most:
                 raise _REFUSED
-            return tuple(replace(self, most=0).checked(item, mm_per_unit) for item in value)
+            return tuple(replace(self, most=0).check(item, mm_per_unit) for item in value)
         if self.unit == "choice":
             good = isinstance(value, str) and value in self.choices
         elif self.unit == "text":
@@ -293,26 +295,26 @@ class Table(BaseModel):
             else:
                 yield prefix + name, value
 
-    def _known_as(self, other: Table) -> None:
+    def _count_as_set(self, other: Table) -> None:
         """Count as set what is set in `other`, a table of the same class."""
         self.model_fields_set.intersection_update(other.model_fields_set)
         for name in type(self).model_fields:
             value, theirs = getattr(self, name), getattr(other, name)
             if isinstance(value, Table) and isinstance(theirs, Table):
-                value._known_as(theirs)
+                value._count_as_set(theirs)
 
-    def scaled(self, factor: float) -> Self:
+    def scale(self, factor: float) -> Self:
         """The same table with all lengths multiplied, curvatures divided."""
         changed: dict[str, Any] = {}
         for name in type(self).model_fields:
             value, key = getattr(self, name), self.key_of(name)
             if isinstance(value, Table):
-                changed[name] = value.scaled(factor)
+                changed[name] = value.scale(factor)
             elif key is not None and key.power and value is not None:
                 scale = factor**key.power
                 changed[name] = tuple(item * scale for item in value) if key.most else value * scale
         made = self.model_copy(update=changed)
-        made._known_as(self)
+        made._count_as_set(self)
         return made
 
     def plain(self) -> dict[str, Any]:

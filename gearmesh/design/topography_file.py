@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from gearmesh.design.explain import shown
+from gearmesh.design.explain import value_text
 from gearmesh.design.keys import LONGEST
 from gearmesh.design.modifications import MOST
 from gearmesh.errors import FileError
@@ -59,8 +59,8 @@ def read_topography(path: Path) -> TopographyGrid:
         if not (0.0 <= across <= LONGEST and abs(z) <= LONGEST and abs(amount) <= 1e3 * MOST) or (across, z) in points:
             raise FileError(
                 path,
-                reason=f"line {number}: {shown(','.join(row))}: a line needs three numbers, with each place once, places up to "
-                f"{LONGEST:.7g} mm and amounts up to {1000.0 * MOST:g} um",
+                reason=f"line {number}: {value_text(','.join(row))}: a line needs three numbers, with each place once, places "
+                f"up to {LONGEST:.7g} mm and amounts up to {1000.0 * MOST:g} um",
             )
         points[across, z] = 1e-3 * amount
     first, second = (tuple(sorted({place[k] for place in points})) for k in (0, 1))

@@ -16,7 +16,7 @@ from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, neighbours
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, plane_cross, unit
 from gearmesh.mesh.hexahedra.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
-from gearmesh.mesh.hexahedra.hexes import HexMesh, joined
+from gearmesh.mesh.hexahedra.hexes import HexMesh, join
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
 
@@ -87,7 +87,7 @@ class GearModel:
 
 
 def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "gearmesh") -> GearModel:
-    """The model of the members asked for, at a position found by `fe_place.placed`.
+    """The model of the members asked for, at a position found by `placing.place`.
 
     Sets are those of `hex_mesh` with pinion_ or gear_ before them, and pinion_held, gear_held: rim and cut faces. Raises
     TrimError for teeth that cannot be trimmed, DesignError for a rim that does not fit.
@@ -103,12 +103,12 @@ def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "g
         overlap = max(OVERCLOSURE * at.approach, BEYOND_APART * apart)
         preload = overlap / abs(at.arm) if request.rotation is None else 0.0
     placed = {
-        name: mesh.moved(at.frame @ pair.members[name].mount.at(turns[pair.index(name)])) for name, mesh in own.items()
+        name: mesh.move(at.frame @ pair.members[name].mount.at(turns[pair.index(name)])) for name, mesh in own.items()
     }
     sense = float(np.sign(at.arm))
     if both:
-        placed[pair.pinion.name] = placed[pair.pinion.name].moved(Rigid.about_z(sense * preload))
-    mesh = joined(placed)
+        placed[pair.pinion.name] = placed[pair.pinion.name].move(Rigid.about_z(sense * preload))
+    mesh = join(placed)
     materials = dict(zip(pair.members, request.materials, strict=True))
     model = Model(title, mesh, {name: materials[name] for name in request.members})
     if both:
@@ -237,7 +237,7 @@ def _hertz_forces(pair: GearPair, name: str, model: Model, request: Request, at:
     which = pair.index(name)
     side, mesh = pair.flanks[which], model.mesh
     grid = grid_of(pair, name, request, at)
-    s, t, weight = _pressed(focus_on(pair, name, at), at)
+    s, t, weight = _pressure_points(focus_on(pair, name, at), at)
     flank = f"{name}_flank_{side}_{_leading(mesh, side, f'{name}_')}"
     outlines = mesh.face_outlines(flank)
     outlines = outlines.reshape(-1, len(grid.t) - 1, outlines.shape[1])
@@ -279,7 +279,7 @@ def _shape_functions(x: Array, y: Array, side: Side, second_order: bool) -> Arra
     return result
 
 
-def _pressed(focus: Focus, at: PlacedPair) -> tuple[Array, Array, Array]:
+def _pressure_points(focus: Focus, at: PlacedPair) -> tuple[Array, Array, Array]:
     """Places (s, t) on the flank and shares (K,) of a semi-ellipsoid of pressure, of a semi-ellipse all along a line of
     contact; a single place for an edge.
     """

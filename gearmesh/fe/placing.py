@@ -52,7 +52,7 @@ class PlacedPair:
         return float(self.path.rotation[0]), float(self.path.phi2[0])
 
 
-def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material, Material]) -> PlacedPair:
+def place(pair: GearPair, phi1: float, torque: float, materials: tuple[Material, Material]) -> PlacedPair:
     """Positions of the members at phi1 (rad, counted as the source counts it) under a torque (N mm) on the pinion.
 
     The gear is as far on as the leading teeth push it; where that are neighbours of the pair at phi1, the pinion is turned by

@@ -26,8 +26,8 @@ def csv_text(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     lines = _Lines()
     # with this terminator cells that hold either of its characters are quoted
     writer = csv.writer(lines, lineterminator="\r\n")
-    writer.writerow(map(_written, head))
-    writer.writerows([_written(value) for value in row] for row in rows)
+    writer.writerow(map(_write_cell, head))
+    writer.writerows([_write_cell(value) for value in row] for row in rows)
     return "".join(lines)
 
 
@@ -52,7 +52,7 @@ def csv_rows(text: str, path: object) -> Iterator[tuple[int, list[str]]]:
             yield reader.line_num, [_read(cell) for cell in row]
 
 
-def _written(value: Any) -> Any:
+def _write_cell(value: Any) -> Any:
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return ""
     if isinstance(value, str) and _RUN.match(value) and not _NUMBER.fullmatch(value):

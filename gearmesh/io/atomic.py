@@ -42,7 +42,7 @@ def whole_file(path: PathLike) -> Iterator[Path]:
     target = Path(os.path.realpath(path))
     temporary = _temporary_beside(target, target.suffix)
     try:
-        with _reported(path):
+        with _report_errors(path):
             _refuse_unless_file(path, target)
             _remove_leftovers(target.parent)
             os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
@@ -66,7 +66,7 @@ def whole_folder(path: PathLike, suffix: str) -> Iterator[Path]:
     target = Path(os.path.realpath(path))
     temporary, retired = _temporary_beside(target, target.suffix), _temporary_beside(target, f"-was-{target.name}")
     try:
-        with _reported(path):
+        with _report_errors(path):
             _remove_leftovers(target.parent)
             _refuse_unless_replaceable(path, target, suffix)
             temporary.mkdir()
@@ -86,7 +86,7 @@ def whole_text(path: PathLike, text: str) -> None:
 
 
 @contextmanager
-def _reported(path: PathLike) -> Iterator[None]:
+def _report_errors(path: PathLike) -> Iterator[None]:
     """Turn an OSError into an OutputError naming `path` as the caller wrote it."""
     try:
         yield

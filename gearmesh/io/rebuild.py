@@ -58,7 +58,7 @@ def by_name(meshes: Iterable[TriangleMesh]) -> dict[str, TriangleMesh]:
     return scene
 
 
-def merged(points: NDArray[np.floating]) -> tuple[Array, Indices]:
+def merge(points: NDArray[np.floating]) -> tuple[Array, Indices]:
     """Distinct points of (N, 3), in order of first appearance, and for each of the N its index among them.
 
     Points are one if all coordinates are equal, bit for bit but for the sign of zero.

@@ -58,7 +58,7 @@ def register(
     several: bool = False,
     stored: Callable[[TriangleMesh], TriangleMesh] = _exactly,
 ) -> None:
-    """Make a format known under `suffix` (with its dot, lower case); `stored` where it is less than exact."""
+    """Make a format known under `suffix` (with its dot, lower case); `mesh_in_file` where it is less than exact."""
     _FORMATS[suffix] = MeshFormat(description, write, read, several, stored)
 
 
@@ -94,13 +94,13 @@ def write_scene(scene: Scene, path: PathLike) -> None:
     entry.write(scene, Path(path))
 
 
-def stored(mesh: TriangleMesh, path: PathLike) -> TriangleMesh:
+def mesh_in_file(mesh: TriangleMesh, path: PathLike) -> TriangleMesh:
     """What a file at `path` holds of a mesh: the mesh itself, or for formats of float32 the one rounded to it.
 
     Vertices that float32 cannot distinguish are merged or parted there, so that the surface is as closed as it was: what
     is to be proved of a file is proved of this. Raises OutputError for an unknown suffix.
     """
-    return _format_of(path, "write").stored(mesh)
+    return _format_of(path, "write").mesh_in_file(mesh)
 
 
 def read(path: PathLike) -> TriangleMesh:

@@ -40,8 +40,8 @@ def in_single(mesh: TriangleMesh, unit: float = 1.0, finest: float = 0.0) -> Tri
     what a reader with an absolute tolerance does not. Facets without area, by their indices, are left out.
     """
     true = mesh.vertices / unit
-    points = _rounded(true, finest)
-    crowd, weak = _crowded(points), _weak(true, points, mesh.triangles)
+    points = _round(true, finest)
+    crowd, weak = _coincident(points), _weak(true, points, mesh.triangles)
     if not (len(crowd) or len(weak)):
         return replace(mesh, vertices=points * unit)
     repair = _Repair(true, points, mesh.triangles, crowd, weak, finest)
@@ -49,7 +49,7 @@ def in_single(mesh: TriangleMesh, unit: float = 1.0, finest: float = 0.0) -> Tri
     return repair.result(mesh, unit)
 
 
-def _rounded(points: Array, finest: float) -> Array:
+def _round(points: Array, finest: float) -> Array:
     """Nearest float32 numbers, as float64; no negative zero, which is another bit pattern of the same number."""
     single = points.astype(np.float32).astype(float)
     return (np.rint(single / finest) * finest if finest else single) + 0.0
@@ -65,7 +65,7 @@ def _keys(points: Array) -> NDArray[np.uint64]:
     return key
 
 
-def _crowded(points: Array) -> Indices:
+def _coincident(points: Array) -> Indices:
     """Vertices, rising, that share their point with another."""
     keys = _keys(points)
     ranked = np.sort(keys)
@@ -195,7 +195,7 @@ class _Repair:
         """Move a vertex to the nearest free point where its facets are right, or as many of them as can be."""
         best, fewest = None, len(self.around[vertex]) + 1
         for point in self._candidates(vertex, 2):
-            if not self._taken(point):
+            if not self._is_taken(point):
                 wrong = sum(not self._right(facet, {vertex: point}) for facet in self.around[vertex])
                 if wrong < fewest:
                     best, fewest = point, wrong
@@ -213,7 +213,7 @@ class _Repair:
         corners = sorted(self.facets[facet])
         for vertex in corners:
             for point in self._candidates(vertex, 1):
-                if not self._taken(point) and all(self._right(f, {vertex: point}) for f in self.around[vertex]):
+                if not self._is_taken(point) and all(self._right(f, {vertex: point}) for f in self.around[vertex]):
                     self._move(vertex, point)
                     return True
         for keep, gone in ((a, b) for a in corners for b in corners if a != b):
@@ -290,14 +290,14 @@ class _Repair:
     def _candidates(self, vertex: int, steps: int) -> Iterator[Point]:
         """Points that float32 holds within so many steps of a vertex, nearest first."""
         offsets = self._step(vertex) * np.array([*product(range(-steps, steps + 1), repeat=3)])
-        points = np.unique(_rounded(self.true[vertex] + offsets, self.finest), axis=0)
+        points = np.unique(_round(self.true[vertex] + offsets, self.finest), axis=0)
         away = ((points - self.true[vertex]) ** 2).sum(axis=1)
         yield from map(_point, points[np.argsort(away, kind="stable")].tolist())
 
     def _within_rounding(self, a: int, b: int) -> bool:
         return bool(np.abs(self.true[a] - self.true[b]).max() <= 2.0 * self._step(a))
 
-    def _taken(self, point: Point) -> bool:
+    def _is_taken(self, point: Point) -> bool:
         """Whether a vertex is at a point."""
         if point in self.at:
             return True

@@ -97,7 +97,7 @@ class Supports:
                 )
         return cls(gears.mounts, flexible, np.zeros((2, 6)))
 
-    def moved(self, gears: GearPair, displacement: Array) -> tuple[Self, GearPair]:
+    def displace(self, gears: GearPair, displacement: Array) -> tuple[Self, GearPair]:
         """After a displacement (2, 6) from the position without load, in which `gears` are."""
         pinion, gear = (
             member if own is None else replace(member, mount=own.displaced(member.mount, own_displacement))

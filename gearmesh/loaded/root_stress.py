@@ -50,7 +50,7 @@ class RootStress:
         return np.where(np.isnan(self.bending).all(axis=0), self.largest, self.bending)
 
     @staticmethod
-    def joined(pinion: RootStress, gear: RootStress) -> RootStress:
+    def join(pinion: RootStress, gear: RootStress) -> RootStress:
         """Of both members, from figures (M,) of each."""
         return RootStress(
             *(np.stack(both, axis=1) for both in zip(vars(pinion).values(), vars(gear).values(), strict=True))

@@ -313,7 +313,7 @@ def _mounted(
         change = np.abs(wanted - supports.displacement) * [1.0, 1.0, 1.0, size, size, size]
         if change.max() < MOUNTED:
             return problem, True
-        supports, moved = supports.moved(gears, wanted)
+        supports, moved = supports.displace(gears, wanted)
         near = near_pairs(moved, near.phi1, limit)
     return problem, False
 
@@ -510,7 +510,7 @@ class _Problem:
             own = root_stress(body, body.coarser, pressed)
             turned = mounts[member].at(self.near.turns[member]).point(own.place)
             of_members.append(replace(own, place=self.near.seen(turned)))
-        return RootStress.joined(*of_members)
+        return RootStress.join(*of_members)
 
 
 def alike(grid: Separation) -> NDArray[np.bool_]:

@@ -41,7 +41,7 @@ class BodyMesh:
     triangles: Index
     regions: NDArray[np.int32]
 
-    def joined(self, other: BodyMesh, offset: int) -> BodyMesh:
+    def join(self, other: BodyMesh, offset: int) -> BodyMesh:
         """Both of the same teeth, which have `offset` vertices."""
         shift = np.where(other.triangles < offset, 0, len(self.vertices))
         return BodyMesh(
@@ -138,7 +138,7 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
             flat = r[:, :2] * (radius / rho)[:, None]
         return np.where(rho[:, None] > 0.0, flat, 0.0)
 
-    def lifted(q: Array) -> Array:
+    def lift(q: Array) -> Array:
         radius = np.hypot(q[:, 0], q[:, 1])
         rho, z = ring[0] + out[0] * (radius - ring[0]), ring[1] + out[1] * (radius - ring[0])
         return np.column_stack((q * (rho / radius)[:, None], z))
@@ -150,7 +150,7 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
     def miss(edges: Index) -> Array:
         return np.abs(np.asarray(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]]))) - station)
 
-    triangles = triangulated(q) if across == 0.0 else _spokes(q, len(chain), miss)
+    triangles = triangulate(q) if across == 0.0 else _spokes(q, len(chain), miss)
     for _ in range(ROUNDS):
         edges, owners = _inner_edges(triangles)
         chosen = _worst_of_both(miss(edges), owners, len(triangles), tolerance)
@@ -158,7 +158,7 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
             break
         middle = 0.5 * (q[edges[chosen, 0]] + q[edges[chosen, 1]])
         triangles = _split(triangles, edges[chosen], owners[chosen], len(q))
-        q, r = np.concatenate((q, middle)), np.concatenate((r, lifted(middle)))
+        q, r = np.concatenate((q, middle)), np.concatenate((r, lift(middle)))
     return _Sector(triangles, r[polygon:])
 
 
@@ -169,7 +169,7 @@ def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
     same polar angle. Where the outline turns back, as round an undercut, they may not, and any triangles must do.
     """
     if len(polygon) - outer < 2:
-        return triangulated(polygon)
+        return triangulate(polygon)
     angle = np.unwrap(np.arctan2(polygon[:, 1], polygon[:, 0]))
     none: Index = np.zeros(0, dtype=np.int64)
     numbers = np.arange(len(polygon))
@@ -182,10 +182,10 @@ def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
         (x, y), (u, v) = (np.moveaxis(polygon[triangles[:, k]] - polygon[triangles[:, 0]], -1, 0) for k in (1, 2))
         if (x * v > y * u).all():
             return triangles
-    return triangulated(polygon)
+    return triangulate(polygon)
 
 
-def triangulated(polygon: Array) -> Index:
+def triangulate(polygon: Array) -> Index:
     """Triangles (n, 3), counterclockwise, of a simple counterclockwise polygon (K, 2) without new points."""
     import manifold3d
 

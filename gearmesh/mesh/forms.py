@@ -59,7 +59,7 @@ class Forms:
         second_forms = [_second_form(tooth, tooth.chain[region], s, around, sections) for region in regions]
         length, twist, face = np.moveaxis(np.array(second_forms), 1, 0)
         curves = np.stack([tooth.grid(region, s, sections[1::3]).points[:, [0, -1]] for region in regions])
-        return _graded(length, twist, face, _outline(curves, s), t)
+        return _grade(length, twist, face, _outline(curves, s), t)
 
 
 def _second_form(tooth: Tooth, link: Link, s: Array, around: Array, sections: Sections) -> tuple[Array, Array, Array]:
@@ -121,7 +121,7 @@ def _outline(curves: Array, s: Array) -> Array:
     return np.pad(np.sqrt(dot(across, across)).swapaxes(1, 2), ((0, 0), (0, 0), (1, 1)), mode="edge")
 
 
-def _graded(length: Array, twist: Array, face: Array, outline: Array, t: Array) -> Forms:
+def _grade(length: Array, twist: Array, face: Array, outline: Array, t: Array) -> Forms:
     """Station parameter tau with cells along the face in proportion to 1 / sqrt(N): forms with respect to it."""
     need = np.sqrt(np.abs(face).max(axis=(0, 1)))
     need = np.maximum(need, 0.25 * need.max()) if need.max() > 0.0 else np.ones_like(need)

@@ -50,7 +50,7 @@ class LinkNodes:
         """The surface (M,) near the middles of nodes (M, K)."""
         surface = self.tooth.chain[self.region].surface
         if surface is None or self.parameters is None:
-            at = trimmed(self.tooth, self.t[corners].mean(axis=1))
+            at = trim(self.tooth, self.t[corners].mean(axis=1))
             drawn = LinkNodes._on(self.tooth, self.region, self.s[corners].mean(axis=1), at)
             return Grid(drawn.points, drawn.normals)
         jet = surface.jet(*self.parameters[corners].mean(axis=1).T)
@@ -70,7 +70,7 @@ class LinkNodes:
         s, t, v = ((coordinate[corners] @ places.T).ravel() for coordinate in (self.s, self.t, self.parameters[:, 1]))
         link, span = self.tooth.chain[self.region], self._constant_span
         assert link.surface is not None
-        span = link.span(trimmed(self.tooth, t)) if span is None else span
+        span = link.span(trim(self.tooth, t)) if span is None else span
         p = parameter(s, span, link.seams)[0]
         jet = along(link.surface, p, self.tooth.stations(t), self.tooth.blank.axial, v)[1]
         return jet.r.reshape(len(corners), -1, 3)
@@ -127,7 +127,7 @@ def _in_order(chosen: NDArray[np.bool_], by: Array) -> Index:
     return ordered
 
 
-def trimmed(tooth: Tooth, t: Array) -> Sections:
+def trim(tooth: Tooth, t: Array) -> Sections:
     """Sections (N,) at t (N,), of which every station is trimmed once."""
     _, first, which = np.unique(np.round(t, DIGITS), return_index=True, return_inverse=True)
     # a station itself, not what it is rounded to, which may be beyond the beginning of undercut

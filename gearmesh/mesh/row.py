@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.body import triangulated
+from gearmesh.mesh.body import triangulate
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.teeth.region import Region
 
@@ -40,7 +40,7 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
 
     `overhang` (mm): how far the bar goes on beyond the last pitch, at either end.
     """
-    tooth, one = tooth_mesh.tooth, tooth_mesh.welded()
+    tooth, one = tooth_mesh.tooth, tooth_mesh.weld()
     count, teeth, root = len(one.vertices), tooth.teeth, len(tooth_mesh.patches[0].triangles)
     # one more than there are, of which the last one's first line is used
     places = tooth.joint.places(teeth)
@@ -62,7 +62,7 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
     for k, (row, skipped) in enumerate(zip((one.toe, one.heel), begins, strict=True)):
         chain = (row + first_numbers[:, 0]).ravel()[skipped:]
         outline = np.concatenate((low[[-k]], chain, last[[-k]], high[[-k]], corners[[2 + k, k]]))
-        face = outline[triangulated(vertices[outline, :2])]
+        face = outline[triangulate(vertices[outline, :2])]
         faces.append((Region.FACE_HEEL, face) if k else (Region.FACE_TOE, face[:, ::-1]))
     faces += [
         (Region.END, _fan(corners[0], np.append(low, corners[1]))),

@@ -61,11 +61,11 @@ def gear_solid(member: Member, tolerance: float, tooth_mesh: ToothMesh | None = 
         row = row_mesh(tooth_mesh, member.overhang)
         names = (*_names(tooth_mesh), *member.body_regions)
         regions = np.array([names.index(region) for region in row.regions], dtype=np.int32)
-        return _labelled(row.vertices, row.triangles, regions, names, row.normals, member.name)
+        return _label(row.vertices, row.triangles, regions, names, row.normals, member.name)
     body = member.body
     if member.keyway is None and member.holes is None:
-        return _closed(tooth_mesh, body, member)
-    full = _closed(tooth_mesh, body if member.keyway is None else body.without_bore, member)
+        return _close(tooth_mesh, body, member)
+    full = _close(tooth_mesh, body if member.keyway is None else body.without_bore, member)
     return _with_features(full, member, tolerance)
 
 
@@ -74,7 +74,7 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
 
     A mesh of a few links only, e.g. one flank, stays what it is.
     """
-    one, joint = tooth_mesh.welded(), tooth_mesh.tooth.joint
+    one, joint = tooth_mesh.weld(), tooth_mesh.tooth.joint
     moved = joint.to(places * tooth_mesh.tooth.pitch_angle)
     points, corners = one.vertices, one.triangles
     if tooth_mesh.whole:
@@ -87,7 +87,7 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
     vertices = np.einsum("kij,nj->kni", moved.rotation, points) + moved.translation[..., None, :]
     normals = np.einsum("kij,nj->kni", moved.rotation, _normals(tooth_mesh)).reshape(-1, 3)
     regions = np.tile(_regions(tooth_mesh), len(places))
-    return _labelled(vertices.reshape(-1, 3), triangles, regions, _names(tooth_mesh), normals, name)
+    return _label(vertices.reshape(-1, 3), triangles, regions, _names(tooth_mesh), normals, name)
 
 
 def prove(mesh: TriangleMesh, genus: int) -> Proof:
@@ -129,8 +129,8 @@ def _normals(tooth_mesh: ToothMesh) -> Array:
     return np.concatenate([patch.normals for patch in tooth_mesh.patches])
 
 
-def _closed(tooth_mesh: ToothMesh, body: Body, member: Member) -> TriangleMesh:
-    tooth, one = tooth_mesh.tooth, WeldedHalves.of(tooth_mesh.welded(), member.halves)
+def _close(tooth_mesh: ToothMesh, body: Body, member: Member) -> TriangleMesh:
+    tooth, one = tooth_mesh.tooth, WeldedHalves.of(tooth_mesh.weld(), member.halves)
     normals = np.concatenate([half.vectors(_normals(tooth_mesh)) for half in member.halves])
     regions = np.tile(_regions(tooth_mesh), len(member.halves))
     teeth, count = tooth.teeth, len(one.vertices)
@@ -141,9 +141,9 @@ def _closed(tooth_mesh: ToothMesh, body: Body, member: Member) -> TriangleMesh:
     under = gear_body(one.between(member.rows.outer), teeth, tooth.blank.axial, body, tooth_mesh.tolerance)
     for gap in member.gaps:
         closed = gear_body(one.between(gap.ends), teeth, tooth.blank.axial, gap.body, tooth_mesh.tolerance)
-        under = under.joined(closed, teeth * count)
+        under = under.join(closed, teeth * count)
     names = _names(tooth_mesh)
-    return _labelled(
+    return _label(
         np.concatenate((vertices, under.vertices)),
         np.concatenate((triangles, under.triangles)),
         np.concatenate((np.tile(regions, teeth), under.regions + np.int32(len(names)))),
@@ -153,7 +153,7 @@ def _closed(tooth_mesh: ToothMesh, body: Body, member: Member) -> TriangleMesh:
     )
 
 
-def _labelled(
+def _label(
     vertices: Array,
     triangles: NDArray[np.int64],
     regions: NDArray[np.int32],

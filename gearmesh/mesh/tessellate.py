@@ -60,7 +60,7 @@ class ToothMesh:
         """True where it has all links, so that the last one ends where the next tooth begins."""
         return len(self.patches) == len(self.tooth.regions)
 
-    def welded(self) -> Welded:
+    def weld(self) -> Welded:
         """The links in one, neighbouring ones with the nodes of their seam in common."""
         firsts = [patch.nodes.line(0.0) for patch in self.patches]
         points, numbers, count = [], [], 0
@@ -115,7 +115,7 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | Non
         for k, region in enumerate(regions):
             seams = breaks(tooth.chain[region])
             s = _nodes(*plans[k].lines, seams)
-            patch, edge, strips = _meshed(tooth, region, s, sections, plans[k], tolerance)
+            patch, edge, strips = _mesh(tooth, region, s, sections, plans[k], tolerance)
             patches.append(patch)
             plain = plans[k].otherwise
             if plain is not None and max(edge, strips.max()) > max(allowed, WORSE * missed[k]):
@@ -126,7 +126,7 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | Non
             along_face = max(along_face, edge)
             if edge <= allowed and (strips > allowed).any():
                 refined = True
-                plans[k] = _mended(plans[k], s, strips, allowed, seams)
+                plans[k] = _mend(plans[k], s, strips, allowed, seams)
         if along_face <= allowed and not refined:
             break
         count = int(np.ceil(count * min(2.0, max(1.0, 1.02 * np.sqrt(along_face / allowed)))))
@@ -161,7 +161,7 @@ def _integral(s: Array, per_unit: Array) -> Array:
     return np.concatenate(([0.0], np.cumsum(0.5 * (per_unit[1:] + per_unit[:-1]) * np.diff(s))))
 
 
-def _mended(plan: LinkPlan, s: Array, strips: Array, tolerance: float, seams: Array) -> LinkPlan:
+def _mend(plan: LinkPlan, s: Array, strips: Array, tolerance: float, seams: Array) -> LinkPlan:
     """With more lines where the strips miss the tolerance, or without shear where that takes no more."""
     finer = replace(plan, lines=_denser(s, strips, tolerance))
     plain = plan.otherwise
@@ -179,7 +179,7 @@ def _denser(s: Array, cells: Array, tolerance: float) -> tuple[Array, Array]:
     return inside, per_unit
 
 
-def _meshed(
+def _mesh(
     tooth: Tooth, region: Region, s: Array, sections: Sections, plan: LinkPlan, tolerance: float
 ) -> tuple[PatchMesh, float, Array]:
     """Patch mesh, largest deviation of edges along the face, and largest deviation (S,) of the strips between the lines."""
@@ -285,11 +285,11 @@ def _joint_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float
     """
     own = tooth.side(flank.side)
 
-    def edged(sections: Sections) -> NDArray[np.bool_]:
+    def on_edge(sections: Sections) -> NDArray[np.bool_]:
         is_edge: NDArray[np.bool_] = (sections.of(flank.side).joint_flank != own.joint[0]) | own.sharp
         return is_edge
 
-    if not edged(stations).any():
+    if not on_edge(stations).any():
         return 0.0
     places, t = (0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0), stations.t
     sections = tooth.sections(np.append((t[:-1, None] + np.diff(t)[:, None] * places).ravel(), 1.0))
@@ -297,5 +297,5 @@ def _joint_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float
     nodes = curve[:: len(places)]
     chord, away = np.diff(nodes, axis=0)[:, None], curve[:-1].reshape(-1, len(places), 3) - nodes[:-1, None]
     off = away - (dot(away, chord) / dot(chord, chord))[..., None] * chord
-    sharp = edged(sections)[:-1].reshape(-1, len(places))
+    sharp = on_edge(sections)[:-1].reshape(-1, len(places))
     return float(np.sqrt(dot(off, off)[:, 1:][sharp[:, 1:]].max(initial=0.0)))

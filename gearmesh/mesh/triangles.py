@@ -58,7 +58,7 @@ class TriangleMesh:
             normals=self.normals[keep],
         )
 
-    def moved(self, transform: Rigid) -> TriangleMesh:
+    def move(self, transform: Rigid) -> TriangleMesh:
         """The same mesh in another frame, which is called common."""
         vertices, normals = transform.point(self.vertices), transform.vector(self.normals)
         return replace(self, vertices=vertices, normals=normals, frame="common")

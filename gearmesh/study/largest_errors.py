@@ -125,7 +125,7 @@ def largest_errors(
 def _ends(design: Design, key: str, reach: str | float) -> tuple[float, Array]:
     """The design's own value of a key, and how far down and up (2,) is looked."""
     far = KeyReader(design).number(key, reach)
-    start = dict(_all_keys(design.resolved())).get(key)
+    start = dict(_all_keys(design.resolve())).get(key)
     if not isinstance(start, float):
         raise ArgumentError("find_limits", entry=key, must_be="a key of real numbers that has a value in the design")
     if not far > 0.0:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.design.core import Design
-from gearmesh.design.explain import nearest, shown, shown_key
+from gearmesh.design.explain import nearest, shown_key, value_text
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import EXAMPLES, length
@@ -146,7 +146,7 @@ class KeyReader:
             found = float(value) if number else np.nan
         if unit in ("choice", "text", "file", "flag") or not np.isfinite(found):
             more = f", or a length with its unit, as {EXAMPLES}" if unit == "length" else ""
-            raise DesignError(key, value, shown=shown(value), must_be=f"a number{more}, to be varied over a range")
+            raise DesignError(key, value, shown=value_text(value), must_be=f"a number{more}, to be varied over a range")
         return found
 
     def ends(self, key: str, low: str, high: str) -> tuple[float, float]:
@@ -158,7 +158,7 @@ class KeyReader:
         unit = self._unit(key)
         if unit == "flag":
             if text not in ("true", "false", True, False):
-                raise DesignError(key, text, shown=shown(text), must_be="true or false")
+                raise DesignError(key, text, shown=value_text(text), must_be="true or false")
             return text in ("true", True)
         if unit in ("choice", "text", "file"):
             return str(text)
@@ -212,5 +212,5 @@ def named(option: str, text: str) -> tuple[str, str]:
     """Key and the rest of "key=...". Raises DesignError for another text."""
     key, equals, rest = text.partition("=")
     if not equals or not key.strip() or not rest.strip():
-        raise ArgumentError(option, entry=shown(text), reason="must look like dotted.key=...")
+        raise ArgumentError(option, entry=value_text(text), reason="must look like dotted.key=...")
     return key.strip(), rest.strip()

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from gearmesh.design.explain import shown, shown_key
+from gearmesh.design.explain import shown_key, value_text
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.files.reading import MIB, read_toml
 from gearmesh.kernel.numeric.algebra import Array
@@ -93,7 +93,7 @@ def _tables(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Mapping[st
         if not isinstance(below, Mapping):
             told = shown_key([*prefix.split(".")[:-1], name])
             raise ArgumentError(
-                "tolerance", below, shown=shown(below), entry=told, must_be="a table with a distribution"
+                "tolerance", below, shown=value_text(below), entry=told, must_be="a table with a distribution"
             )
         found += [(prefix + name, below)] if "distribution" in below else _tables(below, f"{prefix}{name}.")
     return found
@@ -103,7 +103,7 @@ def _of_table(key: str, table: Mapping[str, Any], read: Reader) -> Spread:
     name, told = table["distribution"], shown_key(key.split("."))
     if not isinstance(name, str) or name not in PARAMETERS:
         raise ArgumentError(
-            "tolerance", entry=told, reason=f"distribution = {shown(name)}: must be one of {', '.join(PARAMETERS)}"
+            "tolerance", entry=told, reason=f"distribution = {value_text(name)}: must be one of {', '.join(PARAMETERS)}"
         )
     wanted = PARAMETERS[name]
     known = {"mean": 0.0, **table} if "mean" in wanted else dict(table)

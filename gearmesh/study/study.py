@@ -367,7 +367,7 @@ def recorded(
     length, height = map(PathFigures.key_of, ("contact_length", "contact_height"))
     middle = found[length], found[height]
     work = replace(whole, keys=keys, groups=groups, names=names, reference=middle)
-    shifts = {each.key for each in PathShift.declared()}
+    shifts = {each.key for each in PathShift.declared_figures()}
     own = (entry for entry in found.entries if entry.key in names)
     nominal = Summary(replace(entry, value=0.0) if entry.key in shifts else entry for entry in own)
     return work, nominal

@@ -96,4 +96,4 @@ class StudySummary(Figures):
 
 def _read(kind: type[Row], row: Mapping[str, Any]) -> Row:
     """Figures of a row of JSON."""
-    return kind(*(row[each.key] for each in kind.declared()))
+    return kind(*(row[each.key] for each in kind.declared_figures()))

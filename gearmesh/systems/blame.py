@@ -19,7 +19,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, VagueError, shown_value
-from gearmesh.kernel.numeric.effort import Effort, EffortSpentError, limited
+from gearmesh.kernel.numeric.effort import Effort, EffortSpentError, limit_effort
 
 D = TypeVar("D", bound=Design)
 
@@ -257,14 +257,14 @@ class _Trials(Generic[D]):
     def mending(self, keys: list[str], named: list[str], remedies: Mapping[str, int]) -> list[_Interval]:
         """Those of the keys that mend the design, alone: `remedies`, of which the direction is known, moved that way."""
         known = {key: remedies[key] for key in keys if remedies.get(key)}
-        return list(self.moved(list(known), known)) or list(self.left_out(keys)) or self.otherwise(keys, named)
+        return list(self.move(list(known), known)) or list(self.left_out(keys)) or self.otherwise(keys, named)
 
     def otherwise(self, keys: list[str], named: list[str]) -> list[_Interval]:
         """Those of the keys that mend the design when they are moved, what was `named` first, and where nothing was, what is
         unusual."""
         unusual = [] if set(keys) & set(named) else [key for key in keys if self._unusual(key)]
         rest = sorted((key for key in keys if key not in unusual), key=lambda key: key not in named)
-        return list(self.moved(unusual)) or list(self.moved(rest))
+        return list(self.move(unusual)) or list(self.move(rest))
 
     def _unusual(self, key: str) -> bool:
         """Whether a number counts from the usual one, 0, to either side, as an offset does; sizes and tooth numbers do not."""
@@ -299,7 +299,7 @@ class _Trials(Generic[D]):
         if own.spent:
             return _Outcome(built=False, known=False)
         try:
-            with limited(own):
+            with limit_effort(own):
                 self.build(design)
         except EffortSpentError:
             return _Outcome(built=False, known=False)
@@ -322,7 +322,7 @@ class _Trials(Generic[D]):
             good = default if default is not None and self.works(key, default) else self._beside(key)
             yield self._interval(key, good)
 
-    def moved(self, keys: list[str], ways: Mapping[str, int] | None = None) -> Iterator[_Interval]:
+    def move(self, keys: list[str], ways: Mapping[str, int] | None = None) -> Iterator[_Interval]:
         """Of the keys that mend the design when they are larger or smaller, or moved the one way (1 or -1) that is known."""
         for step in STEPS:
             mended = False
@@ -445,7 +445,7 @@ def _width(good: float, bad: float) -> float:
 
 def _changed(design: Design, keys: Iterable[str]) -> tuple[str, ...]:
     """Those of the keys that were put in anew, alone or with their table."""
-    tables = tuple(f"{key}." for key in design.changed)
+    tables = tuple(f"{key}." for key in design.changed_keys)
     return tuple(key for key in keys if f"{key}.".startswith(tables))
 
 

@@ -23,8 +23,8 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complet
     data = files.read(path)
     kind = files.override(data, overrides).get("kind")
     if isinstance(kind, str) and kind in kinds():
-        data = files.anchored(data, system(kind).design, Path(path).parent)
-    design = stated(files.override(data, overrides)).with_changed(files.overridden(overrides))
+        data = files.anchor(data, system(kind).design, Path(path).parent)
+    design = stated(files.override(data, overrides)).with_changed_keys(files.overridden_keys(overrides))
     return completed(design) if complete else design
 
 

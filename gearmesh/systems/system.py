@@ -180,11 +180,11 @@ def system(kind: Any) -> System[Any]:
             register(registered)
     if isinstance(kind, str) and kind in _REGISTERED:
         return _REGISTERED[kind]
-    from gearmesh.design.explain import nearest, shown
+    from gearmesh.design.explain import nearest, value_text
 
     close = nearest(kind, kinds()) if isinstance(kind, str) else None
     hint = f'; did you mean "{close}"?' if close else ""
-    raise DesignError("kind", kind, shown=shown(kind), must_be=f"{one_of_kinds()}{hint}")
+    raise DesignError("kind", kind, shown=value_text(kind), must_be=f"{one_of_kinds()}{hint}")
 
 
 def one_of_kinds() -> str:
@@ -199,7 +199,7 @@ def completed(design: D) -> D:
 
 def _filled(design: D) -> D:
     derive = system(design.kind).derive
-    return design if derive is None or design.complete else design.filled(derive(design))
+    return design if derive is None or design.complete else design.fill(derive(design))
 
 
 def _train(design: Design) -> Train:

@@ -400,7 +400,7 @@ class Tooth:
         Raises TrimError where they overlap.
         """
         width = self.joint.within(right - before)
-        width = np.where(width < 0.0, self.joint.counted(width), width)
+        width = np.where(width < 0.0, self.joint.wrap(width), width)
         if (width < -1e-12).any():
             raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap")
         return width

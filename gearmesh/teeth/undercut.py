@@ -19,7 +19,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
 from gearmesh.kernel.surface.barrel import Barrel
 from gearmesh.kernel.surface.flat import FlatLevel
 from gearmesh.kernel.surface.levels import ConeLevel, Level
-from gearmesh.kernel.surface.stations import Followed, TrimError, along, followed
+from gearmesh.kernel.surface.stations import Followed, TrimError, along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.tooth_side import ToothSide
 
@@ -144,7 +144,7 @@ def folded(side: ToothSide, stations: Array, axial: Level) -> NDArray[np.bool_]:
     """Stations (T,) where the flank is turned inside out somewhere between tip and form point, against its sense near the tip."""
     share = np.linspace(1.0, 0.0, FOLD_SAMPLES + 1)[:-1, None]
     p = side.joint[0] + share * (side.tip - side.joint[0])
-    curves = followed(side.flank, np.broadcast_to(p, (FOLD_SAMPLES, stations.size)), stations, axial)
+    curves = follow(side.flank, np.broadcast_to(p, (FOLD_SAMPLES, stations.size)), stations, axial)
     density = area_density(curves.jet)
     turned: NDArray[np.bool_] = (curves.converged & (density / density[0] < 0.0)).any(axis=0)
     return turned
@@ -238,7 +238,7 @@ def _start(
     p = cusp + crowded * (tip - cusp)
     q = side.joint[1] + crowded[::-1] * (side.root - side.joint[1])
     flank, fillet = (
-        followed(surface, np.broadcast_to(x, p.shape), stations, axial)
+        follow(surface, np.broadcast_to(x, p.shape), stations, axial)
         for surface, x in ((side.flank, p), (side.fillet, q))
     )
     start = np.empty((stations.size, 4))

@@ -53,18 +53,18 @@ class Revolved:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
         c, s = np.cos(self.angle0 + v), np.sin(self.angle0 + v)
 
-        def lifted(plane: Array) -> Array:
+        def lift(plane: Array) -> Array:
             radial, space = self.side * plane[..., 1], np.empty((*c.shape, 3))
             space[..., 0], space[..., 1], space[..., 2] = radial * c, radial * s, -plane[..., 0]
             return space
 
-        def turned(plane: Array) -> Array:
+        def swing(plane: Array) -> Array:
             radial, space = self.side * plane[..., 1], np.empty((*c.shape, 3))
             space[..., 0], space[..., 1], space[..., 2] = -radial * s, radial * c, 0.0
             return space
 
         points, tangents, normals, bent = self.profile.section(u)
-        return Jet(lifted(points), lifted(normals), lifted(tangents), turned(points), lifted(bent), turned(normals))
+        return Jet(lift(points), lift(normals), lift(tangents), swing(points), lift(bent), swing(normals))
 
 
 @dataclass(frozen=True)

@@ -200,7 +200,7 @@ class RackSurface:
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
-        lift, trace = self._lifted
+        lift, trace = self._directions
         points, tangents, normals, turned = self.profile.section(u)
         return Jet(
             r=points @ lift + v[..., None] * trace,
@@ -212,7 +212,7 @@ class RackSurface:
         )
 
     @cached_property
-    def _lifted(self) -> tuple[Array, Array]:
+    def _directions(self) -> tuple[Array, Array]:
         """Directions of x_n and y_n (2, 3) and of u (3,) of this side: the left one is the right one with y_n reversed."""
         axes = self.axes
         return axes[:2] * np.array([[1.0], [self.side]]), axes[2]

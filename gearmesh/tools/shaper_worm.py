@@ -101,7 +101,7 @@ class ShaperWorm:
         return replace(behind, name="grinding worm", drawing=PartDrawing(), dimensions=dimensions)
 
     @property
-    def mirrored(self) -> ShaperWorm:
+    def mirror_image(self) -> ShaperWorm:
         """The worm of the other hand: the left flank's contact is the mirror image of its right flank's."""
         return replace(self, hand=-self.hand)
 

@@ -258,7 +258,7 @@ def in_mesh(gears: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath)
     k = _middle(path)
     turns = path.rotation[k], path.phi2[k]
     return {
-        name: meshes[name].moved(member.mount.at(turn))
+        name: meshes[name].move(member.mount.at(turn))
         for (name, member), turn in zip(gears.members.items(), turns, strict=True)
     }
 

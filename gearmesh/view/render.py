@@ -129,7 +129,7 @@ def _faces(points: Array, cells: NDArray[np.int64]) -> Any:
 def _add_body(plotter: Any, body: SceneBody, camera: Camera) -> Iterator[_Layer]:
     import pyvista
 
-    mesh = body.mesh.moved(body.own_to_scene)
+    mesh = body.mesh.move(body.own_to_scene)
     surface = _faces(mesh.corners().reshape(-1, 3), np.arange(3 * len(mesh.triangles)).reshape(-1, 3))
     surface.point_data.active_normals = corner_normals(mesh).reshape(-1, 3)
     colours = np.array([_rgb(body.paint.of(name)) for name in mesh.region_names], dtype=np.uint8)

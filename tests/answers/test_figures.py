@@ -71,7 +71,7 @@ def test_summaries_keep_units_and_number_lists() -> None:
     assert whole["ratio"] == 7.0
     assert {"wave_1_arcsec": 3.0, "wave_2_arcsec": 4.0}.items() <= whole.flat.row.items()
     assert {each.key: each.figure.unit for each in whole.entries}["pinion_stress_mpa"] == "MPa"
-    assert MADE.entries[1].figure.in_um().numbered(2).key == "wave_2_um"
+    assert MADE.entries[1].figure.in_um().item(2).key == "wave_2_um"
 
 
 def test_a_unit_that_nobody_knows_is_refused() -> None:
@@ -96,7 +96,7 @@ def test_every_figure_says_what_it_is() -> None:
     known = list(kinds())
     assert len(known) > 10
     for kind in known:
-        told = kind.declared()
+        told = kind.declared_figures()
         assert len({each.key for each in told}) == len(told), kind
         assert kind.__doc__, kind
         for each in told:

@@ -73,7 +73,7 @@ def test_designs_in_python_need_no_kind_and_are_those_of_files(tmp_path: Path) -
     design = gm.BeveloidDesign(**SMALL)
     assert design == gm.parse({"kind": "beveloid", **SMALL})
     file = tmp_path / "small.toml"
-    file.write_text(gm.toml(design.resolved()))
+    file.write_text(gm.toml(design.resolve()))
     assert gm.load(file) == design
 
 

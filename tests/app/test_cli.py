@@ -191,7 +191,7 @@ def test_tca_json(job: Asked) -> None:
     assert status == 0
     document = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
     assert document["gearmesh"] == gm.__version__
-    assert document["design"] == load(INTERSECTED).resolved()
+    assert document["design"] == load(INTERSECTED).resolve()
     told = {"converged": 3, "max_residual_mm": 1e-13, "shaft_angle_deg": 40.0}
     assert document["summary"] == {"positions": 4, "te_peak_to_peak_arcsec": None, **told}
     assert document["timing"] == {"summary": {"seconds": 0.5}}
@@ -339,7 +339,7 @@ def test_settings_writes_a_design(job: Asked, here: Path) -> None:
     assert status == 0
     assert "pinion.b" in out
     new = load("new.toml")
-    assert (new.pinion.teeth, new.resolved()["pinion"]["b"]) == (13, 0.1)
+    assert (new.pinion.teeth, new.resolve()["pinion"]["b"]) == (13, 0.1)
 
 
 def test_settings_sheet_of_a_spiral_bevel_pair(here: Path) -> None:
@@ -348,7 +348,7 @@ def test_settings_sheet_of_a_spiral_bevel_pair(here: Path) -> None:
     assert status == 0
     for line in ("Blank", "root angle", "Cutters and machine settings", "ratio of roll"):
         assert line in out
-    assert load("new.toml").resolved()["gear"]["cutter"]["tip_radius"] == pytest.approx(76.2)
+    assert load("new.toml").resolve()["gear"]["cutter"]["tip_radius"] == pytest.approx(76.2)
     assert run("describe", sample)[1] == out
     status, out, _ = run("settings", sample, "--compensate", "--set", "assembly.dV=0.05")
     assert status == 0

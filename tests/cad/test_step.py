@@ -21,8 +21,8 @@ from oracles.places import SAMPLES
 
 from gearmesh.app.cli import main
 from gearmesh.cad.brep import TOLERANCE, Piece, SplineTooth, exact_volume, spline_tooth
-from gearmesh.cad.nodes import planned, samples
-from gearmesh.cad.part21 import condensed
+from gearmesh.cad.nodes import plan, samples
+from gearmesh.cad.part21 import condense
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.cad.step import write_step
 from gearmesh.contact.flanks import analyse
@@ -589,7 +589,7 @@ def test_nodes_follow_a_curve_that_is_almost_singular() -> None:
     size, bend = [], []
     for place in (x, 1.0 - x):
         curve = np.stack((100.0 * place, 3.0 * np.sqrt(place + 0.02), 0.0 * place), axis=-1)[:, None]
-        nodes = planned(curve, lambda drawn, exact: np.linalg.norm(drawn - exact, axis=-1).max(axis=1) / 1e-4)
+        nodes = plan(curve, lambda drawn, exact: np.linalg.norm(drawn - exact, axis=-1).max(axis=1) / 1e-4)
         size.append(nodes.y.size)
         bend.append(nodes.bend)
     assert max(size) <= 11
@@ -618,7 +618,7 @@ END-ISO-10303-21;
 
 def test_equal_geometry_is_said_once() -> None:
     """Points merge, topology and strings stay; text that is no STEP by OpenCASCADE stays altogether."""
-    data = condensed(TEXT).partition("DATA;\n")[2].partition("ENDSEC;")[0]
+    data = condense(TEXT).partition("DATA;\n")[2].partition("ENDSEC;")[0]
     assert data.splitlines() == [
         "#1=SOLID('a;''#3'' and more',(#2,#3,#2,#4));",
         "#2=CARTESIAN_POINT('',(0.,1.));",
@@ -626,7 +626,7 @@ def test_equal_geometry_is_said_once() -> None:
         "#4=VERTEX_POINT('',#2);",
         "#5=VERTEX_POINT('',#2);",
     ]
-    assert condensed(TEXT.replace("#4 =", "#4=")) == TEXT.replace("#4 =", "#4=")
+    assert condense(TEXT.replace("#4 =", "#4=")) == TEXT.replace("#4 =", "#4=")
 
 
 def test_colours_of_parts_have_an_order_of_their_own() -> None:
@@ -641,8 +641,8 @@ def test_colours_of_parts_have_an_order_of_their_own() -> None:
         )
         return f"DATA;\n{faces}#3 = CONTEXT('');\n#9 = PLANE('');\n{''.join(groups)}ENDSEC;\n"
 
-    assert condensed(text(1, 2)) == condensed(text(2, 1))
-    assert condensed(text(1, 2)).count("STYLED_ITEM") == 2
+    assert condense(text(1, 2)) == condense(text(2, 1))
+    assert condense(text(1, 2)).count("STYLED_ITEM") == 2
 
 
 def test_the_same_command_writes_the_same_bytes(folder: Path, tmp_path: Path) -> None:

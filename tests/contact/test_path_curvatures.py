@@ -44,10 +44,10 @@ def test_directions_and_curvatures_are_those_of_differences_of_normals(sample: s
     ):
         surface, place = member.tooth.side(side).flank, member.mount.at(turn)
         u, v = params.T
-        at = surface.jet(u, v).moved(place)
+        at = surface.jet(u, v).move(place)
         for k, way in ((own.k1, own.direction1), (own.k2, own.direction2)):
             tangents = np.stack((at.r_u, at.r_v), axis=-1)
             du, dv = (np.linalg.pinv(tangents) @ way[..., None])[..., 0].T
             step = 1e-3
-            ahead, back = (surface.jet(u + s * du, v + s * dv).moved(place).n for s in (step, -step))
+            ahead, back = (surface.jet(u + s * du, v + s * dv).move(place).n for s in (step, -step))
             np.testing.assert_allclose((ahead - back) / (2.0 * step), -k[:, None] * way, rtol=0, atol=2e-6)

@@ -14,7 +14,7 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.design.changes import CHANGES, changes_since, parsed
+from gearmesh.design.changes import CHANGES, changes_since, parse_version
 
 ROOT = SAMPLES.parent
 SAY = (
@@ -70,9 +70,9 @@ def test_version_log_and_table_agree() -> None:
     log = snapshot.LOG.read_text(encoding="utf-8")
     entries = re.findall(r"^## ([\d.]+)$", log, re.MULTILINE)
     assert entries[0] == gm.__version__
-    assert entries == sorted(entries, key=parsed, reverse=True)
+    assert entries == sorted(entries, key=parse_version, reverse=True)
     assert {each.version for each in CHANGES} <= set(entries)
-    assert [each.version for each in CHANGES] == sorted((each.version for each in CHANGES), key=parsed)
+    assert [each.version for each in CHANGES] == sorted((each.version for each in CHANGES), key=parse_version)
     assert snapshot.logged(log) == log, "run scripts/defaults_snapshot.py"
     for each in CHANGES:
         for kind in each.kinds or gm.kinds():

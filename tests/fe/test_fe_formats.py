@@ -18,7 +18,7 @@ from gearmesh.fe.decks.vtu import write_mesh
 from gearmesh.fe.model import ContactPair, Model, NodeForces, RigidTie, Support
 from gearmesh.fe.results import ContactTotal, NodalSolution, contact_figures, principal_stresses
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.hexahedra.hexes import HexMesh, joined
+from gearmesh.mesh.hexahedra.hexes import HexMesh, join
 
 pytestmark = pytest.mark.quick
 
@@ -33,7 +33,7 @@ def model(second_order: bool) -> Model:
     """Two blocks, one on the other, with everything that a deck may hold; sets overlap."""
     upper = block(np.arange(4.0), np.arange(3.0), np.arange(4.0), bent, second_order)
     lower = block(np.arange(3.0), np.arange(3.0), np.arange(-2.0, 1.0), bent, second_order)
-    mesh = joined({"upper": upper, "lower": lower})
+    mesh = join({"upper": upper, "lower": lower})
     mesh.element_sets["corner"] = np.array([0, 5])
     mesh.face_sets["corner_faces"] = mesh.face_sets["upper_z0"][[1, 0]]
     return Model(
@@ -289,7 +289,7 @@ def test_principal_stresses_of_a_known_tensor() -> None:
 def test_centre_of_pressure_weighs_by_area() -> None:
     """Even pressure on a side with uneven elements: its centre is the side's; a pair that is apart has none."""
     upper = block(np.array([0.0, 0.1, 0.5, 3.0]), np.array([0.0, 1.5, 2.0]), np.arange(2.0))
-    mesh = joined({"upper": upper, "lower": block(np.arange(2.0), np.arange(2.0), np.arange(2.0))})
+    mesh = join({"upper": upper, "lower": block(np.arange(2.0), np.arange(2.0), np.arange(2.0))})
     pairs = (ContactPair("upper_z0", "lower_z1", 1e7), ContactPair("lower_z1", "upper_z0", 1e7))
     pressure = np.zeros(len(mesh.nodes))
     pressure[mesh.node_sets["upper_z0"]] = 7.0

@@ -13,7 +13,7 @@ from oracles.fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root
 from gearmesh.contact.hertz import STEEL
 from gearmesh.fe import ccx
 from gearmesh.fe.gear_model import Request, gear_model
-from gearmesh.fe.placing import placed
+from gearmesh.fe.placing import place
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.separation import near_pairs
 from gearmesh.mesh.hexahedra import hexahedra as hexmesh
@@ -108,7 +108,7 @@ def test_lines_follow_the_contact_on_every_tooth(sample: str) -> None:
     """Where loaded contact finds the pairs beside the leading one, on edges too, faces are much less high than even ones, of
     either member. Numbers of lines stay."""
     pair = pair_of(load(SAMPLES / f"{sample}.toml"))
-    at = placed(pair, 0.3 * pair.pitch, 1e5, (STEEL, STEEL))
+    at = place(pair, 0.3 * pair.pitch, 1e5, (STEEL, STEEL))
     request = Request(cells=Cells(flank=24, fillet=4, thickness=3, rim=2, face=6), torque=1e5)
     plain, each = (gear_model(pair, replace(request, every_tooth=each), at).model.mesh for each in (False, True))
     assert len(plain.nodes) == len(each.nodes)

@@ -16,7 +16,7 @@ from gearmesh.fe.model import ContactPair, Model, RigidTie, Support
 from gearmesh.fe.results import contact_figures, largest_principal
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
-from gearmesh.mesh.hexahedra.hexes import joined
+from gearmesh.mesh.hexahedra.hexes import join
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 
@@ -31,7 +31,7 @@ def test_beam_under_a_moment(second_order: bool) -> None:
     turn = Rigid(rotation_about("x", 0.7) @ rotation_about("z", -1.1), np.array([3.0, -2.0, 1.0]))
     bar = block(
         np.linspace(0, length, 9), np.linspace(-0.75, 0.75, 3), np.linspace(-1, 1, 5), second_order=second_order
-    ).moved(turn)
+    ).move(turn)
     load = tuple(turn.vector(np.array([0.0, moment, 0.0])))
     free = (None,) * 6
     model = Model(
@@ -93,7 +93,7 @@ def lever(overlap: float, torque: float) -> Model:
     both = np.concatenate([-x[:0:-1], x])
     away = Rigid(np.eye(3), np.array([ARM, 0.0, 0.0]))
     turned = away.inverse @ Rigid(rotation_about("y", overlap / ARM), np.zeros(3)) @ away
-    upper = block(both, x, x, rounded(depth, kappa, kappa)).moved(turned)
+    upper = block(both, x, x, rounded(depth, kappa, kappa)).move(turned)
     free = (0.0, 0.0, 0.0, 0.0, None, 0.0)
     tie = RigidTie("upper_z1", np.array([-ARM, 0.0, 0.0]), free, (0, 0, 0, 0, torque, 0))
     return pressed(upper, block(both, x, -x[::-1]), tie, "y", 50.0 * STEEL.youngs_modulus)
@@ -122,8 +122,8 @@ def test_pairs_that_do_not_touch_have_no_figures() -> None:
     """Beside one that does, pressed 1 um together: E u / (2 h) over K / (K + E / (2 h)) of it."""
     line = np.linspace(0.0, 1.0, 3)
     lower = block(line, line, line)
-    upper, third = (lower.moved(Rigid(np.eye(3), np.array([0.0, 0.0, z]))) for z in (1.0, 2.5))
-    mesh, stiffness = joined({"upper": upper, "lower": lower, "third": third}), 50.0 * 2e5
+    upper, third = (lower.move(Rigid(np.eye(3), np.array([0.0, 0.0, z]))) for z in (1.0, 2.5))
+    mesh, stiffness = join({"upper": upper, "lower": lower, "third": third}), 50.0 * 2e5
     held = (Support("lower_z0"), Support("third_z1"), Support("upper_z1", (0, 1)), Support("upper_z1", (2,), -1e-3))
     contacts = (ContactPair("third_z0", "upper_z1", stiffness), ContactPair("upper_z0", "lower_z1", stiffness))
     materials = dict.fromkeys(("upper", "lower", "third"), Material(2e5, 0.0))
@@ -163,8 +163,8 @@ def test_friction_drags_by_its_share_of_the_pressure() -> None:
     """A block pressed 1 um on another and dragged 3 um along it slides: traction mu p; 0.1 um: it sticks, with less."""
     line = np.linspace(0.0, 1.0, 3)
     lower = block(np.linspace(-1.0, 2.0, 9), line, line)
-    upper = block(line, line, line).moved(Rigid(np.eye(3), np.array([0.0, 0.0, 1.0])))
-    mesh, modulus = joined({"upper": upper, "lower": lower}), 2e5
+    upper = block(line, line, line).move(Rigid(np.eye(3), np.array([0.0, 0.0, 1.0])))
+    mesh, modulus = join({"upper": upper, "lower": lower}), 2e5
     for drag, mu, sliding in ((3e-3, 0.1, True), (3e-3, 0.3, True), (1e-4, 0.3, False)):
         held = (Support("lower_z0"), Support("upper_z1", (2,), -1e-3), Support("upper_z1", (0,), drag))
         held = (*held, Support("upper_z1", (1,)))

@@ -22,8 +22,8 @@ from scipy.spatial import cKDTree
 import gearmesh
 from gearmesh import io
 from gearmesh.errors import OutputError
-from gearmesh.io.attribute import quoted
-from gearmesh.io.rebuild import merged
+from gearmesh.io.attribute import quote
+from gearmesh.io.rebuild import merge
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 
@@ -101,7 +101,7 @@ def test_round_trip(tmp_path: Path, suffix: str) -> None:
 def pair() -> dict[str, TriangleMesh]:
     """Two bodies as they may stand in mesh: beside each other, one on an axis of its own."""
     placed = Rigid.about_z(0.1).rotation @ np.array([[1.0, 0.0, 0.0], [0.0, 0.6, -0.8], [0.0, 0.8, 0.6]])
-    return {"pinion": torus(), "gear": torus("gear", 30, 8).moved(Rigid(placed, np.array([60.0, 0.0, 0.5])))}
+    return {"pinion": torus(), "gear": torus("gear", 30, 8).move(Rigid(placed, np.array([60.0, 0.0, 0.5])))}
 
 
 @pytest.mark.parametrize("suffix", SEVERAL)
@@ -145,7 +145,7 @@ def test_trimesh_finds_several_meshes_in_place(tmp_path: Path, suffix: str) -> N
     "text", ["plain", "a & b < c > d", 'say "so"', "it's", """both ' and " """, "tab\tline\nend\r"]
 )
 def test_attributes_are_quoted_as_by_the_library(text: str) -> None:
-    assert quoted(text) == quoteattr(text)
+    assert quote(text) == quoteattr(text)
 
 
 def test_several_meshes_refused_where_one_fits(tmp_path: Path) -> None:
@@ -175,7 +175,7 @@ def through_trimesh(path: Path) -> TriangleMesh:
     else:
         order = [NAMES.index(name) if name in NAMES else 0 for name in names]
         labels = np.repeat(order, [len(part.faces) for _, part in parts])
-    vertices, place = merged(corners.reshape(-1, 3))
+    vertices, place = merge(corners.reshape(-1, 3))
     return TriangleMesh(vertices, place.reshape(-1, 3), labels, NAMES, corners[:, 0])
 
 
@@ -266,7 +266,7 @@ def test_stl_is_binary_with_facet_normals(tmp_path: Path) -> None:
         ("SOLID", "mm, BODY in the common"),
         ("pinion", "mm, pinion in the common"),
     ):
-        moved = replace(mesh, name=name).moved(Rigid.about_z(0.1))
+        moved = replace(mesh, name=name).move(Rigid.about_z(0.1))
         io.write(moved, tmp_path / "gear.stl")
         data = (tmp_path / "gear.stl").read_bytes()
         assert header.lower() in data[:80].decode().lower()

@@ -89,7 +89,7 @@ def assert_same_body(corners: np.ndarray, mesh: TriangleMesh, euler: int, unit: 
 
 
 def assert_written_closed(mesh: TriangleMesh, folder: Path, euler: int) -> None:
-    """Both formats, as they are in the file and as `stored` says that they are."""
+    """Both formats, as they are in the file and as `mesh_in_file` says that they are."""
     import manifold3d
     import trimesh
 
@@ -98,7 +98,7 @@ def assert_written_closed(mesh: TriangleMesh, folder: Path, euler: int) -> None:
         io.write(mesh, path)
         corners = corners_in_file(path)
         assert_same_body(corners, mesh, euler, unit)
-        said = io.stored(mesh, path)
+        said = io.mesh_in_file(mesh, path)
         order = np.argsort(said.regions, kind="stable") if suffix == ".glb" else slice(None)
         np.testing.assert_array_equal((said.corners()[order] / unit).astype(np.float32), corners)
     points, triangles = joined(corners_in_file(folder / "gear.stl"))
@@ -126,7 +126,7 @@ def test_what_is_said_of_a_solid_is_proved_on_what_is_written(monkeypatch: pytes
     """A mesh that is closed, and a format that cannot hold it: the figures are those of the file."""
     gears = gm.build(gm.load(SAMPLES / "spur.toml"))
     whole = gears.solid("pinion", 0.1, file="pinion.ply").figures
-    monkeypatch.setattr(io, "stored", lambda mesh, file: replace(mesh, triangles=mesh.triangles[1:]))
+    monkeypatch.setattr(io, "mesh_in_file", lambda mesh, file: replace(mesh, triangles=mesh.triangles[1:]))
     found = gears.solid("pinion", 0.1, file="pinion.stl").figures
     assert (whole["watertight"], found["watertight"]) == (True, False)
     assert found["triangles"] == whole["triangles"] - 1
@@ -219,7 +219,7 @@ def test_surfaces_finer_than_float32(harm: object, tmp_path: Path) -> None:
         rounded = mesh.vertices.astype(np.float32).astype(float)
         turned += len(rounded) - len(np.unique(rounded, axis=0)) + int((sides(mesh, rounded) <= 0.0).sum())
         if len(corners) == len(mesh.triangles):
-            assert sides(mesh, io.stored(mesh, "a.stl").vertices).min() > 0.0
+            assert sides(mesh, io.mesh_in_file(mesh, "a.stl").vertices).min() > 0.0
     assert turned > 10, "the cases are no cases"
 
 
@@ -231,15 +231,17 @@ def sides(mesh: TriangleMesh, vertices: np.ndarray) -> np.ndarray:
 
 def test_nothing_else_changes(tmp_path: Path) -> None:
     """Coordinates that are no trouble are those of plain rounding, and what is stored is stored again unchanged."""
-    mesh = tube(30.0).moved(Rigid.about_z(0.3))
+    mesh = tube(30.0).move(Rigid.about_z(0.3))
     for suffix, unit in ((".stl", 1.0), (".glb", 1000.0)):
-        found = io.stored(mesh, f"a{suffix}")
+        found = io.mesh_in_file(mesh, f"a{suffix}")
         np.testing.assert_array_equal(found.vertices, (mesh.vertices / unit).astype(np.float32).astype(float) * unit)
         assert found.triangles is mesh.triangles
-        mended = io.stored(replace(mesh, vertices=short_edges(mesh, 4e-6, np.random.default_rng(1))), f"a{suffix}")
+        mended = io.mesh_in_file(
+            replace(mesh, vertices=short_edges(mesh, 4e-6, np.random.default_rng(1))), f"a{suffix}"
+        )
         assert len(mended.triangles) < len(mesh.triangles)
-        np.testing.assert_array_equal(io.stored(mended, f"a{suffix}").corners(), mended.corners())
-    assert io.stored(mesh, "a.ply") is mesh
+        np.testing.assert_array_equal(io.mesh_in_file(mended, f"a{suffix}").corners(), mended.corners())
+    assert io.mesh_in_file(mesh, "a.ply") is mesh
 
 
 def test_corners_meant_to_be_joined_stay_joined(tmp_path: Path) -> None:
@@ -279,6 +281,8 @@ def test_small_and_open_surfaces_keep_their_shape(tmp_path: Path) -> None:
     ladder[5] = ladder[4] + (0.0, 1e-7, 0.0)
     squares = 2 * np.arange(4)[:, None, None]
     facets = (squares + np.array([[0, 2, 3], [0, 3, 1]])).reshape(-1, 3)
-    strip = io.stored(TriangleMesh(ladder, facets, np.zeros(8, np.int32), ("surface",), np.zeros((8, 3))), "a.stl")
+    strip = io.mesh_in_file(
+        TriangleMesh(ladder, facets, np.zeros(8, np.int32), ("surface",), np.zeros((8, 3))), "a.stl"
+    )
     assert len(strip.triangles) == 8
     assert len(joined(strip.corners().astype(np.float32))[0]) == 10

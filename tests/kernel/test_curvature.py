@@ -84,7 +84,7 @@ class Rack:
             point, turned = self.radius * (normal - base), tangent / self.radius
         trace = np.broadcast_to(np.array([0.0, 0.0, 1.0]), point.shape)
         lean = Rigid(rotation_about("x", -self.helix), np.zeros(3))
-        return Jet(point + v[..., None] * trace, normal, tangent, trace, turned, np.zeros_like(point)).moved(lean)
+        return Jet(point + v[..., None] * trace, normal, tangent, trace, turned, np.zeros_like(point)).move(lean)
 
 
 def reparametrised(jet: Jet, heading: float, skew: float, scale_u: float, scale_v: float) -> Jet:
@@ -121,7 +121,7 @@ def test_torus_and_sphere_in_any_parametrisation_and_position(
 ) -> None:  # fmt: skip
     own = Torus(ring, tube).jet(u, v)
     place = anywhere(turns, shift)
-    jet = reparametrised(own, heading, skew, scale_u, scale_v).moved(place)
+    jet = reparametrised(own, heading, skew, scale_u, scale_v).move(place)
     basis = curvature.tangent_basis(jet)
     k = curvature.shape_operator(jet, *basis)
     along, around = -1.0 / tube, -np.cos(v) / (ring + tube * np.cos(v))
@@ -146,7 +146,7 @@ def test_cylinder_in_any_parametrisation_and_position(
     turns: tuple[float, float, float], shift: tuple[float, float, float],
 ) -> None:  # fmt: skip
     place = anywhere(turns, shift)
-    jet = reparametrised(Cylinder(radius).jet(u, 7.0), heading, skew, scale_u, scale_v).moved(place)
+    jet = reparametrised(Cylinder(radius).jet(u, 7.0), heading, skew, scale_u, scale_v).move(place)
     basis = curvature.tangent_basis(jet)
     found = curvature.principal(curvature.shape_operator(jet, *basis))
     assert found.k1 == pytest.approx(0.0, abs=1e-12 / radius)
@@ -265,7 +265,7 @@ def test_rack_generated_curvature_by_both_routes(
     basis = curvature.tangent_basis(own)
     second = generated_operator(own, state, *basis)
     first = curvature.shape_operator(
-        surface.jet(np.asarray(u), np.asarray(v)).moved(state.tool_to_blank.inverse), *basis
+        surface.jet(np.asarray(u), np.asarray(v)).move(state.tool_to_blank.inverse), *basis
     )
     np.testing.assert_allclose(second, first, rtol=0, atol=1e-10 * np.abs(first).max())
     if radius is None:
@@ -298,7 +298,7 @@ def test_meshing_terms_of_two_rotations_are_the_sources() -> None:
     v12, omega12, b3 = meshing_terms(tool, state)
 
     tool_to_fixed = Rigid.about_z(rate1 * phi)
-    fixed = tool.moved(tool_to_fixed)
+    fixed = tool.move(tool_to_fixed)
     blank_to_fixed = fixed_to_blank.inverse
     omega1, omega2 = np.array([0.0, 0.0, rate1]), rate2 * blank_to_fixed.rotation[:, 2]
     v1, v2 = cross(omega1, fixed.r), cross(omega2, fixed.r - blank_to_fixed.translation)
@@ -363,7 +363,7 @@ def touching(first: Jet, second: Jet, turn: float = 0.0) -> Jet:
     own = np.stack((f1, f2, second.n), axis=-1)
     d1, d2 = curvature.in_plane(np.asarray(turn), e1, e2)
     rotation = np.stack((d1, -d2, -first.n), axis=-1) @ own.T
-    return second.moved(Rigid(rotation, first.r - rotation @ second.r))
+    return second.move(Rigid(rotation, first.r - rotation @ second.r))
 
 
 def flipped(jet: Jet) -> Jet:

@@ -111,7 +111,7 @@ def test_twist_of_any_chain(motion: Chain, phi: float) -> None:
 @given(motion=rolls, phi=st.lists(st.floats(-1.5, 1.5), min_size=1, max_size=5))
 def test_cradle_roll_is_its_chain_and_has_its_twist(motion: CradleRoll, phi: list[float]) -> None:
     check_twist(motion, np.array(phi))
-    for own, chain in ((motion, as_chain(motion)), (motion.unmodified, as_chain(motion.unmodified))):
+    for own, chain in ((motion, as_chain(motion)), (motion.unmodified_motion, as_chain(motion.unmodified_motion))):
         one, two = own.at(np.array(phi)), chain.at(np.array(phi))
         pairs = [(one.tool_to_blank.rotation, two.tool_to_blank.rotation)]
         pairs += [(one.tool_to_blank.translation, two.tool_to_blank.translation)]

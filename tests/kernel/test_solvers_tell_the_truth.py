@@ -29,7 +29,7 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle, rota
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.nearest import nearest
-from gearmesh.kernel.surface.stations import along, followed
+from gearmesh.kernel.surface.stations import along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.mesh.hexahedra.grading import Spacing
 from gearmesh.systems.common.racks.rack_tooth import Heights, rounded
@@ -348,7 +348,7 @@ def test_stations() -> None:
         if rng.random() < 0.3:
             stations = stations + 10.0 ** rng.uniform(-2.0, 3.0) * rng.normal(size=30)
         with np.errstate(all="ignore"):
-            found = followed(surface, p, stations, axial)
+            found = follow(surface, p, stations, axial)
         good = found.converged
         r = surface.jet(p, found.values).r
         rho, size = np.hypot(r[:, 0], r[:, 1]), 1.0 + np.abs(stations).max()

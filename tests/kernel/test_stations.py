@@ -8,7 +8,7 @@ import pytest
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import PlaneLevel
-from gearmesh.kernel.surface.stations import followed
+from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import Jet
 
 pytestmark = pytest.mark.quick
@@ -29,7 +29,7 @@ class Ending:
 
 def test_points_that_have_no_station_cost_the_others_nothing() -> None:
     p = np.array([0.0, 0.5, 1.5, 2.5, 3.5, 3.6])
-    found = followed(Ending(), p, np.array([5.0, -7.0, 5.0, 5.0, 5.0, 1.7]), PlaneLevel(0.0))
+    found = follow(Ending(), p, np.array([5.0, -7.0, 5.0, 5.0, 5.0, 1.7]), PlaneLevel(0.0))
     assert found.converged.tolist() == [True, True, False, False, False, True]
     np.testing.assert_allclose(found.jet.r[[0, 1, 5], 2], [5.0, -7.0, 1.7], rtol=0, atol=1e-12)
     assert found.status[3] == Status.NOT_FINITE

@@ -133,10 +133,10 @@ def test_a_design_says_how_its_members_are_held(monkeypatch: pytest.MonkeyPatch)
     assert mounts_of(bevel.design, bevel.pairs[0])["gear"].z == pytest.approx(flank[..., 2].mean(), abs=0.3)
     assert abs(flank[..., 2]).min() > 3.0
     # lengths are in the file's units, stiffness is not, and what is rigid comes back from a document
-    design = held.design.scaled(25.4)
+    design = held.design.scale(25.4)
     assert design.mount("pinion").z == pytest.approx(40.0 * 25.4)
     assert design.mount("gear").stiffness == (2e4, 3e4, 1e9, "rigid", "rigid", "rigid")
-    assert type(held.design)(**json.loads(json.dumps(held.design.resolved(), allow_nan=False))) == held.design
+    assert type(held.design)(**json.loads(json.dumps(held.design.resolve(), allow_nan=False))) == held.design
 
 
 def test_bodies_are_held_by_the_rim_where_the_design_says_so(monkeypatch: pytest.MonkeyPatch) -> None:

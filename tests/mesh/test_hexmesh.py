@@ -15,14 +15,14 @@ from gearmesh.check.roll import roll
 from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
 from gearmesh.fe.gear_model import Request, gear_model, grid_of, member_mesh
-from gearmesh.fe.placing import focus_on, major_axis, minor_axis, placed
+from gearmesh.fe.placing import focus_on, major_axis, minor_axis, place
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.mesh.hexahedra.grading import Spacing
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, rim_of
-from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh, joined
+from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh, join
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
 from gearmesh.teeth.region import Region
@@ -215,7 +215,7 @@ def test_mid_side_nodes_are_in_the_middle() -> None:
     """Of graded and slanted lines too: not more than a tenth of an edge away from it, on curved flanks."""
     gears = pair("spiral_bevel_basic")
     request = Request(teeth=1, cells=COARSE, ellipse=3, torque=5e4, second_order=True)
-    at = placed(gears, 0.0, request.torque, request.materials)
+    at = place(gears, 0.0, request.torque, request.materials)
     mesh = member_mesh(gears, "pinion", request, at)
     corners = mesh.nodes[mesh.elements[:, :8]][:, np.array(HEX_EDGES)]
     off = np.linalg.norm(mesh.nodes[mesh.elements[:, 8:]] - corners.mean(axis=2), axis=-1)
@@ -261,7 +261,7 @@ def test_elements_asked_for_over_the_ellipse(sample: str) -> None:
     """Counted on the mesh: layers of flank nodes along both axes of the loaded ellipse."""
     gears = pair(sample)
     request = Request(teeth=1, ellipse=8, torque=5e4)
-    at = placed(gears, 0.0, request.torque, request.materials)
+    at = place(gears, 0.0, request.torque, request.materials)
     built = gear_model(gears, request, at)
     mesh = built.model.mesh
     for name, side in zip(("pinion", "gear"), gears.flanks, strict=True):
@@ -295,7 +295,7 @@ def test_members_touch_and_the_torque_drives(sample: str, flank: str) -> None:
     value = flank if sample.startswith("beveloid") else {"right": "pinion_convex", "left": "pinion_concave"}[flank]
     gears = pair(sample, f"{key}={value}")
     request = Request(teeth=3, cells=COARSE, ellipse=3, torque=5e4)
-    at = placed(gears, 0.0, request.torque, request.materials)
+    at = place(gears, 0.0, request.torque, request.materials)
     built = gear_model(gears, request, at)
     model = built.model
     assert [(c.slave, c.master) for c in model.contacts] == [
@@ -329,7 +329,7 @@ def test_members_touch_and_the_torque_drives(sample: str, flank: str) -> None:
 def test_facets_are_seated_where_the_roll_test_finds_them(sample: str, order: int) -> None:
     gears = pair(sample)
     request = Request(teeth=1, cells=Cells(16, 10, 4, 3, 45), torque=5e4, even=True, second_order=order == 2)
-    at = placed(gears, 0.0, request.torque, request.materials)
+    at = place(gears, 0.0, request.torque, request.materials)
     fan = [(0, 1, 2), (0, 2, 3)] if order == 1 else [(0, 1, 7), (2, 3, 1), (4, 5, 3), (6, 7, 5), (1, 3, 5), (1, 5, 7)]
     flanks = []
     for name, side in zip(("pinion", "gear"), gears.flanks, strict=True):
@@ -351,7 +351,7 @@ def test_model_starts_with_the_overlap_it_says() -> None:
     """Half the approach at the contact, measured on the placed nodes: gear over pinion along the normal."""
     gears = pair("beveloid_crossed")
     request = Request(teeth=1, cells=Cells(16, 10, 4, 3, 45), torque=5e4, even=True)
-    at = placed(gears, 0.0, request.torque, request.materials)
+    at = place(gears, 0.0, request.torque, request.materials)
     built = gear_model(gears, request, at)
     assert built.gap > 5e-4
     mesh, seen = built.model.mesh, []
@@ -367,7 +367,7 @@ def test_model_starts_with_the_overlap_it_says() -> None:
 def test_of_all_teeth_only_those_in_mesh_are_in_contact() -> None:
     gears = pair("spur")
     request = Request(teeth=None, cells=Cells(2, 3, 2, 1, 2), torque=5e4, even=True)
-    model = gear_model(gears, request, placed(gears, 0.0, request.torque, request.materials)).model
+    model = gear_model(gears, request, place(gears, 0.0, request.torque, request.materials)).model
     assert 3 <= len(model.contacts) <= 5
     assert not any("cut" in name for name in model.mesh.face_sets)
 
@@ -377,7 +377,7 @@ def test_one_member_is_pressed_as_by_its_mate() -> None:
     gears = pair("beveloid_crossed")
     for ellipse in (0, 6):
         request = Request(members=("pinion",), teeth=1, ellipse=ellipse, torque=5e4)
-        at = placed(gears, 0.0, request.torque, request.materials)
+        at = place(gears, 0.0, request.torque, request.materials)
         model = gear_model(gears, request, at).model
         (load,) = model.forces
         total = load.forces.sum(axis=0)
@@ -392,9 +392,9 @@ def test_leading_teeth_are_modelled() -> None:
     """Whole pitches on, other teeth stand where those on +x stood; between, the pair that pushes the gear farthest leads."""
     gears = pair("spiral_bevel_basic")
     pitch, steel = gears.pitch, Request().materials
-    here = placed(gears, 0.1, 1e5, steel)
+    here = place(gears, 0.1, 1e5, steel)
     for turns in (1, -2, 40):
-        there = placed(gears, 0.1 + turns * pitch, 1e5, steel)
+        there = place(gears, 0.1 + turns * pitch, 1e5, steel)
         assert there.path.rotation == pytest.approx(here.path.rotation, abs=1e-12)
         assert there.path.phi2 == pytest.approx(here.path.phi2, abs=1e-9)
     phi1 = 0.1 + pitch * np.arange(-1, 2)
@@ -406,7 +406,7 @@ def test_leading_teeth_are_modelled() -> None:
 def test_joined_meshes_keep_their_sets() -> None:
     one = mesh_of(pair("spur").pinion, 1)
     two = replace(one, nodes=one.nodes + 100.0)
-    both = joined({"a": one, "b": two})
+    both = join({"a": one, "b": two})
     np.testing.assert_array_equal(both.nodes[both.node_sets["b_rim"]], two.nodes[two.node_sets["rim"]])
     np.testing.assert_array_equal(both.nodes[both.face_nodes("b_land")], two.nodes[two.face_nodes("land")])
     np.testing.assert_array_equal(both.element_sets["b"], len(one.elements) + np.arange(len(two.elements)))

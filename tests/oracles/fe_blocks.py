@@ -9,7 +9,7 @@ import numpy as np
 from gearmesh.contact.hertz import STEEL
 from gearmesh.fe.model import ContactPair, Model, RigidTie, Support
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh, joined
+from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh, join
 
 CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
 # faces S1 .. S6 of an element in a lattice
@@ -72,7 +72,7 @@ def rounded(height: float, kappa_x: float, kappa_y: float) -> Callable[[Array], 
 
 def pressed(upper: HexMesh, lower: HexMesh, tie: RigidTie, planes: str, stiffness: float) -> Model:
     """Two blocks, the lower one held at its bottom, the upper one rigid at its top; `planes` of symmetry at 0."""
-    mesh = joined({"upper": upper, "lower": lower})
+    mesh = join({"upper": upper, "lower": lower})
     supports = [Support("lower_z0")]
     for member, fixed in (("upper", "upper_z1"), ("lower", "lower_z0")):
         for plane in planes:

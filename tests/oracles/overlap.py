@@ -51,7 +51,7 @@ class Overlap:
 def overlap(pair: GearPair, meshes: tuple[TriangleMesh, TriangleMesh], phi1: float, phi2: float) -> Overlap:
     """Overlap of the solids of pinion and gear (own frames) at rotations phi1, phi2 (rad)."""
     one, other = (
-        _manifold(mesh.moved(mount.at(phi))) for mesh, mount, phi in zip(meshes, pair.mounts, (phi1, phi2), strict=True)
+        _manifold(mesh.move(mount.at(phi))) for mesh, mount, phi in zip(meshes, pair.mounts, (phi1, phi2), strict=True)
     )
     pieces = []
     for part in (one ^ other).decompose():

@@ -190,7 +190,7 @@ def test_swivel_of_an_upright_cutter_and_polynomials_of_zeros_change_nothing() -
     zeros = {f"{key}_motion": (0.0,) * 6 for key in ("tilt", "swivel", "radial", "helical", "vertical")}
     plain, other = side.settings, replace(side.settings, swivel=1.1, modified_roll=(0.0,) * 5, **zeros)
     motion = other.motion(side.hand, 0.2)
-    assert motion.unmodified is motion
+    assert motion.unmodified_motion is motion
     p, v = np.full(5, side.blade.at_height(2.0)), np.linspace(-0.1, 0.1, 5) + side._mean_direction
     one, two = (surface_of(side, machine, 0.2).jet(p, v) for machine in (plain, other))
     np.testing.assert_array_equal(one.r, two.r)

@@ -101,7 +101,7 @@ def test_curvatures_at_the_mean_point(case: Case) -> None:
         params = (case.path.params1, case.path.params2)[k][middle]
         mount = (case.gears.pinion.mount, case.gears.gear.mount)[k]
         turn = (PHI1[middle], case.path.phi2[middle])[k]
-        jet = getattr(member.tooth, flank).flank.jet(params[:, 0], params[:, 1]).moved(mount.at(turn))
+        jet = getattr(member.tooth, flank).flank.jet(params[:, 0], params[:, 1]).move(mount.at(turn))
         sign = np.sign(dot(jet.n, normal))
         found = principal(sign[:, None, None] * shape_operator(jet, first, second))
         k1, k2, sigma = forms.mean_curvatures(k + 1)

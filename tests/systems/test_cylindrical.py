@@ -268,8 +268,8 @@ def test_inputs_that_say_the_same_are_the_same() -> None:
         assert proportions(other).roots == pytest.approx(proportions(normal).roots, abs=1e-12)
         assert proportions(other).mesh.distance == pytest.approx(proportions(normal).mesh.distance, abs=1e-12)
     for design in (normal, parsed({"teeth": 20}, {"teeth": -61}, circumferential_backlash=0.1)):
-        again = gm.parse(design.resolved())
-        assert again.resolved() == design.resolved()
+        again = gm.parse(design.resolve())
+        assert again.resolve() == design.resolve()
         assert proportions(again).mesh.normal_backlash == pytest.approx(
             proportions(design).mesh.normal_backlash, abs=1e-14
         )

@@ -117,7 +117,7 @@ def test_backlash_contact_and_clearance_are_those_of_the_contact_solver(name: st
     assert theoretical == pytest.approx(0.0, abs=EXACT) or name == "spur_shifted"
     assert (not ends and working == theoretical) or ends[0] < working < ends[1]
     # at the centre distance less j_r nothing is left
-    own = gears.design.resolved()
+    own = gears.design.resolve()
     away = -sheet["j_r"][1] if "internal" not in name else sheet["j_r"][1]
     own["assembly"]["center_distance"] = sheet["a"][0] + away
     assert sheet_of(gm.build(gm.parse(own)))["j_bn"][1] == pytest.approx(0.0, abs=1e-8)
@@ -303,7 +303,7 @@ def test_tolerances_of_iso_1328() -> None:
 
 def test_describe_prints_the_sheet_and_run_reports_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     design = tmp_path / "pair.toml"
-    design.write_text(gm.toml(design_of("helical_left").resolved()))
+    design.write_text(gm.toml(design_of("helical_left").resolve()))
     status, out, _ = run("describe", design)
     assert status == 0
     assert max(map(len, out.splitlines())) <= 80

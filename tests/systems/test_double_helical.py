@@ -139,7 +139,7 @@ def test_contact_is_that_of_one_half_and_the_other_one_touches_alike(name: str) 
     sense = -1.0 if contact.pair.drive * contact.pair.mounts[1].sign > 0 else 1.0
     mount = gears.members["gear"].mount.base
     angle = sense * 0.02 / (3.0 * gears.members["gear"].tooth.teeth / 2.0)
-    turned = parts["gear"].moved(mount.inverse).moved(Rigid.about_z(angle)).moved(mount)
+    turned = parts["gear"].move(mount.inverse).move(Rigid.about_z(angle)).move(mount)
     common = first ^ body(turned)
     below, above = (piece.volume() for piece in common.split_by_plane((0.0, 0.0, 1.0), planes[0]))
     assert min(below, above) > 0.3

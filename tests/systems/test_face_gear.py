@@ -323,7 +323,7 @@ def test_units_do_not_matter() -> None:
     inch, mm = load(SAMPLES / "face_gear.toml", list(lengths)), load(SAMPLES / "face_gear.toml")
     np.testing.assert_allclose(25.4 * inch.gear.inner_radius, mm.gear.inner_radius, rtol=1e-13)  # type: ignore[attr-defined]
     np.testing.assert_allclose(pair_of(inch).gear.tooth.blank.extent, pair_of(mm).gear.tooth.blank.extent, rtol=1e-13)
-    assert parse(mm.resolved()) == mm
+    assert parse(mm.resolve()) == mm
 
 
 @pytest.mark.quick

@@ -332,7 +332,7 @@ def test_settings_given_as_they_were_derived_are_the_same_pair(more: dict[str, A
     inches = {"units": "inch", "module": 0.18, "offset": 1.3 if more else 1.0, "backlash": 0.004}
     design = gm.parse({**HYPOID, **more, **inches, "contact": {"phi1": {"start": -10, "stop": 10, "count": 5}}})
     gears = gm.build(design)
-    given = gm.parse(tomllib.loads(gm.toml(gears.sheet().applied().resolved())))
+    given = gm.parse(tomllib.loads(gm.toml(gears.sheet().applied().resolve())))
     assert not any(value != value for _, value in given.own())
     paths = [each.contact(cycle=False).path for each in (gears, gm.build(given))]
     np.testing.assert_allclose(paths[1].te, paths[0].te, rtol=0.0, atol=1e-3 * ARCSEC)

@@ -328,7 +328,7 @@ def test_barrel_jet_and_level() -> None:
 
 def test_inches_and_millimetres_are_the_same_pair() -> None:
     """Lengths, curvatures (1/length) and the modified roll (rad/length^2) are scaled."""
-    design = load(SAMPLES / "novikov.toml", ["pinion.crowning=worm_roll"]).resolved()
+    design = load(SAMPLES / "novikov.toml", ["pinion.crowning=worm_roll"]).resolve()
 
     def inches(table: Mapping[str, Any]) -> dict[str, Any]:
         power = {"parabola": 1, "plunge_coefficient": 1, "roll_coefficient": 2} | dict.fromkeys(
@@ -415,4 +415,4 @@ def test_preparing_a_ground_flank_changes_nothing() -> None:
     assert np.abs(near[:6]).max() < 1e-6
     # where the line of action has run to infinity the disk has no flank to follow
     disk = Disk(98.0, 17, 5.08, rack.helix).tooth(rack, 5e-5)
-    assert disk.prepared((-9.0, 12.9), (-54.0, 54.0)) is disk
+    assert disk.prepare((-9.0, 12.9), (-54.0, 54.0)) is disk

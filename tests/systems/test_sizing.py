@@ -117,7 +117,7 @@ def test_the_command_writes_the_design_that_is_chosen(tmp_path: Path) -> None:
     assert [line.split()[0] for line in out.splitlines()[-3:]] == ["1", "2", "3"]
     status, text, _ = run(*wish, "--json", "-")
     rows = json.loads(text)["candidates"]
-    design = gm.load(target).resolved()
+    design = gm.load(target).resolve()
     assert [design[member]["teeth"] for member in ("pinion", "gear")] == [
         rows[1]["teeth_pinion"],
         rows[1]["teeth_gear"],

@@ -128,7 +128,7 @@ def second_tolerance(path: ContactPath, pair: Pair, derivative: float) -> float:
 def test_local_synthesis_gives_all_seven_settings_of_table_3(name: str) -> None:
     printed, (derivative, path_angle, axis) = TABLE_3[name]
     design = load(STRAIGHT)
-    mapping = design.resolved()
+    mapping = design.resolve()
     side = mapping["pinion"][name]
     for key in GIVEN:
         del side[key]

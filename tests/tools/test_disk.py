@@ -96,7 +96,7 @@ class Turned:
         """Second parameter of the tooth: secant steps on the volume that normal, axis and arm span."""
 
         def volume(v: Array) -> Array:
-            jet = self.tooth.jet(p, v).moved(self.to_disk)
+            jet = self.tooth.jet(p, v).move(self.to_disk)
             return jet.r[..., 0] * jet.n[..., 1] - jet.r[..., 1] * jet.n[..., 0]
 
         before, v = self.start, self.start + 0.1
@@ -106,7 +106,7 @@ class Turned:
         return v
 
     def points(self, p: Array, angle: Array) -> tuple[Array, Array]:
-        jet = self.tooth.jet(p, self.touching(p)).moved(self.to_disk)
+        jet = self.tooth.jet(p, self.touching(p)).move(self.to_disk)
         turn = Rigid.about_z(angle)
         return turn.point(jet.r), turn.vector(jet.n)
 

@@ -134,7 +134,7 @@ def test_page_s_teeth_and_bodies_are_the_whole_solids() -> None:
 
 def _moved(mesh: TriangleMesh, moves: Any, k: int) -> TriangleMesh:
     translation = np.broadcast_to(moves.translation, (len(moves.rotation), 3))[k]
-    return mesh.moved(type(moves)(moves.rotation[k], translation))
+    return mesh.move(type(moves)(moves.rotation[k], translation))
 
 
 @pytest.mark.quick

@@ -30,7 +30,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError, OutputError
 from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, gear_model, grid_of
 from gearmesh.fe.model import Model
-from gearmesh.fe.placing import PlacedPair, focus_on, placed
+from gearmesh.fe.placing import PlacedPair, focus_on, place
 from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, largest_principal
 from gearmesh.figures import Content, Entry, Summary
 from gearmesh.kernel.motion.rigid import Rigid
@@ -276,7 +276,7 @@ def finite_elements_of(
     Raises DesignError for a design that cannot be modelled, NoSolutionError where no teeth touch.
     """
     request = _request(design, pair, members, rotation, friction)
-    made = _made(design, pair, request, placed(pair, phi1, request.torque, request.materials))
+    made = _made(design, pair, request, place(pair, phi1, request.torque, request.materials))
     return replace(made, warnings=(*warnings, *_left_out(pair, request), *_warnings(request, [made.measured])))
 
 
@@ -300,7 +300,7 @@ def finite_element_decks_of(
     from gearmesh.io.atomic import whole_text
 
     request = _request(design, pair, members, rotation, friction)
-    places = [placed(pair, each, request.torque, request.materials) for each in phi1]
+    places = [place(pair, each, request.torque, request.materials) for each in phi1]
     jobs = [f"position_{k:0{len(str(len(places)))}d}" for k in range(1, len(places) + 1)]
     models = []
     for k, (job, at) in enumerate(zip(jobs, places, strict=True)):

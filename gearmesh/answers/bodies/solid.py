@@ -95,9 +95,9 @@ class Solid(Result):
     def sections(self) -> Mapping[str, Content]:
         return {**header(self.design), "mesh": {self.name: self.figures}, "warnings": self.warnings}
 
-    def moved(self, place: Rigid) -> Solid:
+    def move(self, place: Rigid) -> Solid:
         """The same solid in another frame."""
-        return replace(self, mesh=self.mesh.moved(place))
+        return replace(self, mesh=self.mesh.move(place))
 
     def to_pyvista(self) -> pyvista.PolyData:
         """The mesh for pyvista, with regions and exact normals as cell data."""
@@ -208,7 +208,7 @@ def member_solid(
     places = member.tooth.joint.places(teeth or 0)
     mesh = teeth_mesh(tooth, member.name, places) if few else gear_solid(member, tolerance, tooth)
     seconds = time.perf_counter() - started
-    written = mesh if file is None else io.stored(mesh, file)
+    written = mesh if file is None else io.mesh_in_file(mesh, file)
     watertight, volume = False, None
     if not few:
         proof = prove(written, member.genus)
@@ -237,5 +237,5 @@ def solid_of(
 
 def solids_of(gears: GearSet, tolerance: float, file: str | PathLike[str] | None = None) -> Solids:
     """All members as they mesh at phi1 = 0, as `Gears.solids` says; `tolerance` in mm."""
-    parts = {name: solid_of(gears, name, tolerance, file=file).moved(place) for name, place in gears.places.items()}
+    parts = {name: solid_of(gears, name, tolerance, file=file).move(place) for name, place in gears.places.items()}
     return Solids(gears.design, parts, gears.warnings)

@@ -249,7 +249,7 @@ class Contact(Result):
             for each, share in zip(self._positions, self.hertz.share.tolist(), strict=True)
             if each.hertz is not None
         ]
-        heads = ["phi1 deg", *(figure.key.replace("_", " ") for figure in HertzFigures.declared()), "share %"]
+        heads = ["phi1 deg", *(figure.key.replace("_", " ") for figure in HertzFigures.declared_figures()), "share %"]
         how = "shared" if self.summary.get("load_sharing") == SHARED else "all on this tooth pair"
         title = f"Hertz contact, {self.hertz.torque:g} Nm on the {self.pair.pinion.name}, {how}"
         return [Listing(title, heads, values)]

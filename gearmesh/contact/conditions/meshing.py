@@ -161,7 +161,7 @@ class Conditions:
         own = (pinion.surface.jet(x[:, 0], x[:, 1]), gear.surface.jet(x[:, 2], x[:, 3]))
         first, second = self.mounts(index)
         placed = first.at(self.phi1[index]), second.at(x[:, 4])
-        fixed = own[0].moved(placed[0]), own[1].moved(placed[1])
+        fixed = own[0].move(placed[0]), own[1].move(placed[1])
         return Touch(own, fixed, (placed[0].rotation, placed[1].rotation))
 
     def repeated(self, index: NDArray[np.intp]) -> Conditions:

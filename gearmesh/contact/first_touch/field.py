@@ -150,7 +150,7 @@ def leads(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) 
     lag = pair.ratio * phi1[index][:, None]
     phi2 = second.zero + second.sign * turn
     # one turn of the gear is one contact: count phi2 - phi1 N1/N2 from -90 to 270 deg, as the sources do
-    ahead = joint.counted(phi2 - lag)
+    ahead = joint.wrap(phi2 - lag)
     pushes = pair.drive * second.sign * joint.along(target, normal) > 0.0
     azimuth, turned = pair.pinion.azimuth(r), first.sign * phi1[index][:, None]
     if np.abs(azimuth).max(initial=0.0) + np.abs(turned).max(initial=0.0) > np.pi:

@@ -52,7 +52,7 @@ class _Document:
 
     def mesh(self, name: str, mesh: TriangleMesh) -> None:
         """Append a mesh with its node."""
-        mesh = stored(mesh)
+        mesh = mesh_in_file(mesh)
         points = (mesh.vertices / _METRE).astype("<f4")
         bounds = {"min": points.min(axis=0).tolist(), "max": points.max(axis=0).tolist()}
         shape = {"componentType": _FLOAT, "type": "VEC3", "count": len(points), **bounds}
@@ -73,7 +73,7 @@ class _Document:
         node = self.add("nodes", {"name": name, "mesh": self.add("meshes", entry)})
         self.json["scenes"][0]["nodes"].append(node)
 
-    def packed(self) -> bytes:
+    def pack(self) -> bytes:
         """The file: header, JSON chunk, binary chunk, each padded to 4 bytes."""
         binary = b"".join(self.pieces)
         text = json.dumps({**self.json, "buffers": [{"byteLength": len(binary)}]}, separators=(",", ":")).encode()
@@ -89,7 +89,7 @@ def _material(name: str, colour: tuple[float, float, float]) -> dict[str, Any]:
     return {"name": name, "pbrMetallicRoughness": surface}
 
 
-def stored(mesh: TriangleMesh) -> TriangleMesh:
+def mesh_in_file(mesh: TriangleMesh) -> TriangleMesh:
     """The mesh that a file holds: closed where `mesh` is, for readers that join equal vertices too."""
     return in_single(mesh, _METRE)
 
@@ -100,7 +100,7 @@ def write(scene: Scene, path: Path) -> None:
     for name, mesh in scene.items():
         document.mesh(name, mesh)
     with whole_file(path) as temporary:
-        temporary.write_bytes(document.packed())
+        temporary.write_bytes(document.pack())
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:
@@ -137,4 +137,4 @@ def _mesh(entry: dict[str, Any], document: dict[str, Any], binary: memoryview) -
     return built_mesh(entry["name"], points, np.concatenate(parts), regions, names)
 
 
-register(".glb", "binary glTF, metres, float32, a coloured primitive for each region", write, read, True, stored)
+register(".glb", "binary glTF, metres, float32, a coloured primitive for each region", write, read, True, mesh_in_file)

@@ -12,7 +12,7 @@ import numpy as np
 
 from gearmesh import __version__
 from gearmesh.io.atomic import whole_file
-from gearmesh.io.rebuild import built_mesh, facet_normals, merged
+from gearmesh.io.rebuild import built_mesh, facet_normals, merge
 from gearmesh.io.registry import Scene, register
 from gearmesh.io.single import in_single
 from gearmesh.mesh.triangles import TriangleMesh
@@ -26,7 +26,7 @@ _FINEST = 2.0**-26
 def write(scene: Scene, path: Path) -> None:
     """Write the one mesh of the scene; facet normals are those of the corners."""
     ((name, mesh),) = scene.items()
-    mesh = stored(mesh)
+    mesh = mesh_in_file(mesh)
     with whole_file(path) as temporary, open(temporary, "wb") as file:
         file.write(_header(name, mesh.frame) + np.uint32(len(mesh.triangles)).astype("<u4").tobytes())
         for start in range(0, len(mesh.triangles), _CHUNK):
@@ -45,7 +45,7 @@ def _header(name: str, frame: str) -> bytes:
     return re.sub("(?i)solid", "body", text).encode("ascii", "replace")[:80].ljust(80)
 
 
-def stored(mesh: TriangleMesh) -> TriangleMesh:
+def mesh_in_file(mesh: TriangleMesh) -> TriangleMesh:
     """The mesh that a file holds: closed where `mesh` is."""
     return in_single(mesh, finest=_FINEST)
 
@@ -56,8 +56,8 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     count = int.from_bytes(data[80:84], "little")
     if len(data) != 84 + count * _FACET.itemsize:
         raise ValueError("its length is not that of a binary STL")
-    vertices, corner = merged(np.frombuffer(data, _FACET, offset=84)["corners"].reshape(-1, 3))
+    vertices, corner = merge(np.frombuffer(data, _FACET, offset=84)["corners"].reshape(-1, 3))
     return {path.stem: built_mesh(path.stem, vertices, corner)}
 
 
-register(".stl", "binary STL, mm, float32, no regions", write, read, stored=stored)
+register(".stl", "binary STL, mm, float32, no regions", write, read, mesh_in_file=mesh_in_file)

@@ -14,7 +14,7 @@ import numpy as np
 
 from gearmesh import __version__
 from gearmesh.io.atomic import whole_file
-from gearmesh.io.attribute import quoted
+from gearmesh.io.attribute import quote
 from gearmesh.io.palette import region_colours
 from gearmesh.io.rebuild import built_mesh, by_name
 from gearmesh.io.registry import Scene, register
@@ -58,8 +58,8 @@ def _model(scene: Scene) -> Iterator[str]:
         yield f'<basematerials id="{2 * k + 1}">\n'
         for region, colour in zip(mesh.region_names, region_colours(len(mesh.region_names)), strict=True):
             display = "".join(f"{round(255 * part):02X}" for part in colour)
-            yield f'<base name={quoted(region)} displaycolor="#{display}"/>\n'
-        yield f'</basematerials>\n<object id="{2 * k + 2}" type="model" name={quoted(name)}'
+            yield f'<base name={quote(region)} displaycolor="#{display}"/>\n'
+        yield f'</basematerials>\n<object id="{2 * k + 2}" type="model" name={quote(name)}'
         yield f' pid="{2 * k + 1}" pindex="0"><mesh>\n<vertices>\n'
         yield from lines('<vertex x="%r" y="%r" z="%r"/>\n', mesh.vertices)
         yield "</vertices>\n<triangles>\n"

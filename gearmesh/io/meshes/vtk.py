@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.io.atomic import whole_file
-from gearmesh.io.attribute import quoted
+from gearmesh.io.attribute import quote
 from gearmesh.io.rebuild import built_mesh
 from gearmesh.io.registry import Scene, register
 from gearmesh.mesh.triangles import TriangleMesh
@@ -50,7 +50,7 @@ def _write_file(mesh: TriangleMesh, path: Path, dataset: str, cells: str) -> Non
     number = f"NumberOf{cells}"
     types = data.array("types", np.full(count, _TRIANGLE), "|u1") if cells == "Cells" else ""
     fields = "".join(
-        f'<DataArray type="Int32" Name={quoted(name)} NumberOfTuples="1" format="ascii">{i}</DataArray>\n'
+        f'<DataArray type="Int32" Name={quote(name)} NumberOfTuples="1" format="ascii">{i}</DataArray>\n'
         for i, name in enumerate(mesh.region_names)
     )
     text = (

@@ -13,9 +13,9 @@ from xml.etree.ElementTree import parse
 import numpy as np
 
 from gearmesh.io.atomic import whole_file, whole_folder
-from gearmesh.io.attribute import quoted
+from gearmesh.io.attribute import quote
 from gearmesh.io.meshes.vtk import read_piece, write_surface
-from gearmesh.io.rebuild import built_mesh, merged
+from gearmesh.io.rebuild import built_mesh, merge
 from gearmesh.io.registry import Scene, register
 from gearmesh.mesh.triangles import TriangleMesh
 
@@ -27,7 +27,7 @@ def write(scene: Scene, path: Path) -> None:
         blocks = [_write_pieces(mesh, name, folder, pieces.name) for name, mesh in scene.items()]
         if len(scene) > 1:
             numbered = enumerate(zip(scene, blocks, strict=True))
-            blocks = [f'<Block index="{i}" name={quoted(name)}>\n{block}</Block>\n' for i, (name, block) in numbered]
+            blocks = [f'<Block index="{i}" name={quote(name)}>\n{block}</Block>\n' for i, (name, block) in numbered]
         kind = "vtkMultiBlockDataSet"
         head = f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian">\n<{kind}>\n'
         index.write_text(f"{head}{''.join(blocks)}</{kind}>\n</VTKFile>\n", encoding="utf-8")
@@ -40,8 +40,8 @@ def _write_pieces(mesh: TriangleMesh, name: str, folder: Path, shown: str) -> st
         region = mesh.region_names[i]
         file = re.sub(r"[^\w.-]+", "_", f"{name}_{i:02d}_{region}") + ".vtp"
         write_surface(mesh.only(region), folder / file)
-        reference = quoted(f"{shown}/{file}")
-        elements.append(f'<DataSet index="{len(elements)}" name={quoted(region)} file={reference}/>\n')
+        reference = quote(f"{shown}/{file}")
+        elements.append(f'<DataSet index="{len(elements)}" name={quote(region)} file={reference}/>\n')
     return "".join(elements)
 
 
@@ -49,10 +49,10 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     """Meshes of a VTM of the kind written here; points of its regions with equal coordinates are one vertex again."""
     (root,) = parse(path).getroot()
     groups = [(block.attrib["name"], block) for block in root.findall("Block")] or [(path.stem, root)]
-    return {name: _joined(name, [path.parent / piece.attrib["file"] for piece in group]) for name, group in groups}
+    return {name: _join(name, [path.parent / piece.attrib["file"] for piece in group]) for name, group in groups}
 
 
-def _joined(name: str, files: list[Path]) -> TriangleMesh:
+def _join(name: str, files: list[Path]) -> TriangleMesh:
     """The mesh whose regions are the given files."""
     parts = [read_piece(file) for file in files]
     names = parts[0].region_names
@@ -60,7 +60,7 @@ def _joined(name: str, files: list[Path]) -> TriangleMesh:
         raise ValueError("its pieces name different regions")
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     corners = np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=False)])
-    vertices, place = merged(np.concatenate([part.vertices for part in parts]))
+    vertices, place = merge(np.concatenate([part.vertices for part in parts]))
     regions, normals = (np.concatenate([getattr(part, field) for part in parts]) for field in ("regions", "normals"))
     return built_mesh(name, vertices, place[corners], regions, names, normals)
 

@@ -74,23 +74,23 @@ class FeedGeneration:
         return np.stack([dot(self.tool.n, w) for w in self.velocities], axis=-1)
 
     @property
-    def allowed(self) -> Array:
+    def residual_limits(self) -> Array:
         """Residuals (..., 2) that count as none: n . w is known no better than omega x r and tau are, and r no better than v."""
         reach = np.abs(self.tool.r).sum(axis=-1) + np.abs(self.v) * np.abs(self.tool.r_v).sum(axis=-1)
         parts = [np.abs(omega).sum(axis=-1) * reach + np.abs(tau).sum(axis=-1) for omega, tau in self.state.twists]
         return np.maximum(TOLERANCE, ROUNDING * np.stack(parts, axis=-1))
 
     @property
-    def met(self) -> NDArray[np.bool_]:
+    def holds(self) -> NDArray[np.bool_]:
         """Whether (...,) the equations of meshing hold."""
-        return np.asarray((np.abs(self.residual) <= self.allowed).all(axis=-1))
+        return np.asarray((np.abs(self.residual) <= self.residual_limits).all(axis=-1))
 
     @property
     def solution(self) -> Solution:
         """(v, psi) (..., 2), their status and the larger residual: NOT_FINITE where the tool never touches."""
         residual = np.abs(self.residual).max(axis=-1)
         status = np.where(np.isfinite(residual), int(Status.MAX_ITERATIONS), int(Status.NOT_FINITE))
-        status = np.where(self.met, int(Status.CONVERGED), status)
+        status = np.where(self.holds, int(Status.CONVERGED), status)
         return Solution(np.stack((self.v, self.psi), axis=-1), status, residual, self.iterations)
 
     @property
@@ -131,7 +131,7 @@ class FeedEnvelope:
 
         Raises NoSolutionError where they have no solution near the start.
         """
-        g = self._solved(u, s)
+        g = self._solve(u, s)
         missing = ~g.solution.converged
         if missing.any():
             first_u, first_s = (np.broadcast_to(x, missing.shape)[missing][0] for x in (u, s))
@@ -141,23 +141,23 @@ class FeedEnvelope:
             )
         return g
 
-    def prepared(self, u_range: tuple[float, float], s_range: tuple[float, float]) -> FeedEnvelope:
+    def prepare(self, u_range: tuple[float, float], s_range: tuple[float, float]) -> FeedEnvelope:
         """The same envelope with a start that is all but the solution for u and s (mm) in these ranges.
 
         (v, psi) are interpolated there by Chebyshev polynomials: one evaluation of tool and motion instead of four. Where
         they have no solution in a part of the region, or one that jumps, the envelope stays as it is.
         """
-        attempts = (self._interpolated((u_range, s_range), nodes) for nodes in NODES)
+        attempts = (self._interpolate((u_range, s_range), nodes) for nodes in NODES)
         return next((attempt for attempt in attempts if attempt is not None), self)
 
-    def _interpolated(
+    def _interpolate(
         self, ranges: tuple[tuple[float, float], tuple[float, float]], nodes: tuple[int, int]
     ) -> FeedEnvelope | None:
-        """As `prepared` with so many nodes; None where they do not do."""
+        """As `prepare` with so many nodes; None where they do not do."""
         orders = range(nodes[0]), range(nodes[1])
         places = [np.cos(np.pi * (np.array(k) + 0.5) / len(k)) for k in orders]
         scaled = [0.5 * (low + high) + 0.5 * (high - low) * x for (low, high), x in zip(ranges, places, strict=True)]
-        g = self._solved(*np.meshgrid(*scaled, indexing="ij"))
+        g = self._solve(*np.meshgrid(*scaled, indexing="ij"))
         if not np.isfinite(g.v).all():
             return None
         # to rounding, so that the interpolated values are within the tolerance
@@ -195,7 +195,7 @@ class FeedEnvelope:
 
         return start
 
-    def _solved(self, u: Array, s: Array) -> FeedGeneration:
+    def _solve(self, u: Array, s: Array) -> FeedGeneration:
         """As `generation`, NaN where there is no solution.
 
         Plain Newton steps from the start, then damped ones where these do not arrive. (v, psi) themselves need not converge:
@@ -205,7 +205,7 @@ class FeedEnvelope:
         v, psi = (np.array(np.broadcast_to(x, u.shape), dtype=float) for x in self.start(u, s))
         with np.errstate(divide="ignore", invalid="ignore"):
             g = self._at(u, v, psi, s)
-            todo = np.flatnonzero(~g.met & np.isfinite(u) & np.isfinite(s))
+            todo = np.flatnonzero(~g.holds & np.isfinite(u) & np.isfinite(s))
             if not todo.size:
                 return g
             flat_u, flat_v, flat_psi, flat_s = (x.reshape(-1) for x in (u, v, psi, s))
@@ -216,23 +216,23 @@ class FeedEnvelope:
                 flat_v[todo] += dv
                 flat_psi[todo] += dpsi
                 g = self._at(flat_u[todo], flat_v[todo], flat_psi[todo], flat_s[todo])
-                away = ~g.met
+                away = ~g.holds
                 todo = todo[away]
                 dv, dpsi = (x[away] for x in g.newton_step)
                 if not todo.size:
                     break
             else:
-                solution = self._guarded(flat_u[todo], flat_s[todo])
+                solution = self._damped_newton(flat_u[todo], flat_s[todo])
                 iterations += solution.iterations
                 flat_v[todo], flat_psi[todo] = np.where(solution.converged[:, None], solution.values, np.nan).T
             return replace(self._at(u, v, psi, s), iterations=iterations)
 
-    def _guarded(self, u: Array, s: Array) -> Solution:
+    def _damped_newton(self, u: Array, s: Array) -> Solution:
         """(v, psi) (M, 2) by damped Newton from the start; u, s (M,)."""
 
         def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
             g = self._at(u[index], x[:, 0], x[:, 1], s[index])
-            unit = TOLERANCE / g.allowed
+            unit = TOLERANCE / g.residual_limits
             jacobian = np.stack((g.partials(g.tool.r_v, g.tool.n_v), g.by_motion(ROLL)), axis=-1)
             return unit * g.residual, unit[..., None] * jacobian
 
@@ -261,7 +261,7 @@ class FeedEnvelope:
 
     def jet(self, u: Array, s: Array) -> Jet:
         """Jet of the generated surface in the blank frame, at its point next to the solution, which is one of rounded numbers."""
-        g = self._solved(u, s)
+        g = self._solve(u, s)
         # two motions, and both parameters
         spend(g.v.size, 2 * (g.iterations + 1), linear=False)
         across = (g.tool.r_u, g.tool.n_u), g.partials(g.tool.r_u, g.tool.n_u)
@@ -283,7 +283,7 @@ class FeedEnvelope:
         r_u, n_u, r_s, n_s, r_on, n_on = partials
         slight = np.abs(r_on).max(axis=-1, keepdims=True) <= SLIGHT
         r, n = g.tool.r + np.where(slight, r_on, 0.0), g.tool.n + np.where(slight, n_on, 0.0)
-        return Jet(r, n, r_u, r_s, n_u, n_s).moved(g.state.tool_to_blank)
+        return Jet(r, n, r_u, r_s, n_u, n_s).move(g.state.tool_to_blank)
 
     def _at(self, u: Array, v: Array, psi: Array, s: Array) -> FeedGeneration:
         tool = self.tool.jet(u, v)

@@ -21,7 +21,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 from gearmesh.kernel.surface.levels import Level
-from gearmesh.kernel.surface.stations import followed
+from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, Surface, area_normal
 
 #: points of a scan along a line for changes of sign
@@ -83,7 +83,7 @@ def singular_at(surface: Surface, p_range: tuple[ArrayLike, ArrayLike], stations
         high = low + (end - start) / BLOCKS
 
         def density(x: Array, row: NDArray[np.intp], at: Array = stations[active]) -> Array:
-            points = followed(surface, x, at[row], axial)
+            points = follow(surface, x, at[row], axial)
             return np.where(points.converged, area_density(points.jet), np.nan)
 
         row, p = zeros(density, low[active], high[active], BLOCK_SAMPLES)
@@ -109,7 +109,7 @@ def zeros(function: LineFunction, low: Array, high: Array, samples: int = SAMPLE
     rows = np.arange(low.size)
     share = np.linspace(0.0, 1.0, samples)[:, None]
     x = low + share * (high - low)
-    f = _defined(function, x.ravel(), np.broadcast_to(rows, x.shape).ravel()).reshape(x.shape)
+    f = _values(function, x.ravel(), np.broadcast_to(rows, x.shape).ravel()).reshape(x.shape)
     # a sample that is 0 to the last digit would hide between two changes of sign
     exact = np.nonzero(f == 0.0)
     k, row = np.nonzero(f[:-1] * f[1:] < 0.0)
@@ -119,7 +119,7 @@ def zeros(function: LineFunction, low: Array, high: Array, samples: int = SAMPLE
     first, second = (np.concatenate(pair, axis=1) for pair in zip((first, second), at_edge, strict=True))
     if not row.size:
         return exact[1], x[exact]
-    roots = bracketed_root(lambda at, k: _defined(function, at, row[k]), first[0], second[0], relative=PRECISION)
+    roots = bracketed_root(lambda at, k: _values(function, at, row[k]), first[0], second[0], relative=PRECISION)
     row = np.concatenate((row[roots.converged], exact[1]))
     at = np.concatenate((roots.before[roots.converged], x[exact]))
     order = np.lexsort(((at - low[row]) / (high - low)[row], row))
@@ -138,9 +138,9 @@ def _edges(function: LineFunction, x: Array, f: Array) -> tuple[NDArray[np.intp]
     if k.size:
         edge_of = row
         inside, _ = last_true(
-            lambda at, k: np.isfinite(_defined(function, at, edge_of[k])), inside, outside, rounds=EDGE_STEPS
+            lambda at, k: np.isfinite(_values(function, at, edge_of[k])), inside, outside, rounds=EDGE_STEPS
         )
-    value = _defined(function, inside, row) if k.size else np.zeros(0)
+    value = _values(function, inside, row) if k.size else np.zeros(0)
     change = np.flatnonzero(value * f[inner, row] < 0.0)
     k, row, inner = k[change], row[change], inner[change]
     sample, edge = np.stack((x[inner, row], f[inner, row])), np.stack((inside[change], value[change]))
@@ -148,7 +148,7 @@ def _edges(function: LineFunction, x: Array, f: Array) -> tuple[NDArray[np.intp]
     return row, np.where(forward, sample, edge), np.where(forward, edge, sample)
 
 
-def _defined(function: LineFunction, x: Array, row: NDArray[np.intp]) -> Array:
+def _values(function: LineFunction, x: Array, row: NDArray[np.intp]) -> Array:
     """Values (M,), NaN where the function has none; a batch that fails is halved until the failing members are alone."""
     try:
         with np.errstate(all="ignore"):
@@ -157,4 +157,4 @@ def _defined(function: LineFunction, x: Array, row: NDArray[np.intp]) -> Array:
         if x.size == 1:
             return np.full(1, np.nan)
         half = x.size // 2
-        return np.concatenate((_defined(function, x[:half], row[:half]), _defined(function, x[half:], row[half:])))
+        return np.concatenate((_values(function, x[:half], row[:half]), _values(function, x[half:], row[half:])))

@@ -76,7 +76,7 @@ class Chain:
     harmonic: bool = False
 
     @cached_property
-    def unmodified(self) -> Chain | None:
+    def unmodified_motion(self) -> Chain | None:
         """The chain without the higher terms of its angles, where `harmonic` says that its twist is then harmonic."""
         if not self.harmonic:
             return None
@@ -86,7 +86,7 @@ class Chain:
 
     def at(self, phi: Array) -> MotionState:
         """State at phi (...,), which every step follows."""
-        total, ((omega, tau),), (((omega_phi, tau_phi),),) = _accumulated(self.steps, (np.asarray(phi, dtype=float),))
+        total, ((omega, tau),), (((omega_phi, tau_phi),),) = _accumulate(self.steps, (np.asarray(phi, dtype=float),))
         return MotionState(total, omega, tau, omega_phi, tau_phi)
 
     def axes(self, *parameters: Array) -> tuple[MachineAxis, ...]:
@@ -95,10 +95,10 @@ class Chain:
     def at_several(self, *parameters: Array) -> SeveralStates:
         """State at values (...,) of several parameters, each step following the one it names."""
         values = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in parameters))
-        return SeveralStates(*_accumulated(self.steps, tuple(values)))
+        return SeveralStates(*_accumulate(self.steps, tuple(values)))
 
 
-def _accumulated(
+def _accumulate(
     steps: tuple[Step, ...], parameters: tuple[Array, ...]
 ) -> tuple[Rigid, tuple[Twist, ...], tuple[tuple[Twist, ...], ...]]:
     """Transform, twists and their derivatives of a product of steps."""

@@ -92,7 +92,7 @@ class Joint(Protocol):
     def within(self, angle: Array) -> Array:
         """Differences of angles less the full turns that bring them next to zero; those that are there stay to the last digit."""
 
-    def counted(self, angle: Array) -> Array:
+    def wrap(self, angle: Array) -> Array:
         """Angles counted from -pi/2 to 3 pi/2, where a full turn is none."""
 
     def running(self, angle: Array) -> Array:
@@ -166,7 +166,7 @@ class Revolute:
     def within(self, angle: Array) -> Array:
         return angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
 
-    def counted(self, angle: Array) -> Array:
+    def wrap(self, angle: Array) -> Array:
         wrapped: Array = (angle + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi
         return wrapped
 
@@ -239,7 +239,7 @@ class Prismatic:
     def within(self, angle: Array) -> Array:
         return angle
 
-    def counted(self, angle: Array) -> Array:
+    def wrap(self, angle: Array) -> Array:
         return angle
 
     def running(self, angle: Array) -> Array:

@@ -45,7 +45,7 @@ class Motion(Protocol):
         """True where omega is constant and tau linear in phi, so that the equation of meshing is linear in phi."""
 
     @property
-    def unmodified(self) -> Motion | None:
+    def unmodified_motion(self) -> Motion | None:
         """This motion, or one close to it, whose twist is a + b cos(phi) + c sin(phi) in the tool frame; None if none is.
 
         So is the twist of a tool turning with a cradle over a blank that turns in a constant ratio: the equation of

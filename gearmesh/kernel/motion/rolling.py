@@ -61,7 +61,7 @@ class CradleRoll:
     linear: bool = False
 
     @cached_property
-    def unmodified(self) -> CradleRoll:
+    def unmodified_motion(self) -> CradleRoll:
         """The motion with a constant ratio of roll, the tool fixed on the cradle and nothing fed."""
         if not (self.slide or self.feed or any(map(any, (self.turn[2:], self.tilt[1:], self.swivel[1:])))):
             return self
@@ -86,7 +86,7 @@ class CradleRoll:
     @cached_property
     def _turn(self) -> tuple[Array, Array, Array]:
         """Coefficients of the blank's angle and its first two derivatives, highest first."""
-        return _derived(self.turn)
+        return _derivatives(self.turn)
 
     def at(self, phi: Array) -> MotionState:
         phi = np.asarray(phi, dtype=float)
@@ -114,12 +114,12 @@ class CradleRoll:
         if moving:
             more, more_phi = slid_phi + drift, cross(spin, slid_phi - drift) + slid_2 + drift_2
             state = replace(state, tau=state.tau + more, tau_phi=state.tau_phi + more_phi)
-        return self._tilted(state, phi) if self.tilt or self.swivel else state
+        return self._tilt(state, phi) if self.tilt or self.swivel else state
 
-    def _tilted(self, carried: MotionState, phi: Array) -> MotionState:
+    def _tilt(self, carried: MotionState, phi: Array) -> MotionState:
         """The motion of the tool that is tilted on its carrier."""
         (tilt, tilt_phi, tilt_2), (swivel, swivel_phi, swivel_2) = (
-            tuple(_polynomial(p, phi)[..., 0] for p in _derived(setting)) for setting in (self.tilt, self.swivel)
+            tuple(_polynomial(p, phi)[..., 0] for p in _derivatives(setting)) for setting in (self.tilt, self.swivel)
         )
         c, s = np.cos(swivel), np.sin(swivel)
         # over the carrier the tool turns about its z axis and about the y axis swivelled
@@ -155,7 +155,7 @@ class CradleRoll:
         return Rigid(rotation, (rotation @ centre if centre.ndim == 1 else turn(rotation, centre)) + shift)
 
 
-def _derived(coefficients: tuple[float, ...]) -> tuple[Array, Array, Array]:
+def _derivatives(coefficients: tuple[float, ...]) -> tuple[Array, Array, Array]:
     """Coefficients of a polynomial, lowest first, and those of its first two derivatives, all highest first."""
     highest_first = np.trim_zeros(np.array(coefficients[::-1]), "f")
     return highest_first, np.polyder(highest_first), np.polyder(highest_first, 2)

@@ -33,7 +33,7 @@ _limit: ContextVar[Effort | None] = ContextVar("effort", default=None)
 
 
 @contextmanager
-def limited(effort: Effort) -> Iterator[None]:
+def limit_effort(effort: Effort) -> Iterator[None]:
     """Raise EffortSpentError from what is computed inside as soon as the effort is spent."""
     token = _limit.set(effort)
     try:

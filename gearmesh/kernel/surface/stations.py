@@ -39,13 +39,13 @@ def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Arra
 
     Shapes broadcast to (...,). Raises TrimError where there is no such point near the start.
     """
-    curve = followed(surface, p, stations, axial, start)
+    curve = follow(surface, p, stations, axial, start)
     if not curve.converged.all():
         raise TrimError("tip", 0.5, "the tooth surface cannot be followed along the face")
     return curve.values, curve.jet
 
 
-def followed(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float = 0.0) -> Followed:
+def follow(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float = 0.0) -> Followed:
     """As `along`, with a status for each point.
 
     Newton: the station is linear in v for every rack-generated surface (one step). The whole batch goes on together, then
@@ -54,13 +54,15 @@ def followed(surface: Surface, p: Array, stations: Array, axial: Level, start: A
     """
     p, stations = np.broadcast_arrays(p, stations)
     if p.ndim == 2 and p.shape[0] > 2 * START_ROWS:
-        start = _interpolated(surface, p, stations, axial, start)
+        start = _interpolate(surface, p, stations, axial, start)
     v = np.broadcast_to(np.asarray(start, dtype=float), p.shape)
     scale = 1.0 + float(np.abs(stations).max(initial=0.0))
-    v, jet, miss, iterations = _stepped(surface, p, stations, axial, v, (scale, TOGETHER))
+    v, jet, miss, iterations = _newton_steps(surface, p, stations, axial, v, (scale, TOGETHER))
     left = ~(np.abs(miss) <= SETTLED * scale)
     if left.any() and iterations == TOGETHER:
-        v[left], _, _, more = _stepped(surface, p[left], stations[left], axial, v[left], (scale, ITERATIONS - TOGETHER))
+        v[left], _, _, more = _newton_steps(
+            surface, p[left], stations[left], axial, v[left], (scale, ITERATIONS - TOGETHER)
+        )
         jet, iterations = surface.jet(p, v), iterations + more
         miss = axial.value(jet.r) - stations
     residual = np.abs(miss)
@@ -69,7 +71,7 @@ def followed(surface: Surface, p: Array, stations: Array, axial: Level, start: A
     return Followed(v, status, residual, iterations, jet)
 
 
-def _stepped(
+def _newton_steps(
     surface: Surface, p: Array, stations: Array, axial: Level, start: Array, limits: tuple[float, int]
 ) -> tuple[Array, Jet, Array, int]:
     """v, jet and distance (...,) from the station after Newton steps from `start`, and their number; `limits`: scale, most.
@@ -107,7 +109,7 @@ def _stepped(
     return v, jet, axial.value(jet.r) - stations, iterations
 
 
-def _interpolated(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float) -> Array | float:
+def _interpolate(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float) -> Array | float:
     """Start values (S, T) from START_ROWS rows of a grid, by polynomials over p; `start` where p does not run along rows."""
     first, last = p[:1], p[-1:]
     with np.errstate(all="ignore"):
@@ -118,7 +120,7 @@ def _interpolated(surface: Surface, p: Array, stations: Array, axial: Level, sta
     if np.unique(rows).size < START_ROWS:
         return start
     at = np.broadcast_to(start, p.shape)[rows]
-    curve = followed(surface, p[rows], stations[rows], axial, at)
+    curve = follow(surface, p[rows], stations[rows], axial, at)
     if not curve.converged.all():
         return start
     known = curve.values

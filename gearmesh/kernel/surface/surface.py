@@ -37,7 +37,7 @@ class Jet:
         mine = condition[:, None]
         return Jet(*(np.where(mine, getattr(self, field.name), getattr(other, field.name)) for field in fields(Jet)))
 
-    def moved(self, transform: Rigid) -> Jet:
+    def move(self, transform: Rigid) -> Jet:
         """The jet of the same surface in another frame."""
         r, *turned = transform.vectors(self.r, self.n, self.r_u, self.r_v, self.n_u, self.n_v)
         return Jet(r + transform.translation, *turned)
@@ -91,7 +91,7 @@ class PlacedSurface:
     place: Rigid
 
     def jet(self, u: Array, v: Array) -> Jet:
-        return self.surface.jet(u, v).moved(self.place)
+        return self.surface.jet(u, v).move(self.place)
 
     @property
     def tool(self) -> Surface:

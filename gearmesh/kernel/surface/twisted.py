@@ -40,7 +40,7 @@ class Twisted:
         shorter = 1.0 / np.sqrt(1.0 + lean * (lean - 2.0 * n_z))
         normal = (flat.n - lean[..., None] * AXIS) * shorter[..., None]
 
-        def carried(r_q: Array, n_q: Array) -> tuple[Array, Array]:
+        def carry(r_q: Array, n_q: Array) -> tuple[Array, Array]:
             """Derivatives of point and normal, seen in the turned section, for those of the cylinder."""
             z_q = r_q[..., 2:]
             lean_q = dot(n_q, around) + k * dot(flat.n, cross(AXIS, r_q)) + bend * z_q[..., 0] * dot(flat.n, swept)
@@ -49,7 +49,7 @@ class Twisted:
             normal_q = normal_q - (longer * shorter**2)[..., None] * normal
             return r_q + around * z_q, normal_q + k[..., None] * z_q * cross(AXIS, normal)
 
-        r_u, n_u = carried(flat.r_u, flat.n_u)
-        r_v, n_v = carried(flat.r_v, flat.n_v)
+        r_u, n_u = carry(flat.r_u, flat.n_u)
+        r_v, n_v = carry(flat.r_v, flat.n_v)
         rotation = rotation_about("z", psi)
         return Jet(*(turn(rotation, vector) for vector in (flat.r, normal, r_u, r_v, n_u, n_v)))

@@ -548,7 +548,7 @@ def _half_spaces(sector: Sector, nodes: Index) -> Array:
             start = sector.points[:, inner] + way * (ends - sector.points[:, inner])
             moved = _pressed(sector.mesh.nodes[nodes] - start[:, :, None], frames[:, inner], sector.material)
             for image in images:
-                moved += image.moved(start, frames[:, inner])
+                moved += image.displacements(start, frames[:, inner])
             total[:, inner] += (1.0 - way) * moved
             weight[inner] += 1.0 - way
     total /= weight[:, None, None]
@@ -582,7 +582,7 @@ class _Images:
         mirrored = sector.mesh.nodes[nodes] + 2.0 * x[..., None] * out[:, None]
         return _Images(mirrored, middle, out, np.maximum(x, 0.0), sector.material)
 
-    def moved(self, start: Array, frames: Array) -> Array:
+    def displacements(self, start: Array, frames: Array) -> Array:
         """What the end adds (I, J, K, 3), mm/N, to displacements from forces at `start` (I, J, 3) on a half-space.
 
         At the surface that is `quarter_space`'s; deeper places are taken to be as much held back as those that are as far along

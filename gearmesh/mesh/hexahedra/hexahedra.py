@@ -135,7 +135,7 @@ def focused_grid(
             Spacing.of(width, count, float(np.clip(place, 0.0, 1.0)), GROWTH) for width, _, place, count in sizes
         ]
         if wanted is not None:
-            spacings, fixed = _as_wanted(wanted, focus, spacings, fixed)
+            spacings, fixed = _refine_spacings(wanted, focus, spacings, fixed)
     (along, across, inwards), (stations, rows, layers) = spacings, fixed
     t = along.nodes(stations or max(along.cells(focus.t), LEAST_CELLS), focus.t)
     centre = _middle(focus, t)
@@ -163,7 +163,7 @@ def longest_cell(focus: Focus, sag: float) -> float:
     return float(np.sqrt(8.0 * sag / focus.bow)) if focus.bow > 0.0 else np.inf
 
 
-def _as_wanted(
+def _refine_spacings(
     wanted: CoarsestLines, focus: Focus, spacings: list[Spacing], fixed: list[int | None]
 ) -> tuple[list[Spacing], list[int | None]]:
     """Spacings along, across and inwards with those that are too coarse made finer, and the numbers of cells that still hold."""
@@ -198,18 +198,18 @@ def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
     )
     if not (seams.size or tooth.face_breaks.size):
         return grid
-    lines = replace(grid.lines, flank=_moved(grid.lines.flank, seams))
-    others = lines.flank if grid.others is grid.lines.flank else _moved(grid.others, seams)
-    own = {place: _moved(nodes, seams) for place, nodes in grid.own.items()}
-    return HexGrid(_moved(grid.t, tooth.face_breaks), lines, others, own)
+    lines = replace(grid.lines, flank=_snap(grid.lines.flank, seams))
+    others = lines.flank if grid.others is grid.lines.flank else _snap(grid.others, seams)
+    own = {place: _snap(nodes, seams) for place, nodes in grid.own.items()}
+    return HexGrid(_snap(grid.t, tooth.face_breaks), lines, others, own)
 
 
 def on_stations(grid: HexGrid, places: Array) -> HexGrid:
     """The grid with a station at each of some places (K,), 0 .. 1, inside: the nearest goes there."""
-    return replace(grid, t=_moved(grid.t, places))
+    return replace(grid, t=_snap(grid.t, places))
 
 
-def _moved(places: Array, wanted: Array) -> Array:
+def _snap(places: Array, wanted: Array) -> Array:
     """Places (N,) or (N, T), ascending, the nearest to each of `wanted` put there, none of them twice and neither end."""
     moved = places.copy().reshape(len(places), -1)
     taken = np.zeros(moved.shape, dtype=bool)
@@ -225,7 +225,7 @@ def _moved(places: Array, wanted: Array) -> Array:
     return moved.reshape(places.shape)
 
 
-def halved(grid: HexGrid) -> HexGrid:
+def halve(grid: HexGrid) -> HexGrid:
     """The grid with every cell cut in two each way."""
     lines = grid.lines
     fine = Lines(
@@ -262,7 +262,7 @@ def hex_mesh(
     Raises TrimError for a tooth that cannot be trimmed, DesignError for a rim that does not fit.
     """
     grid = on_breaks(tooth, grid)
-    fine = halved(grid) if second_order else grid
+    fine = halve(grid) if second_order else grid
     sections = tooth.sections(fine.t)
     chart, inner = rim_of(tooth, sections, rim)
     leading = tooth_lattice(tooth, sections, fine.lines, chart, inner)

@@ -59,12 +59,12 @@ class HexMesh:
         """All nodes (K,) of a face set, rising."""
         return np.unique(self.face_outlines(name))
 
-    def moved(self, transform: Rigid) -> HexMesh:
+    def move(self, transform: Rigid) -> HexMesh:
         """The same mesh in another frame."""
         return replace(self, nodes=transform.point(self.nodes))
 
 
-def joined(meshes: dict[str, HexMesh]) -> HexMesh:
+def join(meshes: dict[str, HexMesh]) -> HexMesh:
     """Several meshes as one, not connected: sets of the mesh `name` are called name_set, its elements `name`."""
     nodes, elements, first_node, first_element = [], [], 0, 0
     node_sets, element_sets, face_sets = {}, {}, {}

@@ -19,7 +19,7 @@ def recordable(pair: GearPair, torques: int = 0) -> dict[str, str]:
 
     Ratios of line contact are among them, whether or not the contact proves to be along lines.
     """
-    path = [each.key for kind in (PathFigures, PathShift) for each in kind.declared()]
+    path = [each.key for kind in (PathFigures, PathShift) for each in kind.declared_figures()]
     own = () if pair.figures is None else pair.figures.row
     cycle = cycle_figures(pair, _cycle(), None)
     fit = cycle_figures(pair, _cycle(), _fit(pair))

@@ -115,10 +115,10 @@ class BeveloidDesign(PairDesign):
     assembly: BeveloidAssembly = BeveloidAssembly()
     contact: FlankContact = FlankContact()
 
-    def derived(self) -> dict[str, float]:
+    def derived_values(self) -> dict[str, float]:
         """Tip roundings of the racks that the file leaves out; see the key's default."""
         return {
-            **super().derived(),
+            **super().derived_values(),
             **{f"{name}.tool_tip_radius": self._rounding(getattr(self, name)) for name in ("pinion", "gear")},
         }
 

@@ -156,7 +156,7 @@ class CircularArcDesign(PairDesign):
     assembly: CircularArcAssembly = CircularArcAssembly()
     contact: CircularArcContact = CircularArcContact()
 
-    def derived(self) -> dict[str, float]:
+    def derived_values(self) -> dict[str, float]:
         """Rack and pitch radii that the file leaves out; see the keys' defaults."""
         m, theta = self.given_module, math.radians(self.pressure_angle)
         radius = given_or(self.pinion.profile_radius, 1.35 * m)
@@ -164,7 +164,7 @@ class CircularArcDesign(PairDesign):
         gear_radius = given_or(self.gear.profile_radius, radius + 0.15 * m)
         r1, r2 = (given_or(member.pitch_radius, self._pitch_radius(member)) for member in (self.pinion, self.gear))
         derived = {
-            **super().derived(),
+            **super().derived_values(),
             "center_distance": r1 + r2,
             "pinion.pitch_radius": r1,
             "pinion.profile_radius": radius,

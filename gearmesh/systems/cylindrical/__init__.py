@@ -3,7 +3,7 @@
 from gearmesh.systems.cylindrical import planetary, rack
 from gearmesh.systems.cylindrical.build import DISPLACEMENTS, build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
-from gearmesh.systems.cylindrical.geometry.proportions import derived
+from gearmesh.systems.cylindrical.geometry.proportions import derived_values
 from gearmesh.systems.cylindrical.pinned import pair_values
 from gearmesh.systems.cylindrical.sheet import data_sheet
 from gearmesh.systems.system import System
@@ -13,7 +13,7 @@ SYSTEMS = (
         "cylindrical",
         CylindricalDesign,
         build,
-        derive=derived,
+        derive=derived_values,
         sheet=data_sheet,
         displacements=DISPLACEMENTS,
         pinned=pair_values,

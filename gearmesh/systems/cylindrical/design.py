@@ -393,9 +393,9 @@ class ToothingKeys(Design):
             return math.degrees(math.atan(tangent * math.cos(math.radians(self.helix_angle))))
         return given_or(self.pressure_angle, 20.0)
 
-    def derived(self) -> dict[str, float]:
+    def derived_values(self) -> dict[str, float]:
         """Defaults that the profile says; those that follow from the mesh are the system's to derive."""
-        defaults = super().derived()
+        defaults = super().derived_values()
         if self.transverse_pressure_angle is None:
             defaults["pressure_angle"] = 20.0
         for name in self.toothed:

@@ -56,7 +56,7 @@ def nested(own: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, dict[s
 def completed_pair(keys: Mapping[str, Any]) -> CylindricalDesign:
     """The design of a pair with everything filled in that its mesh says. Raises DesignError for one that cannot exist."""
     design = CylindricalDesign(**keys)
-    return design if design.complete else design.filled(closed.derived(design))
+    return design if design.complete else design.fill(closed.derived_values(design))
 
 
 def in_words(make: Callable[[], T], names: Mapping[str, str]) -> T:
@@ -64,7 +64,7 @@ def in_words(make: Callable[[], T], names: Mapping[str, str]) -> T:
     try:
         return make()
     except GearmeshError as failure:
-        raise failure.worded(lambda text: renamed(text, names)) from failure
+        raise failure.reword(lambda text: renamed(text, names)) from failure
 
 
 def renamed(line: str, names: Mapping[str, str]) -> str:

@@ -102,7 +102,7 @@ def shaped_gear(design: FaceGearDesign) -> ShapedGear:
     return shaped
 
 
-def derived(design: FaceGearDesign) -> dict[str, float]:
+def derived_values(design: FaceGearDesign) -> dict[str, float]:
     """What the geometry says of keys that the file leaves out, by dotted key, in the design's units.
 
     Raises DesignError for a shaper that cannot exist and where no radius has teeth.
@@ -192,7 +192,7 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
 
 def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -> ToothSide:
     shaper = shaped.shaper
-    own = shaped if side > 0 else shaped.mirrored
+    own = shaped if side > 0 else shaped.mirror_image
     tip = own.theta_at_height(design.gear.addendum * design.given_module, np.array(place))
     flank, fillet = (generated(shaped, place, profile, side) for profile in (shaper.involute, shaper.rounding))
     return ToothSide(

@@ -204,11 +204,11 @@ class FaceGearDesign(PairDesign):
     assembly: FaceGearAssembly = FaceGearAssembly()
     contact: FlankContact = FlankContact()
 
-    def derived(self) -> dict[str, float]:
-        """Tool and blank that the file leaves out, but for what geometry has to say (`build.derived`)."""
+    def derived_values(self) -> dict[str, float]:
+        """Tool and blank that the file leaves out, but for what geometry has to say (`build.derived_values`)."""
         rim = given_or(self.gear.rim, RIM * self.given_module)
         return {
-            **super().derived(),
+            **super().derived_values(),
             "shaper.addendum": self.pinion.addendum + deepest(self._has_land, LEAST_CLEARANCE, CLEARANCE),
             "gear.addendum": 1.0 - self.pinion.profile_shift,
             "gear.rim": rim,

@@ -39,7 +39,7 @@ class Grinding:
     def own(self, side: Side) -> tuple[ShapedGear, ShaperWorm]:
         """Gear and worm whose right flank, or its mirror image, is that of a side."""
         right = side is Side.RIGHT
-        return (self.shaped, self.worm) if right else (self.shaped.mirrored, self.worm.mirrored)
+        return (self.shaped, self.worm) if right else (self.shaped.mirror_image, self.worm.mirror_image)
 
     def motion(self) -> FeedMotion:
         """Motion of the worm's frame over the gear's: the roll is the shaper's turn (rad), the feed (mm) along its axis."""

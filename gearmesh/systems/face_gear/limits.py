@@ -45,7 +45,7 @@ class ShapedGear:
 
     The gear's axis is at y = -offset of the shaper's frame; without an offset they meet in the apex, else the apex is the
     foot of the common perpendicular on either. Frame of the gear: z from its apex to the back, tips point to -z, tooth
-    centred on x at psi_s = 0 and y = 0 of the shaper's; methods give the right side, y < 0 (see `mirrored`).
+    centred on x at psi_s = 0 and y = 0 of the shaper's; methods give the right side, y < 0 (see `mirror_image`).
     """
 
     shaper: Shaper
@@ -54,14 +54,14 @@ class ShapedGear:
     offset: float = 0.0
 
     @property
-    def mirrored(self) -> ShapedGear:
+    def mirror_image(self) -> ShapedGear:
         """The gear whose right flank is the mirror image of this one's left."""
         return replace(self, offset=-self.offset)
 
     @property
     def sides(self) -> tuple[ShapedGear, ShapedGear]:
         """This gear and the mirrored one: what gives the right and the left flank."""
-        return self, self.mirrored
+        return self, self.mirror_image
 
     @property
     def ratio(self) -> float:

@@ -122,7 +122,7 @@ class Thread:
 
     def _mapping(self, side: int, p: Array, v: Array) -> Mapping:
         p, v = np.broadcast_arrays(np.asarray(p, dtype=float), np.asarray(v, dtype=float))
-        worm, end = self.worm if side > 0 else self.worm.mirrored, self.worm.shaper.joint[0]
+        worm, end = self.worm if side > 0 else self.worm.mirror_image, self.worm.shaper.joint[0]
         y = side * v
         low, low_y = self.beginning(y)
         theta, theta_p, theta_y = low + p * (end - low), end - low, (1.0 - p) * low_y
@@ -136,7 +136,7 @@ class Thread:
     def _crest_mapping(self, side: int, q: Array, v: Array) -> Mapping:
         """Of the rounding, whose parameter stays; Z would be far from even across it."""
         q, v = np.broadcast_arrays(np.asarray(q, dtype=float), np.asarray(v, dtype=float))
-        worm, shaper = self.worm if side > 0 else self.worm.mirrored, self.worm.shaper
+        worm, shaper = self.worm if side > 0 else self.worm.mirror_image, self.worm.shaper
         # the rounding's point from the shaper's axis, where the shaper's space is centred on x; its normal is at -q
         points, tangents, _, _ = shaper.rounding.section(-q)
         at, slope, y = np.array([shaper.pitch_radius, 0.0]) - points, tangents, side * v

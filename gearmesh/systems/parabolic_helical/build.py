@@ -120,12 +120,12 @@ def _crowning(design: ParabolicHelicalDesign, roll: Roll) -> ToothMaking | None:
     if pinion.crowning == "disk":
         disk, vertex = _disk(design, roll)
         return ToothMaking(
-            lambda rack, used: disk.tooth(rack, pinion.plunge_coefficient, vertex).prepared(used, (-feed, feed)),
+            lambda rack, used: disk.tooth(rack, pinion.plunge_coefficient, vertex).prepare(used, (-feed, feed)),
             disk.description,
         )
     tool = worm(design, module, roll.helix)
     ground = _ground(design, tool)
-    return ToothMaking(lambda rack, used: ground(rack).prepared(used, (-feed, feed)), tool.description)
+    return ToothMaking(lambda rack, used: ground(rack).prepare(used, (-feed, feed)), tool.description)
 
 
 def _disk(design: ParabolicHelicalDesign, roll: Roll) -> tuple[Disk, float]:

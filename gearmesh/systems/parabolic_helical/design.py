@@ -239,7 +239,7 @@ class ParabolicHelicalDesign(PairDesign):
         """Pitch radius of the pinion, in the design's units."""
         return 0.5 * self.pinion.teeth * self.given_module / math.cos(math.radians(self.helix_angle))
 
-    def derived(self) -> dict[str, float]:
+    def derived_values(self) -> dict[str, float]:
         """Coast side, tools and the modified roll that the file leaves out; see the keys' defaults."""
         m = self.given_module
         arm = (
@@ -248,7 +248,7 @@ class ParabolicHelicalDesign(PairDesign):
         roll = given_or(self.pinion.roll_coefficient, self.pinion.plunge_coefficient / arm)
         tips = {"pinion": self._tip("pinion", roll), "gear": self._tip("gear", 0.0)}
         return {
-            **super().derived(),
+            **super().derived_values(),
             "coast_pressure_angle": self.pressure_angle,
             "worm.pitch_radius": TOOL_RADIUS * m,
             "disk.pitch_radius": TOOL_RADIUS * m,

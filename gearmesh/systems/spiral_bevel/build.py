@@ -72,7 +72,7 @@ def _part(made: CutAlone) -> ToolPart:
 def _leant(design: FaceMilledDesign) -> FaceMilledDesign:
     """The design with tilt and swivel that it leaves out."""
     leaning = _leaning(design)
-    return design.filled(leaning) if leaning else design
+    return design.fill(leaning) if leaning else design
 
 
 def left_to_geometry(design: FaceMilledDesign) -> dict[str, float]:
@@ -82,7 +82,7 @@ def left_to_geometry(design: FaceMilledDesign) -> dict[str, float]:
     Raises DesignError and NoSolutionError as `build`.
     """
     leaning = _leaning(design)
-    return {**leaning, **_sliding_bases(design.filled(leaning) if leaning else design)}
+    return {**leaning, **_sliding_bases(design.fill(leaning) if leaning else design)}
 
 
 def _leaning(design: FaceMilledDesign) -> dict[str, float]:

@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import ContactTable, GearBody, PairDesign
-from gearmesh.design.explain import shown
+from gearmesh.design.explain import value_text
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.spiral_bevel.iso23509.tapers import TAPERS
@@ -716,7 +716,7 @@ class FaceMilledDesign(BevelDesign):
         for key in sorted((first.keys() | second.keys()) - {*OF_ONE_SIDE}):
             one, other = first.get(key), second.get(key)
             if not self._alike(key, one, other):
-                why = f'process = "{self.process}" cuts both sides at once; allowed is pinion.concave.{key} = {shown(one)}'
+                why = f'process = "{self.process}" cuts both sides at once; allowed is pinion.concave.{key} = {value_text(one)}'
                 raise conflict(f"pinion.convex.{key}", other, reason=why)
         for name in ("concave", "convex"):
             for key in SYNTHESISED:
@@ -824,10 +824,10 @@ class FaceMilledDesign(BevelDesign):
         left = math.isnan(own.tilt) and math.isnan(own.swivel)
         return self.formate and left and any(getattr(own, key) is None for key in SYNTHESISED)
 
-    def derived(self) -> dict[str, float]:
+    def derived_values(self) -> dict[str, float]:
         """Backlash, tilt, swivel and sliding bases that the file leaves out, but for what only geometry knows: sliding bases of
         tilted cutters, and how they lean for a gear that is not generated. Both sides of the pinion are cut to one depth."""
-        defaults = super().derived()
+        defaults = super().derived_values()
         if self.pinion.thickness is None:
             defaults["backlash"] = self._suggested_backlash
         if not math.isnan(self.apex_base):

@@ -75,7 +75,7 @@ def tool_in_place(tooth: Tooth, which: Side) -> ToolInPlace:
     return ToolInPlace(
         side.tool,
         tool_to_own,
-        at_point.moved(tool_to_own),
+        at_point.move(tool_to_own),
         (float(u), float(v)),
         *drawing.drawn(sides, place),
         ((own_axis,) if drawing.turning else ()) + flank.axes(*motion),

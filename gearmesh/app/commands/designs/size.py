@@ -10,7 +10,7 @@ import typer
 import gearmesh as gm
 from gearmesh.app.options import Json
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, working, write_text
-from gearmesh.design.files import versioned
+from gearmesh.design.files import with_version
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.lengths import in_mm
 
@@ -67,7 +67,7 @@ def size(
             tolerance=0.01 * tolerance,
             face_width=None if face_width is None else _length("--face-width", face_width),
         )
-    text = versioned(found.keys(choose))
+    text = with_version(found.keys(choose))
     write_text(json_file, found.json)
     if output is not None:
         write_text(str(output), lambda: text)

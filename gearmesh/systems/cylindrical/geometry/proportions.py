@@ -47,19 +47,19 @@ def proportions(design: CylindricalDesign) -> PairProportions:
     )
 
 
-def derived(design: CylindricalDesign) -> dict[str, float]:
+def derived_values(design: CylindricalDesign) -> dict[str, float]:
     """What the mesh says of keys that the file leaves out, by dotted key, in the design's units.
 
     Raises DesignError for a centre distance or profile shifts that no working pressure angle belongs to.
     """
     defaults = still_open(design, dict(zip(_keys("profile_shift"), shifts(design), strict=True)))
-    made = design.filled(defaults)
+    made = design.fill(defaults)
     nominal = nominal_mesh(made)
     tips = dict(zip(_keys("tip_alteration"), tip_alterations(made, nominal), strict=True))
     defaults |= still_open(
         design, {**tips, **{f"{name}.addendum": cut_addendum(made, name, nominal) for name in MEMBERS}}
     )
-    made = design.filled(defaults)
+    made = design.fill(defaults)
     roundings = {f"{name}.tool_tip_radius": _rounding(made, name, nominal) for name in MEMBERS}
     backlash = with_allowances(made, nominal).normal_backlash
     return defaults | still_open(design, {**roundings, "backlash": backlash})

@@ -1,9 +1,11 @@
 """Planetary sets: sun, planets and ring as cylindrical pairs that share the planet, their positions, motions and sheet."""
 
-from gearmesh.systems.cylindrical.planetary.build import build, derived
+from gearmesh.systems.cylindrical.planetary.build import build, derived_values
 from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 from gearmesh.systems.cylindrical.planetary.pinned import planetary_values
 from gearmesh.systems.cylindrical.planetary.sheet import planetary_sheet
 from gearmesh.systems.system import System
 
-SYSTEM = System("planetary", PlanetaryDesign, build, derive=derived, sheet=planetary_sheet, pinned=planetary_values)
+SYSTEM = System(
+    "planetary", PlanetaryDesign, build, derive=derived_values, sheet=planetary_sheet, pinned=planetary_values
+)

@@ -92,7 +92,7 @@ def _check_ring(design: PlanetaryDesign, mesh: InvolutePair) -> None:
         )
 
 
-def derived(design: PlanetaryDesign) -> dict[str, float]:
+def derived_values(design: PlanetaryDesign) -> dict[str, float]:
     """What the meshes say of keys that the file leaves out, by dotted key, in the design's units."""
     both = meshes(design)
     tables = {SUN: both.inner.pinion, PLANET: both.inner.gear, RING: both.outer.gear}

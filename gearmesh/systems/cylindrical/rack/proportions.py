@@ -63,7 +63,7 @@ def rack_proportions(design: RackDesign) -> RackPairProportions:
     return RackPairProportions(replace(mesh, tip=tip), replace(nominal, tip=tip), pair, of_pair)
 
 
-def derived(design: RackDesign) -> dict[str, float]:
+def derived_values(design: RackDesign) -> dict[str, float]:
     """What the mesh says of keys that the file leaves out, by dotted key, in the design's units.
 
     Raises DesignError for a mounting distance that no profile shift belongs to.
@@ -72,14 +72,14 @@ def derived(design: RackDesign) -> dict[str, float]:
     spec = design.rack
     depth = given_or(spec.addendum, addendum) + spec.dedendum
     defaults = still_open(design, {f"{RACK}.addendum": addendum, f"{RACK}.height": (depth + BAR) * design.given_module})
-    made = design.filled(defaults)
+    made = design.fill(defaults)
     defaults |= still_open(made, {f"{PINION}.profile_shift": _shift(made)})
-    made = design.filled(defaults)
+    made = design.fill(defaults)
     nominal = _nominal(made)
     own = nominal.pinion
     nearer = nominal.above / own.module - own.shift
     defaults |= still_open(made, {f"{PINION}.tip_alteration": nearer if nearer < -NOTHING else 0.0})
-    made = design.filled(defaults)
+    made = design.fill(defaults)
     mesh = _with_allowances(made, nominal)
     _check(made, mesh)
     alpha = math.degrees(own.alpha)

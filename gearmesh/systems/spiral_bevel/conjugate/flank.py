@@ -27,7 +27,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.stations import followed
+from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
@@ -134,7 +134,7 @@ class _OnGear:
         # what touches the pinion's tip is as deep in the gear
         heights = blank.clearance + 0.5 * (1.0 - y) * blank.mean_working_depth
         p = np.array([self._gear.blade.at_height(float(height)) for height in heights])
-        start = np.stack((p, followed(self._surface, p, _station(blank.gear, x), level).values), axis=-1)
+        start = np.stack((p, follow(self._surface, p, _station(blank.gear, x), level).values), axis=-1)
 
         def apart(q: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
             return self._coordinates(q) - np.stack((x, y), axis=-1)[index], self._slopes(q)

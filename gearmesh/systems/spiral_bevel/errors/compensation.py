@@ -76,7 +76,7 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
         basis = np.stack((e1, e2))
         asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
         # the gear as it meets the aligned pinion has not far to turn to meet the misaligned one
-        farther, standing = mean_contact(gear.moved(base.inverse), first.inverse @ second, HANDS[own.hand], blank)
+        farther, standing = mean_contact(gear.move(base.inverse), first.inverse @ second, HANDS[own.hand], blank)
         turns[name] = teeth.cut.turns[name] + gears.gear.mount.sign * float(path.phi2[0]) + farther
         spec, choice = own.pinion.side(name), teeth.choices[name]
         kept = _chosen(spec, choice)

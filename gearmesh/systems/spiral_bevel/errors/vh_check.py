@@ -238,9 +238,9 @@ class _Conditions:
         first, second = displaced_bases(self.pair.mounts, displacements(x, self.moved))
         axis1, axis2 = first.rotation[..., 2], second.rotation[..., 2]
         own = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1])
-        own = own.moved(first @ Rigid.about_z(x[:, 2]))
+        own = own.move(first @ Rigid.about_z(x[:, 2]))
         mate = Jet(*(getattr(self.mate, key)[index] for key in ("r", "n", "r_u", "r_v", "n_u", "n_v")))
-        mate = mate.moved(second @ Rigid.about_z(x[:, 3]))
+        mate = mate.move(second @ Rigid.about_z(x[:, 3]))
         # the common perpendicular of both axes, about which the shaft angle opens
         across, still = unit(cross(axis1, axis2)), np.zeros_like(axis1)
         arm1, arm2 = own.r - first.translation, mate.r - second.translation

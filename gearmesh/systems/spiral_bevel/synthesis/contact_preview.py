@@ -18,7 +18,7 @@ from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, polar_angle
-from gearmesh.kernel.surface.stations import along, followed
+from gearmesh.kernel.surface.stations import along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
@@ -151,7 +151,7 @@ class Prospects:
         r = (Rigid.about_z(-sense * phi1) @ (self._base @ Rigid.about_z(turns))).point(jet.r)
         flank, own = path.pinion.side(0.0).flank, blank.pinion.stations
         p = _parameters(path.pinion, r)
-        start = np.stack((p, followed(flank, p, own.value(r), own).values), axis=-1)
+        start = np.stack((p, follow(flank, p, own.value(r), own).values), axis=-1)
         rho = np.hypot(r[:, 0], r[:, 1])
 
         def same_circle(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -204,7 +204,7 @@ class Prospects:
         heights = np.linspace(0.0, HIGHEST * self._gear.tip_height, GRID[1])
         p = np.array([self._gear.blade.at_height(float(height)) for height in heights])[:, None]
         stations = np.linspace(*blank.gear.extent, GRID[0])
-        curves = followed(self._surface, p, stations, level)
+        curves = follow(self._surface, p, stations, level)
         margin = np.minimum(-blank.gear.tip.value(curves.jet.r), _above_joint(self._gear, p))
         turns = meshing_turns(curves.jet, self._base, HANDS[self.design.hand], self._ratio)
         return curves.jet, turns, np.where(curves.converged, margin, np.nan)

@@ -29,7 +29,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.figures import Figures, figure
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, unit
-from gearmesh.kernel.surface.stations import followed
+from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
 from gearmesh.systems.spiral_bevel.conjugate.flank import ActiveFlank, ConjugateFlank
@@ -330,7 +330,7 @@ class _Fit:
         blade = side_of(self.design, self.blank, self.name, self.start, self.roll).blade
         heights = self.blank.clearance + 0.5 * (1.0 + self.conjugate.up[self.used]) * self.blank.mean_working_depth
         p = np.array([blade.at_height(float(height)) for height in heights])
-        at = np.stack((p, followed(flank, p, own.value(self._r), own).values), axis=-1)
+        at = np.stack((p, follow(flank, p, own.value(self._r), own).values), axis=-1)
         return self.ease_off(flank, at, FIRST_STEPS)[1]
 
     @cached_property

@@ -527,7 +527,7 @@ def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, blank: BevelBlank)
         raise NoSolutionError(
             reason="the mean point of the gear never meets the pinion", remedy="reduce the assembly errors"
         )
-    at = jet.moved(gear_to_pinion @ Rigid.about_z(turn))
+    at = jet.move(gear_to_pinion @ Rigid.about_z(turn))
     return turn, contact_at(at, gear_to_pinion, sense, ratio, blank.gear.pitch_apex)
 
 

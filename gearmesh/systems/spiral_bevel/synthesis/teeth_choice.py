@@ -158,7 +158,7 @@ class _Remembered:
         if not design.sets(f"gear.cutter.{BASE}"):
             cutter = design.gear.cutter.model_copy(update={BASE: DERIVED})
             opened["gear"] = design.gear.model_copy(update={"cutter": cutter})
-        return _Remembered.of(design.model_copy(update=opened).filled({}))
+        return _Remembered.of(design.model_copy(update=opened).fill({}))
 
 
 @dataclass(frozen=True)
