@@ -29,7 +29,7 @@ class MeshFormat:
     """A file format: `write(scene, path)` writes all meshes whole or not at all, `read(path)` gives them back.
 
     `several`: whether one file can hold more than one mesh; without it the scene given to `write` has one.
-    `stored(mesh)` is the mesh at the precision of the format, what a reader finds of it.
+    `mesh_in_file(mesh)` is the mesh at the precision of the format, what a reader finds of it.
     `read` raises ValueError, KeyError or the like for a file that it does not understand.
     """
 
@@ -37,7 +37,7 @@ class MeshFormat:
     write: Writer
     read: Reader
     several: bool
-    stored: Callable[[TriangleMesh], TriangleMesh]
+    mesh_in_file: Callable[[TriangleMesh], TriangleMesh]
 
 
 def _exactly(mesh: TriangleMesh) -> TriangleMesh:
@@ -56,10 +56,10 @@ def register(
     write: Writer,
     read: Reader,
     several: bool = False,
-    stored: Callable[[TriangleMesh], TriangleMesh] = _exactly,
+    mesh_in_file: Callable[[TriangleMesh], TriangleMesh] = _exactly,
 ) -> None:
     """Make a format known under `suffix` (with its dot, lower case); `mesh_in_file` where it is less than exact."""
-    _FORMATS[suffix] = MeshFormat(description, write, read, several, stored)
+    _FORMATS[suffix] = MeshFormat(description, write, read, several, mesh_in_file)
 
 
 def formats(*, several: bool = False) -> dict[str, str]:

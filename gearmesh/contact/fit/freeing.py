@@ -132,7 +132,7 @@ def _root(short: list[tuple[float, float]], free: tuple[float, float], slope: fl
 
 def _sampled(pair: GearPair, fit: Fit) -> float | None:
     """Play and clearances (mm, the least) to some micrometres, by what the field samples over the same rotations as where a fit was
-    `found`; None where nothing touches. It does not know how deep tips are in fillets."""
+    `fit`; None where nothing touches. It does not know how deep tips are in fillets."""
     reach = int(np.ceil(max(map(abs, fit.span)) / pair.pitch)) * LOOKS
     phi1: Array = np.arange(-reach, reach).astype(float) * (pair.pitch / LOOKS)
     leads = []

@@ -24,7 +24,7 @@ class RackRoll:
 
     radius: float
     linear: bool = True
-    unmodified: None = None
+    unmodified_motion: None = None
 
     def at(self, phi: Array) -> MotionState:
         phi = np.asarray(phi, dtype=float)
