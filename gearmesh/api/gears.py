@@ -16,6 +16,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.lengths import Length, in_mm
 from gearmesh.progress import Progress, silent
 from gearmesh.systems import system as systems
+from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.answers.bodies.cad import Cad
@@ -45,6 +46,53 @@ class Gears(GearSet):
     Nothing is computed before it is asked for. Angles are in deg, torques in Nm, lengths in mm, as in the results, or texts with
     their unit, as "10um" or "0.5in".
     """
+
+    # ---------------------------------------------------------------- flanks as they are
+
+    def with_deviations(
+        self,
+        member: str,
+        flank: str,
+        values: ArrayLike,
+        *,
+        s: ArrayLike | None = None,
+        t: ArrayLike | None = None,
+    ) -> Gears:
+        """The same gears with deviations on a "right" or "left" flank of a member, of any kind.
+
+        Parameters
+        ----------
+        values : (I, J)
+            mm along the flank's normals, positive where there is more material than nominal, at the points of a grid of 2 x 2 or
+            more, as of `members[member].tooth.flank_grid(flank, s, t)`.
+        s, t : (I,), (J,)
+            Shares of the way from root to tip and from toe to heel at which they are, ascending in 0..1; by default evenly
+            spaced from 0.1 to 0.9.
+
+        Returns
+        -------
+        Gears
+            Their flank goes through all points, a bicubic spline between them. Beyond the grid it goes on straight, on the
+            fillet it fades; every answer is about it. What starts from the design again, as studies and data sheets do, is as
+            designed.
+
+        Raises
+        ------
+        DesignError
+            For a member or flank that there is not, and for deviations that are no grid of numbers, too steep or too large.
+
+        Examples
+        --------
+        >>> gears = gm.build(gm.load("samples/spiral_bevel_basic.toml"))
+        >>> real = gears.with_deviations("pinion", "left", 0.001 * np.random.default_rng(0).normal(size=(5, 9)))
+        """
+        from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, with_deviations
+
+        if flank not in tuple(Side):
+            raise ArgumentError("flank", flank, must_be=f"one of {', '.join(Side)}")
+        own, which = self.member(member), Side(flank)
+        grid = DeviationGrid.of(own.tooth, which, values, s, t)
+        return Gears(self.design, self.train.with_member(with_deviations(own, {which: grid})))
 
     # ---------------------------------------------------------------- contact
 

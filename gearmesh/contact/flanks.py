@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.contact.conditions.ends import Between, FormPoints, root_of
+from gearmesh.contact.conditions.ends import Between, FormPoints, root_of, tip_of
 from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
 from gearmesh.contact.pair import CREASES, JOINT, RIDGES, ROOT, Pair
@@ -189,14 +189,12 @@ def contact_flank(member: Member, side: Side) -> Flank:
     tooth = member.tooth
     grid = tooth.grid(FLANKS[side], rows_of(tooth.chain[FLANKS[side]], side), tooth.even)
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
-    # where a broken edge begins, if there is one
-    tip = Shifted(tooth.blank.tip, float(tooth.blank.tip.value(grid.points[-1, grid.points.shape[1] // 2])))
     joint = FormPoints(tooth, side, grid)
     return Flank(
         surface=tooth.side(side).flank,
         mount=member.mount,
         edges={
-            "tip": tip,
+            "tip": tip_of(tooth, grid),
             "toe": Shifted(axial, toe, -1.0),
             "heel": Shifted(axial, heel),
             JOINT: joint.level,

@@ -50,11 +50,15 @@ class Grid:
 
 @dataclass(frozen=True)
 class Ends:
-    """Where the links of one side end, at each of T stations: parameters (T,), and points (T, 3) of the broken edge."""
+    """Where the links of one side end, at each of T stations: parameters (T,), and points (T, 3) of the broken edge.
+
+    `crest`: the parameter at which a generated crest begins, as it has none NaN.
+    """
 
     joint_flank: Array
     joint_fillet: Array
     tip: Array
+    crest: Array
     tip_angle: Array
     root_angle: Array
     edge: EdgePoints | None
@@ -65,6 +69,7 @@ class Ends:
             self.joint_flank[which],
             self.joint_fillet[which],
             self.tip[which],
+            self.crest[which],
             self.tip_angle[which],
             self.root_angle[which],
             edge,

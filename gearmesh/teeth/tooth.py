@@ -36,8 +36,8 @@ from gearmesh.teeth.section import (
     TurnedLink,
     parameter,
 )
-from gearmesh.teeth.tooth_side import Bottom, ToothSide
-from gearmesh.teeth.undercut import Undercut, cut_off, folded, joint, trim_tolerance
+from gearmesh.teeth.tooth_side import Bottom, Crest, ToothSide
+from gearmesh.teeth.undercut import Undercut, cut_off, folded, intersection, joint, trim_tolerance
 
 #: stations at which the beginning of undercut is looked for
 BREAK_SAMPLES = 17
@@ -122,10 +122,10 @@ class Tooth:
             self._flank(which),
         ]
         if side.crest is not None:
-            begin, end = side.crest.joint[1], side.crest.end
+            end = side.crest.end
 
             def crest(ends: Ends) -> tuple[Array, Array]:
-                return np.full_like(ends.tip, begin), np.full_like(ends.tip, end)
+                return ends.crest, np.full_like(ends.crest, end)
 
             links.append(GeneratedLink(EDGES[which], which, side.crest.surface, axial, crest))
         elif self.tip_edge is not None:
@@ -341,7 +341,7 @@ class Tooth:
         """Where the links of one side end; without `root` the root's angle is left out (NaN)."""
         side, stations = self.side(which), self.stations(t)
         tip, tip_jet = self._tip(side, stations, t)
-        tip_point = tip_jet.r
+        tip_point, crest = tip_jet.r, np.full_like(stations, np.nan)
         joint_flank, joint_fillet, undercut = joint(
             side,
             (tip, tip_jet),
@@ -358,19 +358,20 @@ class Tooth:
             root_angle = self._root_angle(side, stations)
         edge = None
         if side.crest is not None:
+            crest = self._crest(side, side.crest, stations, t)[1]
             land = np.full_like(stations, side.crest.end)
             tip_point = along(side.crest.surface, land, stations, self.blank.axial)[1].r
         if self.tip_edge is not None:
             tip, edge = self.tip_edge.between(side.flank, self.blank, which.sign, (joint_flank, tip), stations)
             tip_point = edge[1]
-        return Ends(joint_flank, joint_fillet, tip, self.joint.angle(tip_point), root_angle, edge)
+        return Ends(joint_flank, joint_fillet, tip, crest, self.joint.angle(tip_point), root_angle, edge)
 
     def _tip(self, side: ToothSide, stations: Array, t: Array) -> tuple[Array, Jet]:
         """Flank parameter p (T,) and the flank's jet on the tip's level, or where its tip chamfer or rounding begins, at each
         station."""
         axial, tip = self.blank.axial, self.blank.tip
         if side.crest is not None:
-            begins = np.full_like(stations, side.crest.joint[0])
+            begins, _ = self._crest(side, side.crest, stations, t)
             return begins, along(side.flank, begins, stations, axial)[1]
 
         def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -386,6 +387,18 @@ class Tooth:
             k = int(np.argmin(solution.converged))
             raise TrimError("tip", float(t[k]), "the flank does not reach the tip")
         return solution.values[:, 0], side.flank.jet(solution.values[:, 0], solution.values[:, 1])
+
+    def _crest(self, side: ToothSide, crest: Crest, stations: Array, t: Array) -> tuple[Array, Array]:
+        """Parameters (T,) of flank and crest where they meet at each station."""
+        axial = self.blank.axial
+        p, q = (np.full_like(stations, each) for each in crest.joint)
+        if not crest.crossed:
+            return p, q
+        start = [p, along(side.flank, p, stations, axial)[0], q, along(crest.surface, q, stations, axial)[0]]
+        found = intersection((side.flank, crest.surface), np.stack(start, axis=-1), stations, axial)
+        if not found.converged.all():
+            raise TrimError("edge", float(t[int(np.argmin(found.converged))]), "flank and tip chamfer do not meet")
+        return found.values[:, 0], found.values[:, 2]
 
     def _root_angle(self, side: ToothSide, stations: Array) -> Array:
         """Polar angle (T,), rad, of the end of a side's fillet at stations (T,)."""

@@ -249,6 +249,16 @@ class Train:
         """Every member once, in the order of the pairs."""
         return {member.name: member for pair in self.pairs for member in pair.both}
 
+    def with_member(self, member: Member) -> Train:
+        """The same train with another member of that name in all its pairs. Of pairs that were alike those with it stay so."""
+
+        def instead(old: Member) -> Member:
+            return member if old.name == member.name else old
+
+        pairs = tuple(replace(pair, pinion=instead(pair.pinion), gear=instead(pair.gear)) for pair in self.pairs)
+        kinds = [(kind, member.name in pair.members) for kind, pair in zip(self.alike, pairs, strict=False)]
+        return replace(self, pairs=pairs, alike=tuple(kinds.index(kind) for kind in kinds))
+
     def like(self, which: int | str) -> int:
         """How many pairs mesh as one of them does, itself counted: the planets of a set. Raises DesignError as `pair`."""
         name = self.pair(which).name

@@ -36,6 +36,8 @@ AT_JOINT = 1e-6
 JUST_BEGUN = 1e-7
 #: points between tip and form point at which a flank is looked at for folds
 FOLD_SAMPLES = 24
+#: parts of the flank's and the fillet's parameter by which they may miss each other at the form point, modified since they were cut
+MISSED = 0.1
 #: part of the flank's parameter up to which the loop between cusp and form point is small
 SMALL = 1e-2
 #: the same up to which rounding decides where it crosses itself: it is narrower than the third power of that, 1e-12 of the flank
@@ -97,10 +99,12 @@ def _crossing(
     """Parameters (T,) of flank and fillet where they cross, having run past each other up to the form point, where nothing is
     undercut.
 
-    Raises TrimError where they do not.
+    Modified since they were cut they may not reach each other there, and cross a little farther on. Raises TrimError where they
+    do not.
     """
     t, stations = at
     joint = [np.full_like(stations, parameter) for parameter in side.joint]
+    reach = 0.0 if side.generated is None else -MISSED
     start = [
         x
         for surface, p in zip((side.flank, side.fillet), joint, strict=True)
@@ -110,8 +114,11 @@ def _crossing(
     def crossing(start: Array, which: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
         solution = intersection((side.flank, side.fillet), start, stations[which], axial)
         p, q = solution.values[:, 0], solution.values[:, 2]
-        past = (p - side.joint[0]) * (tip[which] - p) >= 0.0, (q - side.joint[1]) * (side.root - q) >= 0.0
-        return solution.values, solution.converged & past[0] & past[1]
+        past = (
+            (x - begins) / (ends - begins)
+            for x, begins, ends in ((p, side.joint[0], tip[which]), (q, side.joint[1], side.root))
+        )
+        return solution.values, solution.converged & np.all([(x >= reach) & (x <= 1.0) for x in past], axis=0)
 
     x, here = crossing(np.stack(start, axis=-1), np.ones(stations.shape, dtype=bool))
     lost = ~here

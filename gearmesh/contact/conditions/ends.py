@@ -11,13 +11,15 @@ from scipy.interpolate import PPoly, make_interp_spline
 from gearmesh.contact.first_touch.spline_table import SplineTable
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array, dot
-from gearmesh.kernel.surface.levels import CurveLevel, Level, ScrewLevel
+from gearmesh.kernel.surface.levels import CurveLevel, Level, ScrewLevel, Shifted
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Grid
 from gearmesh.teeth.tooth import Tooth
 
 #: points of a flank's joint with the fillet, where undercut neither begins nor ends between them
 JOINT_POINTS = 25
+#: part of the largest coordinate up to which a tip's heights count as one
+EVEN = 1e-11
 #: share of the face below which undercut at its very end does not count
 SHORTEST = 1e-6
 #: share of the range of the second parameter by which a point's may differ from it and be on the same sheet of the surface
@@ -52,10 +54,7 @@ class FormPoints:
             r, p = joint.points[0].reshape(*t.shape, 3), joint.p[0].reshape(t.shape)
         if heel < toe:
             r, p = r[::-1, ::-1], p[::-1, ::-1]
-        curve = _pieces(axial.value(r), across.value(r))
-        tips = grid.points[-1]
-        above = np.sign((across.value(tips) - curve(axial.value(tips))).mean())
-        self.level = CurveLevel(axial, across, curve, float(above))
+        self.level = _through(axial, across, r, grid.points[-1])
         self._axial, self._parameter = axial, _pieces(axial.value(r), p)
         speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
         self._scale = speed * float(np.sign((grid.p[0] - grid.p[-1]).mean()))
@@ -102,6 +101,26 @@ class OwnSheet:
         row = np.clip((parameters[..., 0] - first) / (last - first), 0.0, 1.0) * self.second.last[0]
         away = np.abs(parameters[..., 1] - self.second.at(row, place))
         return np.where(away > self.slack, away, -np.inf)
+
+
+def tip_of(tooth: Tooth, grid: Grid) -> Level:
+    """What bounds a flank, given by its grid, at its tip: a level of the land's, or one through where an edge of the tip begins.
+
+    An edge that the tool made, or that is broken, begins elsewhere at every station, once the flank was modified.
+    """
+    tips, tip = grid.points[-1], tooth.blank.tip
+    heights = tip.value(tips)
+    if np.ptp(heights) <= EVEN * np.abs(tips).max():
+        return Shifted(tip, float(heights[tips.shape[0] // 2]))
+    toe, heel = tooth.blank.extent
+    return _through(tooth.blank.axial, tooth.blank.across, tips[None, :: int(np.sign(heel - toe))], grid.points[0])
+
+
+def _through(axial: Level, across: Level, r: Array, inside: Array) -> CurveLevel:
+    """The level through smooth curves (K, N, 3), stations ascending, which is negative at points `inside` (M, 3)."""
+    curve = _pieces(axial.value(r), across.value(r))
+    above = np.sign((across.value(inside) - curve(axial.value(inside))).mean())
+    return CurveLevel(axial, across, curve, float(above))
 
 
 def _pieces(x: Array, y: Array) -> PPoly:

@@ -14,15 +14,21 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.teeth.micro_geometry import modification as fields
-from gearmesh.teeth.micro_geometry.modification import Extent, FaceEnd, FlankField, Modification, ProfileEnd, Topography
+from gearmesh.teeth.micro_geometry.modification import (
+    STEEPEST,
+    Extent,
+    FaceEnd,
+    FlankField,
+    Modification,
+    ProfileEnd,
+    Topography,
+)
 from gearmesh.teeth.micro_geometry.modified import TrueFlank, modified_side
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import Member
 
-#: amounts change by at most this much per length, along the profile and along the face
-STEEPEST = 0.1
 #: points, across and along a flank, at which that is proved
 SAMPLES = 33
 

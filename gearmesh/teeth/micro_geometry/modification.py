@@ -20,9 +20,9 @@ from functools import cached_property
 from typing import Literal, Protocol
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.grid_spline import GridSpline
 from gearmesh.teeth.micro_geometry.screw_involute import Amount, AmountJet
 
 Shape = Literal["linear", "parabolic", "circular"]
@@ -30,10 +30,10 @@ ProfileEnd = Literal["tip", "root"]
 FaceEnd = Literal["toe", "heel"]
 #: how a relief may begin: with a corner, or tangent to the flank as a parabola or a circle is
 SHAPES: tuple[Shape, ...] = ("linear", "parabolic", "circular")
+#: amounts change by at most this much per length
+STEEPEST = 0.1
 #: share of the least roll length over which amounts level off below it
 LEVELLING = 0.5
-#: degree of the splines through a topography
-CUBIC = 3
 
 
 @dataclass(frozen=True)
@@ -178,51 +178,11 @@ class Topography:
     kinks: Kinks = Kinks()
 
     @cached_property
-    def _spline(self) -> tuple[Array, Array, Array, tuple[int, int]]:
-        """Coefficients (I, J), knots over both directions, degrees."""
-        degrees = min(CUBIC, len(self.lengths) - 1), min(CUBIC, len(self.positions) - 1)
-        across = make_interp_spline(np.array(self.lengths), np.array(self.amounts), k=degrees[0], axis=0)
-        along = make_interp_spline(np.array(self.positions), across.c, k=degrees[1], axis=1)
-        return np.moveaxis(along.c, 0, 1), across.t, along.t, degrees
+    def _spline(self) -> GridSpline:
+        return GridSpline.through(np.array(self.lengths), np.array(self.positions), np.array(self.amounts))
 
     def jet(self, length: Array, z: Array) -> AmountJet:
-        c, knots_l, knots_z, (k, m) = self._spline
-        length, z = np.broadcast_arrays(length, z)
-        at = np.clip(length, self.lengths[0], self.lengths[-1]), np.clip(z, self.positions[0], self.positions[-1])
-        bases = [
-            [_basis(knots, degree, x.ravel(), order) for order in (0, 1, 2)]
-            for knots, degree, x in ((knots_l, k, at[0]), (knots_z, m, at[1]))
-        ]
-
-        def partial(i: int, j: int) -> Array:
-            values: Array = ((bases[0][i] @ c) * bases[1][j]).sum(axis=1).reshape(length.shape)
-            return values
-
-        dl, dz = length - at[0], z - at[1]
-        inside_l, inside_z = dl == 0.0, dz == 0.0
-        a_l, a_z, a_lz = partial(1, 0), partial(0, 1), partial(1, 1)
-        a_ll, a_zz = (np.where(on, partial(*ij), 0.0) for on, ij in ((inside_l, (2, 0)), (inside_z, (0, 2))))
-        # straight on in each direction: bilinear beyond a corner
-        a_llz = np.where(inside_l, partial(2, 1), 0.0)
-        a_lzz = np.where(inside_z, partial(1, 2), 0.0)
-        return AmountJet(
-            partial(0, 0) + a_l * dl + a_z * dz + a_lz * dl * dz,
-            a_l + a_lz * dz,
-            a_z + a_lz * dl,
-            a_ll + a_llz * dz,
-            a_lz,
-            a_zz + a_lzz * dl,
-        )
-
-
-def _basis(knots: Array, degree: int, x: Array, order: int) -> Array:
-    """Derivatives (X, N) of the given order of all N splines of a basis at x (X,)."""
-    count = len(knots) - degree - 1
-    if order > degree:
-        return np.zeros((len(x), count))
-    basis = BSpline(knots, np.eye(count), degree)
-    derivatives: Array = basis.derivative(order)(x) if order else basis(x)
-    return derivatives
+        return AmountJet(*self._spline.jet(length, z))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ from scipy.interpolate import make_interp_spline
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.micro_geometry.modification import CUBIC, Modification, Topography
+from gearmesh.kernel.numeric.grid_spline import CUBIC
+from gearmesh.teeth.micro_geometry.modification import Modification, Topography
 
 #: intervals between neighbouring kinks to begin with: enough for a cubic
 FIRST = 4

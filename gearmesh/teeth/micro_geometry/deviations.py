@@ -1,0 +1,196 @@
+"""Flanks of any kind with deviations along their normals, known at the points of a grid and smooth between them.
+
+The grid's rows run along the tooth, its columns from root to tip. Laid into the axial half plane it is nearly a quadrangle, whose
+own coordinates make it a square; over that a bicubic spline goes through all deviations, at the places to which they move the
+points, for `Offset` asks for the amount there. So the points are moved by exactly what the grid says, along the exact normals.
+Beyond the outermost rows and columns the deviations go on straight, as the spline leaves them.
+
+The field is one of space and goes on over the joint: what the tool's tip generates is moved by it, too. There it fades, from the
+joint to the end of the fillet, where nothing is left and the root begins as cut; so it does on a rounding that the tool gives the
+tip, from the flank to the land. Flank and fillet that pass into each other smoothly have points and normals in common, which are
+moved by the same amount: they still do. Where they meet in an edge, they end where they cross.
+
+    land ___ 1                 tip_edge, undercut: found anew on the moved surfaces, as on any
+            \\
+     flank   | 1
+             |
+     joint   + 1   fillet      1 above the joint, 10 q^3 - 15 q^4 + 6 q^5 with q from 1 at the joint to 0 at the root
+              \\
+               `-- 0 ____ root
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearmesh.errors import ArgumentError
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.grid_spline import GridSpline
+from gearmesh.kernel.surface.levels import Level
+from gearmesh.kernel.surface.offset import Offset
+from gearmesh.kernel.surface.stations import TrimError, along
+from gearmesh.kernel.surface.surface import Surface, area_normal
+from gearmesh.teeth.micro_geometry.flank_field import Fade, LevelField, PlaneFunction, Quadrangle, QuadrangleSpline
+from gearmesh.teeth.micro_geometry.modification import STEEPEST
+from gearmesh.teeth.region import FILLETS, FLANKS, Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import Crest, ToothSide
+from gearmesh.teeth.train import Member
+
+#: name under which arguments are refused
+KEY = "deviations"
+#: shares of a flank beside its edges in which no points are, by default
+MARGIN = 0.1
+#: angle (rad) between normals up to which surfaces pass into each other smoothly
+SMOOTH = 1e-6
+#: stations at which the ends of what fades are found, and points across flank and fillet at which a side is proved
+STATIONS, ACROSS = 17, 17
+
+
+@dataclass(frozen=True)
+class DeviationGrid:
+    """Deviations `values` (I, J), mm, of a flank at `points` of it, along its `normals` (I, J, 3), in its member's frame.
+
+    Rows go from root to tip, columns from toe to heel, or back; I and J are 2 at least. Positive: more material than nominal.
+    """
+
+    points: Array
+    normals: Array
+    values: Array
+
+    @staticmethod
+    def of(
+        tooth: Tooth, which: Side, values: ArrayLike, s: ArrayLike | None = None, t: ArrayLike | None = None
+    ) -> DeviationGrid:
+        """At shares `s` (I,) of the way from joint to tip and `t` (J,) from toe to heel, the trimmed flank's, ascending in 0..1.
+
+        By default they are evenly spaced, MARGIN from the edges. Raises DesignError for other values and shares, TrimError where
+        the tooth cannot be trimmed.
+        """
+        values = np.asarray(values, dtype=float)
+        if values.ndim != 2 or min(values.shape) < 2 or not np.isfinite(values).all():
+            raise ArgumentError(KEY, str(values.shape), allowed="finite numbers, mm, in 2 or more rows and columns")
+        places = [
+            np.linspace(MARGIN, 1.0 - MARGIN, count) if given is None else np.asarray(given, dtype=float)
+            for given, count in zip((s, t), values.shape, strict=True)
+        ]
+        for name, place, count in zip("st", places, values.shape, strict=True):
+            inside = place.shape == (count,) and place[0] >= 0.0 and place[-1] <= 1.0
+            if not (inside and (np.diff(place) > 0.0).all()):
+                raise ArgumentError(name, str(place.tolist()), allowed=f"{count} ascending numbers from 0 to 1")
+        grid = tooth.flank_grid(which, *places)
+        return DeviationGrid(grid.points, grid.normals, values)
+
+    def spline(self, levels: tuple[Level, Level]) -> QuadrangleSpline:
+        """The deviations over the flank coordinates that two levels are. Raises DesignError where the points are no grid."""
+
+        def places(points: Array) -> Array:
+            return np.stack([level.value(points) for level in levels], axis=-1)
+
+        nominal, moved = places(self.points), places(self.points + self.values[..., None] * self.normals)
+        # the first coordinate from toe to heel, the second from root to tip
+        quadrangle = Quadrangle(nominal[[0, 0, -1, -1], [0, -1, -1, 0]])
+        at, wanted = (
+            np.stack([each.f for each in quadrangle.jets(place[..., 0], place[..., 1])], axis=-1)
+            for place in (nominal, moved)
+        )
+        columns, rows = at[..., 0].mean(axis=0), at[..., 1].mean(axis=1)
+        try:
+            spline = GridSpline.near(columns, rows, np.swapaxes(wanted, 0, 1), self.values.T)
+        except ValueError as error:
+            raise ArgumentError(KEY, reason=f"their points are no grid on the flank: {error}") from error
+        return QuadrangleSpline(quadrangle, spline)
+
+
+def with_deviations(member: Member, grids: Mapping[Side, DeviationGrid]) -> Member:
+    """The member with deviations on one of its flanks or on both; parameters of its surfaces stay what they are.
+
+    Raises DesignError where a flank has corners, where its amounts are so steep or so large that it would lean or fold, and
+    where the tooth that has them cannot be closed.
+    """
+    tooth = member.tooth
+    sides = {which: _side(tooth, which, grid) for which, grid in grids.items()}
+    made = replace(tooth, right=sides.get(Side.RIGHT, tooth.right), left=sides.get(Side.LEFT, tooth.left))
+    try:
+        made.prove()
+        for which in grids:
+            _prove(made, which, tooth.side(which))
+    except TrimError as error:
+        raise ArgumentError(KEY, reason=f"with them the tooth cannot be closed: {error}") from error
+    return replace(member, tooth=made)
+
+
+def _side(tooth: Tooth, which: Side, grid: DeviationGrid) -> ToothSide:
+    """One side of a tooth with deviations of its flank."""
+    side, levels = tooth.side(which), (tooth.blank.axial, tooth.blank.across)
+    if side.creases or side.ridges:
+        raise ArgumentError(
+            KEY,
+            reason="a linear relief gives the flank a corner, over which deviations along its normals would tear it",
+            allowed="flanks with parabolic or circular reliefs",
+        )
+    field = LevelField(levels, (grid.spline(levels), *_fades(tooth, which, levels)))
+    crest = side.crest
+    return replace(
+        side,
+        flank=Offset(side.flank, field),
+        fillet=Offset(side.fillet, field),
+        crest=None if crest is None else _moved(crest, field, _meet_in_edge(tooth, side, crest)),
+        tabulated=True,
+        generated=side.generated or side,
+        crossed=side.sharp,
+        generation=None,
+    )
+
+
+def _moved(crest: Crest, field: LevelField, crossed: bool) -> Crest:
+    return replace(crest, surface=Offset(crest.surface, field), crossed=crossed)
+
+
+def _meet_in_edge(tooth: Tooth, side: ToothSide, crest: Crest) -> bool:
+    """Whether flank and crest do not pass into each other smoothly, as with a chamfer."""
+    middle = tooth.stations([0.5])
+    first, second = (
+        along(surface, np.full_like(middle, p), middle, tooth.blank.axial)[1].n
+        for surface, p in zip((side.flank, crest.surface), crest.joint, strict=True)
+    )
+    return bool(np.linalg.norm(first - second) > SMOOTH)
+
+
+def _fades(tooth: Tooth, which: Side, levels: tuple[Level, Level]) -> Iterator[PlaneFunction]:
+    """What lets a field fade over the fillet of a side, and over a generated rounding of its tip."""
+    side, t = tooth.side(which), np.linspace(0.0, 1.0, STATIONS)
+    stations = tooth.stations(t)
+    form, tip = (levels[1].value(r) for r in tooth.flank_grid(which, [0.0, 1.0], t).points)
+
+    def at(surface: Surface, p: float) -> Array:
+        return levels[1].value(along(surface, np.full_like(stations, p), stations, levels[0])[1].r)
+
+    yield Fade.between(stations, form, at(side.fillet, side.root))
+    if side.crest is not None:
+        yield Fade.between(stations, tip, at(side.crest.surface, side.crest.end))
+
+
+def _prove(tooth: Tooth, which: Side, before: ToothSide) -> None:
+    """Refuse a side of a tooth that leans or folds against what it was `before`."""
+    sections, s = tooth.sections(np.linspace(0.0, 1.0, STATIONS)), np.linspace(0.0, 1.0, ACROSS)
+    for region, surface in ((FLANKS[which], before.flank), (FILLETS[which], before.fillet)):
+        grid = tooth.grid(region, s, sections)
+        assert grid.jet is not None
+        base = surface.jet(*np.moveaxis(grid.parameters, -1, 0))
+        sense = [dot(area_normal(jet), jet.n) for jet in (grid.jet, base)]
+        if (sense[0] * sense[1] <= 0.0).any():
+            raise ArgumentError(KEY, reason=f"{region} would fold: they are larger than its radius of curvature")
+        if region.is_flank:
+            cosine = float(dot(grid.jet.n, base.n).min())
+            lean = float(np.sqrt(max(0.0, 1.0 - cosine**2))) / cosine
+            if not 0.0 <= lean <= STEEPEST:
+                raise ArgumentError(
+                    KEY,
+                    reason=f"the flank would lean by {lean:.3g} mm/mm",
+                    allowed=f"at most {STEEPEST:g} mm/mm, by smaller deviations or ones farther apart",
+                )
