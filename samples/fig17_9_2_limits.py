@@ -1,4 +1,4 @@
-"""How deep may a rack cut, how high may a tip stand? [LF04] Fig. 17.9.2 (b): h1 and h2 over the pinion's tooth number.
+"""How deep may a rack cut, how high may a tip be? [LF04] Fig. 17.9.2 (b): h1 and h2 over the pinion's tooth number.
 
 h1: depth below the pitch plane of the rack point A_c that generates the first singular point of the pinion, the warning
 of undercut; h2: height of the rack point B_c that generates the pinion's tip where the top land is 0.3 m wide. Parabolic rack,

@@ -1,8 +1,8 @@
 """Which torque are crowned teeth made for? Transmission error of a spiral bevel and of a helical pair from little torque to much.
 
-Crowning makes a transmission error that is a parabola for each tooth pair. Under torque the gears give way most in its middle,
-where fewest pairs carry: the parabola flattens, and with more torque it is inverted. In between the gears run most evenly: that
-is the torque that the crowning is made for.
+Crowning makes a transmission error that is a parabola for each tooth pair. Under torque the deflection is largest in its middle,
+where fewest tooth pairs are loaded: the parabola flattens, and with more torque it is inverted. In between the transmission is
+most uniform: that is the torque that the crowning is made for.
 
     python samples/te_under_torque.py [picture.png]
 """

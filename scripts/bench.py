@@ -454,7 +454,7 @@ COLUMNS: dict[str, dict[str, str]] = {
         "part": "STEP within 0.1 µm",
         "error_um": "reached, µm",
         "faces": "faces",
-        "volume_error": "volume off by",
+        "volume_error": "volume error",
         "seconds": "solid and file, s",
         "megabytes": "size, MB",
     },

@@ -70,7 +70,7 @@ COLUMNS = {
     "bodies": "bodies, CPU s",
     "contact": "contact, CPU s",
     "megabytes": "peak, MB",
-    "rotation": "rotation off by, %",
+    "rotation": "rotation error, %",
     "te": "TE, %",
     "pressure": "pressure, %",
     "stress": "root stress, %",

@@ -41,7 +41,7 @@ ROOT = Path(__file__).parents[1]
 DECK = Cells(flank=20, fillet=10, thickness=3, rim=2, face=6)
 FINE = Cells(flank=28, fillet=5, thickness=4, rim=3, face=16)
 FINER = Cells(flank=26, fillet=10, thickness=7, rim=3, face=6)
-#: flanks that curve along the face need more there: facets are off by far more than teeth give way otherwise
+#: flanks that curve along the face need more there: the error of the facets is far more than the deflection of the teeth otherwise
 CURVED = Cells(flank=12, fillet=8, thickness=3, rim=2, face=12)
 #: share of the face at either end in which peak pressures are not compared: there they depend on how fine the grids are
 END = 0.12

@@ -31,7 +31,10 @@ FIELDS = {"reason", "allowed", "must_be", "remedy"}
 #: two words with a blank between them make a text
 SENTENCE = re.compile(r"[A-Za-z}][,;:]? \(?[A-Za-z{]")
 #: texts in the report page's own files
-PAGE = re.compile(r">\s*([^<>{}]*[A-Za-z][^<>{}]*?)\s*<|\"([^\"\n]*)\"|'([^'\n]*)'|`([^`]*)`")
+PAGE = {
+    ".html": re.compile(r">\s*([^<>{}]*[A-Za-z][^<>{}]*?)\s*<|\"([^\"\n]*)\""),
+    ".js": re.compile(r"\"([^\"\n]*)\"|`([^`\n]*)`"),
+}
 
 
 @dataclass(frozen=True)
@@ -67,14 +70,19 @@ def sources() -> list[Path]:
 def _of_file(path: Path) -> Iterator[Text]:
     name, source = path.resolve().relative_to(ROOT).as_posix(), path.read_text(encoding="utf-8")
     if path.suffix == ".py":
-        yield from _Finder(name).found(ast.parse(source))
+        yield from found_in(name, source)
     elif path.suffix == ".md":
         yield from (Text(name, k, "readme", "", line) for k, line in enumerate(source.splitlines(), 1) if line.strip())
     else:
-        for match in PAGE.finditer(source):
+        for match in PAGE[path.suffix].finditer(source):
             text = next(group for group in match.groups() if group is not None)
             if SENTENCE.search(text):
                 yield Text(name, source.count("\n", 0, match.start()) + 1, "label", "", text)
+
+
+def found_in(file: str, source: str) -> Iterator[Text]:
+    """The texts of a module, by its name and what it says."""
+    return _Finder(file).found(ast.parse(source))
 
 
 class _Finder:

@@ -375,7 +375,7 @@ COLUMNS = {
     "lost": "hung or died",
     "solid": "bad solids",
     "contact": "wrong contact",
-    "none": "touch and none",
+    "none": "contact missed by one",
     "gears": "wrong first touch",
     "interference": "silent interference",
     "jam": "silent jams",

@@ -64,7 +64,7 @@ class RollRow(Figures):
 
     @property
     def difference(self) -> float:
-        """Of the transmission error, in the unit that the gear's errors are told in."""
+        """Of the transmission error, in the unit of the gear's errors."""
         return self.te_difference if self.along is None else self.along
 
 

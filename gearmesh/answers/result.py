@@ -50,7 +50,7 @@ class Result(ABC):
     @property
     @abstractmethod
     def sections(self) -> Mapping[str, Content]:
-        """What the document has: figures, and what is said beside them."""
+        """What the document has: figures, and the messages beside them."""
 
     @property
     def spent(self) -> RunTime | None:

@@ -55,7 +55,7 @@ class PairLoad:
     `position`, `number` and `half` (M,) as of `NearPairs`; `force` (M,) N along the normals; `peak` (M,) MPa, NaN where there is
     none, and its `place` (M, 3), fixed frame: not of what lies within `BESIDE` of the grid from edges of the flanks, but for
     end faces of both bodies in the same place; whether there is pressure `on_edge` (M,) of a flank, and on a `sharp` (M,) one:
-    such a pressure has no limit and grows as cells get finer, and where pressures rise steeply all the way to the edge, as where
+    such a pressure is singular and grows as cells get finer, and where pressures rise steeply all the way to the edge, as where
     contact is with the edge itself (`edge_contact`), there is no peak; `pressure` (M, X, Y), MPa, on the grids of `separation`;
     `roots`: stress in their fillets.
     """

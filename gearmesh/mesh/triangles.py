@@ -25,7 +25,7 @@ class TriangleMesh:
     `regions` (T,) indices into `region_names` (flank_left, fillet_left, land, root, ...);
     `normals` (T, 3) unit outward normals: of the exact surface at the cell's centre on flanks and fillets,
     of the facet elsewhere; `frame` says where the coordinates count from: "own", that of the part called `name`, or
-    "common", where parts stand beside each other.
+    "common", where parts are beside each other.
     """
 
     vertices: Array

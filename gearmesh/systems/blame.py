@@ -138,7 +138,7 @@ def without_one(design: D, build: Build) -> tuple[D, str] | None:
 
 class _Blamed(GearmeshError):
     """A refusal that names the key which the design sets: as its own fields with a bound of it that was tried, `others` of which
-    each mends it as well, and what was `noticed`; unless it is `whole` something else is in the way then."""
+    each mends it as well, and what was `noticed`; unless it is `whole` another refusal then follows."""
 
     def __init__(
         self, first: GearmeshError, others: tuple[GearmeshError, ...], noticed: GearmeshError, *, whole: bool

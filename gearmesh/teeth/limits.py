@@ -137,7 +137,7 @@ def member_limits(member: Member, land: float = 0.0, count: int = STATIONS) -> M
 
 
 def lost_heights(tooth: Tooth) -> dict[Side, float]:
-    """How much (mm, at most along the face) of the tool's flank is cut off by undercut, of the sides that are."""
+    """How much (mm, at most along the face) of the tool's flank undercut removes, of the sides that are undercut."""
     tooth = tooth.unmodified
     sections = tooth.sections(np.linspace(0.0, 1.0, PROOF_STATIONS))
     heights = {}

@@ -8,7 +8,7 @@ The worm stands in the shaper's place, its thread inside the shaper's teeth, on 
     --o--+--------+--> x
       |  |<- r_w >|        E_ws = r_w - r_ps,   sin(lambda) = threads m / (2 r_w),   the worm turns N_s / threads as fast
 
-The contact normal stands at the angle kappa to y, n = (sin kappa, -cos kappa, 0), and is tangent to the base circle. n . v = 0 of
+The contact normal is at the angle kappa to y, n = (sin kappa, -cos kappa, 0), and is tangent to the base circle. n . v = 0 of
 shaper and worm then holds for a whole line across the profile, at the distance
 
     Z = -hand E_ws tan(lambda) (cos kappa - cos alpha) / sin kappa

@@ -1,6 +1,6 @@
 """The section through a mesh: both gears cut open across the teeth, where they touch, at one position or rolling through a pitch.
 
-The section stands at right angles to the pinion's lengths (axis, cone distance) through the contact in the middle of its path. All
+The section is at right angles to the pinion's lengths (axis, cone distance) through the contact in the middle of its path. All
 tooth pairs in mesh have a dot where they touch; contact outside of the section is seen in the direction of its lengths.
 """
 

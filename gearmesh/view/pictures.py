@@ -216,7 +216,7 @@ def flank_panel(
 def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: bool = False) -> list[list[Panel]]:
     """Panels of both sides of a pair: contact on the flanks of members, and the ease-off or, `sliding`, the velocity of the pinion.
 
-    Sides of long flanks stand beside each other, of short ones above each other. Raises NoSolutionError where neither side meets.
+    Sides of long flanks are beside each other, of short ones above each other. Raises NoSolutionError where neither side meets.
     """
     gears = contact.pair
     names = names or tuple(gears.members)

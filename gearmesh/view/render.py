@@ -80,7 +80,7 @@ def corner_normals(mesh: TriangleMesh) -> Array:
     """Normals (T, 3, 3) for smooth shading, at the corners of every triangle.
 
     The mean, weighted with the corner angles, of the cell normals of the same region around the vertex; a cell that
-    stands at a sharp edge inside a region keeps its own. A cell normal that contradicts its facet's orientation
+    is at a sharp edge inside a region keeps its own. A cell normal that contradicts its facet's orientation
     would be shaded black, so there the facet's takes its place.
     """
     corners = mesh.corners()

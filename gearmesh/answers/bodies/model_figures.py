@@ -20,7 +20,7 @@ class HalfAxes(Figures):
 
 @dataclass(frozen=True)
 class Resolution(Figures):
-    """How well a finite-element model resolves the contact pressure; nothing of it where edges carry."""
+    """How well a finite-element model resolves the contact pressure; nothing of it in edge contact."""
 
     over: Mapping[str, HalfAxes] = figure(
         "elements over half the contact ellipse, by members", key="elements_over_half_axes"

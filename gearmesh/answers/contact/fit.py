@@ -184,7 +184,7 @@ def _unknown(fit: Fit) -> list[str]:
 
 
 def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
-    """What is in the way, with the figure, the place and the remedy, one line each."""
+    """What interferes, with the figure, the place and the remedy, one line each."""
     if fit.gaps:
         low, known = (
             fit.normal_backlash[0],

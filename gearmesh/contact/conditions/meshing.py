@@ -128,7 +128,7 @@ class Touch:
 class _Last:
     """The last two conditions of positions (M,), in the order bounds, normals, tangency: residuals (M, 2) and rows (M, 2, 5).
 
-    What they stand on: `normals`, of those on agreeing normals the positions (K,), the condition (K,) and the direction (K, 3);
+    Intermediate results: `normals`, of those on agreeing normals the positions (K,), the condition (K,) and the direction (K, 3);
     `edges`, of those on an edge's tangency the positions (E,), tangents (E, 3), normals of the mating flanks (E, 3), and +1 (E,)
     where the edge is the pinion's, else -1.
     """

@@ -220,7 +220,7 @@ class _Turns:
             yield index[k : k + CHUNK]
 
     def _displaced(self, tooth: NDArray[np.intp], place: NDArray[np.intp], phi2: Array) -> Pair:
-        """The pair as eccentric teeth (M,) stand at their places (M,), the gear at phi2 (M,), rad, as tooth pair 0 counts it."""
+        """The pair with eccentric teeth (M,) at their places (M,), the gear at phi2 (M,), rad, as tooth pair 0 counts it."""
         first, second = self.mounts
         turned = tooth * self.pair.pitch
         at_phi1 = first.off(self._phi1(place) + turned)

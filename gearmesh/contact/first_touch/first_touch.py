@@ -71,8 +71,8 @@ def _really_missed(
 def _on_finer_grid(
     pair: Pair, phi1: Array, missed: NDArray[np.intp], coarse: Candidates, contacts: Contacts, number: int
 ) -> None:
-    """Positions at which a sample is ahead that was not solved for: on a finer grid, and what is ahead there still is looked
-    into."""
+    """Positions at which a sample is ahead that was not solved for: on a finer grid, on which candidates are
+    refined."""
     fine = candidates(pair, phi1, only=missed, finer=True)
     settle(pair, phi1, Trial.of(fine.position, fine.x, fine.edges), contacts, number)
     # only nodes of the coarse grid are on the very ends of flanks, and only nodes are sure to be on both: where lines of the grid

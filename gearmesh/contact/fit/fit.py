@@ -81,9 +81,9 @@ class Fit:
     `normal_backlash` (mm): the same along the normal of contact;
     `transverse_backlash` (mm): on the gear's pitch circle, of radius `pitch_radius` (mm), which goes through the pitch point where
     the axes are parallel, else through the point of contact at phi1 = 0; `clearances`: of the tips of pinion and gear over the
-    mate's root; `interference`: the deepest on each side; `turns`: phi2 (rad) of the gear as it is driven, NaN where contact breaks
-    off; `play`: rotation (rad) of the gear between its first touches at any phi1, by its nodes; `lever` (mm)
-    of the normal of contact about the gear's axis; `span`: phi1 (rad) over which a pair of teeth was followed; `coast`: the
+    mating gear's root; `interference`: the deepest on each side; `turns`: phi2 (rad) of the gear as it is driven, NaN where
+    contact breaks off; `play`: rotation (rad) of the gear between its first touches at any phi1, by its nodes; `lever` (mm)
+    of the normal of contact about the gear's axis; `span`: phi1 (rad) over which a tooth pair was followed; `coast`: the
     engagement of the coast flanks, None where it has not been followed, as it is an image of that of the others.
     """
 
@@ -102,8 +102,8 @@ class Fit:
 
     @property
     def fits(self) -> bool | None:
-        """Whether the gears turn without anything in the way; None where that is not known: on some side, or in some part of the
-        cycle, nothing touches, and nothing is known to be in the way."""
+        """Whether the gears turn without interference; None where that is not known: on some side, or in some part of the
+        cycle, nothing touches, and no interference is known."""
         if self.slack < -NOTHING:
             return False
         return None if self.gaps or not np.isfinite(self.normal_backlash[0]) else True
@@ -127,7 +127,7 @@ class Fit:
 
     @property
     def slack(self) -> float:
-        """What is left (mm) before something is in the way; negative: by how much it is."""
+        """Distance (mm) left before anything interferes; negative: the depth of interference."""
         values = [self.normal_backlash[0], *(-overlap.depth for overlap in self.interference)]
         values += [clearance.distance for clearance in self.clearances if clearance is not None]
         return least(values)

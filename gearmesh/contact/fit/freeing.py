@@ -1,6 +1,6 @@
-"""What frees a pair: how far the gear must be moved, at least, for nothing to be in the way any more.
+"""The least movement of the gear that frees a pair from interference.
 
-What is left before something is in the way, the slack, is signed: negative by how much teeth overlap, positive by what is free. Its
+The slack, the distance left before anything interferes, is signed: negative where teeth overlap, positive where they are free. Its
 sign changes between a shift that does not free the pair and one that does, and the bracket of both is closed to a hundredth. Where
 a tip leaves a fillet the slack jumps from 0 to the backlash; so the sign changes by what overlaps.
 """

@@ -49,7 +49,7 @@ def follow(surface: Surface, p: Array, stations: Array, axial: Level, start: Arr
     """As `along`, with a status for each point.
 
     Newton: the station is linear in v for every rack-generated surface (one step). The whole batch goes on together, then
-    what has not converged, so that a few points that have no v cost the others nothing. On a grid whose p runs evenly along
+    what has not converged, so that a few points that have no v cost the others nothing. On a grid whose p is evenly spaced along
     the first axis a few rows are solved first and the others start from their interpolation.
     """
     p, stations = np.broadcast_arrays(p, stations)

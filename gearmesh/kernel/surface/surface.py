@@ -56,7 +56,7 @@ class Surface(Protocol):
 
 
 class GeneratedSurface(Surface, Protocol):
-    """A surface that a `tool` generates in a motion of as many parameters as it has `freedoms`: none where it stands still, roll
+    """A surface that a `tool` generates in a motion of as many parameters as it has `freedoms`: none where it is fixed, roll
     (rad), or roll and feed (mm)."""
 
     @property
@@ -85,7 +85,7 @@ class GeneratedSurface(Surface, Protocol):
 
 @dataclass(frozen=True)
 class PlacedSurface:
-    """A surface in another frame, to which `place` takes it: what a tool leaves that stands still, too."""
+    """A surface in another frame, to which `place` takes it: what a fixed tool leaves, too."""
 
     surface: Surface
     place: Rigid

@@ -1,6 +1,6 @@
 """Which fillet arcs the racks of circular-arc gears have room for [LT85 Figs. 4, 5].
 
-The arc about (-b, a) of the radius rho and the fillet arc touch where the fillet stands on the cutter's tip plane, `root` under
+The arc about (-b, a) of the radius rho and the fillet arc touch where the fillet touches the cutter's tip plane, `root` under
 the pitch plane. On rack F (convex teeth) they touch from outside, on rack P (concave ones) from inside:
 
     F: sin(theta) = (f + b - root) / (rho + f),    P: sin(theta) = (b + root - f) / (rho - f)

@@ -243,7 +243,7 @@ class ShapedGear:
 
     @property
     def _aside(self) -> float:
-        """e (mm) of the equation of meshing: 0 where the axes meet or stand at 90 deg."""
+        """e (mm) of the equation of meshing: 0 where the axes intersect or are at 90 deg."""
         c = self.ratio * float(np.cos(self.shaft_angle))
         return -c * self.offset / (1.0 + c)
 

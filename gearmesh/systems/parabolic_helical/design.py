@@ -55,7 +55,7 @@ class ParabolicMember(MemberTable):
             "root below the pitch cylinder",
             low=0,
             high=5,
-            default="1.25, or what leaves the rack's tooth a rounding, down to the mate's addendum and 0.1",
+            default="1.25, or what leaves the rack's tooth a rounding, down to the mating addendum and 0.1",
         ),
     ] = DERIVED
     tool_tip_radius: Annotated[

@@ -88,7 +88,7 @@ class Rows(Protocol):
         """Symbol and name of the face width of a row [ISO 21771]."""
 
     def body(self, own: Body) -> Body:
-        """What all rows stand on, `own` being that of the tooth."""
+        """The gear body under all rows, `own` being that of the tooth."""
 
     def extent(self, own: tuple[float, float]) -> tuple[float, float]:
         """First and last station of the whole, `own` being those of the tooth."""
@@ -138,7 +138,7 @@ class DoubleHelical:
     """A second half beyond an end face of the first, which is the tooth's.
 
     `plane`: z of the plane of symmetry; `near`: z of the first half's end face that looks at it: its heel, or its toe where
-    `beyond_heel` is false; `groove`: radius of the cylinder in the gap, None where the halves meet; `whole`: what both stand on.
+    `beyond_heel` is false; `groove`: radius of the cylinder in the gap, None where the halves meet; `whole`: the gear body of both.
     """
 
     plane: float

@@ -34,7 +34,7 @@ NEARLY_ALL, BEYOND = 0.95, 1.25
 class Footprints:
     """One tooth pair at one torque: cells (X, Y) at phases (F,), rad, of the pinion, ascending.
 
-    `middle` (F, X, 3), mm, the direction `across` (F, 3) in which the cells stand at `y` (F, Y), mm, and the `normal` (F, 3) out of
+    `middle` (F, X, 3), mm, the direction `across` (F, 3) in which the cells are at `y` (F, Y), mm, and the `normal` (F, 3) out of
     the pinion, fixed frame; `own_to_fixed` (F,) of pinion and gear; `pressure` (F, X, Y), MPa, and which cells that are pressed lie
     on an `edge` of a flank; `share` (F,) of the torque; whether phases f and f + 1 are `joined` (F - 1,).
     """
@@ -89,7 +89,7 @@ class Footprints:
         return self.middle[:, :, None] + self.y[:, None, :, None] * self.across[:, None, None]
 
     def own(self, member: int, points: Array) -> Array:
-        """Points (F, ..., 3) of the fixed frame in that of pinion (0) or gear (1), as they stand at the phases."""
+        """Points (F, ..., 3) of the fixed frame in that of pinion (0) or gear (1), as they are at the phases."""
         to_own = self.own_to_fixed[member].inverse
         turned = np.einsum("fij,f...j->f...i", to_own.rotation, points)
         in_own: Array = turned + to_own.translation.reshape(-1, *(1,) * (points.ndim - 2), 3)

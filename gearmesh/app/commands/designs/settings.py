@@ -37,7 +37,7 @@ def settings(
 ) -> None:
     """Machine settings that give the contact asked for.
 
-    For spiral bevel gears the settings sheet, or with --compensate the settings that make good the assembly errors of the
+    For spiral bevel gears the settings sheet, or with --compensate the settings that compensate the assembly errors of the
     design; for circular-arc gears always the latter, which restore pressure_angle at the point of contact, too.
     """
     refuse_torque(torque)

@@ -1,4 +1,4 @@
-"""The shaper cutter of a member: its teeth, where it stands at the last cut, and what it is as a tool."""
+"""The shaper cutter of a member: its teeth, its position at the last cut, and its tool surface."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
 
 @dataclass(frozen=True)
 class _Hobbing:
-    """A hob over a member: `rack` is that of its tip, with the line that its rounding touches where it stands out most."""
+    """A hob over a member: `rack` is that of its tip, with the line that its rounding touches where it projects most."""
 
     name: str
     hob: Hob

@@ -1,7 +1,7 @@
 """Members that a shaper cutter generates: internal gears, and external ones that a hob cannot reach.
 
 In the transverse section the cutter's involute generates the flank, its tip rounding the fillet and its top the root; a helical
-member is that section, twisted (see `kernel.twisted`). The cutter stands at the distance at which it leaves teeth of the thickness
+member is that section, twisted (see `kernel.twisted`). The cutter is at the distance at which it leaves teeth of the thickness
 that is asked for.
 """
 

@@ -178,7 +178,7 @@ class InvolutePair:
     def sliding(self, length: float) -> tuple[float, float]:
         """Specific sliding of both where the pinion has a roll length: 1 - (speed of the mating gear along the flank) / (own).
 
-        -inf where the own flank stands still, at its base circle.
+        -inf where the own flank is at rest, at its base circle.
         """
         speeds = length / self.pinion.teeth, self.mate_roll_length(length, self.pinion) / self.gear.teeth
         first, second = (1.0 - mate / own if own > 0.0 else -math.inf for own, mate in (speeds, speeds[::-1]))

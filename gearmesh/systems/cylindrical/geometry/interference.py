@@ -1,4 +1,4 @@
-"""Where the teeth of an internal gear get in the way of a pinion, or of the cutter that shapes it, beside the path of contact.
+"""Interference of the teeth of an internal gear with a pinion, or with the cutter that shapes it, outside the path of contact.
 
 Three limits, each as an angle or ratio that is negative where the teeth interfere:
 
@@ -6,9 +6,9 @@ Three limits, each as an angle or ratio that is negative where the teeth interfe
     trochoid    tips of pinion and ring pass each other in rotation, on their way into mesh and out of it
     trimming    the same while the pinion, or a shaper cutter, is moved radially into the ring
 
-Radii in mm or any one unit. The trochoid condition compares the turn of the ring until its tip comes to where both tip circles meet
-with that of the pinion; for trimming the pinion goes straight outwards, and the two tips meet where their distances from the line
-between the axes are equal.
+Radii in mm or any one unit. The trochoid condition compares the turn of the ring until its tip reaches the point where both tip
+circles meet with that of the pinion; for trimming the pinion goes straight outwards, and the two tips meet where their distances
+from the line between the axes are equal.
 """
 
 from __future__ import annotations

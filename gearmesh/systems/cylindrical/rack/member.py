@@ -141,7 +141,7 @@ class RackMesh:
         """Specific sliding of pinion and rack where the pinion has a roll length: 1 - (speed of the mating gear along the flank)
         / (own).
 
-        -inf where the pinion's flank stands still, at its base circle.
+        -inf where the pinion's flank is at rest, at its base circle.
         """
         return (1.0 - self.generator / length if length > 0.0 else -math.inf), 1.0 - length / self.generator
 

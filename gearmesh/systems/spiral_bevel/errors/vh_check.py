@@ -10,7 +10,7 @@ solved by Newton with exact derivatives. The displacements are two of V of the p
 own (dA), J of the gear along its axis (dG) and alpha of the shaft angle (d_delta); the others stay what the design says.
 
 These are conditions in the small. Whether the contact is there is decided by the first touch of the displaced teeth, over the whole
-of both: it must be that point. Pairs whose gear leads at the change of teeth, as in [AB], have neighbouring teeth ahead of it.
+of both: it must be that point. Pairs whose gear runs ahead at the change of teeth, as in [AB], have neighbouring teeth ahead of it.
 """
 
 from __future__ import annotations

@@ -37,7 +37,7 @@ def touching_turn(
     side: Generated, mate: tuple[Surface, Rigid], parameters: tuple[float, float], blank: BevelBlank
 ) -> float:
     """Rotation (rad) about its axis that brings a flank of the pinion, as cut, to its mating gear, the gear's flank as cut and
-    where it stands in the pinion's own frame; `parameters` are those of the gear's mean point.
+    where it is in the pinion's own frame; `parameters` are those of the gear's mean point.
 
     To a point of contact near the mean point, or where there is none through it. Raises NoSolutionError where the flank has no
     point as high at this cone distance.

@@ -58,7 +58,7 @@ class CutSides:
 
 
 def index_angles(sides: Sides, teeth: int, places: Angles) -> Angles:
-    """Index angles (rad) of the sides of a pinion that stand at `places` (rad), see `CutSides`."""
+    """Index angles (rad) of the sides of a pinion at `places` (rad), see `CutSides`."""
     beside = beside_space(sides, teeth)
     return {name: side.hand * (places[name] + side.turned - beside[name]) for name, side in sides.items()}
 

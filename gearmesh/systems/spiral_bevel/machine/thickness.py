@@ -25,7 +25,7 @@ LEAST_WIDTH = 0.05
 
 
 def mean_pitch_lines(own: MemberBlank, sides: Sides, places: Angles) -> PitchLines:
-    """Where the flanks of a tooth whose sides stand at `places` (rad) cross its pitch cone at the mean cone distance."""
+    """Where the flanks of a tooth whose sides are at `places` (rad) cross its pitch cone at the mean cone distance."""
     hand = sides["concave"].hand
     flanks = {side.flank: side.side(places[name]).flank for name, side in sides.items()}
     starts = {side.flank: np.array([[side.blade.at_height(own.mean_dedendum), 0.0]]) for side in sides.values()}

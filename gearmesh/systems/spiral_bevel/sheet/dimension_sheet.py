@@ -290,7 +290,7 @@ class CutTooth:
                 "mm",
                 _fitting_edge(self.sides, self.slot),
             ),
-            ("rho_a0_c", "the same: by the mate's tip, clearance", "mm", clearing),
+            ("rho_a0_c", "the same: by the mating tip, clearance", "mm", clearing),
         ]
 
 

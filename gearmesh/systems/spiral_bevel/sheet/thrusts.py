@@ -80,7 +80,7 @@ def thrust_table(blank: BevelBlank, means: dict[str, MeanPoint], gear_base: Rigi
     for symbol, words, key in (
         ("F_mt", "tangential", "tangential"),
         ("F_ax", "axial, > 0 away from the crossing point", "axial"),
-        ("F_rad", "separating, > 0 away from the mate", "separating"),
+        ("F_rad", "separating, > 0 away from the mating gear", "separating"),
     ):
         rows.append((symbol, words, "N", tuple(getattr(forces, key) for forces in formulas)))
         exact_words = f"{words.split(',')[0]}, by the exact normal"

@@ -104,7 +104,7 @@ class FlankForm:
 class MeanPoint:
     """Mean point of one pair of sides: parameters on the gear's flank (as cut), and the rotation (rad) of the gear, as
     cut, about its axis at which it is the point of contact; `contact` is what local synthesis wants to know of it, `choice`
-    what it shall be there; `mate`: that flank, and where it stands then in the pinion's own frame."""
+    what it shall be there; `mate`: that flank, and its position then in the pinion's own frame."""
 
     parameters: tuple[float, float]
     gear_turn: float
