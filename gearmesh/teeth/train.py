@@ -250,7 +250,7 @@ class Train:
         return {member.name: member for pair in self.pairs for member in pair.both}
 
     def with_member(self, member: Member) -> Train:
-        """The same train with another member of that name in all its pairs. Of pairs that were alike those with it stay so."""
+        """The same gear set with another member of that name in all its pairs. Of pairs that were alike those with it stay so."""
 
         def instead(old: Member) -> Member:
             return member if old.name == member.name else old
