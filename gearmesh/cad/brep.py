@@ -20,7 +20,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, plan, samples
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
-from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface
+from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Sections, breaks
@@ -189,14 +189,14 @@ def _links(tooth: Tooth, sections: Sections) -> tuple[Piece, ...]:
 
 
 def _level(tooth: Tooth, link: Piece) -> ConeLevel:
-    surface = tooth.chain[link.region].surface
-    assert isinstance(surface, ConeSurface)
-    return surface.level
+    cone = tooth.chain[link.region].cone
+    assert cone is not None
+    return cone
 
 
 def _is_turned(tooth: Tooth, link: Piece) -> bool:
     """Whether a link is a land or root on a plane, cylinder or cone that does not wind round the axis."""
-    if not isinstance(tooth.chain[link.region].surface, ConeSurface):
+    if tooth.chain[link.region].cone is None:
         return False
     angles = link.grid(tooth, np.array([0.0, 1.0]), tooth.sections(samples())).p
     return angles is not None and float(np.ptp(angles)) < WINDING

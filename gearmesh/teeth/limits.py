@@ -28,8 +28,7 @@ from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
 from gearmesh.kernel.numeric.roots import last_true
-from gearmesh.kernel.surface.flat import FlatLevel
-from gearmesh.kernel.surface.levels import ConeLevel, Level, station_normal
+from gearmesh.kernel.surface.levels import LandLevel, Level, station_normal
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.region import Side
@@ -119,10 +118,8 @@ def member_limits(member: Member, land: float = 0.0, count: int = STATIONS) -> M
     tooth = member.tooth.unmodified
     t = np.linspace(0.0, 1.0, count)
     stations, sections = tooth.stations(t), tooth.sections(t)
-    tip_radius = crossing(tooth.blank.tip_cone, tooth.blank.axial, stations)[0]
-    right, left, points = land_of_width(
-        _flanks(tooth), tooth.blank.axial, tooth.blank.tip_cone, stations, land, tooth.joint
-    )
+    tip_radius = crossing(tooth.blank.tip, tooth.blank.axial, stations)[0]
+    right, left, points = land_of_width(_flanks(tooth), tooth.blank.axial, tooth.blank.tip, stations, land, tooth.joint)
     return MemberLimits(
         stations=stations,
         right=_side(tooth, tooth.right, stations, sections.right.joint_flank, right),
@@ -208,12 +205,11 @@ def _arms(joint: Joint, rho: Array) -> Array:
 # ---------------------------------------------------------------- heights of the tool
 
 
-def crossing(first: ConeLevel | FlatLevel, second: Level, stations: Array) -> tuple[Array, Array]:
-    """(rho, z), mm, (T,) each, of the circles where the level `first` is 0 and the stations' one `second` has given values."""
-    normals = np.array([first.normal, station_normal(second)])
-    values = np.stack((np.full_like(stations, first.offset), stations - second.value(np.zeros(3))))
-    rho, z = np.linalg.solve(normals, values)
-    return rho, z
+def crossing(land: LandLevel, axial: Level, stations: Array) -> tuple[Array, Array]:
+    """(rho, z), mm, (T,) each, of the circles of a land, or of a rack's height, at given station coordinates."""
+    surface = land.surface
+    r = along(surface, np.zeros_like(stations), stations, axial, surface.meeting(axial, stations))[1].r
+    return r[..., 0], r[..., 2]
 
 
 def pitch_height(tooth: Tooth, side: ToothSide, stations: Array) -> Array:
@@ -295,7 +291,7 @@ def fewest_teeth(tooth: Tooth) -> int | None:
 def land_of_width(
     flanks: Flanks,
     axial: Level,
-    tip: ConeLevel | FlatLevel,
+    tip: Level,
     stations: Array,
     width: float = 0.0,
     joint: Joint = REVOLUTE,

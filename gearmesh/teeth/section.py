@@ -18,9 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.barrel import Barrel
-from gearmesh.kernel.surface.flat import FlatSurface
-from gearmesh.kernel.surface.levels import ConeSurface, Level
+from gearmesh.kernel.surface.levels import ConeLevel, LandSurface, Level
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.blank.tip_edge import EdgePoints, TipEdge
@@ -112,6 +110,10 @@ class Link(Protocol):
         """True where a tool generates the surface: flanks, fillets, tip chamfers and roundings."""
 
     @property
+    def cone(self) -> ConeLevel | None:
+        """The plane, cylinder or cone that the surface is, if it is one."""
+
+    @property
     def seams(self) -> Seams: ...
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
@@ -163,6 +165,7 @@ class GeneratedLink:
     axial: Level
     ends: Callable[[Ends], tuple[Array, Array]]
     generated: bool = True
+    cone: None = None
     seams: Seams = ()
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
@@ -187,12 +190,16 @@ class TurnedLink:
     """A land or root: a surface of revolution, or a plane, whose first parameter is the angle; `ends` are its angles."""
 
     region: Region
-    surface: ConeSurface | Barrel | FlatSurface
+    surface: LandSurface
     axial: Level
     ends: Callable[[Sections], tuple[Array, Array]]
     side: None = None
     generated: bool = False
     seams: Seams = ()
+
+    @property
+    def cone(self) -> ConeLevel | None:
+        return self.surface.cone
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
         return self.ends(sections)
@@ -215,6 +222,7 @@ class BottomLink:
     ends: tuple[float, float]
     side: None = None
     generated: bool = True
+    cone: None = None
     seams: Seams = ()
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
@@ -239,6 +247,7 @@ class DrawnLink:
     edge: TipEdge
     surface: None = None
     generated: bool = False
+    cone: None = None
     seams: Seams = ()
 
     def span(self, sections: Sections) -> tuple[Array, Array]:

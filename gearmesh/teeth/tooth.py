@@ -168,9 +168,10 @@ class Tooth:
 
     @cached_property
     def face_breaks(self) -> Array:
-        """Stations t inside (0, 1) where the flanks are not smooth along the face."""
+        """Stations t inside (0, 1) where the flanks, or their tips, are not smooth along the face."""
         toe, heel = self.blank.extent
-        t = (np.array([*self.right.face_breaks, *self.left.face_breaks]) - toe) / (heel - toe)
+        places = [*self.right.face_breaks, *self.left.face_breaks, *self.blank.corners]
+        t = (np.array(places) - toe) / (heel - toe)
         return np.unique(t[(t > 0.0) & (t < 1.0)])
 
     @cached_property

@@ -16,9 +16,7 @@ from gearmesh.errors import Solution
 from gearmesh.kernel.envelope.limiting_line import area_density, singular_at
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
-from gearmesh.kernel.surface.barrel import Barrel
-from gearmesh.kernel.surface.flat import FlatLevel
-from gearmesh.kernel.surface.levels import ConeLevel, Level
+from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.stations import Followed, TrimError, along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.tooth_side import ToothSide
@@ -67,7 +65,7 @@ def joint(
     tip: tuple[Array, Jet],
     at: tuple[Array, Array],
     axial: Level,
-    root: ConeLevel | Barrel | FlatLevel,
+    root: Level,
     near: Undercut | None = None,
     *,
     folds: bool = False,
@@ -94,7 +92,7 @@ def joint(
 
 
 def _crossing(
-    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel | FlatLevel
+    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: Level
 ) -> tuple[Array, Array]:
     """Parameters (T,) of flank and fillet where they cross, having run past each other up to the form point, where nothing is
     undercut.
@@ -162,7 +160,7 @@ def _intersection(
     tip: Array,
     at: tuple[Array, Array],
     axial: Level,
-    root: ConeLevel | Barrel | FlatLevel,
+    root: Level,
     start: Array | None,
 ) -> Array:
     """Both parameters of flank and of fillet (T, 4) on the intersection curve flank x fillet at each station, `start` near it."""
@@ -225,9 +223,7 @@ def intersection(surfaces: tuple[Surface, Surface], start: Array, stations: Arra
     return newton.solve(residual, start, tolerance=trim_tolerance(near))
 
 
-def _start(
-    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel | FlatLevel
-) -> Array:
+def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: Level) -> Array:
     """Start values (T, 4) from sampled sections: where the polar angles of flank and fillet cross, over the height.
 
     Samples crowd towards cusp and form point because the loop between them may be tiny. What is too small for them has a start of
@@ -270,9 +266,7 @@ def _start(
     return start
 
 
-def _drawn(
-    curve: Followed, p: Array, k: int, root: ConeLevel | Barrel | FlatLevel
-) -> tuple[Array, Array, Array, Array]:
+def _drawn(curve: Followed, p: Array, k: int, root: Level) -> tuple[Array, Array, Array, Array]:
     """Both parameters, height over the root and polar angle of the samples of a section (S, T) that station k has."""
     there = curve.converged[:, k]
     r = curve.jet.r[there, k]

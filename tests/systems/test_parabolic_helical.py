@@ -20,7 +20,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
-from gearmesh.kernel.surface.barrel import Barrel
+from gearmesh.kernel.surface.meridian import Meridian
 from gearmesh.kernel.surface.surface import Jet, PlacedSurface
 from gearmesh.systems.designs import load, parse
 from gearmesh.teeth.region import Side
@@ -289,7 +289,7 @@ def test_root_of_a_plunged_tooth_is_what_the_worm_s_crest_leaves() -> None:
     design = load(SAMPLES / "novikov.toml", ["pinion.plunge_coefficient=3e-4"])
     tooth = pair_of(design).pinion.tooth
     root, a, m = tooth.blank.root, 3e-4, 5.08
-    assert isinstance(root, Barrel)
+    assert isinstance(root, Meridian)
     pitch_radius, crest = 0.5 * 17 * m / np.cos(np.radians(20.0)), 98.0 + 0.85 * m
     crossing = np.radians(90.0) - abs(np.radians(20.0) - np.arcsin(0.5 * m / 98.0))
     s = np.linspace(-44.0, 44.0, 23)
@@ -308,7 +308,7 @@ def test_root_of_a_plunged_tooth_is_what_the_worm_s_crest_leaves() -> None:
 
 
 def test_barrel_jet_and_level() -> None:
-    barrel = Barrel.through(lambda z: 30.0 + 0.1 * z - 5e-4 * z**2 + 1e-6 * z**3 + np.sin(0.5 * z), (-9.0, 9.0))
+    barrel = Meridian.through(lambda z: 30.0 + 0.1 * z - 5e-4 * z**2 + 1e-6 * z**3 + np.sin(0.5 * z), (-9.0, 9.0))
     u, v, h = np.array([0.3, 1.0]), np.array([5.0, -7.0]), 1e-5
     jet = barrel.jet(u, v)
     for r_x, n_x, (du, dv) in ((jet.r_u, jet.n_u, (h, 0.0)), (jet.r_v, jet.n_v, (0.0, h))):
@@ -320,7 +320,7 @@ def test_barrel_jet_and_level() -> None:
     change = (barrel.gradient(jet.r + h * w) - barrel.gradient(jet.r - h * w)) / (2.0 * h)
     np.testing.assert_allclose(barrel.hessian(jet.r, np.broadcast_to(w, (2, 3))), change, rtol=0, atol=1e-8)
     with pytest.raises(ValueError, match="not smooth enough"):
-        Barrel.through(lambda z: 30.0 + np.abs(z), (-1.0, 1.0))
+        Meridian.through(lambda z: 30.0 + np.abs(z), (-1.0, 1.0))
 
 
 # ---- designs

@@ -16,25 +16,17 @@ from gearmesh.kernel.surface.surface import Jet
 class FlatLevel:
     """g = x - `radius`: a plane in which the `joint` moves a rack; mm.
 
-    `radius` and `slope` are named as those of the cones that it stands for.
+    `radius` is named as that of the cylinders that it stands for.
     """
 
     radius: float
     joint: Prismatic
 
-    @property
-    def normal(self) -> tuple[float, float]:
-        """Gradient over reach and z."""
-        return 1.0, 0.0
+    def corners(self, axial: Level) -> tuple[float, ...]:
+        return ()
 
-    @property
-    def offset(self) -> float:
-        """g at x = 0, with its sign changed."""
-        return self.radius
-
-    @property
-    def slope(self) -> float:
-        return 0.0
+    def across(self, axial: Level) -> Level:
+        return FlatLevel(0.0, self.joint)
 
     @property
     def surface(self) -> FlatSurface:
@@ -61,6 +53,10 @@ class FlatSurface:
     """The plane of a level, normal along x; parameters: u the angle of the joint (rad), v = z (mm)."""
 
     level: FlatLevel
+
+    @property
+    def cone(self) -> None:
+        return None
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))

@@ -11,7 +11,7 @@ from scipy.interpolate import PPoly
 
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.numeric.algebra import Array, components, dot
-from gearmesh.kernel.surface.surface import Jet
+from gearmesh.kernel.surface.surface import Jet, Surface
 
 #: sines and cosines below this are those of a right angle, to rounding
 RIGHT_ANGLE = 4e-16
@@ -28,6 +28,34 @@ class Level(Protocol):
 
     def hessian(self, r: Array, w: Array) -> Array:
         """Hessian applied to vectors w (..., 3), (..., 3)."""
+
+
+class LandSurface(Surface, Protocol):
+    """The surface of a land or root; its first parameter is the angle along which teeth follow each other."""
+
+    def meeting(self, axial: Level, stations: Array) -> Array:
+        """Second parameter (...,) near the station coordinates `stations` (...,), mm."""
+
+    @property
+    def cone(self) -> ConeLevel | None:
+        """The plane, cylinder or cone that it is, None for any other surface."""
+
+
+class LandLevel(Level, Protocol):
+    """What lands and roots lie on: a surface of revolution, or a plane along which a rack slides."""
+
+    @property
+    def surface(self) -> LandSurface:
+        """The surface g = 0."""
+
+    def corners(self, axial: Level) -> tuple[float, ...]:
+        """Station coordinates (mm) of the corners of its meridian, ascending."""
+
+    def at(self, z: float | Array) -> Array:
+        """Its distance (...,), mm, from the axis, or from a rack's reference plane, at z (...,), where it has one."""
+
+    def across(self, axial: Level) -> Level:
+        """The coordinate (mm) at right angles to that of the stations."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +126,12 @@ class ConeLevel:
         """d rho / dz; not of a plane."""
         return -self.normal[1] / self.normal[0]
 
+    def corners(self, axial: Level) -> tuple[float, ...]:
+        return ()
+
+    def across(self, axial: Level) -> Level:
+        return perpendicular(axial)
+
     def at(self, z: float | Array) -> Array:
         """rho, mm, at z; not of a plane."""
         return np.asarray(self.radius + self.slope * z)
@@ -129,6 +163,12 @@ def station_normal(level: Level) -> tuple[float, float]:
     return float(gradient[0]), float(gradient[2])
 
 
+def perpendicular(axial: Level) -> ConeLevel:
+    """The coordinate at right angles to a station coordinate in the axial half plane, away from the axis of a cylinder."""
+    across, up = station_normal(axial)
+    return ConeLevel(float(np.arctan2(up, -across)))
+
+
 @dataclass(frozen=True)
 class ConeSurface:
     """The surface g = 0 of a level, its normal along the gradient of g.
@@ -138,6 +178,10 @@ class ConeSurface:
     """
 
     level: ConeLevel
+
+    @property
+    def cone(self) -> ConeLevel:
+        return self.level
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
@@ -189,12 +233,6 @@ class CurveLevel:
     across: Level
     curve: PPoly
     sign: float = 1.0
-
-    @staticmethod
-    def across_stations(axial: Level) -> ConeLevel:
-        """The coordinate at right angles to a station coordinate in the axial half plane, away from the axis of a cylinder."""
-        across, up = station_normal(axial)
-        return ConeLevel(float(np.arctan2(up, -across)))
 
     def value(self, r: Array) -> Array:
         value: Array = self.sign * (self.curve(self.axial.value(r)) - self.across.value(r))

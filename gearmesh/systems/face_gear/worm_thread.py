@@ -29,9 +29,9 @@ from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross
 from gearmesh.kernel.numeric.roots import last_true
-from gearmesh.kernel.surface.barrel import Barrel
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.mapped import MappedSurface, Mapping
+from gearmesh.kernel.surface.meridian import Meridian
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.kernel.surface.surface import Jet, PlacedSurface, Surface
 from gearmesh.systems.common.bodies.body import bore_radius
@@ -321,7 +321,7 @@ def _member(thread: Thread, length: float, bore: float | None) -> Member:
     worm, half = thread.worm, 0.5 * length
     hole = bore_radius("worm", bore, thread.root, "the root diameter")
     try:
-        land = Barrel.through(lambda z: _turned(worm, worm.shaper.top_radius, z), (-half, half))
+        land = Meridian.through(lambda z: _turned(worm, worm.shaper.top_radius, z), (-half, half))
         blank = Blank(PlaneLevel(0.0), (-half, half), land, ConeLevel.of(thread.root), Body.tube(hole, -half, half))
         tooth = Tooth(worm.threads, thread.side(1), thread.side(-1), blank)
         tooth.prove()

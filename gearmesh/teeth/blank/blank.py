@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from gearmesh.kernel.surface.barrel import Barrel
-from gearmesh.kernel.surface.flat import FlatLevel
-from gearmesh.kernel.surface.levels import ConeLevel, CurveLevel, Level
+from gearmesh.kernel.surface.levels import LandLevel, Level
 from gearmesh.teeth.blank.body import Body
 
 
@@ -20,19 +18,16 @@ class Blank:
 
     axial: Level
     extent: tuple[float, float]
-    tip: ConeLevel | Barrel | FlatLevel
-    root: ConeLevel | Barrel | FlatLevel
+    tip: LandLevel
+    root: LandLevel
     body: Body
-
-    @property
-    def tip_cone(self) -> ConeLevel | FlatLevel:
-        """The tip of a gear: a cone, cylinder or plane. Tools alone have barrels."""
-        assert not isinstance(self.tip, Barrel)
-        return self.tip
 
     @property
     def across(self) -> Level:
         """The coordinate (mm) at right angles to the station's, along a section from root to tip or back."""
-        if isinstance(self.tip, FlatLevel):
-            return FlatLevel(0.0, self.tip.joint)
-        return CurveLevel.across_stations(self.axial)
+        return self.tip.across(self.axial)
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Station coordinates (mm) where lands or roots have corners along the face."""
+        return *self.tip.corners(self.axial), *self.root.corners(self.axial)

@@ -32,13 +32,13 @@ class TipEdge:
         Raises TrimError where the edge is larger than the flank.
         """
         joint, tip = ends
-        axial, tip_cone = blank.axial, blank.tip_cone
-        # away from the axis, or towards it on an internal gear
-        towards = np.sign(tip_cone.normal[0])
+        axial = blank.axial
 
         def begins(p: Array, at: Array) -> tuple[Array, Array, Array, Array]:
             jet = along(flank, p, at, axial)[1]
-            tip_radius = tip_cone.radius + tip_cone.slope * jet.r[:, 2]
+            tip_radius = blank.tip.at(jet.r[:, 2])
+            # away from the axis, or towards it on an internal gear
+            towards = np.sign((blank.tip.gradient(jet.r) * jet.r)[:, :2].sum(axis=-1))
             inward = -jet.n[:, :2] / np.hypot(jet.n[:, 0], jet.n[:, 1])[:, None]
             centre = jet.r.copy()
             centre[:, :2] += self.size * inward

@@ -18,8 +18,8 @@ from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
-from gearmesh.kernel.surface.barrel import Barrel
-from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.surface.levels import ConeLevel, LandLevel, PlaneLevel
+from gearmesh.kernel.surface.meridian import Meridian
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import GeneratedSurface, Surface
 from gearmesh.systems.common.bodies.body import body_features, bore_radius, disc_body
@@ -190,7 +190,7 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tu
     slope, half = np.tan(roll.cone), 0.5 * spec.face_width
     # a plane at height h over the pitch plane of the tilted rack envelops the cone rho = r + h / cos(delta) + z tan(delta)
     tip = ConeLevel.of(roll.radius + rack.tip_height / np.cos(roll.cone), slope)
-    root: ConeLevel | Barrel = ConeLevel.of(roll.radius + rack.root_height / np.cos(roll.cone), slope)
+    root: LandLevel = ConeLevel.of(roll.radius + rack.root_height / np.cos(roll.cone), slope)
     smallest = float(root.at(-np.sign(slope) * half))
     if smallest <= 0.0:
         if root.at(0.0) <= 0.0:
@@ -206,7 +206,7 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tu
     if ground is not None:
         surface, middle = ground
         try:
-            root = Barrel.through(
+            root = Meridian.through(
                 lambda z: _rho(along(surface, np.full_like(z, middle), z, PlaneLevel(0.0))[1].r), (-half, half)
             )
         except (ValueError, TrimError) as failure:
@@ -270,17 +270,20 @@ def _explained(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure
             most = f"at most {at_most(limit * spec.face_width)} mm with this tip"
             return DesignError(f"{name}.face_width", spec.face_width, unit="mm", reason=pointed, allowed=most)
     lowest = float(tooth.blank.root.at(0.0))
-    height = tooth.blank.tip_cone.radius - lowest
+    highest = float(tooth.blank.tip.at(0.0))
+    height = highest - lowest
     limit = _largest(lambda share: _has_land(_with_tip(tooth, lowest + share * height), 1.0))
     radius = lowest + limit * height
-    asked = f"{pointed}: the tip diameter is {2 * tooth.blank.tip_cone.radius:.6g} mm at mid face"
+    asked = f"{pointed}: the tip diameter is {2 * highest:.6g} mm at mid face"
     if not _fits(_with_tip(tooth, radius), 1.0):
         return DesignError(f"{name}.{tip_key}", reason=f"{asked}; no other tip diameter leaves a tooth")
     return DesignError(f"{name}.{tip_key}", reason=asked, allowed=f"at most {at_most(2.0 * radius)} mm")
 
 
 def _with_tip(tooth: Tooth, radius: float) -> Tooth:
-    return replace(tooth, blank=replace(tooth.blank, tip=ConeLevel.of(radius, tooth.blank.tip_cone.slope)))
+    """The tooth with a tip of another radius (mm) at z = 0, and the same cone angle."""
+    at0, at1 = tooth.blank.tip.at(np.array([0.0, 1.0]))
+    return replace(tooth, blank=replace(tooth.blank, tip=ConeLevel.of(radius, float(at1 - at0))))
 
 
 def _fits(tooth: Tooth, share: float) -> bool:

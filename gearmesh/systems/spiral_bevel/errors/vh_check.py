@@ -29,7 +29,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle, unit
-from gearmesh.kernel.surface.levels import CurveLevel, Level
+from gearmesh.kernel.surface.levels import Level, perpendicular
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.systems.spiral_bevel.errors.displacements import displaced_bases
 from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES
@@ -224,7 +224,7 @@ class _Conditions:
         turns = meshing_turns(self.mate, first.inverse @ second, sense, self.pair.ratio)
         r = (first.inverse @ second @ Rigid.about_z(turns)).point(self.mate.r)
         tooth, which = self.pair.pinion.tooth, self.pair.flanks[0]
-        levels = tooth.blank.axial, CurveLevel.across_stations(tooth.blank.axial)
+        levels = tooth.blank.axial, perpendicular(tooth.blank.axial)
         wanted = np.stack([level.value(r) for level in levels], axis=-1)
         toe, heel = tooth.blank.extent
         t = np.clip((wanted[:, 0] - toe) / (heel - toe), 0.0, 1.0)

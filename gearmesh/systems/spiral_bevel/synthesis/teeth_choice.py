@@ -220,7 +220,7 @@ def _undercut(teeth: BevelTeeth) -> tuple[float, float]:
 def _land(tooth: Tooth) -> float:
     """The thinnest top land (mm)."""
     sections = tooth.even
-    radius = crossing(tooth.blank.tip_cone, tooth.blank.axial, sections.stations)[0]
+    radius = crossing(tooth.blank.tip, tooth.blank.axial, sections.stations)[0]
     return float((radius * (sections.left.tip_angle - sections.right.tip_angle)).min())
 
 
