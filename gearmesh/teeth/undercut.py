@@ -91,9 +91,7 @@ def joint(
     return p, q, undercut
 
 
-def _crossing(
-    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: Level
-) -> tuple[Array, Array]:
+def _crossing(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: Level) -> tuple[Array, Array]:
     """Parameters (T,) of flank and fillet where they cross, having run past each other up to the form point, where nothing is
     undercut.
 

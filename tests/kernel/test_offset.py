@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from gearmesh.kernel.surface.barrel import Barrel
 
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array, dot
-from gearmesh.kernel.surface.barrel import Barrel
 from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent_basis
 from gearmesh.kernel.surface.offset import FieldJet, Offset
 from gearmesh.kernel.surface.surface import Jet, Surface
