@@ -93,8 +93,8 @@ def package_of(parts: tuple[str, ...]) -> str:
     return parts[1] if len(parts) > 1 and parts[1] not in ("__init__", "__main__", "__version__") else ""
 
 
-def imported(file: str, source: str, *, typing: bool = True) -> list[tuple[int, bool, str]]:
-    """(line, on importing, absolute dotted name) of all imports in a file, those for `typing` too; `from a import b` gives a.b."""
+def imported(file: str, source: str) -> list[tuple[int, bool, str]]:
+    """(line, on importing, absolute dotted name) of all imports in a file, those for types too; `from a import b` gives a.b."""
     package, found = Path(file).parts[:-1], []
     tree = ast.parse(source)
     inner = {id(n) for f in ast.walk(tree) if isinstance(f, ast.FunctionDef) for n in ast.walk(f)}
@@ -102,8 +102,6 @@ def imported(file: str, source: str, *, typing: bool = True) -> list[tuple[int, 
               for n in ast.walk(f)}  # fmt: skip
     for node in ast.walk(tree):
         early = id(node) not in inner | checking
-        if not typing and id(node) in checking:
-            continue
         if isinstance(node, ast.Import):
             found += [(node.lineno, early, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -152,12 +150,12 @@ def test_packages_import_what_they_may() -> None:
 
 
 def test_no_files_import_each_other_in_a_circle() -> None:
-    """Imports inside functions counted, those for types alone not."""
+    """Imports inside functions counted, and those for types alone."""
     known = {file.removesuffix(".py").replace("/", ".").removesuffix(".__init__"): file for file in FILES}
     edges = {
         name: {
             target
-            for _, _, line in imported(file, source(file), typing=False)
+            for _, _, line in imported(file, source(file))
             for target in (line if line in known else line.rpartition(".")[0],)
             if target in known and target != "gearmesh"
         }

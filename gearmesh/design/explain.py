@@ -2,51 +2,28 @@
 
 from __future__ import annotations
 
-import difflib
-import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from gearmesh.design.keys import Table
+from gearmesh.design.shown import nearest, shown_key, value_text
 from gearmesh.errors import DesignError
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
     from pydantic_core import ErrorDetails
 
-    from gearmesh.design.core import Design
-    from gearmesh.design.keys import Table
-
 #: The error a person should mend first comes first.
 _ORDER = {"extra_forbidden": 0, "missing": 1}
 
 
-def value_text(value: Any, limit: int = 60) -> str:
-    """A value as it would stand in a file: one line, printable, not long."""
-    try:
-        text = json.dumps(value, default=str)
-    except (TypeError, ValueError, RecursionError):  # an integer of thousands of digits, a table in a table in a ...
-        text = f"<{type(value).__name__}>"
-    return text if len(text) <= limit else text[: limit - 3] + "..."
-
-
-def shown_key(parts: Iterable[Any]) -> str:
-    """A dotted key, printable even if it is not a sensible one."""
-    words = [str(part) for part in parts]
-    return ".".join(word if word.isprintable() and len(word) <= 60 else value_text(word) for word in words)
-
-
-def nearest(word: str, known: Iterable[str]) -> str | None:
-    """The known word that a misspelt one most likely stands for."""
-    return next(iter(difflib.get_close_matches(word, list(known), n=1, cutoff=0.55)), None)
-
-
-def explain(error: ValidationError, design: type[Design], units: str) -> DesignError:
+def explain(error: ValidationError, design: type[Table], units: str) -> DesignError:
     """The refusal of the first thing to mend, and how many more there are."""
     details = sorted(error.errors(include_url=False), key=lambda e: (e["loc"] != ("units",), _ORDER.get(e["type"], 2)))
     return _refusal(details[0], design, units, len(details) - 1)
 
 
-def _refusal(detail: ErrorDetails, design: type[Design], units: str, more: int) -> DesignError:
+def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int) -> DesignError:
     *tables, last = detail["loc"] or ("design",)
     if detail["type"] == "conflict":
         key, value, fields = (ctx := dict(detail["ctx"])).pop("key"), ctx.pop("value"), ctx
@@ -89,7 +66,7 @@ def _with_unit(table: type[Table], name: str, value: Any) -> str:
     return key.with_unit if isinstance(value, str) and key is not None else ""
 
 
-def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Design]) -> str:
+def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Table]) -> str:
     here = nearest(name, table.model_fields)
     if here is not None:
         return f"did you mean {'.'.join([*path, here])}?"

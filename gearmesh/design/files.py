@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearmesh import __version__
-from gearmesh.design.explain import value_text
 from gearmesh.design.keys import Table
+from gearmesh.design.shown import value_text
 from gearmesh.errors import ArgumentError, FileError
 from gearmesh.files.reading import DEEPEST, MIB, file_text, read_json, read_toml
 

@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Literal, Self, get_args
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo, model_validator
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from gearmesh.design.explain import value_text
+from gearmesh.design.shown import value_text
 from gearmesh.lengths import EXAMPLES, MM, length
 
 #: mm in the units that a file may have

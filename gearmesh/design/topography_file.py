@@ -12,9 +12,9 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from gearmesh.design.explain import value_text
 from gearmesh.design.keys import LONGEST
 from gearmesh.design.modifications import MOST
+from gearmesh.design.shown import value_text
 from gearmesh.errors import FileError
 from gearmesh.files.csv_table import csv_rows, csv_text
 from gearmesh.files.reading import MIB, file_text

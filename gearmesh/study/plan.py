@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.design.core import Design
-from gearmesh.design.explain import nearest, shown_key, value_text
+from gearmesh.design.shown import nearest, shown_key, value_text
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import EXAMPLES, length

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from gearmesh.design.explain import shown_key, value_text
+from gearmesh.design.shown import shown_key, value_text
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.files.reading import MIB, read_toml
 from gearmesh.kernel.numeric.algebra import Array

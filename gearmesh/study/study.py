@@ -19,7 +19,7 @@ from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
-from gearmesh.design.explain import nearest
+from gearmesh.design.shown import nearest
 from gearmesh.errors import ArgumentError, NoSolutionError, OutputError
 from gearmesh.figures import Content, Summary
 from gearmesh.kernel.numeric.algebra import Array

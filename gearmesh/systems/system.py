@@ -180,7 +180,7 @@ def system(kind: Any) -> System[Any]:
             register(registered)
     if isinstance(kind, str) and kind in _REGISTERED:
         return _REGISTERED[kind]
-    from gearmesh.design.explain import nearest, value_text
+    from gearmesh.design.shown import nearest, value_text
 
     close = nearest(kind, kinds()) if isinstance(kind, str) else None
     hint = f'; did you mean "{close}"?' if close else ""

@@ -7,16 +7,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Surface
 from gearmesh.tools.drawing import Drawing
-
-if TYPE_CHECKING:
-    from gearmesh.tools.rack import Profile
+from gearmesh.tools.profile import Profile
 
 
 class HeightZero(StrEnum):

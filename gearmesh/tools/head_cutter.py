@@ -31,7 +31,8 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.tools.description import Dimension, HeightZero, ToolDescription
 from gearmesh.tools.drawing import TurnedDrawing
-from gearmesh.tools.rack import Arc, Line, Profile, ProfilePieces
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import Arc, Line, ProfilePieces
 
 OUTSIDE, INSIDE = 1, -1
 #: length (mm) that the parameter of a sharp edge counts as, beside a toprem

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
@@ -26,16 +25,10 @@ from gearmesh.kernel.numeric.algebra import Array, components
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.tools.description import Dimension, HeightZero, RolledRack, ToolDescription
 from gearmesh.tools.drawing import StraightDrawing
+from gearmesh.tools.profile import Profile
 
 #: steps of Newton's method to a height of a profile: one for a line
 HEIGHT_STEPS = 8
-
-
-class Profile(Protocol):
-    """Plane curve p -> (x, y) with the blank's outward normal."""
-
-    def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
-        """Points, tangents dr/dp, normals and dn/dp, each (..., 2), at p (...,)."""
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,8 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.tools.description import Dimension, ToolDescription
 from gearmesh.tools.drawing import PartDrawing
-from gearmesh.tools.rack import Profile, RackSurface
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.shaper import Shaper
 
 #: angles kappa (rad) between which the singular points of a thread are looked for, and how many

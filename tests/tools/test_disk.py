@@ -24,7 +24,8 @@ from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.designs import load
 from gearmesh.tools.disk import Disk
-from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import Arc, Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 
 ALPHA, MODULE, TEETH = np.radians(20.0), 4.0, 21

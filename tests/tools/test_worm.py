@@ -18,7 +18,8 @@ from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array, dot, rotation_about
 from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.kernel.surface.surface import Jet, Surface
-from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import Arc, Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 
 pytestmark = pytest.mark.quick

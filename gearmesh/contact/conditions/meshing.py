@@ -69,7 +69,9 @@ class Flank:
     @cached_property
     def heights(self) -> FlankHeights:
         """The flank over circles about its member's axis, as a table."""
-        return heights(self) if self._unmoved is None else self._unmoved.heights
+        if self._unmoved is not None:
+            return self._unmoved.heights
+        return heights(self.surface, self.grid, self.mount.joint, axial=self.axial, extent=self.extent)
 
     def azimuth(self, r: Array) -> Array:
         """Polar angle (...,) of own points r near the flank, rad, from that of its middle on: teeth may wind round their axis."""

@@ -11,7 +11,6 @@ to be asked for every point of a mating gear at every position. It decides where
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +19,8 @@ from gearmesh.contact.first_touch.spline_table import SplineTable
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.levels import station_normal
-
-if TYPE_CHECKING:
-    from gearmesh.contact.conditions.meshing import Flank
+from gearmesh.kernel.surface.levels import Level, station_normal
+from gearmesh.kernel.surface.surface import Surface
 
 #: rows of the lattice from form point to tip
 ROWS = 33
@@ -92,29 +89,29 @@ def bilinear(table: Array, place: Array) -> Array:
     return values
 
 
-def heights(flank: Flank) -> FlankHeights:
-    """The table of a flank, its columns those of the flank's grid. Places that the surface does not have are continued."""
-    across, up = station_normal(flank.axial)
-    zero = float(flank.axial.value(np.zeros(3)))
-    r = flank.surface.jet(flank.grid[..., 0], flank.grid[..., 1]).r
-    joint = flank.mount.joint
+def heights(surface: Surface, grid: Array, joint: Joint, *, axial: Level, extent: tuple[float, float]) -> FlankHeights:
+    """The table of a flank that moves in a joint, its columns those of the flank's `grid` (I, J, 2) of surface parameters, between
+    `extent` of the stations' coordinate `axial`. Places that the surface does not have are continued."""
+    across, up = station_normal(axial)
+    zero = float(axial.value(np.zeros(3)))
+    r = surface.jet(grid[..., 0], grid[..., 1]).r
     rho = joint.radius(r)
     w = up * rho - across * r[..., 2]
     sign = 1.0 if (w[-1] - w[0]).mean() > 0.0 else -1.0
     w = sign * w
     count = w.shape[1]
     a = across * rho + up * r[..., 2] + zero
-    low_a, high_a = (float(np.clip(end, a.min(), a.max())) for end in flank.extent)
+    low_a, high_a = (float(np.clip(end, a.min(), a.max())) for end in extent)
     stations = np.linspace(low_a, high_a, count)
     low, high = w[0], w[-1]
     wanted = low + np.linspace(0.0, 1.0, ROWS)[:, None] * (high - low)
     start = np.empty((ROWS, count, 2))
     for j in range(count):
         for k in range(2):
-            start[:, j, k] = np.interp(wanted[:, j], w[:, j], flank.grid[:, j, k])
+            start[:, j, k] = np.interp(wanted[:, j], w[:, j], grid[:, j, k])
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        jet = flank.surface.jet(x[:, 0], x[:, 1])
+        jet = surface.jet(x[:, 0], x[:, 1])
         radius, outward = joint.radius(jet.r), joint.outward(jet.r)
         a, b = across * radius + up * jet.r[:, 2] + zero, sign * (up * radius - across * jet.r[:, 2])
         f = np.stack((a - stations[index % count], b - wanted.ravel()[index]), axis=-1)
@@ -122,9 +119,9 @@ def heights(flank: Flank) -> FlankHeights:
         rows = [[across * o + up * d for o, d in slopes], [sign * (up * o - across * d) for o, d in slopes]]
         return f, np.moveaxis(np.array(rows), -1, 0)
 
-    spans = np.abs(np.ptp(flank.grid.reshape(-1, 2), axis=0))
+    spans = np.abs(np.ptp(grid.reshape(-1, 2), axis=0))
     met = newton.solve(residual, start.reshape(-1, 2), tolerance=MET, max_step=0.5 * spans, max_iterations=12)
-    angle = joint.angle(flank.surface.jet(met.values[:, 0], met.values[:, 1]).r)
+    angle = joint.angle(surface.jet(met.values[:, 0], met.values[:, 1]).r)
     parameters = np.where(met.converged[:, None], met.values, start.reshape(-1, 2)).reshape(ROWS, count, 2)
     theta = _without_gaps(np.where(met.converged, angle, np.nan).reshape(ROWS, count), joint)
     return FlankHeights((across, up, zero), sign, (low_a, high_a), SplineTable.of(theta), low, high, parameters)

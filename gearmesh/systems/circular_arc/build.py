@@ -20,7 +20,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.systems.circular_arc.design import FILLETS
-from gearmesh.systems.circular_arc.fillets import ArcRack, arc_rack
+from gearmesh.systems.circular_arc.fillets import ArcRack
 from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.racks.rack_member import Roll, member
@@ -132,7 +132,7 @@ def _generating(rack: RackTooth, roll: Roll, side: Side) -> Callable[[Array, Arr
 def _rack(design: CircularArcDesign, name: str) -> RackTooth:
     """Rack F touches its tip rounding from outside, rack P from inside [LT85 Figs. 4, 5]."""
     spec, module = (design.pinion if name == "pinion" else design.gear), design.given_module
-    rack = arc_rack(design, name)
+    rack = design.arc_rack(name)
     _check_tip(name, spec, rack, module)
     fillet = spec.fillet_radius * module
     if not rack.fits(np.array(fillet)):

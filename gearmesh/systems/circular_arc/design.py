@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, Key, given_or
 from gearmesh.design.runout import PairRunout
+
+if TYPE_CHECKING:
+    from gearmesh.systems.circular_arc.fillets import ArcRack
 
 #: Fillet arcs of the racks that are not given, in modules, where they fit.
 FILLETS = {"pinion": 0.4, "gear": 0.3}
@@ -177,9 +180,25 @@ class CircularArcDesign(PairDesign):
         }
         return {**derived, **self._fillets(derived)}
 
-    def _fillets(self, derived: Mapping[str, float]) -> dict[str, float]:
-        from gearmesh.systems.circular_arc.fillets import arc_rack
+    def arc_rack(self, name: str) -> ArcRack:
+        """The rack of a member, in the design's unit of length."""
+        from gearmesh.systems.circular_arc.fillets import ArcRack
 
+        spec = self.pinion if name == "pinion" else self.gear
+        m, helix = self.given_module, 0.5 * math.pi - math.radians(spec.lead_angle)
+        return ArcRack(
+            convex=name == "pinion",
+            rho=spec.profile_radius,
+            a=spec.a,
+            b=spec.b,
+            tip=spec.addendum * m,
+            root=spec.dedendum * m,
+            half_pitch=math.pi * spec.pitch_radius * math.cos(helix) / spec.teeth,
+            # each of the pair's four flanks is set back by a quarter of the normal backlash
+            thinning=0.25 * self.backlash / math.cos(math.radians(self.pressure_angle)),
+        )
+
+    def _fillets(self, derived: Mapping[str, float]) -> dict[str, float]:
         # the racks as they are with what else is derived
         members = {
             name: getattr(self, name).model_copy(
@@ -192,7 +211,7 @@ class CircularArcDesign(PairDesign):
         }
         whole = self.model_copy(update=members)
         return {
-            f"{name}.fillet_radius": arc_rack(whole, name).fillet_or_next(standard, self.given_module)
+            f"{name}.fillet_radius": whole.arc_rack(name).fillet_or_next(standard, self.given_module)
             for name, standard in FILLETS.items()
         }
 

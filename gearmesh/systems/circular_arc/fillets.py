@@ -11,16 +11,12 @@ There must be such a theta, the flank must begin before it ends at the tip, and 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
-
-if TYPE_CHECKING:
-    from gearmesh.systems.circular_arc.design import CircularArcDesign
 
 #: radii that are tried, in modules, and the part of what there is room for by which a default stays inside
 TRIED, INSIDE = np.linspace(0.0, 2.0, 401), 0.05
@@ -92,20 +88,3 @@ class ArcRack:
             return standard
         low, high = room
         return low + INSIDE * (high - low) if standard < low else high - INSIDE * (high - low)
-
-
-def arc_rack(design: CircularArcDesign, name: str) -> ArcRack:
-    """The rack of a member, in the design's unit of length."""
-    spec = design.pinion if name == "pinion" else design.gear
-    m, helix = design.given_module, 0.5 * np.pi - np.radians(spec.lead_angle)
-    return ArcRack(
-        convex=name == "pinion",
-        rho=spec.profile_radius,
-        a=spec.a,
-        b=spec.b,
-        tip=spec.addendum * m,
-        root=spec.dedendum * m,
-        half_pitch=float(np.pi * spec.pitch_radius * np.cos(helix) / spec.teeth),
-        # each of the pair's four flanks gives way by a quarter of the normal backlash
-        thinning=float(0.25 * design.backlash / np.cos(np.radians(design.pressure_angle))),
-    )

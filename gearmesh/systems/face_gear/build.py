@@ -43,7 +43,8 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.teeth.train import GearPair, Member, Train
-from gearmesh.tools.rack import Line, Profile, RackSurface
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import Line, RackSurface
 from gearmesh.tools.shaper import Shaper
 
 if TYPE_CHECKING:

@@ -29,7 +29,6 @@ from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import ROOT, Roll, ToothMaking, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, rounded
-from gearmesh.systems.parabolic_helical.racks import rack_flanks, space
 from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
 from gearmesh.systems.system import Displacements, ToolPart
 from gearmesh.teeth.mount import Mount
@@ -105,9 +104,9 @@ def _racks(design: ParabolicHelicalDesign) -> dict[str, tuple[RackTooth, RackToo
     module, racks = design.given_module, {}
     for name, spec in _specs(design).items():
         for angle in (design.pressure_angle, design.coast_pressure_angle):
-            thinned(0.5 * space(design, name), design.backlash, 0.25, float(np.radians(angle)), f" of the {name}")
+            thinned(0.5 * design.rack_space(name), design.backlash, 0.25, float(np.radians(angle)), f" of the {name}")
         heights = Heights(spec.addendum * module, -spec.dedendum * module)
-        racks[name] = rounded(name, spec, module, rack_flanks(design, name), heights)
+        racks[name] = rounded(name, spec, module, design.rack_flanks(name), heights)
     return racks
 
 
@@ -133,7 +132,7 @@ def _disk(design: ParabolicHelicalDesign, roll: Roll) -> tuple[Disk, float]:
     disk = Disk(design.disk.pitch_radius, design.pinion.teeth, _module(design, roll), roll.helix)
     vertex = design.disk.vertex
     if vertex is None:
-        driving = rack_flanks(design, "pinion")[0]
+        driving = design.rack_flanks("pinion")[0]
         vertex = disk.feed_at_mid_face(RackSurface(driving, roll.helix, roll.cone), driving.vertex)
     return disk, vertex
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
@@ -18,6 +18,9 @@ from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import ROOM, deepest
 from gearmesh.systems.common.worm_keys import WormTool
+
+if TYPE_CHECKING:
+    from gearmesh.systems.parabolic_helical.racks import Flanks
 
 #: Pitch radius of a worm or disk that is not given, in normal modules.
 TOOL_RADIUS = 20.0
@@ -258,12 +261,31 @@ class ParabolicHelicalDesign(PairDesign):
             **self._cutter_tip("gear", self.gear, tips["pinion"]),
         }
 
+    def rack_space(self, name: str) -> float:
+        """Width (in the design's units) of the space of a member's rack at the pitch plane, without backlash."""
+        b, pitch = self.rack_parameter, math.pi * self.given_module
+        return pitch / (1.0 + b) if name == "pinion" else pitch * b / (1.0 + b)
+
+    def rack_flanks(self, name: str) -> Flanks:
+        """Both flanks of a member's rack, design's units; each of the pair's four is set back by a quarter of the backlash."""
+        from gearmesh.tools.rack import Line, Parabola
+
+        spec = self.pinion if name == "pinion" else self.gear
+        sign = 1.0 if name == "pinion" else self.gear_parabola_sign
+        flanks = []
+        for angle in (self.pressure_angle, given_or(self.coast_pressure_angle, self.pressure_angle)):
+            alpha = math.radians(angle)
+            half = 0.5 * self.rack_space(name) - 0.25 * self.backlash / math.cos(alpha)
+            line = Line(alpha, self.given_module, half)
+            flanks.append(Parabola(line, sign * spec.parabola, line.at_height(0.0)))
+        return flanks[0], flanks[1]
+
     def _tip(self, name: str, roll: float) -> float:
         """Addendum of a member, where it is left out what leaves land at the ends of the face, in normal modules.
 
         `roll`: the modified roll of the pinion's tool, which takes off each flank what a turn by it does.
         """
-        from gearmesh.systems.parabolic_helical.racks import land, rack_flanks
+        from gearmesh.systems.parabolic_helical.racks import land
 
         member = self.pinion if name == "pinion" else self.gear
         if not math.isnan(member.addendum):
@@ -274,7 +296,7 @@ class ParabolicHelicalDesign(PairDesign):
             sunk = share * max(self.pinion.plunge_coefficient, 0.0) * (0.5 * member.face_width + aside) ** 2
         if name == "pinion" and self.pinion.crowning == "worm_roll":
             turned = max(roll, 0.0) * (0.5 * member.face_width) ** 2
-        helix, flanks = math.radians(self.helix_angle), rack_flanks(self, name)
+        helix, flanks = math.radians(self.helix_angle), self.rack_flanks(name)
         radius = 0.5 * member.teeth * m / math.cos(helix)
 
         def fits(tip: float) -> bool:
@@ -286,9 +308,9 @@ class ParabolicHelicalDesign(PairDesign):
     def _cutter_tip(self, name: str, member: ParabolicMember, mate_tip: float) -> dict[str, float]:
         """Depth and tip rounding of a member's rack where they are left out, by its mating gear's addendum; all in normal
         modules."""
-        from gearmesh.systems.parabolic_helical.racks import has_room, rack_flanks, rounding_room
+        from gearmesh.systems.parabolic_helical.racks import has_room, rounding_room
 
-        flanks, m = rack_flanks(self, name), self.given_module
+        flanks, m = self.rack_flanks(name), self.given_module
 
         def fits(depth: float) -> bool:
             return has_room(flanks, depth * m, LEAST_RADIUS / ROOM * m)

@@ -2,41 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from gearmesh.design.keys import given_or
 from gearmesh.systems.common.racks.rack_tooth import largest_rounding, tip_land
-from gearmesh.tools.rack import Line, Parabola
-
-if TYPE_CHECKING:
-    from gearmesh.systems.parabolic_helical.design import ParabolicHelicalDesign
+from gearmesh.tools.rack import Parabola
 
 #: points of a flank between which the tooth's tip is looked for
 LAND_SAMPLES = 65
 
 #: right and left flank of a cutter's space
 Flanks = tuple[Parabola, Parabola]
-
-
-def space(design: ParabolicHelicalDesign, name: str) -> float:
-    """Width (in the design's units) of the space of a member's rack at the pitch plane, without backlash."""
-    b, pitch = design.rack_parameter, np.pi * design.given_module
-    return float(pitch / (1.0 + b) if name == "pinion" else pitch * b / (1.0 + b))
-
-
-def rack_flanks(design: ParabolicHelicalDesign, name: str) -> Flanks:
-    """Both flanks of a member's rack, in the design's units; each of the pair's four is set back by a quarter of the backlash."""
-    spec = design.pinion if name == "pinion" else design.gear
-    sign = 1.0 if name == "pinion" else design.gear_parabola_sign
-    flanks = []
-    for angle in (design.pressure_angle, given_or(design.coast_pressure_angle, design.pressure_angle)):
-        alpha = float(np.radians(angle))
-        half = 0.5 * space(design, name) - 0.25 * design.backlash / np.cos(alpha)
-        line = Line(alpha, design.given_module, float(half))
-        flanks.append(Parabola(line, sign * spec.parabola, line.at_height(0.0)))
-    return flanks[0], flanks[1]
 
 
 def rounding_room(flanks: Flanks, depth: float, most: float) -> float:

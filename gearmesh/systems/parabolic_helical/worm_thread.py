@@ -39,7 +39,8 @@ from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Crest, ToothSide
 from gearmesh.teeth.train import Member
-from gearmesh.tools.rack import Arc, Profile, RackSurface
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import Arc, RackSurface
 from gearmesh.tools.worm import Worm
 
 #: clearance of the worm's root from the gear's tips, normal modules, and the share of the space that its fillets may take

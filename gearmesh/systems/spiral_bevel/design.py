@@ -12,9 +12,9 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import ContactTable, GearBody, PairDesign
-from gearmesh.design.explain import value_text
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.runout import PairRunout
+from gearmesh.design.shown import value_text
 from gearmesh.systems.spiral_bevel.iso23509.tapers import TAPERS
 from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_backlash
 

@@ -31,7 +31,8 @@ from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, Crest, ToothSide
 from gearmesh.teeth.train import Member, SourceParameters
 from gearmesh.tools.description import ToolDescription
-from gearmesh.tools.rack import Profile, RackSurface
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import RackSurface
 
 if TYPE_CHECKING:
     from gearmesh.design.core import MemberTable

@@ -13,7 +13,8 @@ from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
-from gearmesh.tools.rack import Arc, Line, Parabola, Profile, ProfilePieces
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import Arc, Line, Parabola, ProfilePieces
 
 #: distance (modules) from the tip plane of a rounding that touches it, before the last Newton step
 TOUCHING = 1e-12

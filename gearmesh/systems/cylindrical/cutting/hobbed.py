@@ -34,7 +34,8 @@ from gearmesh.systems.common.racks.rack_member import ROOT
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackCrest, RackTooth, rounded
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.undercut import intersection
-from gearmesh.tools.rack import Arc, Line, Profile, ProfilePieces, RackSurface, RolledArc
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import Arc, Line, ProfilePieces, RackSurface, RolledArc
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalMember, Hob

@@ -34,7 +34,8 @@ from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import Member
-from gearmesh.tools.rack import Profile, RackSurface
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.shaper import Shaper
 
 if TYPE_CHECKING:

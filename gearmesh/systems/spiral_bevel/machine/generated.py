@@ -21,7 +21,7 @@ from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.head_cutter import OUTSIDE, Blade, Revolved
-from gearmesh.tools.rack import Profile
+from gearmesh.tools.profile import Profile
 
 if TYPE_CHECKING:
     pass
