@@ -63,7 +63,7 @@ def _find(name: str) -> Traversable:
         return files[stem]
     close = difflib.get_close_matches(stem, list(files), n=1, cutoff=0.55)
     hint = f'did you mean "{close[0]}"?' if close else "gearmesh sample lists them"
-    raise ArgumentError("name", name, shown=f'"{name}"', reason=f"there is no such sample; {hint}")
+    raise ArgumentError("name", name, shown=f'"{name}"', reason=f"no sample has this name; {hint}")
 
 
 def _files() -> dict[str, Traversable]:

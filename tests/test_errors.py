@@ -157,7 +157,7 @@ REFUSED: list[tuple[Callable[[gm.Gears], Any], str, Any, str, str]] = [
         "leaves no tooth",
     ),
     (lambda g: gm.parse({}), "kind", None, "one of", "missing"),
-    (lambda g: samples.text("spurr"), "name", "spurr", "", "there is no such sample"),
+    (lambda g: samples.text("spurr"), "name", "spurr", "", "no sample has this name"),
 ]
 
 
@@ -197,7 +197,7 @@ def test_errors_have_fields(spur: gm.Gears, case: tuple[Callable[[gm.Gears], Any
         ("tca {spur} --set gear.teeth=400", "assembly.center_distance = 90 mm: allowed is more than"),
         ("tca {spur} --json - --csv -", "--csv = -: --json already uses standard output"),
         ("size --ratio 2 --center-distance 1ell --module 2", "--center-distance = 1ell: must be a length as"),
-        ("sample spurr", 'name = "spurr": there is no such sample'),
+        ("sample spurr", 'name = "spurr": no sample has this name'),
     ],
 )
 def test_commands_name_their_options(arguments: str, begins: str, capsys: pytest.CaptureFixture[str]) -> None:

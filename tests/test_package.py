@@ -33,11 +33,11 @@ def test_all_samples_have_a_name_and_a_headline() -> None:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("spurr", 'name = "spurr": there is no such sample; did you mean "spur"?'),
-        ("spur.py", 'name = "spur.py": there is no such sample; did you mean "spur"?'),
+        ("spurr", 'name = "spurr": no sample has this name; did you mean "spur"?'),
+        ("spur.py", 'name = "spur.py": no sample has this name; did you mean "spur"?'),
         ("README", 'name = "README": '),
         ("../README.md", 'name = "../README.md": '),
-        ("", 'name = "": there is no such sample; gearmesh sample lists them'),
+        ("", 'name = "": no sample has this name; gearmesh sample lists them'),
     ],
 )
 def test_a_name_that_is_none_is_refused_with_the_nearest(name: str, words: str, tmp_path: Path) -> None:

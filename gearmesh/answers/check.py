@@ -43,8 +43,8 @@ class Verdict(Figures):
 
     what: str = figure("what was compared")
     value: float = figure("its value")
-    limit: float = figure("limit of the value: at most that, or for what may not be less, at least")
-    ok: bool = figure("whether the value keeps the limit")
+    limit: float = figure("limit of the value: a maximum, or a minimum for backlash and clearance")
+    ok: bool = figure("whether the value is within the limit")
 
 
 @dataclass(frozen=True)
@@ -53,14 +53,14 @@ class RollRow(Figures):
 
     phi1: float = figure("rotation of the pinion", "deg", "phi_1")
     rolled: str = figure("what was rolled: meshed flanks or whole teeth")
-    te_difference: float = figure("transmission error as it was rolled, less that of the solver", "arcsec")
+    te_difference: float = figure("transmission error of the roll test minus that of the solver", "arcsec")
     along: float | None = figure(
-        "the same along the way of a gear that slides", "um", key="te_difference_um", optional=True
+        "the same along the travel of a gear that slides", "um", key="te_difference_um", optional=True
     )
-    a_ratio: float | None = figure("semi-major axis of the contact ellipse as it was rolled, over that of the solver")
-    b_ratio: float | None = figure("semi-minor axis of the contact ellipse as it was rolled, over that of the solver")
+    a_ratio: float | None = figure("semi-major axis of the contact ellipse of the roll test, over that of the solver")
+    b_ratio: float | None = figure("semi-minor axis of the contact ellipse of the roll test, over that of the solver")
     angle_difference: float | None = figure("angle between the major axes of both ellipses", "deg")
-    centre_distance: float | None = figure("distance of the centres of both ellipses", "um")
+    centre_distance: float | None = figure("distance between the centres of both ellipses", "um")
 
     @property
     def difference(self) -> float:

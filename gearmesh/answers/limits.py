@@ -37,12 +37,12 @@ class LimitingLineFigures(Figures):
 class SideLimitFigures(Figures):
     """Undercut of one side of the teeth, one number a station."""
 
-    undercut: NDArray[np.bool_] = figure("whether the fillet cuts the flank off")
+    undercut: NDArray[np.bool_] = figure("whether undercut removes part of the flank")
     undercut_from: float = figure("station at which undercut begins or ends", "mm")
     h1: Array = figure("depth of the limiting line below the pitch plane", "mm", "h_1")
     joint_depth: Array = figure("depth of the end of the tool's flank below the pitch plane", "mm")
     h2: Array = figure("height of the tool's point that generates a tip with the least top land", "mm", "h_2")
-    flank_from_diameter: Array | None = figure("form diameter: diameter from which the flank is", "mm", optional=True)
+    flank_from_diameter: Array | None = figure("root form diameter, at which the flank begins", "mm", optional=True)
     singular_diameter: Array | None = figure("diameter of the singular points", "mm", optional=True)
     flank_from_height: Array | None = figure(
         "height over the reference plane of a rack from which the flank is", "mm", optional=True

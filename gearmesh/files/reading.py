@@ -40,7 +40,7 @@ def file_bytes(path: PathLike, most: int, wanted: str = "file", error: type[Gear
     except (OSError, ValueError) as failure:  # ValueError: a path with a NUL in it
         raise error(path, reason=f"cannot be read: {getattr(failure, 'strerror', None) or failure}") from None
     if len(content) > most:
-        raise error(path, reason=f"is larger than {size_text(most)}, the most that is read of a {wanted}")
+        raise error(path, reason=f"is larger than {size_text(most)}, the limit for a {wanted}")
     return content
 
 
@@ -93,6 +93,6 @@ def size_text(size: int) -> str:
 
 def _refuse_special(mode: int, path: PathLike, wanted: str, error: type[GearmeshError]) -> None:
     if stat.S_ISDIR(mode):
-        raise error(path, reason=f"is a folder; a {wanted} is wanted")
+        raise error(path, reason=f"is a folder, not a {wanted}")
     if not stat.S_ISREG(mode):
-        raise error(path, reason=f"is not a regular file; a {wanted} is wanted")
+        raise error(path, reason=f"is not a regular file; it must be a {wanted}")

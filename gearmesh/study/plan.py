@@ -203,7 +203,9 @@ class KeyReader:
             close = nearest(key, every)
             hint = f"did you mean {close}?" if close else f"gearmesh describe {self.design.kind} lists them"
             raise ArgumentError(
-                "vary", entry=shown_key([key]), reason=f"{self.design.kind} has no such key that can be varied; {hint}"
+                "vary",
+                entry=shown_key([key]),
+                reason=f"{self.design.kind} has no key of this name that can be varied; {hint}",
             )
         return known.unit
 

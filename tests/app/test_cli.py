@@ -391,7 +391,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
         ("tca", "Missing argument 'DESIGN' (see gearmesh tca --help)"),
         ("tca x --jsn -", "No such option: --jsn"),
         ("tca absent.toml", "absent.toml: cannot be read: No such file or directory"),
-        ("tca .", ".: is a folder; a design file is wanted"),
+        ("tca .", ".: is a folder, not a design file"),
         ("tca SAMPLE --json - --csv -", "--csv = -: --json already uses standard output"),
         ("tca SAMPLE --json nowhere/a.json", "cannot write nowhere/a.json: the folder nowhere does not exist"),
         ("tca SAMPLE --csv .", "cannot write .: it is a folder"),

@@ -67,7 +67,7 @@ def test_samples_are_listed_and_copied(here: Path) -> None:
         assert run("sample", name) == (0, f"{file}\n", "")
         assert (here / file).read_bytes() == (SAMPLES / file).read_bytes()
     assert refused("sample", "spur") == "cannot write spur.toml: it exists already"
-    assert refused("sample", "spurr") == 'name = "spurr": there is no such sample; did you mean "spur"?'
+    assert refused("sample", "spurr") == 'name = "spurr": no sample has this name; did you mean "spur"?'
     assert refused("sample", "spur", "-o", "nowhere") == "cannot write to nowhere: it is not a folder"
 
 

@@ -385,7 +385,7 @@ def test_refused_overrides(settings_: list[str], message: str) -> None:
         ("a.toml", b"x = " + b"9" * 5000, "a.toml: Exceeds the limit"),
         ("a.toml", b"kind = 0x" + b"f" * 5000, 'kind = <int>: must be one of "cylindrical"'),
         ("a.json", b'{"kind":' * 900 + b"1" + b"}" * 900, 'kind = {"kind": {"kind"'),
-        ("folder", None, "folder: is a folder; a design file is wanted"),
+        ("folder", None, "folder: is a folder, not a design file"),
         ("absent.toml", None, "absent.toml: cannot be read: No such file or directory"),
     ],
 )

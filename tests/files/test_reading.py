@@ -76,7 +76,7 @@ def test_what_is_no_file_to_be_read_is_refused(read: Callable[[Path], object], w
     words = {
         "folder": "is a folder",
         "loop": "cannot be read",
-        "large": " MiB, the most that is read",
+        "large": " MiB, the limit for a",
         "not_text": "not UTF-8 text",
     }
     with pytest.raises(GearmeshError, match=words.get(what, "not a regular file")) as failure:
@@ -88,7 +88,7 @@ def test_a_file_is_read_up_to_its_limit(tmp_path: Path) -> None:
     path = tmp_path / "it"
     path.write_bytes(b"\xef\xbb\xbf" + b"x" * 17)
     assert file_text(path, 20) == "x" * 17
-    with pytest.raises(DesignError, match="is larger than 19 bytes, the most that is read of a file"):
+    with pytest.raises(DesignError, match="is larger than 19 bytes, the limit for a file"):
         file_text(path, 19)
     with pytest.raises(OutputError, match="cannot be read"):
         file_text("a\0b", MIB, error=OutputError)
@@ -201,7 +201,7 @@ def test_a_design_whose_topography_is_a_fifo_is_one_line(tmp_path: Path) -> None
     own = tmp_path / "design.toml"
     sample = (SAMPLES / "spur.toml").read_text(encoding="utf-8")
     own.write_text(sample.replace("[pinion]", '[pinion]\nmodifications = { topography = "amounts.csv" }'))
-    assert refused("tca", own) == f"{tmp_path / 'amounts.csv'}: is not a regular file; a topography is wanted"
+    assert refused("tca", own) == f"{tmp_path / 'amounts.csv'}: is not a regular file; it must be a topography"
 
 
 def test_a_folder_with_anything_as_a_study_is_one_line(tmp_path: Path) -> None:

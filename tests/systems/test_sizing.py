@@ -144,7 +144,7 @@ def test_the_command_writes_the_design_that_is_chosen(tmp_path: Path) -> None:
         ("--choose 5", "--choose = 5: must be a number from 1 to 1"),
         (
             "--module 6 --tolerance 0.1",
-            "center_distance = 64 mm: no tooth numbers have ratio 2.5 within 0.1 % and profile",
+            "center_distance = 64 mm: no numbers of teeth have ratio 2.5 within 0.1 % and profile",
         ),
         ("-o pair.json", "cannot write pair.json: its suffix must be .toml"),
     ],

@@ -85,7 +85,7 @@ class DeckFigures(Figures):
     """One of several decks."""
 
     deck: str = figure("name of the file")
-    asked_phi1: float = figure("rotation of the pinion that was asked for", "deg", "phi_1")
+    asked_phi1: float = figure("requested rotation of the pinion", "deg", "phi_1")
     pressure_resolved: bool = figure("whether the model resolves the contact pressure")
     model: ModelFigures = figure("the model")
 

@@ -46,9 +46,9 @@ class PlaceFigures(Figures):
     side: str = figure("flank of the pinion")
     place: str = figure("place of the contact: toe, middle or heel")
     displacement: Displacement = figure("displacements that bring the contact there", parts=Displacement)
-    face_share: float = figure("place asked for from toe to heel, as a part of the face")
+    face_share: float = figure("requested place from toe to heel, as a part of the face")
     reached: bool = figure("whether the contact can be brought there")
-    nearest: NearestPlace | None = figure("the nearest place, where it cannot")
+    nearest: NearestPlace | None = figure("the nearest place that can be reached, where it cannot")
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ class VHCheck(Result):
             for each in self.totals
         ]
         return [
-            Listing("V-H check: assembly.dV, dA, dG, d_delta that put the contact there", heads, rows),
+            Listing("V-H check: assembly.dV, dA, dG, d_delta for contact at each place", heads, rows),
             Listing("Total, from toe to heel", ["side", "V mm", "H mm", "V/H"], totals),
         ]
 

@@ -32,7 +32,7 @@ def _contact_table(design: CircularArcDesign, train: Train) -> SheetTable:
     difference = design.pinion.profile_radius - design.gear.profile_radius
     h1, h2 = (member.pitch_radius * np.tan(np.radians(member.lead_angle)) for member in (design.pinion, design.gear))
     rows = (
-        ("theta0", "pressure angle asked for (pressure_angle)", "deg", design.pressure_angle),
+        ("theta0", "specified pressure angle (pressure_angle)", "deg", design.pressure_angle),
         ("theta", "of the racks' settings b_F, b_P (32, 35)", "deg", _degrees(racks)),
         ("theta", "with the change dC of the centre distance (31)", "deg", _degrees(moved)),
         ("theta_F", "on the exact contact at phi1 = 0 (19, 20)", "deg", _degrees(exact)),

@@ -61,7 +61,7 @@ class Hob(Table):
         float,
         Key(
             "length",
-            "protuberance pr_P0: how far the tip rounding stands out beyond the hob's flank, normal to it",
+            "protuberance pr_P0: how far the tip rounding projects beyond the hob's flank, normal to it",
             low=0,
             high=100,
             source="ISO 6336-3",
@@ -348,7 +348,7 @@ class ToothingKeys(Design):
             "normal backlash j_bn at the centre distance; each tooth is thinned for half of it",
             low=-10,
             high=1000,
-            default="what shifts, allowances and centre distance leave",
+            default="as shifts, allowances and centre distance give",
             source="ISO 21771",
         ),
     ] = DERIVED

@@ -191,7 +191,7 @@ def _backlash(pair: SheetPair) -> tuple[tuple[str, ...], list[Row]]:
     return tuple(meshes), [
         row("j_wt", "circumferential, at the working pitch circles", lambda mesh: mesh.working_backlash),
         row("j_bn", "normal", lambda mesh: mesh.normal_backlash),
-        row("j_r", "radial: change of a that takes it up", _radial_backlash),
+        row("j_r", "radial: change of a that eliminates it", _radial_backlash),
     ]
 
 

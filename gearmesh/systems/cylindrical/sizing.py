@@ -243,7 +243,7 @@ def _nothing(wanted: Wanted, refusal: DesignError | None) -> str:
     if refusal is not None:
         return f"no pair of this ratio can be made: {refusal}"
     said = (
-        f"no tooth numbers have ratio {wanted.ratio:g} within {100.0 * wanted.tolerance:g} % and profile shifts that add up to "
+        f"no numbers of teeth have ratio {wanted.ratio:g} within {100.0 * wanted.tolerance:g} % and profile shifts that add up to "
         f"{wanted.shifts[0]:g} to {wanted.shifts[1]:g}"
     )
     sign = -1.0 if wanted.internal else 1.0

@@ -130,7 +130,7 @@ class ShaperTool(Table):
             low=0,
             high=5,
             above=True,
-            default="pinion.addendum + 0.25, or + what leaves a top land of 0.05, at least 0.1",
+            default="pinion.addendum + 0.25, or + less (at least 0.1) to leave a top land of 0.05",
         ),
     ] = DERIVED
     tip_radius: Annotated[

@@ -48,7 +48,7 @@ class ParabolicMember(MemberTable):
             "tip above the pitch cylinder",
             low=0,
             high=5,
-            default="1, or what leaves the crowned tooth a land of 0.15, from 0.3 on",
+            default="1, or less (at least 0.3) to leave the crowned tooth a top land of 0.15",
         ),
     ] = DERIVED
     dedendum: Annotated[
@@ -58,7 +58,7 @@ class ParabolicMember(MemberTable):
             "root below the pitch cylinder",
             low=0,
             high=5,
-            default="1.25, or what leaves the rack's tooth a rounding, down to the mating addendum and 0.1",
+            default="1.25, or less (at least the mating addendum + 0.1) to leave the rack's tooth a rounding",
         ),
     ] = DERIVED
     tool_tip_radius: Annotated[

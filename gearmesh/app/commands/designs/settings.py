@@ -35,7 +35,7 @@ def settings(
     torque: SheetTorque = None,
     settings: Set = None,
 ) -> None:
-    """Machine settings that give the contact asked for.
+    """Machine settings for the requested contact.
 
     For spiral bevel gears the settings sheet, or with --compensate the settings that compensate the assembly errors of the
     design; for circular-arc gears always the latter, which restore pressure_angle at the point of contact, too.

@@ -80,7 +80,7 @@ def fe(
     timing: Timing = True,
     settings: Set = None,
 ) -> None:
-    """Finite-element model of the teeth in mesh, ready to run; how many teeth and elements the table [fe] says."""
+    """Finite-element model of the teeth in mesh, ready to run. The table [fe] sets the numbers of teeth and elements."""
     positions = positions_in_degrees(phi1) or [0.0]
     _refuse_fe_options(rotation, friction, output, picture, solve)
     if len(positions) > 1:

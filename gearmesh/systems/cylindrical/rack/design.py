@@ -135,8 +135,8 @@ class RackDesign(ToothingKeys):
                 raise conflict(
                     "rack.length",
                     self.rack.length,
-                    must_be=f"at least {at_least(teeth * self.pitch)}, which {teeth} "
-                    f"{('tooth takes' if teeth == 1 else 'teeth take')}",
+                    must_be=f"at least {at_least(teeth * self.pitch)}, the length of {teeth} "
+                    f"{'tooth' if teeth == 1 else 'teeth'}",
                 )
         return self
 

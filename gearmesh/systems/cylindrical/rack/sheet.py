@@ -172,7 +172,7 @@ def _backlash(design: RackDesign, geometry: RackPairProportions) -> tuple[tuple[
     return tuple(meshes), [
         row("j_wt", "along the rack", lambda mesh: mesh.circumferential_backlash),
         row("j_bn", "normal", lambda mesh: mesh.normal_backlash),
-        row("j_r", "radial: change of the mounting distance that takes it up", lambda mesh: mesh.radial_backlash),
+        row("j_r", "radial: change of the mounting distance that eliminates it", lambda mesh: mesh.radial_backlash),
     ]
 
 
