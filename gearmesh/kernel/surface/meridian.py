@@ -59,7 +59,8 @@ class Straight:
 
 @dataclass(frozen=True)
 class CircularMeridian:
-    """An arc about the `centre` (a, w), mm: below it, the throat of a wheel on whose mating gear's axis it lies, or (`above`) over it."""
+    """An arc about the `centre` (a, w), mm: below it, the throat of a wheel on whose mating gear's axis it lies, or (`above`)
+    over it."""
 
     centre: tuple[float, float]
     radius: float
