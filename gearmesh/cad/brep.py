@@ -122,7 +122,7 @@ class SplineTooth:
     deviation: dict[Piece, float]
     half: HalfGear = field(default_factory=HalfGear)
 
-    def placed(self, half: HalfGear) -> SplineTooth:
+    def place(self, half: HalfGear) -> SplineTooth:
         """The first half's tooth in another row, from its own toe to its heel."""
         patches = {
             link: tuple(replace(patch, control=half.points(patch.control)) for patch in row)
@@ -140,7 +140,7 @@ class SplineTooth:
         sections = self.tooth.sections(np.array([0.49, 0.5, 0.51]))
         grid = self.tooth.grid(Region.LAND, np.array([0.49, 0.5, 0.51]), sections)
         along, up = grid.points[2, 1] - grid.points[0, 1], grid.points[1, 2] - grid.points[1, 0]
-        return bool(self.half.handed * dot(cross(along, up), grid.normals[1, 1]) > 0.0)
+        return bool(self.half.hand_sign * dot(cross(along, up), grid.normals[1, 1]) > 0.0)
 
 
 def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
@@ -175,7 +175,7 @@ def exact_volume(member: Member) -> float:
         inside = half * np.sqrt(bore**2 - half**2) + bore**2 * np.arcsin(half / bore)
         volume -= height * (member.keyway.width * (bore + member.keyway.depth) - inside)
     if member.holes is not None:
-        low, high = member.drilled
+        low, high = member.hole_range
         volume -= member.holes.count * np.pi * (0.5 * member.holes.diameter) ** 2 * (high - low)
     return float(volume)
 

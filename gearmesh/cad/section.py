@@ -426,7 +426,7 @@ def _fit(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tu
 
 def _holes(member: Member, z: float) -> list[PlaneArc]:
     """The holes, where the plane meets them."""
-    low, high = member.drilled
+    low, high = member.hole_range
     through = low <= z < high or z == high == member.plain_body.ends[1]
     if member.holes is None or not through:
         return []

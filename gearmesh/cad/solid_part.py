@@ -64,7 +64,7 @@ def _faces(member: Member, teeth: SplineTooth) -> list[NamedFace]:
     """All faces of a member: of the teeth of all halves and the gaps between, and of its body."""
     faces, loops, rows = list[NamedFace](), list[tuple[Loop, Loop]](), list[tuple[_Row, _Row]]()
     for half in member.halves:
-        toothed, ends, outlines = _tooth_faces(teeth.placed(half), {-end: rows[0][end] for end in half.shared})
+        toothed, ends, outlines = _tooth_faces(teeth.place(half), {-end: rows[0][end] for end in half.shared})
         faces += toothed
         loops.append(ends)
         rows.append(outlines)
@@ -402,7 +402,7 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
         loops[keyed : keyed + 2] = pair
         faces += [NamedFace(walls[0], "bore", "bore")]
         faces += [NamedFace(wall, f"keyway_{i + 1}", "keyway") for i, wall in enumerate(walls[1:])]
-    drilled, walls = drilled_holes(member.drilled, member.holes) if member.holes is not None else ({}, ())
+    drilled, walls = drilled_holes(member.hole_range, member.holes) if member.holes is not None else ({}, ())
     faces += [NamedFace(wall, f"hole_{i + 1}", Region.HOLE) for i, wall in enumerate(walls)]
     for k, name in enumerate(names):
         first, second = loops[k], loops[k + 1]

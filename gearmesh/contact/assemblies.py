@@ -101,11 +101,11 @@ def _chunks(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Iterator[tup
         part = np.arange(start, min(start + CHUNK, count * positions))
         there = replace(
             pair,
-            pinion=pair.pinion.mounted(_placed(pair.pinion.mount, bases[0], part // positions)),
-            gear=pair.gear.mounted(_placed(pair.gear.mount, bases[1], part // positions)),
+            pinion=pair.pinion.remount(_place(pair.pinion.mount, bases[0], part // positions)),
+            gear=pair.gear.remount(_place(pair.gear.mount, bases[1], part // positions)),
         )
         yield part, there, every[part]
 
 
-def _placed(mount: Mount, base: Rigid, index: NDArray[np.intp]) -> Mount:
+def _place(mount: Mount, base: Rigid, index: NDArray[np.intp]) -> Mount:
     return replace(mount, base=Rigid(base.rotation[index], base.translation[index]))

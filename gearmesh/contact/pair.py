@@ -60,7 +60,7 @@ class Pair:
         """The pair of flanks alone, and each flank with the fillet of its mating gear."""
         if self.fillets is None:
             return (self,)
-        first, second = (fillet.mounted(flank.mount) for fillet, flank in zip(self.fillets, self.flanks, strict=True))
+        first, second = (fillet.remount(flank.mount) for fillet, flank in zip(self.fillets, self.flanks, strict=True))
         alone = replace(self, fillets=None)
         return alone, replace(alone, pinion=first), replace(alone, gear=second)
 

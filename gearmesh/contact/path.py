@@ -57,7 +57,7 @@ class ContactPath:
     seconds: float
     part: NDArray[np.intp]
 
-    def jammed(self, nothing: ContactPath, which: NDArray[np.bool_]) -> ContactPath:
+    def without(self, nothing: ContactPath, which: NDArray[np.bool_]) -> ContactPath:
         """The path with `nothing` in place of positions `which` (P,)."""
         values: dict[str, Any] = {
             "lines": tuple(None if off else line for line, off in zip(self.lines, which, strict=True))

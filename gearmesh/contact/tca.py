@@ -15,10 +15,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.lines import traced
+from gearmesh.contact.conditions.lines import trace
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.settle import Contacts
-from gearmesh.contact.engagement.engagement import Engagement, followed
+from gearmesh.contact.engagement.engagement import Engagement, follow
 from gearmesh.contact.first_touch.first_touch import first_touch, touches
 from gearmesh.contact.pair import Pair, edge_name
 from gearmesh.contact.path import ContactPath
@@ -56,7 +56,7 @@ def contact_path(
     asked = np.append(np.asarray(phi1, dtype=float), 0.0)
     with np.errstate(all="ignore"):
         rotation = asked.copy()
-        contacts = _solved(pair, rotation, edges, engagement)
+        contacts = _solve(pair, rotation, edges, engagement)
         if count_phi1 is not None:
             for _ in range(COUNTS):
                 miss = asked - rotation - _count_offset(count_phi1, rotation, contacts)
@@ -64,7 +64,7 @@ def contact_path(
                 if not off.size:
                     break
                 rotation[off] += miss[off]
-                contacts.put(off, _solved(pair, rotation[off], edges, engagement))
+                contacts.put(off, _solve(pair, rotation[off], edges, engagement))
         if (
             not contacts.touching.any()
             and first_touch(replace(pair.parts[0], drive=-pair.drive), rotation).touching.any()
@@ -96,7 +96,7 @@ def _count_offset(count_phi1: Callable[[Array, Array], Array], rotation: Array, 
     return known
 
 
-def _solved(pair: Pair, phi1: Array, edges: bool, engagement: Engagement | None) -> Contacts:
+def _solve(pair: Pair, phi1: Array, edges: bool, engagement: Engagement | None) -> Contacts:
     """Contacts at rotations phi1 (N,)."""
     if not edges:
         return touches(pair.parts[0], phi1, edges=False)[0]
@@ -106,7 +106,7 @@ def _solved(pair: Pair, phi1: Array, edges: bool, engagement: Engagement | None)
         return touches(pair, phi1)[0]
     low, high = phi1.min(), phi1.max()
     count = NODES if np.isnan(pair.pitch) else max(NODES, int(np.ceil((high - low) / pair.pitch * NODES / 4.0)))
-    return followed(pair, np.linspace(low, high, count)).at(phi1)
+    return follow(pair, np.linspace(low, high, count)).at(phi1)
 
 
 def _result(pair: Pair, asked: Array, rotation: Array, contacts: Contacts, started: float) -> ContactPath:
@@ -117,7 +117,7 @@ def _result(pair: Pair, asked: Array, rotation: Array, contacts: Contacts, start
     if along.size:
         for which, piece in pair.pieces(contacts.x[along]):
             places = along[which]
-            line = traced(piece, rotation[places], contacts.x[places])
+            line = trace(piece, rotation[places], contacts.x[places])
             contacts.x[places] = line.x
             for k, points in zip(places, line.points, strict=True):
                 lines[k] = points

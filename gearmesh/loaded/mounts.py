@@ -71,7 +71,7 @@ class FlexibleMount:
         r, f = own.point(points) - [0.0, 0.0, self.z], own.vector(forces)
         return np.concatenate((f, cross(r, f)), axis=-1)
 
-    def displaced(self, mount: Mount, displacement: Array) -> Mount:
+    def displace(self, mount: Mount, displacement: Array) -> Mount:
         """The mount after a displacement (6,) of its point."""
         point = Rigid(np.eye(3), np.array([0.0, 0.0, self.z]))
         turn = Rotation.from_rotvec(displacement[3:]).as_matrix()
@@ -100,7 +100,7 @@ class Supports:
     def displace(self, gears: GearPair, displacement: Array) -> tuple[Self, GearPair]:
         """After a displacement (2, 6) from the position without load, in which `gears` are."""
         pinion, gear = (
-            member if own is None else replace(member, mount=own.displaced(member.mount, own_displacement))
+            member if own is None else replace(member, mount=own.displace(member.mount, own_displacement))
             for member, own, own_displacement in zip(gears.both, self.flexible, displacement, strict=True)
         )
         return replace(self, displacement=displacement), replace(gears, pinion=pinion, gear=gear)

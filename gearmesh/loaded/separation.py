@@ -114,7 +114,7 @@ class NearPairs:
         """How far, mm (2, M), the ridge goes on along edges beyond the ends of `range`, and the tangents of the angles to it."""
         return _beyond(self.surfaces, self.range)
 
-    def seen(self, points: Array) -> Array:
+    def in_place(self, points: Array) -> Array:
         """Points (M, 3) where they are, those of the other half too."""
         for k, image in enumerate(self.images[1:], 1):
             points = np.where(self.half[:, None] == k, image.point(points), points)
@@ -147,8 +147,8 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     own = phi1[position] - gears.pitch * number
     paths = [contact_path(engagement.pair, own[half == k]) for k, engagement in enumerate(engagements)]
     touching = [touching_jets(row, path) for row, path in zip(rows, paths, strict=True)]
-    jets = [_joined(jets_of_rows) for jets_of_rows in zip(*touching, strict=True)]
-    path = _joined(paths)
+    jets = [_join(jets_of_rows) for jets_of_rows in zip(*touching, strict=True)]
+    path = _join(paths)
     turns = path.rotation, pair.ratio * path.rotation + pair.drive * lead[position]
     e1, e2 = tangent_basis(jets[0])
     relative = relative_curvature(jets[0], jets[1], e1, e2)
@@ -179,7 +179,7 @@ class _Followed:
         self._phi1, self._pitch = phi1, gears.pitch
         self._first = np.round(phi1 / gears.pitch).astype(np.intp)
         self._numbers = np.arange(-PAIRS, PAIRS + 1)
-        self._leads, self._levers = self._solved(self._numbers)
+        self._leads, self._levers = self._solve(self._numbers)
 
     @property
     def lead(self) -> Array:
@@ -193,7 +193,7 @@ class _Followed:
             last = self._numbers[::out][-1]
             while self._near(lead, limit)[:, ::out][:, -1].any() and abs(last) < MOST_PAIRS:
                 more = last + out * np.arange(1, MORE_PAIRS + 1)
-                leads, levers = self._solved(more)
+                leads, levers = self._solve(more)
                 self._numbers = np.append(self._numbers, more)
                 order = np.argsort(self._numbers)
                 self._numbers, last = self._numbers[order], more[-1]
@@ -210,7 +210,7 @@ class _Followed:
             is_near: NDArray[np.bool_] = (lead[:, None] - self._leads) * self._levers < limit
         return is_near
 
-    def _solved(self, numbers: NDArray[np.intp]) -> tuple[Array, Array]:
+    def _solve(self, numbers: NDArray[np.intp]) -> tuple[Array, Array]:
         """Advances, and levers at the gear, mm (P, K), of pairs of `numbers` (K,) beyond the first one."""
         own = (self._phi1[:, None] - self._pitch * (self._first[:, None] + numbers)).ravel()
         path = contact_path(self.pair, own)
@@ -220,7 +220,7 @@ class _Followed:
         return lead.reshape(shape), lever.reshape(shape)
 
 
-def _joined(parts: Sequence[T]) -> T:
+def _join(parts: Sequence[T]) -> T:
     """One record of arrays and tuples of several alike, one after the other; of numbers that of the first."""
     if len(parts) == 1:
         return parts[0]
@@ -297,7 +297,7 @@ def separation(
     half = MARGIN * across * widen
     dx, dy = (high - low) / cells[0], 2.0 * half / cells[1]
     x = low[:, None] + dx[:, None] * (np.arange(cells[0]) + 0.5)
-    ridge, bent, _ = surfaces.bent(x)
+    ridge, bent, _ = surfaces.ridge_and_edge(x)
     nodes = np.cos(np.pi * np.arange(ACROSS) / (ACROSS - 1))
     every = np.repeat(x[:, :, None], ACROSS, axis=2)
     seen = surfaces.at(every, ridge[:, :, None] + half[:, None, None] * nodes)
@@ -309,7 +309,7 @@ def separation(
         np.polynomial.chebyshev.chebvander(nodes, ACROSS - 1)
     )
     edged = (near.path.kind == "edge")[:, None] | bent
-    exact, margin = _continued(seen, half[:, None, None] * nodes, near.kappa[:, 1], edged)
+    exact, margin = _extend(seen, half[:, None, None] * nodes, near.kappa[:, 1], edged)
     gap = (exact @ powers.T) * slant[:, :, None]
     order = np.argsort(nodes)
     hat = np.stack([np.interp(eta, nodes[order], row[order]) for row in np.eye(ACROSS)], axis=-1)
@@ -344,7 +344,7 @@ def separation(
 
 def _common(near: NearPairs, seen: _Seen, bent: NDArray[np.bool_]) -> Array:
     """Normals (M, X, 3), out of the pinion, along which the bodies press: of the flank that an edge touches, which it does first or
-    where the ridge is `bent` (M, X), else of both."""
+    where the ridge is `ridge_and_edge` (M, X), else of both."""
     first, second = seen.normals[0], -seen.normals[1]
     edged = [np.char.find(near.path.edge, name)[:, None] >= 0 for name in MEMBERS]
     alone = [(own & ~other) | (bent & (seen.over == k)) for k, (own, other) in enumerate((edged, edged[::-1]))]
@@ -366,7 +366,7 @@ def _ends(flank: Flank, places: Array, dx: Array) -> Array:
     return distances
 
 
-def _continued(seen: _Seen, y: Array, kappa: Array, edged: NDArray[np.bool_]) -> tuple[Array, Array]:
+def _extend(seen: _Seen, y: Array, kappa: Array, edged: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Gaps and margins (M, X, ACROSS) at y (M, 1, ACROSS) from the ridge.
 
     Where a surface ends, or turns back at a cusp and is suddenly far outside, by |y| and by a parabola: with its apex on the
@@ -420,12 +420,12 @@ def _range(surfaces: _Surfaces, near: NearPairs) -> tuple[Array, Array]:
         with np.errstate(all="ignore"):
             way = np.where(np.isfinite(outside) & (outside > inside), -inside / (outside - inside), 0.0)
         if surfaces.along_edge.any():
-            way = np.where(surfaces.along_edge, _followed(surfaces, x[every, last], x[every, beyond]), way)
+            way = np.where(surfaces.along_edge, _edge_share(surfaces, x[every, last], x[every, beyond]), way)
         ends.append(x[every, last] + np.clip(way, 0.0, 1.0) * (x[every, beyond] - x[every, last]))
     return ends[0], ends[1]
 
 
-def _followed(surfaces: _Surfaces, inside: Array, beyond: Array) -> Array:
+def _edge_share(surfaces: _Surfaces, inside: Array, beyond: Array) -> Array:
     """Share (M,) of the way from x (M,) `inside` flanks to `beyond` that edges go on: on them margins are 0 and mean nothing."""
     share = np.linspace(0.0, 1.0, FINER)
     x = inside[:, None] + (beyond - inside)[:, None] * share
@@ -440,7 +440,7 @@ def _beyond(surfaces: _Surfaces, ends: tuple[Array, Array]) -> tuple[Array, Arra
     lengths, bends = [], []
     for end, far in zip(ends, surfaces.extent, strict=True):
         x = end[:, None] + (far - end)[:, None] * np.linspace(0.0, 1.0, SCAN)[1:]
-        y, bent, ridge = surfaces.bent(x)
+        y, bent, ridge = surfaces.ridge_and_edge(x)
         last = np.where(bent.all(axis=1), bent.shape[1], bent.argmin(axis=1)) - 1
         every = np.arange(len(x))
         lengths.append(np.where(last < 0, 0.0, np.abs(x[every, last] - end)))
@@ -514,7 +514,7 @@ class _Surfaces:
             y = y + way
         return self._on_edge(x, y) if self.along_edge.any() else y
 
-    def bent(self, x: Array) -> tuple[Array, NDArray[np.bool_], Array]:
+    def ridge_and_edge(self, x: Array) -> tuple[Array, NDArray[np.bool_], Array]:
         """y (M, K) of the least gap on both flanks at x (M, K): the ridge, and where it has left one of them the edge over which it
         did; whether it is such an edge (M, K), edges across x, as end faces, are none; and the ridge's own y (M, K)."""
         ridge = self.ridge(x)

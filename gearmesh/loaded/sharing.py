@@ -201,16 +201,22 @@ def loaded_mesh(
     for k, own_torque in enumerate(torque):
         stands = True
         if supports is not None:
-            problem, stands = _mounted(gears, near, float(own_torque), bodies, materials, cells, supports, limit)
+            problem, stands = _solve_on_mounts(
+                gears, near, float(own_torque), bodies, materials, cells, supports, limit
+            )
             displacement[k] = problem.displacement()
         else:
-            problem = most if own_torque == torque.max() else _fitted(near, float(own_torque), bodies, materials, cells)
+            problem = (
+                most if own_torque == torque.max() else _fit_grids(near, float(own_torque), bodies, materials, cells)
+            )
         solution, moved = problem.solution, problem.near
         # gears that their mounts let move begin to touch elsewhere
         behind = unloaded - (moved.phi2 - moved.pair.ratio * phi1)
         rotation[k] = solution.rotation + moved.pair.drive * behind / ratio
         residual[k], status[k] = solution.residual, solution.status if stands else Status.MAX_ITERATIONS
-        status[k, moved.position[(problem.filled() > FILLED[1]) | problem.cut().any(axis=0)]] = Status.MAX_ITERATIONS
+        status[k, moved.position[(problem.fill() > FILLED[1]) | problem.reaches_ends().any(axis=0)]] = (
+            Status.MAX_ITERATIONS
+        )
         loads.append(problem.loads())
         gear_torque[k] = problem.gear_torque()
         tangent[k], settled = problem.tangent_stiffness()
@@ -257,14 +263,14 @@ def _reaching(
     limit = 3.0 * give
     while True:
         near = near_pairs(gears, phi1, limit)
-        problem = _fitted(near, torque, bodies, materials, cells)
+        problem = _fit_grids(near, torque, bodies, materials, cells)
         moved = float((problem.solution.rotation[near.position] * problem.lever).max())
         if moved < limit:
             return near, problem, limit
         limit = 1.5 * moved
 
 
-def _fitted(
+def _fit_grids(
     near: NearPairs,
     torque: float,
     bodies: tuple[FlankCompliance, FlankCompliance],
@@ -279,7 +285,7 @@ def _fitted(
     for last in np.arange(ROUNDS) == ROUNDS - 1:
         problem = _Problem(near, torque, bodies, materials, cells, widen, part, supports, before)
         before = problem.solution.pressure
-        filled, (first, used), cut = problem.filled(), problem.used(), problem.cut()
+        filled, (first, used), cut = problem.fill(), problem.used_part(), problem.reaches_ends()
         wrong = (filled > FILLED[1]) | ((filled > 0.0) & (filled < FILLED[0]))
         short = (used > 0.0) & (used < SHORT) & ~cut.any(axis=0)
         if last or not (wrong | short | cut).any():
@@ -295,7 +301,7 @@ def _fitted(
     return problem
 
 
-def _mounted(
+def _solve_on_mounts(
     gears: GearPair,
     near: NearPairs,
     torque: float,
@@ -307,7 +313,7 @@ def _mounted(
 ) -> tuple[_Problem, bool]:
     """The problem of one torque with members where their mounts let them go, and whether their mean displacement has converged."""
     for _ in range(MOUNT_ROUNDS):
-        problem = _fitted(near, torque, bodies, materials, cells, supports)
+        problem = _fit_grids(near, torque, bodies, materials, cells, supports)
         wanted = problem.displacement().mean(axis=0)
         size = float(problem.grid.levers.max())
         change = np.abs(wanted - supports.displacement) * [1.0, 1.0, 1.0, size, size, size]
@@ -343,23 +349,23 @@ class _Problem:
         self.lever = near.levers(0, near.path.point, near.axes[:, :, 2])
         self.grid = separation(near, torque / self.lever, contact_modulus(*materials), cells, widen, part)
         grid = self.grid
-        ends = np.stack([[self._slotted(distances, np.inf) for distances in of_body] for of_body in grid.ends])
-        dents = Dents.of(self._slotted(grid.dx, 1.0), self._slotted(grid.dy, 1.0), cells, materials, ends)
-        self.area = self._slotted(grid.dx * grid.dy)
+        ends = np.stack([[self._slots(distances, np.inf) for distances in of_body] for of_body in grid.ends])
+        dents = Dents.of(self._slots(grid.dx, 1.0), self._slots(grid.dy, 1.0), cells, materials, ends)
+        self.area = self._slots(grid.dx * grid.dy)
         self.shares = [body.shares(places) for body, places in zip(bodies, grid.places, strict=True)]
         smooth = self._smooth()
         full = (count, self.most, *cells)
-        on, gap = self._slotted(grid.on), self._slotted(grid.gap)
+        on, gap = self._slots(grid.on), self._slots(grid.gap)
         if supports is not None:
             for k, wrench_rows in enumerate(supports.wrenches(grid.middle, grid.normal)):
-                wrench = self._slotted(wrench_rows).reshape(count, -1, 6)
+                wrench = self._slots(wrench_rows).reshape(count, -1, 6)
                 smooth += wrench @ supports.compliance[k] @ wrench.swapaxes(1, 2)
                 # as far as members have been moved, gaps have it already
                 gap -= (wrench @ supports.displacement[k]).reshape(*full[:3], 1)
-        lever = np.broadcast_to(self._slotted(grid.levers[0])[..., None], full)
+        lever = np.broadcast_to(self._slots(grid.levers[0])[..., None], full)
         area = np.broadcast_to(self.area[..., None, None], full)
 
-        def moved(p: Array, which: NDArray[np.intp]) -> Array:
+        def displace(p: Array, which: NDArray[np.intp]) -> Array:
             p = p.reshape(-1, *full[1:])
             line = (p.sum(axis=3) * self.area[which][:, :, None]).reshape(len(p), -1, 1)
             total: Array = dents.under(p, which) + (smooth[which] @ line).reshape(*p.shape[:3], 1)
@@ -373,14 +379,14 @@ class _Problem:
         start = np.sqrt(1.0 - eta**2) * on * first[:, :, None, None]
         flat = (count, -1)
         middle = np.zeros_like(grid.dx)
-        ease = self._slotted(rectangle_influence(middle, middle, grid.dx, grid.dy), 1.0)
+        ease = self._slots(rectangle_influence(middle, middle, grid.dx, grid.dy), 1.0)
         if before is not None:
             # cell by cell those of the grids before
             known = before.reshape(full) * on
             start = np.where(known.any(axis=(1, 2, 3))[:, None, None, None], known, start)
-        self.moved, self.levers, self.areas = moved, lever.reshape(flat), area.reshape(flat)
+        self.moved, self.levers, self.areas = displace, lever.reshape(flat), area.reshape(flat)
         self.solution = pressures(
-            moved,
+            displace,
             gap.reshape(flat),
             self.levers,
             self.areas,
@@ -392,7 +398,7 @@ class _Problem:
         self.pressure = self.solution.pressure.reshape(full)[near.position, self.slot]
         self.line = self.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None]
 
-    def _slotted(self, values: NDArray[Any], empty: float = 0.0) -> NDArray[Any]:
+    def _slots(self, values: NDArray[Any], empty: float = 0.0) -> NDArray[Any]:
         """Values (M, ...) of the pairs as (P, K, ...)."""
         slots = np.full((len(self.near.phi1), self.most, *values.shape[1:]), empty, dtype=values.dtype)
         slots[self.near.position, self.slot] = values
@@ -428,7 +434,7 @@ class _Problem:
         size = self.most * x
         return compliance.reshape(count, size, size)
 
-    def filled(self) -> Array:
+    def fill(self) -> Array:
         """Half widths (M,) of the contact over those of the grids; 0 where there is none."""
         y = self.pressure.shape[2]
         edge = (np.abs(2.0 * np.arange(y) + 1.0 - y) + 1.0) / y
@@ -440,13 +446,13 @@ class _Problem:
         p = self.solution.pressure
         return tangent_stiffness(self.moved, self.levers, self.areas, p > 0.0, p)
 
-    def cut(self) -> NDArray[np.bool_]:
+    def reaches_ends(self) -> NDArray[np.bool_]:
         """Whether contacts reach the first and the last end (2, M) of their grid, and the flanks go on beyond it."""
         ends = (self.pressure[:, [0, -1]] > 0.0).any(axis=2).T
         reaching: NDArray[np.bool_] = ends & self.grid.open
         return reaching
 
-    def used(self) -> tuple[Array, Array]:
+    def used_part(self) -> tuple[Array, Array]:
         """Where contacts begin along the grids and how much of these they take (M,), of 1; 0 where there is none."""
         along: NDArray[np.bool_] = np.asarray((self.pressure > 0.0).any(axis=2))
         count = along.shape[1]
@@ -481,7 +487,7 @@ class _Problem:
         every = np.arange(len(flat))
         peak = flat[every, at]
         told = (peak > 0.0) & (~sharp | (further.max(axis=(1, 2)) >= STEADY * peak))
-        place = self.near.seen(self.grid.middle[every, at // self.pressure.shape[2]])
+        place = self.near.in_place(self.grid.middle[every, at // self.pressure.shape[2]])
         return PairLoad(
             self.near.position,
             self.near.number,
@@ -509,7 +515,7 @@ class _Problem:
             )
             own = root_stress(body, body.coarser, pressed)
             turned = mounts[member].at(self.near.turns[member]).point(own.place)
-            of_members.append(replace(own, place=self.near.seen(turned)))
+            of_members.append(replace(own, place=self.near.in_place(turned)))
         return RootStress.join(*of_members)
 
 

@@ -39,7 +39,7 @@ class WeldedHalves:
             count += len(vertices[-1])
         here, beyond = one.triangles % size, one.triangles // size
         triangles = [
-            (number[here] + count * beyond)[:, :: half.handed] for number, half in zip(numbers, halves, strict=True)
+            (number[here] + count * beyond)[:, :: half.hand_sign] for number, half in zip(numbers, halves, strict=True)
         ]
         return WeldedHalves(np.concatenate(vertices), np.concatenate(triangles), tuple(numbers), ends)
 

@@ -115,7 +115,7 @@ def member_limits(member: Member, land: float = 0.0, count: int = STATIONS) -> M
 
     Raises TrimError where the tooth itself cannot be trimmed.
     """
-    tooth = member.tooth.unmodified
+    tooth = member.tooth.unmodified_tooth
     t = np.linspace(0.0, 1.0, count)
     stations, sections = tooth.stations(t), tooth.sections(t)
     tip_radius = crossing(tooth.blank.tip, tooth.blank.axial, stations)[0]
@@ -135,7 +135,7 @@ def member_limits(member: Member, land: float = 0.0, count: int = STATIONS) -> M
 
 def lost_heights(tooth: Tooth) -> dict[Side, float]:
     """How much (mm, at most along the face) of the tool's flank undercut removes, of the sides that are undercut."""
-    tooth = tooth.unmodified
+    tooth = tooth.unmodified_tooth
     sections = tooth.sections(np.linspace(0.0, 1.0, PROOF_STATIONS))
     heights = {}
     for which in Side:

@@ -29,12 +29,12 @@ class Mount:
 
     def at(self, phi: ArrayLike) -> Rigid:
         """own_to_fixed at rotation phi (..., rad)."""
-        turned = self._turned(phi)
+        turned = self._turn(phi)
         if self.eccentricity == (0.0, 0.0):
             return turned
         return turned @ self.own_to_turning
 
-    def _turned(self, phi: ArrayLike) -> Rigid:
+    def _turn(self, phi: ArrayLike) -> Rigid:
         return self.base @ self.joint.to(self.sign * (np.asarray(phi, dtype=float) - self.zero))
 
     def rows(self, index: NDArray[np.intp]) -> Mount:
@@ -55,9 +55,9 @@ class Mount:
 
     def off(self, phi: ArrayLike) -> Array:
         """How far (..., 3), mm, fixed frame, the teeth are off their place without eccentricity at rotation phi (..., rad)."""
-        return self._turned(phi).vector(np.array([*self.eccentricity, 0.0]))
+        return self._turn(phi).vector(np.array([*self.eccentricity, 0.0]))
 
-    def shifted(self, shift: Array) -> Mount:
+    def shift(self, shift: Array) -> Mount:
         """The mounts of as many assemblies as there are displacements (N, 3), mm, fixed frame."""
         rotation = np.broadcast_to(self.base.rotation, (len(shift), 3, 3))
         return replace(self, base=Rigid(rotation, self.base.translation + shift))

@@ -257,4 +257,4 @@ class DrawnLink:
     def grid(self, s: ArrayLike, sections: Sections) -> Grid:
         points = sections.of(self.side).edge
         assert points is not None
-        return Grid(*self.edge.drawn(points, _rows(s) if self.side is Side.RIGHT else 1.0 - _rows(s)))
+        return Grid(*self.edge.section_curve(points, _rows(s) if self.side is Side.RIGHT else 1.0 - _rows(s)))

@@ -37,7 +37,7 @@ from gearmesh.teeth.section import (
     parameter,
 )
 from gearmesh.teeth.tooth_side import Bottom, Crest, ToothSide
-from gearmesh.teeth.undercut import Undercut, cut_off, folded, intersection, joint, trim_tolerance
+from gearmesh.teeth.undercut import Undercut, cut_off, intersection, joint, singular_stations, trim_tolerance
 
 #: stations at which the beginning of undercut is looked for
 BREAK_SAMPLES = 17
@@ -118,7 +118,7 @@ class Tooth:
             return np.full_like(ends.joint_fillet, side.root), ends.joint_fillet
 
         links: list[Link] = [
-            self._seamed(GeneratedLink(FILLETS[which], which, side.fillet, axial, fillet), side.fillet_breaks),
+            self._add_seams(GeneratedLink(FILLETS[which], which, side.fillet, axial, fillet), side.fillet_breaks),
             self._flank(which),
         ]
         if side.crest is not None:
@@ -137,9 +137,9 @@ class Tooth:
         flank = GeneratedLink(
             FLANKS[which], which, side.flank, self.blank.axial, lambda ends: (ends.joint_flank, ends.tip)
         )
-        return self._seamed(flank, side.flank_breaks)
+        return self._add_seams(flank, side.flank_breaks)
 
-    def _seamed(self, link: GeneratedLink, breaks: tuple[float, ...]) -> GeneratedLink:
+    def _add_seams(self, link: GeneratedLink, breaks: tuple[float, ...]) -> GeneratedLink:
         """The link with seams at those of its breaks that it has all along the face."""
         if not breaks:
             return link
@@ -175,7 +175,7 @@ class Tooth:
         return np.unique(t[(t > 0.0) & (t < 1.0)])
 
     @cached_property
-    def unmodified(self) -> Tooth:
+    def unmodified_tooth(self) -> Tooth:
         """The tooth as its tools leave it."""
         right, left = (side.generated or side for side in (self.right, self.left))
         return self if (right, left) == (self.right, self.left) else replace(self, right=right, left=left)
@@ -188,7 +188,7 @@ class Tooth:
     def _cut_off(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
         """Stations t (T,) where the flank is undercut, at the tool's form point or before it."""
         cut = self._cut_off_at_joint(side, t)
-        return cut | folded(side, self.stations(t), self.blank.axial) if self._folds(side) else cut
+        return cut | singular_stations(side, self.stations(t), self.blank.axial) if self._folds(side) else cut
 
     def _cut_off_at_joint(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
         stations, axial = self.stations(t), self.blank.axial
@@ -200,13 +200,15 @@ class Tooth:
         A loop with two cusps is wide, or narrow and next to where the form point itself is cut off no longer.
         """
         which = Side.RIGHT if side is self.right else Side.LEFT
-        if which not in self._folded:
+        if which not in self._folded_sides:
             t = np.linspace(0.0, 1.0, FOLD_STATIONS)
             sound = t[~self._cut_off_at_joint(side, t)]
             if sound.size < t.size:
                 sound = np.append(sound, _changes(lambda t: self._cut_off_at_joint(side, t)))
-            self._folded[which] = bool(sound.size and folded(side, self.stations(sound), self.blank.axial).any())
-        return self._folded[which]
+            self._folded_sides[which] = bool(
+                sound.size and singular_stations(side, self.stations(sound), self.blank.axial).any()
+            )
+        return self._folded_sides[which]
 
     def stations(self, t: ArrayLike) -> Array:
         """Station coordinates (T,), mm, at t (T,)."""
@@ -244,7 +246,7 @@ class Tooth:
         return abs(float(self.blank.root.value(tip)[0]))
 
     @cached_property
-    def _folded(self) -> dict[Side, bool]:
+    def _folded_sides(self) -> dict[Side, bool]:
         return {}
 
     @cached_property
@@ -309,7 +311,7 @@ class Tooth:
                     area += width * weights @ self._area_density(link, first + width * nodes, sections)
             total += (high - low) * float(weights @ area)
         toe, heel = self.blank.extent
-        return float((heel - toe) * self.teeth * total - self.blank.body.enclosed())
+        return float((heel - toe) * self.teeth * total - self.blank.body.enclosed_volume())
 
     def _area_density(self, link: Link, s: Array, sections: Sections) -> Array:
         """d(area over the floor)/ds on an (S, T) grid: the area between generatrices is the integral of rho du."""

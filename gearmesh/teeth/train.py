@@ -103,7 +103,7 @@ class Member:
         return plain if self.hub is None else plain.with_hub(0.5 * self.hub.diameter, self.hub.length)
 
     @property
-    def drilled(self) -> tuple[float, float]:
+    def hole_range(self) -> tuple[float, float]:
         """Between which z (mm) the holes are: the faces of the web, else of the body."""
         body = self.plain_body
         return body.ends if body.web is None else (body.web.low, body.web.high)
@@ -165,14 +165,14 @@ class GearPair:
         pinion's plane of symmetry."""
         base = self.pinion.mount.base
         further = zip(self.pinion.halves[1:], self.gear.halves[1:], strict=False)
-        return (Rigid.identity(), *(base @ half.placed @ base.inverse for half, _ in further))
+        return (Rigid.identity(), *(base @ half.motion @ base.inverse for half, _ in further))
 
     @property
     def halves(self) -> tuple[GearPair, ...]:
         """The pair of the first halves, and after it those of others, seen in their images: as pairs of the same teeth."""
         mount = self.gear.mount
         further = zip(self.images[1:], self.gear.halves[1:], strict=False)
-        mounts = [replace(mount, base=image @ mount.base @ half.placed) for image, half in further]
+        mounts = [replace(mount, base=image @ mount.base @ half.motion) for image, half in further]
         return (self, *(replace(self, gear=replace(self.gear, mount=own)) for own in mounts))
 
     @property

@@ -80,7 +80,7 @@ def joint(
     p, q = np.full_like(stations, side.joint[0]), np.full_like(stations, side.joint[1])
     cut = cut_off(side, tip[1], stations, axial, JUST_BEGUN)
     if folds:
-        cut |= folded(side, stations, axial)
+        cut |= singular_stations(side, stations, axial)
     undercut = Undercut(stations[cut], np.empty((0, 4)))
     if cut.any():
         some = None if near is None or not near.stations.size else near.at(undercut.stations)
@@ -143,7 +143,7 @@ def regularity(side: ToothSide, sound: Jet, stations: Array, axial: Level) -> Ar
     return np.asarray(area_density(lost) / area_density(sound))
 
 
-def folded(side: ToothSide, stations: Array, axial: Level) -> NDArray[np.bool_]:
+def singular_stations(side: ToothSide, stations: Array, axial: Level) -> NDArray[np.bool_]:
     """Stations (T,) where the flank is turned inside out somewhere between tip and form point, against its sense near the tip."""
     share = np.linspace(1.0, 0.0, FOLD_SAMPLES + 1)[:-1, None]
     p = side.joint[0] + share * (side.tip - side.joint[0])
@@ -191,7 +191,7 @@ def _in_rounding(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Le
     lost = np.abs(cusp - joint) < LOST * np.abs(tip - joint)
     missing = ~lost & np.isnan(x[:, 0])
     if missing.any():
-        raise _removed(t[int(np.argmax(missing))])
+        raise _undercut_error(t[int(np.argmax(missing))])
     p, q = cusp + 0.5 * (cusp - joint), np.full_like(stations, side.joint[1])
     v, flank = along(side.flank, p, stations, axial)
     # the fillet, along which the flank comes to the form point, is followed back to where the flank ends
@@ -235,7 +235,7 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
         # where nothing is undercut the flank goes on to the form point
         cusp = np.where(np.isnan(cusp), side.joint[0], cusp)
     if np.isnan(cusp).any():
-        raise _removed(t[int(np.argmax(np.isnan(cusp)))])
+        raise _undercut_error(t[int(np.argmax(np.isnan(cusp)))])
     p = cusp + crowded * (tip - cusp)
     q = side.joint[1] + crowded[::-1] * (side.root - side.joint[1])
     flank, fillet = (
@@ -245,10 +245,10 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
     start = np.empty((stations.size, 4))
     for k in range(stations.size):
         (p_there, v, height, angle), (q_there, w, height_fillet, angle_fillet) = (
-            _drawn(curve, x, k, root) for curve, x in ((flank, p), (fillet, np.broadcast_to(q, p.shape)))
+            _section_samples(curve, x, k, root) for curve, x in ((flank, p), (fillet, np.broadcast_to(q, p.shape)))
         )
         if not (height.size and height_fillet.size):
-            raise _removed(t[k])
+            raise _undercut_error(t[k])
         levels = np.linspace(height[0], min(height[-1], height_fillet[-1]), SAMPLES)[1:-1]
         apart = np.interp(levels, height, angle) - np.interp(levels, height_fillet, angle_fillet)
         crossing = np.flatnonzero(apart[:-1] * apart[1:] <= 0.0)
@@ -258,20 +258,20 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
             beside = cusp[k] + 0.5 * (cusp[k] - side.joint[0])
             place = np.interp(abs(beside - cusp[k]), np.abs(p_there - cusp[k]), height)
         else:
-            raise _removed(t[k])
+            raise _undercut_error(t[k])
         start[k, :2] = np.interp(place, height, p_there), np.interp(place, height, v)
         start[k, 2:] = np.interp(place, height_fillet, q_there), np.interp(place, height_fillet, w)
     return start
 
 
-def _drawn(curve: Followed, p: Array, k: int, root: Level) -> tuple[Array, Array, Array, Array]:
+def _section_samples(curve: Followed, p: Array, k: int, root: Level) -> tuple[Array, Array, Array, Array]:
     """Both parameters, height over the root and polar angle of the samples of a section (S, T) that station k has."""
     there = curve.converged[:, k]
     r = curve.jet.r[there, k]
     return p[there, k], curve.values[there, k], root.value(r), polar_angle(r)
 
 
-def _removed(t: float) -> TrimError:
+def _undercut_error(t: float) -> TrimError:
     return TrimError(
         "undercut",
         float(t),

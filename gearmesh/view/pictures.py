@@ -135,7 +135,7 @@ def tool_picture(
 
 def tool_contact_picture(pair: GearPair, name: str, size: Size = SIZE, title: str = "") -> Scene:
     """The tool that generates a member's flank of contact and the tooth as it leaves it, with their lines of contact."""
-    side, tooth = _side(pair, name), pair.members[name].tooth.unmodified
+    side, tooth = _side(pair, name), pair.members[name].tooth.unmodified_tooth
     contact = tool_contact(tooth, side)
     mesh = teeth_mesh(tessellate(tooth, FINE), name, np.array([0]))
     shown = f"{name} and its {contact.name}, {side} flank: lines of contact"

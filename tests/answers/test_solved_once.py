@@ -8,7 +8,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.contact import sides
-from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.fit.fit import reversed_pair
 from gearmesh.contact.flanks import solver_pair
 
@@ -19,8 +19,8 @@ def test_both_sides_of_a_contact_are_followed_once(monkeypatch: pytest.MonkeyPat
     """Driving flanks for the path, coast flanks, of which bevel gears have no image, for the backlash; plots are handed both."""
     contact = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml")).contact()
     other = reversed_pair(contact.pair)
-    alone = engaged(solver_pair(other), other.pitch)
-    monkeypatch.setattr(sides, "engaged", lambda *given: pytest.fail("a side is followed again"))
+    alone = whole_engagement(solver_pair(other), other.pitch)
+    monkeypatch.setattr(sides, "whole_engagement", lambda *given: pytest.fail("a side is followed again"))
     assert [each.driving for each in contact.sides] == [True, False]
     assert contact.fit is not None
     assert contact.fit.coast is not None

@@ -12,7 +12,7 @@ import gearmesh as gm
 from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact.conditions.settle import Contacts, Trial, settle
 from gearmesh.contact.engagement.cycle import mesh_cycle
-from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.fit.fit import fit, reversed_pair
 from gearmesh.contact.flanks import solver_pair
@@ -162,7 +162,7 @@ def test_no_contact_leads_where_it_is_followed_to(file: Path) -> None:
     """The contact of each node, followed to the next on either side, is not ahead of what touches first there."""
     pair = pair_of(load(file))
     flanks = solver_pair(pair)
-    engagement = engaged(flanks, pair.pitch)
+    engagement = whole_engagement(flanks, pair.pitch)
     assert engagement is not None
     phi1, own = engagement.phi1, engagement.contacts
     assert own.touching.all()
@@ -192,7 +192,7 @@ def test_a_corner_of_the_lead_is_no_level_place() -> None:
 @pytest.mark.parametrize("seed", [3007, 3011])
 def test_teeth_that_meet_again_a_turn_later_are_another_pair(seed: int) -> None:
     pair = pair_of(load(CORPUS[0].with_name(f"turn_cylindrical_edge_{seed}.toml")))
-    followed = engaged(solver_pair(pair), pair.pitch)
+    followed = whole_engagement(solver_pair(pair), pair.pitch)
     assert followed is not None
     assert np.abs(followed.phi1).max() < np.pi
     (rolled,) = roll_members(pair, 0.0, 20)

@@ -12,7 +12,7 @@ from oracles.places import SAMPLES
 from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact.assemblies import many_assemblies
 from gearmesh.contact.engagement.cycle import mesh_cycle
-from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ARCSEC
@@ -136,7 +136,7 @@ def test_the_cycle_is_that_of_the_whole_curve(name: str) -> None:
 def test_the_ends_of_surface_contact_are_on_an_edge() -> None:
     gears = sample("spiral_bevel_basic")
     pair, pitch = solver_pair(gears), gears.pitch
-    cycle = mesh_cycle(pair, pitch, engaged(pair, pitch))
+    cycle = mesh_cycle(pair, pitch, whole_engagement(pair, pitch))
     assert cycle is not None
     for end, inwards in zip(cycle.surface, (1.0, -1.0), strict=True):
         kinds = contact_path(pair, end + inwards * np.array([-1e-7, 1e-7])).kind.tolist()

@@ -20,7 +20,7 @@ from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.engagement.symmetry import image
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.fit.fit import fit, reversed_pair
-from gearmesh.contact.fit.freeing import freeing_shift, moved
+from gearmesh.contact.fit.freeing import freeing_shift, shift_gear
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
@@ -179,7 +179,7 @@ def test_a_jammed_pair_overlaps_and_a_moved_one_does_not() -> None:
     least = 0.3 - (90.0 - float(np.interp(0.0, play, distance)))
     assert least - 1e-6 < shift < 1.01 * least
     tolerance = 0.002
-    for pair, thick in ((gears, True), (moved(gears, shift), False)):
+    for pair, thick in ((gears, True), (shift_gear(gears, shift), False)):
         (rolled,) = roll_members(pair, 0.05, 20)
         assert rolled.drive is not None
         assert rolled.coast is not None
@@ -201,7 +201,7 @@ def test_the_shift_that_is_told_is_the_least_that_frees(keys: tuple[str, ...], s
     shift = freeing_shift(gears, found)
     assert shift is not None
     assert np.sign(shift) == sense
-    there = [fit(moved(gears, share * shift)) for share in (1.0, 0.98)]
+    there = [fit(shift_gear(gears, share * shift)) for share in (1.0, 0.98)]
     assert [each is not None and each.fits for each in there] == [True, False]
 
 
@@ -299,7 +299,7 @@ def test_gears_that_jam_on_fillets_have_no_transmission_error() -> None:
     assert found.play(np.zeros(1))[0] == pytest.approx(rolled.backlash, rel=1e-3)
     shift = freeing_shift(contact.pair, found)
     assert shift is not None
-    there = [fit(moved(contact.pair, share * shift)) for share in (1.0, 0.98)]
+    there = [fit(shift_gear(contact.pair, share * shift)) for share in (1.0, 0.98)]
     assert [each is not None and each.fits for each in there] == [True, False]
 
 

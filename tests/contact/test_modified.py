@@ -10,7 +10,7 @@ from oracles.built import pair_of
 from oracles.modified_involute import SpurPair, pair_curve, peak_to_peak
 
 from gearmesh.contact.engagement.cycle import mesh_cycle
-from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.flanks import separation_curvatures, solver_pair
 from gearmesh.contact.tca import contact_path
@@ -76,7 +76,7 @@ def solved_lead(pair: GearPair, angle: Array) -> Array:
 
 def mesh_peak_to_peak(pair: GearPair) -> float:
     flanks = solver_pair(pair)
-    cycle = mesh_cycle(flanks, pair.pitch, engaged(flanks, pair.pitch))
+    cycle = mesh_cycle(flanks, pair.pitch, whole_engagement(flanks, pair.pitch))
     assert cycle is not None
     return cycle.peak_to_peak
 
@@ -150,7 +150,7 @@ def test_lines_end_on_the_corner_of_a_linear_relief(flank: str) -> None:
     ends = []
     for pair in (plain, relieved):
         flanks = solver_pair(pair)
-        cycle = mesh_cycle(flanks, pair.pitch, engaged(flanks, pair.pitch))
+        cycle = mesh_cycle(flanks, pair.pitch, whole_engagement(flanks, pair.pitch))
         assert cycle is not None
         ends.append(np.array(cycle.surface))
     later = np.abs(ends[1] - ends[0])

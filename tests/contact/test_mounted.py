@@ -23,14 +23,14 @@ def test_a_table_is_made_once_for_all_mountings(monkeypatch: pytest.MonkeyPatch)
     flanks = solver_pair(pair_of(gm.load(SAMPLES / "rack.toml")))
     gear, rack = flanks.pinion, flanks.gear
     away = Rigid(rotation_about("x", 0.1), np.array([1.0, 2.0, 3.0]))
-    there = gear.mounted(replace(gear.mount, base=away @ gear.mount.base))
-    further = there.mounted(replace(gear.mount, base=away @ there.mount.base))
+    there = gear.remount(replace(gear.mount, base=away @ gear.mount.base))
+    further = there.remount(replace(gear.mount, base=away @ there.mount.base))
     assert further.heights is there.heights is gear.heights
     assert made == [gear]
     np.testing.assert_allclose(further.mount.base.translation, away.point(there.mount.base.translation))
     # another flank of the same mounting, and the same along another joint, have their own
     half = replace(further, grid=further.grid[:, : further.grid.shape[1] // 2 + 1])
     assert half.heights.parameters.shape[1] < gear.heights.parameters.shape[1]
-    sliding = further.mounted(replace(further.mount, joint=rack.mount.joint))
+    sliding = further.remount(replace(further.mount, joint=rack.mount.joint))
     assert np.abs(sliding.heights.low - gear.heights.low).max() > 1e-3
     assert len(made) == 3

@@ -18,10 +18,10 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance import compliance
-from gearmesh.loaded.compliance.compliance import FlankCompliance, assembled, flank_compliance, held_teeth
+from gearmesh.loaded.compliance.compliance import FlankCompliance, assemble, flank_compliance, held_teeth
 from gearmesh.loaded.compliance.half_space import point_displacements, rectangle_influence
 from gearmesh.loaded.compliance.incompatible_modes import corner_stresses, elasticity, unknowns
-from gearmesh.loaded.compliance.sector_grid import crowded
+from gearmesh.loaded.compliance.sector_grid import crowd
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.systems.designs import parse
 from gearmesh.teeth.region import Side
@@ -48,7 +48,7 @@ def test_constant_strain_is_exact_in_bricks_of_any_shape() -> None:
     mesh = block(*(np.linspace(0.0, 1.0, 4),) * 3, shape=lambda r: r + 0.06 * rng.standard_normal(r.shape))
     gradient = 1e-3 * rng.standard_normal((3, 3))
     moved = (mesh.nodes @ gradient.T).ravel()
-    forces = (assembled(mesh, STEEL) @ moved).reshape(-1, 3)
+    forces = (assemble(mesh, STEEL) @ moved).reshape(-1, 3)
     outside = np.unique(np.concatenate(list(mesh.node_sets.values())))
     inside = np.setdiff1d(np.arange(len(mesh.nodes)), outside)
     assert len(inside) == 8
@@ -69,7 +69,7 @@ def test_one_layer_of_bricks_bends_exactly() -> None:
     end = bar.node_sets["x1"]
     right[end, 0] = moment / 4.0 * bar.nodes[end, 2]
     free = np.setdiff1d(np.arange(3 * len(bar.nodes)), unknowns(bar.node_sets["x0"][:, None]))
-    moved = solved(assembled(bar, material), free, right.ravel())
+    moved = solved(assemble(bar, material), free, right.ravel())
     np.testing.assert_allclose(moved.reshape(-1, 3)[end, 2], -moment * length**2 / (2 * modulus * inertia), rtol=1e-9)
     stress = (corner_stresses(bar.nodes[bar.elements], material) @ moved[unknowns(bar.elements)][:, None, :, None])[
         ..., 0
@@ -98,11 +98,11 @@ def test_a_ring_of_sectors_is_the_whole_gear() -> None:
     """Displacements and stresses of teeth -2 .. 2 from the condensed sector, against all teeth solved at once."""
     tooth, side = spur().pinion.tooth, spur().flanks[0]
     found = flank_compliance(tooth, side, STEEL, COARSE, rim=5.0, reach=2)
-    mesh = hex_mesh(tooth, np.arange(tooth.teeth), crowded(plain_grid(COARSE)), 5.0)
+    mesh = hex_mesh(tooth, np.arange(tooth.teeth), crowd(plain_grid(COARSE)), 5.0)
     free = np.setdiff1d(np.arange(3 * len(mesh.nodes)), unknowns(mesh.node_sets["rim"][:, None]))
     right = np.zeros((len(mesh.nodes), 3))
     right[node_at(mesh.nodes, found.points[2, 1])] = -found.normals[2, 1]
-    moved = solved(assembled(mesh, STEEL), free, right.ravel()).reshape(-1, 3)
+    moved = solved(assemble(mesh, STEEL), free, right.ravel()).reshape(-1, 3)
     column = np.ravel_multi_index((2, 1), found.points.shape[:2])
     for way in (-2, -1, 1, 2):
         turn = 2.0 * np.pi * way / tooth.teeth
@@ -126,7 +126,7 @@ def test_a_few_teeth_with_held_cuts(loaded: int) -> None:
     """Displacements and stresses of three teeth, one of them loaded, against the same three solved at once."""
     tooth, side = spur().pinion.tooth, spur().flanks[0]
     found = held_teeth(tooth, side, STEEL, COARSE, rim=5.0, teeth=3).of_tooth(loaded)
-    mesh = hex_mesh(tooth, np.array([-1, 0, 1]), crowded(plain_grid(COARSE)), 5.0)
+    mesh = hex_mesh(tooth, np.array([-1, 0, 1]), crowd(plain_grid(COARSE)), 5.0)
     held = np.concatenate([mesh.node_sets[name] for name in ("rim", "cut_right", "cut_left")])
     free = np.setdiff1d(np.arange(3 * len(mesh.nodes)), unknowns(held[:, None]))
 
@@ -135,7 +135,7 @@ def test_a_few_teeth_with_held_cuts(loaded: int) -> None:
 
     right = np.zeros((len(mesh.nodes), 3))
     right[node_at(mesh.nodes, of_tooth(loaded, found.points[2, 1]))] = -of_tooth(loaded, found.normals[2, 1])
-    moved = solved(assembled(mesh, STEEL), free, right.ravel()).reshape(-1, 3)
+    moved = solved(assemble(mesh, STEEL), free, right.ravel()).reshape(-1, 3)
     column = np.ravel_multi_index((2, 1), found.points.shape[:2])
     for way in np.setdiff1d(np.array([-1, 0, 1]) - loaded, 0):
         points, normals = (of_tooth(loaded + way, each.reshape(-1, 3)) for each in (found.points, found.normals))

@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.loaded.compliance.compliance import assembled
+from gearmesh.loaded.compliance.compliance import assemble
 from gearmesh.loaded.compliance.contact_compliance import Dents
 from gearmesh.loaded.compliance.half_space import rectangle_influence
 from gearmesh.loaded.compliance.incompatible_modes import unknowns
@@ -31,7 +31,7 @@ def test_free_ends_are_those_of_elements() -> None:
     material = Material(2e5, 0.3)
     lines = graded(2.0, 0.5, 40.0, 2.2)
     mesh = block(lines, lines, lines)
-    whole, nodes = csr_array(assembled(mesh, material)), mesh.nodes
+    whole, nodes = csr_array(assemble(mesh, material)), mesh.nodes
     on_top = np.flatnonzero((nodes[:, 2] == 0.0) & (nodes[:, :2].max(axis=1) < 2.1))
     forces = on_top[(nodes[on_top, 1] == 0.0) & (nodes[on_top, 0] > 0.9)]
     right = csr_array((np.ones(len(on_top)), (3 * on_top + 2, np.arange(len(on_top)))), (3 * len(nodes), len(on_top)))

@@ -16,9 +16,9 @@ from scipy.sparse.linalg import splu
 import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
 from gearmesh.fe.results import principal_stresses
-from gearmesh.loaded.compliance.compliance import CELLS, COARSER, FilletStress, assembled
+from gearmesh.loaded.compliance.compliance import CELLS, COARSER, FilletStress, assemble
 from gearmesh.loaded.compliance.incompatible_modes import corner_stresses, unknowns
-from gearmesh.loaded.compliance.sector_grid import crowded, sector_grid
+from gearmesh.loaded.compliance.sector_grid import crowd, sector_grid
 from gearmesh.loaded.root_stress import LEFT, OWN, Pressed
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, whole_rim
 from gearmesh.teeth.train import GearPair
@@ -65,7 +65,7 @@ def by_bricks(name: str, member: int, cells: Cells, height: float, teeth: int = 
     at_toe, middle = np.arange(len(mesh.nodes)) < len(toe), teeth // 2 + 1
     nodes, force = pressed_nodes(mesh, f"flank_{side}_{middle}", at_toe, tooth, side, height)
     right[nodes, :2] = right[nodes + len(toe), :2] = 0.5 * force
-    moved[free] = splu(csc_array(assembled(mesh, STEEL))[free][:, free]).solve(right.ravel()[free])
+    moved[free] = splu(csc_array(assemble(mesh, STEEL))[free][:, free]).solve(right.ravel()[free])
     fillet = mesh.node_sets[f"fillet_{side}_{middle}"]
     fillet = fillet[at_toe[fillet]]
     element, corner = np.nonzero(np.isin(mesh.elements, fillet))
@@ -95,7 +95,7 @@ def test_default_elements_are_close_to_converged_plane_strain(
     """By quadrilaterals of second order, twice as fine as the bricks."""
     teeth, side = pair(name).both[member].tooth, pair(name).flanks[member]
     coarse, converged = (
-        bending(teeth, side, STEEL, crowded(plain_grid(cells)), height)
+        bending(teeth, side, STEEL, crowd(plain_grid(cells)), height)
         for cells in (Cells(16, 16, 6, 8, 1), Cells(24, 24, 9, 12, 1))
     )
     assert abs(converged / coarse - 1.0) < 0.01

@@ -137,7 +137,7 @@ def test_volume_is_less_by_what_is_removed() -> None:
         below = flank.amount.jet(np.full_like(z, low), z).a @ (12.0 * nodes[1]) / flank.base_radius
         root, joint = tooth.blank.root.radius, np.hypot(flank.base_radius, low)
         removed += float(below) * 0.5 * (joint**2 - root**2)
-    assert tooth.unmodified.volume() - tooth.volume() == pytest.approx(tooth.teeth * removed, rel=2e-3)
+    assert tooth.unmodified_tooth.volume() - tooth.volume() == pytest.approx(tooth.teeth * removed, rel=2e-3)
 
 
 def test_step_has_its_faces_end_at_the_corners() -> None:

@@ -200,7 +200,7 @@ def test_sections_show_webs_and_holes(case: str) -> None:
     assert member.hub is not None
     assert member.keyway is not None
     bare = replace(member, hub=None)
-    low, high = member.drilled
+    low, high = member.hole_range
     inside, outside = (member_section(member, z, 1e-5) for z in (0.5 * (low + high), 13.9))
     face = 28.0
     assert inside.area * (high - low) + outside.area * (face - high + low) == pytest.approx(

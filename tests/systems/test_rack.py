@@ -13,7 +13,7 @@ import gearmesh as gm
 from gearmesh.check.deviation import deviations
 from gearmesh.check.roll import roll
 from gearmesh.contact.engagement.cycle import mesh_cycle
-from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.fit.fit import fit
 from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.errors import DesignError
@@ -87,7 +87,7 @@ def test_teeth_are_those_of_the_basic_rack(pair: tuple[RackMesh, GearPair]) -> N
 def test_contact_is_that_of_the_closed_form(pair: tuple[RackMesh, GearPair]) -> None:
     mesh, gears = pair
     solver = solver_pair(gears)
-    followed = engaged(solver, gears.pitch)
+    followed = whole_engagement(solver, gears.pitch)
     assert followed is not None
     cycle = mesh_cycle(solver, gears.pitch, followed)
     assert cycle is not None

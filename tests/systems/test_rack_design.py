@@ -15,7 +15,7 @@ from oracles.overlap import overlap
 
 import gearmesh as gm
 from gearmesh.contact.fit.fit import fit
-from gearmesh.contact.fit.freeing import moved
+from gearmesh.contact.fit.freeing import shift_gear
 from gearmesh.errors import DesignError
 from gearmesh.teeth.region import Region
 
@@ -257,7 +257,7 @@ def test_a_rack_too_near_is_told_of_in_millimetres() -> None:
     found = re.search(r"; to free it move the rack (0\.0\d+) mm away$", line)
     assert found is not None
     # that and no less
-    freed = [fit(moved(gears.pairs[0], share * float(found[1]))) for share in (1.0, 0.98)]
+    freed = [fit(shift_gear(gears.pairs[0], share * float(found[1]))) for share in (1.0, 0.98)]
     assert [each is not None and each.fits for each in freed] == [True, False]
 
 

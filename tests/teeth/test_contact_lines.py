@@ -42,10 +42,10 @@ def test_tool_and_tooth_touch_along_the_lines(sample: str, name: str) -> None:
     tooth = member.tooth
     for side in Side:
         project = flank_projection(member, side)
-        found, flank = tool_contact(tooth, side), tooth.unmodified.side(side).flank
+        found, flank = tool_contact(tooth, side), tooth.unmodified_tooth.side(side).flank
         assert isinstance(flank, Envelope)
         generated = flank.parameter(
-            *np.moveaxis(tooth.unmodified.flank_grid(side, [0, 0.5, 1], [0, 0.5, 1]).parameters, -1, 0)
+            *np.moveaxis(tooth.unmodified_tooth.flank_grid(side, [0, 0.5, 1], [0, 0.5, 1]).parameters, -1, 0)
         )
         assert len(found.lines) == 6
         assert found.rolls
@@ -102,7 +102,7 @@ def test_lines_on_the_pinion_of_a_face_gear_are_those_of_the_shaper() -> None:
 def test_worms_touch_along_one_line_over_the_roll() -> None:
     tooth = gm.build(gm.load(SAMPLES / "novikov.toml")).members["pinion"].tooth
     (line,) = (found := tool_contact(tooth, Side.RIGHT)).lines
-    flank = tooth.unmodified.side(Side.RIGHT).flank
+    flank = tooth.unmodified_tooth.side(Side.RIGHT).flank
     assert isinstance(flank, FeedEnvelope)
     assert found.name == "grinding worm"
     assert not found.rolls

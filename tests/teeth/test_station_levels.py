@@ -115,7 +115,7 @@ def side(name: str) -> ToothSide:
 
 @pytest.fixture(scope="module")
 def gear() -> Member:
-    body = Body.bored(BORE, (INNER, WEB), (OUTER, BACK))
+    body = Body.disk(BORE, (INNER, WEB), (OUTER, BACK))
     blank = Blank(ConeLevel(0.5 * np.pi), (INNER, OUTER), ConeLevel(np.pi, -TIP), ConeLevel(np.pi, -ROOT), body)
     return Member("face", Tooth(TEETH, side("right"), side("left"), blank), lambda p, v: {"z": p, "x": v})
 

@@ -46,7 +46,7 @@ def test_flanks_of_every_kind_say_what_made_them(sample: str) -> None:
     pair = gm.build(gm.load(SAMPLES / f"{sample}.toml")).train.pairs[0]
     for member, name in zip(pair.both, TOOLS[sample], strict=True):
         for which in Side:
-            side = member.tooth.unmodified.side(which)
+            side = member.tooth.unmodified_tooth.side(which)
             assert member.tooth.side(which).tool == side.tool
             assert side.tool.name == name
             assert side.tool.profile is not None
@@ -146,7 +146,7 @@ def eroded(side: ToothSide, radius: float) -> ToothSide:
 
 def test_a_tool_of_another_kind_needs_what_the_protocols_ask_alone() -> None:
     member = gm.build(gm.load(SAMPLES / "helical.toml")).members["pinion"]
-    tooth = member.tooth.unmodified
+    tooth = member.tooth.unmodified_tooth
     rack = tooth.right.tool.rack
     assert rack is not None
     right, left = (eroded(side, rack.radius) for side in (tooth.right, tooth.left))

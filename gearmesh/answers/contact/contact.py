@@ -32,7 +32,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, csv_text, figures, rounded
 from gearmesh.contact.engagement.cycle import Cycle, engagement_range
 from gearmesh.contact.engagement.ease_off import ease_off
-from gearmesh.contact.engagement.engagement import Engagement, engaged
+from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.engagement.lead import PairLead
 from gearmesh.contact.engagement.turns import FullTurns, full_turns
 from gearmesh.contact.fit.fit import Fit
@@ -284,7 +284,7 @@ def positions_of(design: Design, pair: GearPair) -> tuple[float, float] | None:
     the teeth never meet."""
     if not by_engagement(design, pair):
         return None
-    followed = engaged(solver_pair(pair), pair.pitch)
+    followed = whole_engagement(solver_pair(pair), pair.pitch)
     if followed is None or not followed.contacts.touching.any():
         return None
     first, last = np.degrees(engagement_range(followed, pair.pitch))
@@ -315,7 +315,7 @@ def contact_of(
         raise ArgumentError("load_sharing", True, must_be="left out without a torque that is shared")
     flanks = solver_pair(pair)
     following = phi1 is None and by_engagement(design, pair)
-    followed = engaged(flanks, pair.pitch) if cycle or following else None
+    followed = whole_engagement(flanks, pair.pitch) if cycle or following else None
     fits, whole = fitted_cycle(pair, followed) if cycle and followed is not None else (None, None)
     if following and followed is not None and followed.contacts.touching.any():
         ends = np.degrees(engagement_range(followed, pair.pitch) if whole is None else whole.engagement)
@@ -326,7 +326,7 @@ def contact_of(
     jams = np.zeros(len(phi1), dtype=bool) if fits is None else fits.jams(phi1)
     path = jammed_path(flanks, phi1)
     if fits is None or not (fits.jammed and jams.all()):
-        path = contact_path(flanks, phi1, pair.generation, engagement=followed).jammed(path, jams)
+        path = contact_path(flanks, phi1, pair.generation, engagement=followed).without(path, jams)
     summary = Summary(_summary(pair, path, whole), pair.figures, None if fits is None else FitSummary.of(pair, fits))
     hertz = None
     if torque is not None:

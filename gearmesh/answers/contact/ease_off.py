@@ -12,7 +12,7 @@ import numpy as np
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, rounded
 from gearmesh.contact.engagement.ease_off import EaseOff, ease_off
-from gearmesh.contact.engagement.engagement import Engagement, engaged
+from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.design.core import Design
 from gearmesh.errors import NoSolutionError
@@ -22,7 +22,7 @@ from gearmesh.teeth.train import GearPair
 
 def ease_off_of(design: Design, pair: GearPair, engagement: Engagement | None = None) -> EaseOffMap:
     """The ease-off map of a pair; its `engagement`, where that is known. Raises NoSolutionError where the flanks never meet."""
-    followed = engaged(solver_pair(pair), pair.pitch) if engagement is None else engagement
+    followed = whole_engagement(solver_pair(pair), pair.pitch) if engagement is None else engagement
     if followed is None:
         raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")
     return EaseOffMap(design, pair, ease_off(followed, pair.pitch))

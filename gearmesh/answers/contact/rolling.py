@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.contact.engagement.cycle import engagement_range
-from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
@@ -46,7 +46,7 @@ class RollingContact:
 def rolling_contact(pair: GearPair, path: ContactPath, pitches: ArrayLike = (0.0,)) -> RollingContact:
     """A pair rolled by so many `pitches` (N,) from the middle of a path on. Raises NoSolutionError where flanks never meet."""
     flanks = solver_pair(pair)
-    followed = engaged(flanks, pair.pitch)
+    followed = whole_engagement(flanks, pair.pitch)
     touching = np.flatnonzero(path.touching)
     if followed is None or not touching.size:
         raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")

@@ -8,7 +8,7 @@ import numpy as np
 
 from gearmesh.contact.engagement.cycle import engagement_range
 from gearmesh.contact.engagement.ease_off import EaseOff, ease_off
-from gearmesh.contact.engagement.engagement import Engagement, engaged
+from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.fit.fit import reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
@@ -48,7 +48,7 @@ def side_contacts(
     found = []
     for each, driving, known in ((pair, True, engagement), (reversed_pair(pair), False, coast)):
         flanks = solver_pair(each)
-        followed = engaged(flanks, each.pitch) if known is None else known
+        followed = whole_engagement(flanks, each.pitch) if known is None else known
         if followed is None or not followed.contacts.touching.any():
             continue
         phi1 = np.linspace(*engagement_range(followed, each.pitch), POSITIONS)

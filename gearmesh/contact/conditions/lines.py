@@ -35,7 +35,7 @@ class ContactLines:
     x: Array
 
 
-def traced(pair: Pair, phi1: Array, x: Array) -> ContactLines:
+def trace(pair: Pair, phi1: Array, x: Array) -> ContactLines:
     """The lines through solutions x (M, 5) at phi1 (M,)."""
     every = np.arange(len(x))
     plain = Conditions(pair.flanks, phi1, pair.length)
@@ -71,7 +71,7 @@ def on_edges(pair: Pair, conditions: Conditions, across: Array, x: Array) -> dic
     count, position = len(x), np.tile(np.arange(len(x)), len(numbers))
     choice = np.full((len(position), 2), -1)
     choice[:, 0] = np.repeat(pair.numbers[numbers], count)
-    repeated = conditions.repeated(position)
+    repeated = conditions.repeat(position)
     cut = replace(repeated, bounds=pair.all_bounds, across=across[position], choice=choice)
     solution = newton.solve(
         cut, x[position], tolerance=pair.tolerance, max_step=4.0 * pair.max_step, max_iterations=15, halvings=3
@@ -108,7 +108,7 @@ def _between(pair: Pair, plain: Conditions, start: Array, across: Array, which: 
     station = axial.value(plain.touch(guess, position).own[0].r).reshape(count, LINE_POINTS)
     target = np.linspace(station[:, 0], station[:, -1], LINE_POINTS).T
     by_station = replace(
-        plain.repeated(position),
+        plain.repeat(position),
         bounds=(Bound(0, axial, target.ravel()),),
         across=np.repeat(across, LINE_POINTS, axis=0),
     )

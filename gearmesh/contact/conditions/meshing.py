@@ -53,7 +53,7 @@ class Flank:
     #: the same flank in its first mounting; `replace` drops it, so that a flank that differs otherwise has tables of its own
     _unmoved: Flank | None = field(default=None, init=False, repr=False, compare=False)
 
-    def mounted(self, mount: Mount) -> Flank:
+    def remount(self, mount: Mount) -> Flank:
         """The same flank in another mounting; what is tabulated of it is made once for all that move in the same joint."""
         if mount is self.mount:
             return self
@@ -166,11 +166,11 @@ class Conditions:
         fixed = own[0].move(placed[0]), own[1].move(placed[1])
         return Touch(own, fixed, (placed[0].rotation, placed[1].rotation))
 
-    def repeated(self, index: NDArray[np.intp]) -> Conditions:
+    def repeat(self, index: NDArray[np.intp]) -> Conditions:
         """The same conditions at positions `index` (M,), which may come more than once, as positions of their own."""
         flanks = []
         for flank in self.flanks:
-            flanks.append(flank.mounted(flank.mount.rows(index)))
+            flanks.append(flank.remount(flank.mount.rows(index)))
         across = None if self.across is None else self.across[index]
         choice = None if self.choice is None else self.choice[index]
         return replace(self, flanks=(flanks[0], flanks[1]), phi1=self.phi1[index], across=across, choice=choice)
@@ -197,7 +197,7 @@ class Conditions:
         f[:, 3:], jacobian[:, 3:] = last.values, last.rows
         return f, jacobian, last
 
-    def _chosen(self, index: NDArray[np.intp]) -> NDArray[np.intp]:
+    def _chosen_bounds(self, index: NDArray[np.intp]) -> NDArray[np.intp]:
         """Numbers (M, 2) of the bounds that count, -1 for none."""
         if self.choice is not None:
             return self.choice[index]
@@ -205,7 +205,7 @@ class Conditions:
         return np.broadcast_to(np.array(numbers), (len(index), 2))
 
     def _last(self, at: Touch, index: NDArray[np.intp], spin: Array) -> _Last:
-        count, chosen = len(index), self._chosen(index)
+        count, chosen = len(index), self._chosen_bounds(index)
         values, rows = np.empty((count, 2)), np.zeros((count, 2, 5))
         bounded = (chosen >= 0).sum(axis=1)
         tangent_to = np.flatnonzero(bounded == 1) if self.across is None else np.zeros(0, dtype=np.intp)

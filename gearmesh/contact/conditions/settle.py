@@ -164,7 +164,7 @@ def leads_of(pair: Pair, phi1: Array, x: Array, position: NDArray[np.intp]) -> A
 def solve(pair: Pair, phi1: Array, trial: Trial) -> None:
     """Solve the exact conditions of all trials, and judge what they give: on both flanks, facing, not crossing."""
     every = np.arange(len(trial.position))
-    conditions = Conditions(pair.flanks, phi1, pair.length, pair.all_bounds).repeated(trial.position)
+    conditions = Conditions(pair.flanks, phi1, pair.length, pair.all_bounds).repeat(trial.position)
     conditions = replace(conditions, choice=pair.numbers[trial.edges])
     # what is slow inside the flanks may well be a line
     lines = trial.line | ((trial.edges[:, 0] < 0) & (trial.goes < GOES))

@@ -114,7 +114,7 @@ class MeshCurve:
             ahead = int(leading[table[leading, j].argmax()])
             if table[ahead, j + 1] <= table[carrier, j + 1] + TOGETHER:
                 continue
-            at = self._overtaken(carrier + first, ahead + first, j * step, (j + 1) * step)
+            at = self._overtaking(carrier + first, ahead + first, j * step, (j + 1) * step)
             arcs.append(MeshArc(carrier + first, begin, at, self.pitch))
             carrier, begin = ahead, at
         arcs.append(MeshArc(carrier + first, begin, self.pitch, self.pitch))
@@ -136,7 +136,7 @@ class MeshCurve:
         phi1: Array = phase + pairs[1] * self.pitch
         return phi1
 
-    def _overtaken(self, carrier: int, ahead: int, low: float, high: float) -> float:
+    def _overtaking(self, carrier: int, ahead: int, low: float, high: float) -> float:
         """Phase (rad) between `low` and `high` at which the pair `ahead` overtakes the one in contact."""
         before = self.of_pair.at(low + np.array([carrier, ahead]) * self.pitch)[0]
         if abs(before[0] - before[1]) < TOGETHER:
@@ -166,7 +166,7 @@ class MeshCurve:
         of the surfaces, and to another edge, is solved for too.
         """
         places, pair, last = [], [], []
-        known = self._known
+        known = self._known_phi1
         for arc in self.arcs:
             inner = known[(known > arc.first + 1e-9) & (known < arc.last - 1e-9)]
             places.append(np.concatenate(([arc.first], inner, [arc.last])))
@@ -194,7 +194,7 @@ class MeshCurve:
         return phi1 - number * self.pitch, lead
 
     @property
-    def _known(self) -> Array:
+    def _known_phi1(self) -> Array:
         """phi1 (M,), rad, ascending, at which pair 0 was solved for, and where its surface contact begins and ends."""
         ends = np.array([self.surface.begin, self.surface.end])
         return np.unique(np.concatenate((self.of_pair.phi1, ends[np.isfinite(ends)])))
@@ -246,7 +246,7 @@ class MeshCurve:
                 leads[own] = self.of_pair.at(phase[own] + arc.pair * self.pitch)[0]
         return leads
 
-    def known(self, phase: Array) -> Array:
+    def lead_as_known(self, phase: Array) -> Array:
         """As `lead`, also of gears whose contact breaks off in the pitch: NaN only where none of the tooth pairs touches."""
         first, last = (int(np.floor(end / self.pitch)) for end in self.phi1[[0, -1]])
         places = phase + np.arange(first - 1, last + 1)[:, None] * self.pitch

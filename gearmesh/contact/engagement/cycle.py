@@ -13,7 +13,7 @@ import numpy as np
 
 from gearmesh.contact.conditions.settle import Contacts
 from gearmesh.contact.engagement.curve import HARMONICS, MeshCurve
-from gearmesh.contact.engagement.engagement import Engagement, engaged
+from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -93,7 +93,7 @@ def mesh_cycle(
             engagement=_touching(curve),
             curve=curve,
         )
-    own, te, envelope = _sampled(curve, pitch)
+    own, te, envelope = _sample(curve, pitch)
     reference = _reference(followed)
     phase = np.unique(np.concatenate((np.linspace(0.0, pitch, 4 * PER_PITCH + 1), np.clip(curve.marks[0], 0.0, pitch))))
     return Cycle(
@@ -118,7 +118,7 @@ def mesh_cycle(
 def gears_curve(pair: Pair, pitch: float, engagement: Engagement | None = None) -> MeshCurve | None:
     """The transmission advance of the gears, from the whole `engagement` of a pair, which is followed where it is not given;
     None where nothing touches."""
-    followed = engaged(pair, pitch) if engagement is None else engagement
+    followed = whole_engagement(pair, pitch) if engagement is None else engagement
     return None if followed is None or not followed.contacts.touching.any() else MeshCurve(followed, pitch)
 
 
@@ -139,7 +139,7 @@ def _reference(engagement: Engagement) -> float:
     return float(at_zero[0] if at_zero.size and np.isfinite(at_zero[0]) else te[np.isfinite(te)][0])
 
 
-def _sampled(curve: MeshCurve, pitch: float) -> tuple[Array, Array, Array]:
+def _sample(curve: MeshCurve, pitch: float) -> tuple[Array, Array, Array]:
     """phi1 and transmission error (2, N) of pair 0, those (K, Q) of the tooth pairs, and of the gears (Q,), over one pitch."""
     first, last = (round(float(curve.phi1[k] / pitch * PER_PITCH)) for k in (0, -1))
     steps = np.arange(first, last + 1)

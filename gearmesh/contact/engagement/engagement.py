@@ -127,11 +127,11 @@ class Engagement:
         known, two = np.flatnonzero(smooth), np.flatnonzero(inside & ~smooth & both)
         with np.errstate(all="ignore"):
             place, ends = np.tile(two, 2), np.concatenate((left[two], left[two] + 1))
-            start = np.concatenate((self._interpolated(phi1[known], left[known]), self._predicted(phi1[place], ends)))
+            start = np.concatenate((self._interpolate(phi1[known], left[known]), self._predict(phi1[place], ends)))
             self._settle(phi1, np.concatenate((known, place)), start, np.concatenate((left[known], ends)), contacts)
         rest = ~contacts.touching
         if checked and two.size:
-            seen = looked(self.pair, phi1[two]).best
+            seen = tooth_outlook(self.pair, phi1[two]).best
             rest[two[seen > contacts.lead[two] + UNSEEN]] = True
         anew = np.flatnonzero(rest)
         if anew.size:
@@ -143,7 +143,7 @@ class Engagement:
         contacts = Contacts.nothing(len(phi1))
         for number, part in enumerate(self.pair.parts):
             own = np.flatnonzero(self.contacts.part[node] == number)
-            trial = Trial.of(own, self._predicted(phi1[own], node[own]), self.contacts.edges[node[own]])
+            trial = Trial.of(own, self._predict(phi1[own], node[own]), self.contacts.edges[node[own]])
             trial.line[:] = True
             solve(part, phi1, trial)
             contacts.take(own, trial, np.arange(own.size), number, leads_of(part, phi1, trial.x, own))
@@ -161,14 +161,14 @@ class Engagement:
             trial.line = self.contacts.line[node[own]]
             settle(part, phi1, trial, contacts, number)
 
-    def _predicted(self, phi1: Array, node: NDArray[np.intp]) -> Array:
+    def _predict(self, phi1: Array, node: NDArray[np.intp]) -> Array:
         """Unknowns (M, 5) by the tangents at nodes (M,)."""
         step = (phi1 - self.phi1[node])[:, None]
         slope = np.where(np.isnan(self.rates[node]), 0.0, self.rates[node])
         unknowns: Array = self.contacts.x[node] + step * slope
         return unknowns
 
-    def _interpolated(self, phi1: Array, left: NDArray[np.intp]) -> Array:
+    def _interpolate(self, phi1: Array, left: NDArray[np.intp]) -> Array:
         """Unknowns (M, 5) by the cubics between nodes; of contacts that are known by their phi2 alone straight."""
         h = self.phi1[left + 1] - self.phi1[left]
         t = ((phi1 - self.phi1[left]) / h)[:, None]
@@ -185,7 +185,7 @@ class Engagement:
         return unknowns
 
 
-def followed(pair: Pair, phi1: Array) -> Engagement:
+def follow(pair: Pair, phi1: Array) -> Engagement:
     """A tooth pair at nodes phi1 (K,), rad, ascending.
 
     Where the advance jumps from one node to the next, more than its slopes have it, what touches at the one is followed to the
@@ -202,7 +202,7 @@ def followed(pair: Pair, phi1: Array) -> Engagement:
             break
         before = contacts.lead.copy()
         with np.errstate(all="ignore"):
-            engagement._settle(phi1, at[own], engagement._predicted(phi1[at[own]], node[own]), node[own], contacts)
+            engagement._settle(phi1, at[own], engagement._predict(phi1[at[own]], node[own]), node[own], contacts)
         better = np.flatnonzero((contacts.part == 0) & (contacts.lead > flanks.lead))
         flanks.put(better, contacts.at(better))
         if not (contacts.lead > before + UNSEEN).any():
@@ -211,7 +211,7 @@ def followed(pair: Pair, phi1: Array) -> Engagement:
     return engagement
 
 
-def engaged(pair: Pair, pitch: float) -> Engagement | None:
+def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
     """A tooth pair over its whole engagement, at nodes that are whole parts of a pitch (rad); None where the teeth never meet.
 
     That is where it may touch before its neighbours do, or has contact inside both flanks; and on to where it collides far from
@@ -219,7 +219,7 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
     """
     reach = _reach(pair, pitch)
     looks = np.arange(-reach * LOOKS, reach * LOOKS + 1)
-    seen = looked(pair, looks.astype(float) * (pitch / LOOKS))
+    seen = tooth_outlook(pair, looks.astype(float) * (pitch / LOOKS))
     best = seen.best
     ahead = np.zeros(len(looks), dtype=bool)
     if np.isfinite(best).any():
@@ -240,14 +240,14 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
     run = np.concatenate((run, collides))
     step = PER_PITCH // LOOKS
     first, last = (looks[run.min()] - 1) * step, (looks[run.max()] + 1) * step
-    engagement = followed(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
+    engagement = follow(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
     # surface contact that goes on is followed to its end
     for _ in range(MOST_PITCHES):
         inside = engagement.flanks.touching[[0, -1]] & (engagement.flanks.edges[[0, -1], 0] < 0)
         if not inside.any():
             break
         first, last = first - PER_PITCH // 2 * int(inside[0]), last + PER_PITCH // 2 * int(inside[1])
-        engagement = followed(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
+        engagement = follow(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
     return engagement
 
 
@@ -263,7 +263,7 @@ def _half_turn(pair: Pair) -> float:
     return float(np.pi * min(1.0, 1.0 / pair.ratio))
 
 
-def looked(pair: Pair, phi1: Array) -> Outlook:
+def tooth_outlook(pair: Pair, phi1: Array) -> Outlook:
     """What advances may be expected of the teeth at phi1 (N,), and whether the flanks' own is greatest inside."""
     with np.errstate(all="ignore"):
         parts = [outlook(part, phi1) for part in pair.parts]

@@ -36,7 +36,7 @@ def reaches(pair: Pair, conditions: Conditions, edge: NDArray[np.intp], x: Array
     limits = np.append(pair.max_step, 0.2)
 
     def residual(y: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        there = replace(conditions.repeated(index), phi1=y[:, 5])
+        there = replace(conditions.repeat(index), phi1=y[:, 5])
         f, whole = np.empty((len(y), 6)), np.zeros((len(y), 6, 6))
         at, f[:, :5], whole[:, :5, :5], whole[:, :5, 5] = there.with_phi1(y[:, :5], np.arange(len(y)))
         for number in np.unique(edge[index]):

@@ -32,7 +32,7 @@ class PairLead:
     which lines of contact do not change their kind, where that is known."""
 
     def __init__(self, engagement: Engagement, ends: Sequence[float] = ()) -> None:
-        self.engagement, self.pair = _with_ends(_refined(engagement), ends), engagement.pair
+        self.engagement, self.pair = _with_ends(_refine(engagement), ends), engagement.pair
         self.phi1, self.lead, self.slope, _ = _nodes(self.engagement)
         self._left, self._coefficients, self._sure = _polynomials(self.engagement)
 
@@ -149,7 +149,7 @@ def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArr
     return left, coefficients, sure
 
 
-def _refined(engagement: Engagement) -> Engagement:
+def _refine(engagement: Engagement) -> Engagement:
     """The engagement with more nodes, where it takes them."""
     for number in range(ROUNDS):
         _, _, sure = _polynomials(engagement)

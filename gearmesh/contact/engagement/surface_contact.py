@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.lines import STEEP, directions, on_edges, traced
+from gearmesh.contact.conditions.lines import STEEP, directions, on_edges, trace
 from gearmesh.contact.conditions.meshing import Bound, Conditions
 from gearmesh.contact.conditions.settle import EDGE_SLACK, EQUAL, Contacts, leads_of, margins
 from gearmesh.contact.engagement.engagement import Engagement
@@ -99,7 +99,7 @@ class _Ends:
             for end in on_piece:
                 if end not in known:
                     known[end] = self._undercut_end(end) or (self._shrunk(piece, end), np.nan)
-        known |= {end: (self._divided(end), np.nan) for end in both if end not in known}
+        known |= {end: (self._bisect(end), np.nan) for end in both if end not in known}
         begin, end = known[both[0]], known[both[1]]
         overlap = np.nan
         if bool(c.line[run].all()):
@@ -134,8 +134,8 @@ class _Ends:
             if not left.size:
                 break
             edge = order[left, rank]
-            event = reaches(pair, before.repeated(left), edge, start[left])
-            at = replace(conditions.repeated(left), phi1=event.phi1)
+            event = reaches(pair, before.repeat(left), edge, start[left])
+            at = replace(conditions.repeat(left), phi1=event.phi1)
             touch = at.touch(event.x, np.arange(left.size))
             beyond_edges, past = margins(pair, touch, event.x)
             beyond_edges[np.arange(left.size), edge] = 0.0
@@ -157,7 +157,7 @@ class _Ends:
         last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
         before, plain = (Conditions(pair.flanks, self.phi1[k], pair.length) for k in (last, beyond))
         # the middle of the last line, followed at its station
-        x = traced(pair, before.phi1, self.flanks.x[last]).x
+        x = trace(pair, before.phi1, self.flanks.x[last]).x
         axial = pair.pinion.axial
         station = axial.value(before.touch(x, every).own[0].r)
         _, across = directions(pair, before, x)
@@ -179,7 +179,7 @@ class _Ends:
             return {}
         position, first, other = np.array(corners).T
         choice = np.stack((other, np.full_like(other, -1)), axis=-1)
-        at_edges = replace(plain.repeated(position), bounds=pair.all_bounds, across=across[position])
+        at_edges = replace(plain.repeat(position), bounds=pair.all_bounds, across=across[position])
         at_edges = replace(at_edges, choice=pair.numbers[choice])
         start = np.array([meets[number][0][k] for k, number in zip(position, other, strict=True)])
         event = reaches(pair, at_edges, first, start)
@@ -195,7 +195,7 @@ class _Ends:
             lead = float(leads_of(pair, event.phi1, event.x, np.arange(len(position)))[pick])
             both = self._apart(event, which)
             if (both or not along_face(int(first[which[0]]))) and (
-                self._between(own_end, ends[k]) or self._unseen(own_end, lead, ends[k])
+                self._between(own_end, ends[k]) or self._goes_on(own_end, lead, ends[k])
             ):
                 line_ends[ends[k]] = own_end, other_end if along_face(int(first[which[0]])) else np.nan
         return line_ends
@@ -209,14 +209,14 @@ class _Ends:
         """
         pair = self.pair
         plain = Conditions(pair.flanks, self.phi1[[end.last]], pair.length)
-        x = traced(pair, plain.phi1, self.flanks.x[[end.last]]).x
+        x = trace(pair, plain.phi1, self.flanks.x[[end.last]]).x
         _, across = directions(pair, plain, x)
         meets = {number: values for number, (values, met) in on_edges(pair, plain, across, x).items() if met[0]}
         choices = [(a, b) for a in pair.ends if along_face(a) for b in meets if not along_face(b)]
         if not choices:
             return None
         first, other = np.array(choices).T
-        whole = plain.repeated(np.zeros(len(choices), dtype=np.intp))
+        whole = plain.repeat(np.zeros(len(choices), dtype=np.intp))
         whole = replace(whole, bounds=pair.all_bounds, across=np.repeat(across, len(choices), axis=0))
         whole = replace(whole, choice=pair.numbers[np.stack((other, np.full_like(other, -1)), axis=-1)])
         event = reaches(pair, whole, first, np.concatenate([meets[b] for b in other]))
@@ -225,13 +225,13 @@ class _Ends:
             return None
         last = good[(event.phi1[good] * end.step).argmax()]
         own_end, lead = float(event.phi1[last]), leads_of(pair, event.phi1, event.x, np.arange(len(first)))[last]
-        if not self._between(own_end, end) and not self._unseen(own_end, float(lead), end):
+        if not self._between(own_end, end) and not self._goes_on(own_end, float(lead), end):
             return None
         # the other end of the edge, from there: what is on the face at the last node is far from it
         faces = np.flatnonzero(first == first[last])
         start = np.repeat(event.x[[last]], faces.size, axis=0)
         start[:, [1, 3]] = np.concatenate([meets[other[k]] for k in faces])[:, [1, 3]]
-        whole = replace(whole.repeated(faces), phi1=np.full(faces.size, own_end))
+        whole = replace(whole.repeat(faces), phi1=np.full(faces.size, own_end))
         there = reaches(pair, whole, first[faces], start)
         ends = np.flatnonzero(self._on_flanks(there))
         if not self._apart(there, ends):
@@ -243,7 +243,7 @@ class _Ends:
         r = self.pair.pinion.surface.jet(event.x[which, 0], event.x[which, 1]).r
         return bool(which.size > 1 and np.ptp(self.pair.pinion.axial.value(r)) > STEEP * self.pair.length)
 
-    def _unseen(self, phi1: float, lead: float, end: _End) -> bool:
+    def _goes_on(self, phi1: float, lead: float, end: _End) -> bool:
         """Whether a line that ends at phi1 (rad) with an advance (rad) goes on over nodes that have only found what is less
         advanced."""
         nodes = self.phi1[end.beyond :: end.step]
@@ -298,7 +298,7 @@ class _Ends:
             return np.array([least_margin])
 
         root = bracketed_root(least, low, high, tolerance=1e-12)
-        return float(root.values[0]) if root.converged[0] else self._divided(end)
+        return float(root.values[0]) if root.converged[0] else self._bisect(end)
 
     def _corners(self, places: dict[int, float], own: Array) -> list[tuple[int, int]]:
         """Between which two edges a line may have ended, the first the same in all; `places` (mm) along it where edges cross it,
@@ -319,7 +319,7 @@ class _Ends:
         faces = [k for k in places if not along_face(k) and k != first]
         return [(first, other) for other in sorted({*others, *faces})]
 
-    def _divided(self, end: _End) -> float:
+    def _bisect(self, end: _End) -> float:
         """The same by repeated division, where nothing but the kind of contact shows it."""
 
         def inside(phi1: Array, _: NDArray[np.intp]) -> NDArray[np.bool_]:

@@ -61,9 +61,9 @@ class ImageCurve:
         """Advance (N,), rad, of the gears at phases (N,); NaN where nothing touches."""
         return self.curve.lead(np.mod(self.sum - phase, self.curve.pitch)) + self.more
 
-    def known(self, phase: Array) -> Array:
-        """As `MeshCurve.known`."""
-        return self.curve.known(np.mod(self.sum - phase, self.curve.pitch)) + self.more
+    def lead_as_known(self, phase: Array) -> Array:
+        """As `MeshCurve.lead_as_known`."""
+        return self.curve.lead_as_known(np.mod(self.sum - phase, self.curve.pitch)) + self.more
 
     def carrier(self, phase: Array) -> NDArray[np.intp]:
         """Numbers (N,) of the tooth pairs in contact at phases (N,)."""
@@ -79,15 +79,15 @@ def image(curve: MeshCurve, other: Pair) -> ImageCurve | None:
     """The curve of the `other` flanks of a curve's pair, None where they are not the image of its own."""
     pair = curve.pair
     for exchange in IMAGES:
-        angle = _turned(pair, exchange)
-        if angle is not None and _exchanged(pair, other, exchange):
+        angle = _gear_angle(pair, exchange)
+        if angle is not None and _are_images(pair, other, exchange):
             first, second = pair.pinion.mount, pair.gear.mount
             more = 2.0 * (second.zero - pair.ratio * first.zero) + second.sign * angle
             return ImageCurve(curve, 2.0 * first.zero, -pair.drive * more)
     return None
 
 
-def _turned(pair: Pair, exchange: Array) -> float | None:
+def _gear_angle(pair: Pair, exchange: Array) -> float | None:
     """The angle c (rad) that the gear is turned by where the image of the pinion at rest is the pinion at rest; None where the
     image of the gear is no gear there."""
     mounts = pair.pinion.mount, pair.gear.mount
@@ -102,7 +102,7 @@ def _turned(pair: Pair, exchange: Array) -> float | None:
     return pair.gear.mount.joint.rotation_angle(back.rotation, SAME)
 
 
-def _exchanged(pair: Pair, other: Pair, exchange: Array) -> bool:
+def _are_images(pair: Pair, other: Pair, exchange: Array) -> bool:
     """Whether flanks and fillets are the images of those of another pair, which is mounted as this one is."""
     fillets = [() if one_pair.fillets is None else one_pair.fillets for one_pair in (pair, other)]
     both = zip((*pair.flanks, *fillets[0]), (*other.flanks, *fillets[1]), strict=True)

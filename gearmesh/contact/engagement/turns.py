@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.settle import Contacts, Trial, settle
 from gearmesh.contact.engagement.cycle import engagement_range
-from gearmesh.contact.engagement.engagement import Engagement, engaged
+from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.fit.fit import play, reversed_pair
 from gearmesh.contact.flanks import solver_pair
@@ -121,7 +121,7 @@ def pitches_until_repeat(pair: GearPair) -> int:
 def _lead(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[np.intp]]:
     """Transmission advances (P,), rad, of the gears over the turns, and the tooth pairs in contact (P,)."""
     concentric = solver_pair(_concentric(pair))
-    followed = engaged(concentric, pair.pitch)
+    followed = whole_engagement(concentric, pair.pitch)
     if followed is None:
         raise NoSolutionError(reason="the teeth never touch, so there is no transmission error over whole turns")
     low, high = engagement_range(followed, pair.pitch)
@@ -140,10 +140,10 @@ def _lead(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[
 def _concentric(pair: GearPair) -> GearPair:
     """The pair without eccentricities."""
 
-    def centred(member: Member) -> Member:
+    def centre(member: Member) -> Member:
         return replace(member, mount=member.mount.concentric)
 
-    return replace(pair, pinion=centred(pair.pinion), gear=centred(pair.gear))
+    return replace(pair, pinion=centre(pair.pinion), gear=centre(pair.gear))
 
 
 @dataclass(frozen=True)
@@ -219,7 +219,7 @@ class _Turns:
         for k in range(0, index.size, CHUNK):
             yield index[k : k + CHUNK]
 
-    def _displaced(self, tooth: NDArray[np.intp], place: NDArray[np.intp], phi2: Array) -> Pair:
+    def _displace(self, tooth: NDArray[np.intp], place: NDArray[np.intp], phi2: Array) -> Pair:
         """The pair with eccentric teeth (M,) at their places (M,), the gear at phi2 (M,), rad, as tooth pair 0 counts it."""
         first, second = self.mounts
         turned = tooth * self.pair.pitch
@@ -227,8 +227,8 @@ class _Turns:
         at_phi2 = second.off(phi2 + self.pair.ratio * turned)
         return replace(
             self.pair,
-            pinion=self.pair.pinion.mounted(self.pair.pinion.mount.shifted(at_phi1)),
-            gear=self.pair.gear.mounted(self.pair.gear.mount.shifted(at_phi2)),
+            pinion=self.pair.pinion.remount(self.pair.pinion.mount.shift(at_phi1)),
+            gear=self.pair.gear.remount(self.pair.gear.mount.shift(at_phi2)),
         )
 
     def _solve(
@@ -244,7 +244,7 @@ class _Turns:
         at.x[:, 4] += self.pair.ratio * self.step * (self.places[place[position]] - self.places[source])
         before = at.x[: place.size, 4]
         for _ in range(ROUNDS):
-            now = self._settled(self._displaced(tooth, place, before), self._phi1(place), position, at)
+            now = self._refine(self._displace(tooth, place, before), self._phi1(place), position, at)
             contacts.put(part, now)
             on = now.touching & (now.edges[:, 0] < CORNER) & ~(np.abs(now.x[:, 4] - before) <= SETTLED)
             if not on.any():
@@ -253,7 +253,7 @@ class _Turns:
             position, before = np.arange(place.size), at.x[:, 4]
 
     @staticmethod
-    def _settled(there: Pair, phi1: Array, position: NDArray[np.intp], at: Contacts) -> Contacts:
+    def _refine(there: Pair, phi1: Array, position: NDArray[np.intp], at: Contacts) -> Contacts:
         """What is ahead at positions phi1 (M,) of contacts that are solved for from others (S,), each at its position (S,)."""
         contacts = Contacts.nothing(phi1.size)
         with np.errstate(all="ignore"):
@@ -265,7 +265,7 @@ class _Turns:
         return contacts
 
     def _anew(self, tooth: NDArray[np.intp], place: NDArray[np.intp], phi2: Array) -> Contacts:
-        return first_touch(self._displaced(tooth, place, phi2), self._phi1(place))
+        return first_touch(self._displace(tooth, place, phi2), self._phi1(place))
 
     def _phi1(self, place: NDArray[np.intp]) -> Array:
         """phi1 (M,), rad, of places (M,), as tooth pair 0 counts it."""

@@ -74,7 +74,7 @@ class Outlook:
 
 def outlook(pair: Pair, phi1: Array) -> Outlook:
     """What advances may be expected of the flanks of a pair at phi1 (N,), rad."""
-    nodes, parts = _parted(pair, phi1)
+    nodes, parts = _batches(pair, phi1)
     seen = [_Field.of(pair, nodes, phi1, index, trimmed=True) for index in parts]
     return Outlook(*(np.concatenate([getattr(part, field.name) for part in seen]) for field in fields(Outlook)))
 
@@ -86,8 +86,8 @@ def candidates(
 
     Unless `trimmed` the gear's flank is taken as far as its table goes. The `finer` grid has all nodes of the other.
     """
-    nodes, indices = _parted(pair, phi1, only, finer=finer)
-    parts = [_found(pair, nodes, phi1, index, trimmed) for index in indices]
+    nodes, indices = _batches(pair, phi1, only, finer=finer)
+    parts = [_candidates(pair, nodes, phi1, index, trimmed) for index in indices]
     counted = np.cumsum([0, *(len(part.position) for part in parts)])
     parts = [
         replace(part, top=np.where(part.top < 0, -1, part.top + k)) for part, k in zip(parts, counted, strict=False)
@@ -95,17 +95,17 @@ def candidates(
     return Candidates(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Candidates)))
 
 
-def _parted(
+def _batches(
     pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, finer: bool = False
 ) -> tuple[_Nodes, list[NDArray[np.intp]]]:
     """The points that are sampled, and the positions that are worked on at once."""
-    nodes = _Nodes.of(pair.pinion, _halved(pair.pinion.grid) if finer else pair.pinion.grid[:, ::COLUMNS])
+    nodes = _Nodes.of(pair.pinion, _halve(pair.pinion.grid) if finer else pair.pinion.grid[:, ::COLUMNS])
     every = np.arange(len(phi1)) if only is None else only
     step = max(1, CHUNK // nodes.r.shape[0])
     return nodes, [every[k : k + step] for k in range(0, max(len(every), 1), step)]
 
 
-def _halved(grid: Array) -> Array:
+def _halve(grid: Array) -> Array:
     """A grid (I, J, 2) with half its steps."""
     rows, columns = (np.arange(0.0, count - 0.75, 0.5) for count in grid.shape[:2])
     place = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1)
@@ -220,7 +220,7 @@ class _Field:
         return _Field(lead, beyond, on, _bends(lead), best, _gain(lead), inside, crossings)
 
 
-def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
+def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
     field = _Field.of(pair, nodes, phi1, index, trimmed)
     on, best, gain = field.on, field.best, field.gain
     shape = on.shape
@@ -239,7 +239,7 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
         place = np.stack((i, j), axis=-1)
         places.append((position, place, every, value, most + _local_gain(field.bends, position, place, around)))
 
-    def sampled(position: NDArray[np.intp], i: Array, j: Array, edge: int, value: Array) -> None:
+    def add_samples(position: NDArray[np.intp], i: Array, j: Array, edge: int, value: Array) -> None:
         add(position, i, j, value, value, (edge, INTERIOR))
 
     peaks = np.where(_is_peak(on), on - _off_middle(shape[1:]), -np.inf).reshape(len(index), -1)
@@ -265,7 +265,7 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
     for number, (member, name) in enumerate(NUMBERED):
         if number in field.crossings:
             there, i, j, value = field.crossings[number]
-            sampled(there, i, j, number, value)
+            add_samples(there, i, j, number, value)
         elif member == 0 and name in pair.pinion.edges:
             rim = {
                 "tip": on[:, -1, :],
@@ -281,7 +281,7 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
                 np.full(there.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0)),
             )
             i, j = (fixed, along) if along_face(number) else (along, fixed)
-            sampled(there, i, j, number, rim[there, k[there]])
+            add_samples(there, i, j, number, rim[there, k[there]])
     sampled_count = sum(len(nodes_of[0]) for nodes_of in places)
     for names in CORNERS:
         first, second = (edge_number(1, name) for name in names)
@@ -305,7 +305,7 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
     return Candidates(index[position], x, edges, most[worth], best, gain, top)
 
 
-def sharpened(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Array:
+def sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Array:
     """Unknowns (M, 5) where the flanks are most advanced near nodes x (M, 5) at positions (M,): over all of a node's columns on
     either side first, on which an advance may be too sharp to be seen between them, then on finer and finer lattices."""
     grid = pair.pinion.grid

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.settle import Contacts, Trial, leads_of, settle
-from gearmesh.contact.first_touch.field import INTERIOR, Candidates, candidates, sharpened
-from gearmesh.contact.first_touch.search import UNSEEN, looked_into, met
+from gearmesh.contact.first_touch.field import INTERIOR, Candidates, candidates, sharpen
+from gearmesh.contact.first_touch.search import UNSEEN, meeting_points, refine_missed
 from gearmesh.contact.pair import NUMBERED, Pair
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -43,14 +43,14 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             trial = Trial.of(places.position[worth], places.x[worth], places.edges[worth])
             trial.most = places.most[worth]
             settle(part, phi1, trial, contacts, number, edges=edges)
-            lost = _lost(part, phi1, trial, contacts)
+            lost = _lost_candidates(part, phi1, trial, contacts)
             if lost.size:
-                sharp = sharpened(part, phi1, trial.position[lost], trial.start[lost])
+                sharp = sharpen(part, phi1, trial.position[lost], trial.start[lost])
                 again = Trial.of(trial.position[lost], sharp, trial.edges[lost])
                 settle(part, phi1, again, contacts, number, edges=edges)
             missed = np.flatnonzero((places.best > contacts.lead + UNSEEN) & (places.top >= 0))
             if edges and missed.size:
-                missed = _really_missed(part, phi1, missed, places, contacts)
+                missed = _confirm_missed(part, phi1, missed, places, contacts)
             if edges and missed.size:
                 _on_finer_grid(part, phi1, missed, places, contacts, number)
             if number == 0:
@@ -58,12 +58,12 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
     return contacts, flanks
 
 
-def _really_missed(
+def _confirm_missed(
     pair: Pair, phi1: Array, missed: NDArray[np.intp], coarse: Candidates, contacts: Contacts
 ) -> NDArray[np.intp]:
     """Those positions of `missed` (M,) at which the sample that is ahead is not known to do so by the error of its table."""
     top = coarse.top[missed]
-    lead = met(pair, Conditions(pair.flanks, phi1, pair.length), missed, coarse.x[top])[1]
+    lead = meeting_points(pair, Conditions(pair.flanks, phi1, pair.length), missed, coarse.x[top])[1]
     of_table = (lead > -np.inf) & (lead <= contacts.lead[missed] + UNSEEN)
     return missed[~of_table | np.isin(coarse.edges[top, 0], OF_GEAR)]
 
@@ -88,10 +88,10 @@ def _on_finer_grid(
     ):
         still = np.flatnonzero((best > contacts.lead[missed] + UNSEEN) & (top >= 0))
         if still.size:
-            looked_into(pair, phi1, missed[still], grid_places.x[top[still]], contacts, number)
+            refine_missed(pair, phi1, missed[still], grid_places.x[top[still]], contacts, number)
 
 
-def _lost(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> NDArray[np.intp]:
+def _lost_candidates(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> NDArray[np.intp]:
     """Places inside the flanks (M,) from which Newton converged to nothing, or to what is less advanced, and which may be ahead
     still: their peak is too sharp for it. Nothing is ahead of a line."""
     start, end = (leads_of(pair, phi1, x, trial.position) for x in (trial.start, trial.x))

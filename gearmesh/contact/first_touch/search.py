@@ -22,15 +22,17 @@ CLIMBS, FIRST_STEP = 40, 0.04
 SUMMIT = 2e-8
 
 
-def looked_into(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int) -> None:
+def refine_missed(
+    pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int
+) -> None:
     """Positions (M,) at which places x (M, 5) seem to be further ahead than what was found: what they really do, and why."""
     conditions = Conditions(pair.flanks, phi1, pair.length)
-    x, lead = met(pair, conditions, position, x)
+    x, lead = meeting_points(pair, conditions, position, x)
     worth = np.flatnonzero(lead > contacts.lead[position] + UNSEEN)
     if not worth.size:
         return
     position = position[worth]
-    x, lead = _climbed(pair, conditions, position, x[worth], lead[worth])
+    x, lead = _climb(pair, conditions, position, x[worth], lead[worth])
     trial = Trial.of(position, x, np.full((len(position), 2), -1))
     trial.edges[:, 0], trial.residual[:] = CORNER, 0.0
     better = np.flatnonzero(lead > contacts.lead[position])
@@ -46,7 +48,7 @@ def looked_into(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, c
     contacts.lead[kept] += SUMMIT
 
 
-def _climbed(
+def _climb(
     pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array, lead: Array
 ) -> tuple[Array, Array]:
     """Places x (M, 5) with advances (M,), followed upwards over points that both flanks have as long as the advances rise."""
@@ -59,7 +61,7 @@ def _climbed(
             break
         start = np.repeat(x[going], len(ways), axis=0)
         start[:, :2] += (size[going][:, None, None] * ways * steps).reshape(-1, 2)
-        tried, own = met(pair, conditions, np.repeat(position[going], len(ways)), start)
+        tried, own = meeting_points(pair, conditions, np.repeat(position[going], len(ways)), start)
         own = own.reshape(-1, len(ways))
         best = own.argmax(axis=1)
         higher = own[np.arange(len(going)), best] > lead[going]
@@ -70,7 +72,7 @@ def _climbed(
     return x, lead
 
 
-def met(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array) -> tuple[Array, Array]:
+def meeting_points(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array) -> tuple[Array, Array]:
     """Where the circles through the pinion's points of x (M, 5) meet the gear's flank: unknowns, and advances (M,), -inf where the
     point is not on both flanks or does not face it."""
     free = np.array([2, 3, 4])

@@ -24,7 +24,7 @@ class SplineTable:
         # scipy takes longer to load than most contacts to be solved
         from scipy.ndimage import spline_filter
 
-        return SplineTable(spline_filter(_continued(_continued(values).T).T, order=3))
+        return SplineTable(spline_filter(_extend(_extend(values).T).T, order=3))
 
     @property
     def last(self) -> tuple[int, int]:
@@ -46,7 +46,7 @@ class SplineTable:
         return values
 
 
-def _continued(rows: Array) -> Array:
+def _extend(rows: Array) -> Array:
     """Rows (R, C) with BEYOND more at either end, by the parabola through the last three."""
     step = np.arange(1.0, BEYOND + 1.0)[:, None]
 

@@ -47,7 +47,7 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
     stations = len(tooth.even.t)
     low, high = sorted(mate.blank.extent)
 
-    def placed(phi1: Array, tip: Array) -> tuple[Array, Array]:
+    def place(phi1: Array, tip: Array) -> tuple[Array, Array]:
         """Points (M, 3) of the tips in the fixed frame, and in the mating gear's own."""
         mounts = [mount.at(turn) for mount, turn in zip(pair.mounts, (phi1, phi2(phi1)), strict=True)]
         fixed = mounts[of].point(tip)
@@ -71,7 +71,7 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
         ways = np.array(list(product(np.linspace(-1.0, 1.0, 5), repeat=3)))
         for _ in range(ROUNDS):
             tip = np.stack([table.at(x[:, 1], x[:, 2]) for table in tables], axis=-1)
-            fixed, own = placed(x[:, 0], tip)
+            fixed, own = place(x[:, 0], tip)
             apart = distance(own)
             k = int(apart.argmin())
             if not np.isfinite(apart[k]):

@@ -17,7 +17,7 @@ from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.settle import Contacts
 from gearmesh.contact.engagement.curve import LEVEL, MeshCurve
 from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
-from gearmesh.contact.engagement.engagement import Engagement, engaged
+from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.engagement.symmetry import ImageCurve, image
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.fit.clearance import Clearance, tip_clearance
@@ -135,23 +135,23 @@ class Fit:
 
 def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
     """How a pair fits; `drive`: the curve of its driving flanks, if it is known. None where nothing touches."""
-    both = _both(pair, _followed(pair) if drive is None else drive)
-    return None if both is None else _fitted(pair, *both)
+    both = _both(pair, _mesh_curve(pair) if drive is None else drive)
+    return None if both is None else _fit(pair, *both)
 
 
 def slack_of(pair: GearPair) -> float | None:
     """`Fit.slack` (mm) of a pair, None where nothing touches; where the nodes of its engagements show interference, the
     value by the nodes."""
-    both = _both(pair, _followed(pair))
+    both = _both(pair, _mesh_curve(pair))
     if both is None:
         return None
     forwards, backwards = both
     nodes, leads = np.linspace(0.0, pair.pitch, NODES + 1), forwards.at_nodes()
     values = (_lever(pair, forwards.engagement)[0] * play(pair, leads + _at_nodes(backwards, nodes))).tolist()
     values += [-overlap.depth for overlap in _in_the_way(pair, both, 0)]
-    values += clearances_of(pair, turned(pair, nodes, leads))
+    values += clearances_of(pair, gear_rotations(pair, nodes, leads))
     slack = least(values)
-    return _fitted(pair, *both).slack if slack >= -NOTHING else slack
+    return _fit(pair, *both).slack if slack >= -NOTHING else slack
 
 
 def _both(pair: GearPair, forwards: MeshCurve | None) -> tuple[MeshCurve, MeshCurve | ImageCurve] | None:
@@ -177,7 +177,7 @@ def _in_the_way(pair: GearPair, both: tuple[MeshCurve, MeshCurve | ImageCurve], 
                 yield overlap
 
 
-def _fitted(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve) -> Fit:
+def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve) -> Fit:
     """How a pair fits, from the curves of its driving flanks and of the others."""
     sides = [curve for curve in (forwards, backwards) if isinstance(curve, MeshCurve)]
     lever, radius = _lever(pair, forwards.engagement)
@@ -196,7 +196,7 @@ def _fitted(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCur
     if not (both and np.isfinite(backlash).all()):
         gaps = (*_gaps(forwards, driving=True), *_gaps(backwards, driving=False))
         phase = np.linspace(0.0, pair.pitch, SEEN)
-        plays = play(pair, forwards.known(phase) + backwards.known(phase), LOOSE)
+        plays = play(pair, forwards.lead_as_known(phase) + backwards.lead_as_known(phase), LOOSE)
         known = plays[np.isfinite(plays)]
         backlash = (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
     turns = _turns(pair, forwards, nodes if rough else np.linspace(0.0, pair.pitch, PHASES))
@@ -220,20 +220,20 @@ def _fitted(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCur
 
 def _at_nodes(curve: MeshCurve | ImageCurve, phase: Array) -> Array:
     """Advances (N,), rad, at the even phases (N,) of the nodes."""
-    return curve.at_nodes() if isinstance(curve, MeshCurve) else curve.known(phase)
+    return curve.at_nodes() if isinstance(curve, MeshCurve) else curve.lead_as_known(phase)
 
 
 def _gaps(curve: MeshCurve | ImageCurve, *, driving: bool) -> Iterator[Gap]:
     """Parts of a pitch in which no tooth pair touches, one after the other."""
     pitch = curve.pitch
     phase = np.linspace(0.0, pitch, SEEN)
-    apart = np.isnan(curve.known(phase))
+    apart = np.isnan(curve.lead_as_known(phase))
     for run in np.split(np.arange(SEEN), np.flatnonzero(np.diff(apart.astype(int))) + 1):
         if not apart[run[0]]:
             continue
         inner = np.array([phase[run[0]], phase[run[-1]]])
         outer = np.array([phase[max(run[0] - 1, 0)], phase[min(run[-1] + 1, SEEN - 1)]])
-        ends = last_true(lambda at, _: np.isnan(curve.known(at)), inner, outer, rounds=2, split=8)[0]
+        ends = last_true(lambda at, _: np.isnan(curve.lead_as_known(at)), inner, outer, rounds=2, split=8)[0]
         yield Gap(float(ends[0]), float(ends[1]), driving)
 
 
@@ -261,12 +261,12 @@ def least(values: list[float]) -> float:
     return min((value for value in values if np.isfinite(value)), default=np.nan)
 
 
-def _followed(pair: GearPair) -> MeshCurve | None:
+def _mesh_curve(pair: GearPair) -> MeshCurve | None:
     return _curve(solver_pair(pair), pair.pitch)
 
 
 def _curve(flanks: Pair, pitch: float) -> MeshCurve | None:
-    engagement = engaged(flanks, pitch)
+    engagement = whole_engagement(flanks, pitch)
     if engagement is None or not engagement.contacts.touching.any():
         return None
     return MeshCurve(engagement, pitch, CHANGED_OVER)
@@ -391,10 +391,10 @@ def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
 def _turns(pair: GearPair, curve: MeshCurve, phase: Array) -> Callable[[Array], Array]:
     """phi2 of the gears at any phi1, by the advance at even phases (M,) of a pitch; NaN where contact breaks off."""
     if len(phase) == NODES + 1:
-        return turned(pair, phase, curve.at_nodes())
-    return turned(pair, phase, curve.lead(phase) if curve.whole else curve.known(phase))
+        return gear_rotations(pair, phase, curve.at_nodes())
+    return gear_rotations(pair, phase, curve.lead(phase) if curve.whole else curve.lead_as_known(phase))
 
 
-def turned(pair: GearPair, phase: Array, lead: Array) -> Callable[[Array], Array]:
+def gear_rotations(pair: GearPair, phase: Array, lead: Array) -> Callable[[Array], Array]:
     """phi2 at any phi1, by advances (M,) at phases (M,) of a pitch, rad."""
     return lambda phi1: pair.ratio * phi1 + pair.drive * np.interp(np.mod(phi1, pair.pitch), phase, lead)

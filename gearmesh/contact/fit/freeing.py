@@ -14,7 +14,17 @@ import numpy as np
 
 from gearmesh.contact.engagement.engagement import LOOKS
 from gearmesh.contact.first_touch.field import outlook
-from gearmesh.contact.fit.fit import NOTHING, PARALLEL, Fit, clearances_of, least, play, reversed_pair, slack_of, turned
+from gearmesh.contact.fit.fit import (
+    NOTHING,
+    PARALLEL,
+    Fit,
+    clearances_of,
+    gear_rotations,
+    least,
+    play,
+    reversed_pair,
+    slack_of,
+)
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
@@ -28,7 +38,7 @@ TIGHT, LEAST = 0.008, 2e-5
 TRIES, SAMPLED_TRIES, NEAR = 24, 8, 0.03
 
 
-def moved(pair: GearPair, shift: float) -> GearPair:
+def shift_gear(pair: GearPair, shift: float) -> GearPair:
     """The pair with its gear moved by `shift` (mm) along `direction`."""
     mount = pair.gear.mount
     away = Rigid(np.eye(3), shift * direction(pair))
@@ -57,10 +67,10 @@ def freeing_shift(pair: GearPair, fit: Fit) -> float | None:
     for sense in (1.0, -1.0):
 
         def standing(at: float, sense: float = sense) -> GearPair:
-            return moved(pair, sense * at)
+            return shift_gear(pair, sense * at)
 
-        begin = _begin(lambda at: _sampled(standing(at), fit), max(0.5 * abs(fit.slack), 1e-3))
-        shift = None if begin is None else _freed(lambda at: slack_of(standing(at)), fit.slack, *begin)
+        begin = _begin(lambda at: _sampled_slack(standing(at), fit), max(0.5 * abs(fit.slack), 1e-3))
+        shift = None if begin is None else _least_shift(lambda at: slack_of(standing(at)), fit.slack, *begin)
         if shift is not None:
             return sense * shift
     return None
@@ -86,7 +96,7 @@ def _begin(slack: Callable[[float], float | None], first: float) -> tuple[float,
     return None
 
 
-def _freed(slack: Callable[[float], float | None], start: float, at: float, slope: float) -> float | None:
+def _least_shift(slack: Callable[[float], float | None], start: float, at: float, slope: float) -> float | None:
     """The least shift (mm) at which a `slack` (mm) that is `start` at 0 is not negative any more, tried at `at` first; `slope` of
     the play, as far as it is known. None where slack does not grow."""
     short, high, at_high, width = [(0.0, start)], np.inf, np.inf, np.inf
@@ -130,7 +140,7 @@ def _root(short: list[tuple[float, float]], free: tuple[float, float], slope: fl
     return low - at_low / slope if slope > 0.0 else low
 
 
-def _sampled(pair: GearPair, fit: Fit) -> float | None:
+def _sampled_slack(pair: GearPair, fit: Fit) -> float | None:
     """Play and clearances (mm, the least) to some micrometres, by what the field samples over the same rotations as where a fit was
     `fit`; None where nothing touches. It does not know how deep tips are in fillets."""
     reach = int(np.ceil(max(map(abs, fit.span)) / pair.pitch)) * LOOKS
@@ -145,4 +155,4 @@ def _sampled(pair: GearPair, fit: Fit) -> float | None:
         return None
     values = (fit.lever * play(pair, leads[0] + leads[1])).tolist()
     leads[0] = np.append(leads[0], leads[0][0])
-    return least(values + clearances_of(pair, turned(pair, np.linspace(0.0, pair.pitch, LOOKS + 1), leads[0])))
+    return least(values + clearances_of(pair, gear_rotations(pair, np.linspace(0.0, pair.pitch, LOOKS + 1), leads[0])))

@@ -215,8 +215,8 @@ def flank_compliance(
 
     def of(wanted: Cells, dented: bool) -> tuple[Sector, FilletStress, Array]:
         sector = Sector.of(tooth, side, material, wanted, deep)
-        smooth, stress = _kept(sector, count, reach, (depth or sector.inwards) if dented else None)
-        return sector, sector.stressed(tooth, stress), smooth
+        smooth, stress = _ring_responses(sector, count, reach, (depth or sector.inwards) if dented else None)
+        return sector, sector.fillet_stress(tooth, stress), smooth
 
     sector, stressed, smooth = of(cells, True)
     less = None if coarser is None else of(coarser, False)[1]
@@ -238,13 +238,13 @@ def held_teeth(
     body, dents = Condensed.of(sector), _dents(sector, sector.inwards)
     cuts = _held_cuts(body.stiffness, body.loads, sector.turn, teeth)
     of_teeth = tuple(
-        FlankCompliance(**vars(sector.stressed(tooth, stress)), normals=sector.normals, smooth=smooth)
+        FlankCompliance(**vars(sector.fillet_stress(tooth, stress)), normals=sector.normals, smooth=smooth)
         for smooth, stress in (body.responses(of_each, dents) for of_each in cuts)
     )
     return HeldTeeth(**vars(of_teeth[teeth // 2]), of_teeth=of_teeth)
 
 
-def _kept(sector: Sector, teeth: int, reach: int, depth: int | None) -> tuple[Array, Array]:
+def _ring_responses(sector: Sector, teeth: int, reach: int, depth: int | None) -> tuple[Array, Array]:
     """`smooth` (None is the `depth` of those whose local compliance is kept) and `stress` of a ring of sectors; those of the last
     `KEPT` rings are kept: other torques, positions, assemblies and mounts of the same teeth ask again for what takes longest."""
     body = sector.stiffness
@@ -326,15 +326,15 @@ class Sector:
         return Sector(
             mesh,
             material,
-            assembled(mesh, material, parts),
+            assemble(mesh, material, parts),
             len(grid.t),
             side,
             grid.t,
-            _found(mesh.nodes, exact.points),
+            _node_numbers(mesh.nodes, exact.points),
             exact.points,
             exact.normals,
             right,
-            left[_found(mesh.nodes[left], step.point(mesh.nodes[right]))],
+            left[_node_numbers(mesh.nodes[left], step.point(mesh.nodes[right]))],
             held,
             mesh.node_sets[f"fillet_{side}_1"],
             step.rotation,
@@ -351,7 +351,7 @@ class Sector:
         """Unit forces (3 N, n) into the body on the flank's nodes."""
         return _columns(unknowns(self.flank.reshape(-1, 1)), -self.normals.reshape(-1, 3), 3 * len(self.mesh.nodes))
 
-    def stressed(self, tooth: Tooth, stress: Array) -> FilletStress:
+    def fillet_stress(self, tooth: Tooth, stress: Array) -> FilletStress:
         """The fillet with its `stress` (2 N + 1, F, 6, n)."""
         fillet = self.mesh.nodes[self.fillet]
         tangent, size = tangent_weights(tooth, self.side, self.t, fillet), FilletSize.of(tooth, self.side)
@@ -388,7 +388,7 @@ def inside(web: Disc, corners: Array) -> Array:
     return np.where(share < EMPTY, 0.0, share)
 
 
-def assembled(mesh: HexMesh, material: Material, shares: Array | None = None) -> csr_array:
+def assemble(mesh: HexMesh, material: Material, shares: Array | None = None) -> csr_array:
     """Stiffness (3 N, 3 N), N/mm, of a mesh of hexahedra, or of `shares` (E,) of them."""
     parts, own = stiffness(mesh.nodes[mesh.elements], material), unknowns(mesh.elements)
     if shares is not None:
@@ -488,17 +488,17 @@ def _row(condensed: Array, loads: Array, turn: Array) -> tuple[Array, Array, Arr
     there, and what loads (2 c, n) of a sector put on its own first cut and on the next sector's."""
     half = len(condensed) // 2
     right, left = slice(0, half), slice(half, None)
-    coupling = _turned(condensed[right, left].T, turn.T).T
-    own = condensed[right, right] + _turned(_turned(condensed[left, left], turn.T).T, turn.T).T
-    return own, coupling, loads[right], _turned(loads[left], turn.T)
+    coupling = _rotate(condensed[right, left].T, turn.T).T
+    own = condensed[right, right] + _rotate(_rotate(condensed[left, left], turn.T).T, turn.T).T
+    return own, coupling, loads[right], _rotate(loads[left], turn.T)
 
 
 def _both(cuts: Array, turn: Array) -> Array:
     """Both cuts (K, 2 c, n) of K sectors, each in its own frame, from the right ones (K + 1, c, n) in theirs."""
-    return np.stack([np.concatenate((a, _turned(b, turn))) for a, b in pairwise(cuts)])
+    return np.stack([np.concatenate((a, _rotate(b, turn))) for a, b in pairwise(cuts)])
 
 
-def _turned(columns: Array, by: Array) -> Array:
+def _rotate(columns: Array, by: Array) -> Array:
     """Columns (3 K, n) of vectors, each turned by `by` (3, 3)."""
     turned: Array = by @ columns.reshape(len(columns) // 3, 3, -1)
     return turned.reshape(len(columns), -1)
@@ -546,7 +546,9 @@ def _half_spaces(sector: Sector, nodes: Index) -> Array:
         ends = sector.points[:, :-1] if step < 0 else sector.points[:, 1:]
         for way in (np.arange(SPREAD) + 0.5) / SPREAD:
             start = sector.points[:, inner] + way * (ends - sector.points[:, inner])
-            moved = _pressed(sector.mesh.nodes[nodes] - start[:, :, None], frames[:, inner], sector.material)
+            moved = _surface_displacements(
+                sector.mesh.nodes[nodes] - start[:, :, None], frames[:, inner], sector.material
+            )
             for image in images:
                 moved += image.displacements(start, frames[:, inner])
             total[:, inner] += (1.0 - way) * moved
@@ -555,7 +557,7 @@ def _half_spaces(sector: Sector, nodes: Index) -> Array:
     return total.reshape(count * columns, -1).T
 
 
-def _pressed(place: Array, frames: Array, material: Material) -> Array:
+def _surface_displacements(place: Array, frames: Array, material: Material) -> Array:
     """Displacements (I, J, K, 3), mm/N, at places (I, J, K, 3) from unit forces along the third axes of frames (I, J, 3, 3)."""
     own = place @ frames
     # flanks are not flat: what lies above the plane counts as on it
@@ -589,7 +591,7 @@ class _Images:
         the edge.
         """
         place, out = self.mirrored[:, None] - start[:, :, None], self.out[:, None, None]
-        image = _pressed(place, frames, self.material)
+        image = _surface_displacements(place, frames, self.material)
         image -= 2.0 * (image @ self.out[:, None, :, None]) * out
         both = np.maximum((place * out).sum(axis=-1), SAME)
         beside = np.sqrt(np.maximum((place**2).sum(axis=-1) - both**2, 0.0))
@@ -601,7 +603,7 @@ class _Images:
         return added
 
 
-def _found(nodes: Array, places: Array) -> Index:
+def _node_numbers(nodes: Array, places: Array) -> Index:
     """Numbers (...,) of the nodes (N, 3) at places (..., 3)."""
     distance, number = cKDTree(nodes).query(places)
     assert distance.max() < SAME, "the mesh has no nodes there"

@@ -39,7 +39,7 @@ def elasticity(material: Material) -> Array:
 def stiffness(corners: Array, material: Material) -> Array:
     """Stiffness (E, 24, 24), N/mm, of hexahedra with corners (E, 8, 3), mm; three directions for each corner in turn."""
     parts = [corners[k : k + CHUNK] for k in range(0, len(corners), CHUNK)]
-    return np.concatenate([_condensed(part, elasticity(material))[0] for part in parts])
+    return np.concatenate([_condense(part, elasticity(material))[0] for part in parts])
 
 
 def corner_stresses(corners: Array, material: Material) -> Array:
@@ -48,7 +48,7 @@ def corner_stresses(corners: Array, material: Material) -> Array:
     Those at the points of Gauss continued to the corners, linear in each direction.
     """
     law = elasticity(material)
-    _, modes = _condensed(corners, law)
+    _, modes = _condense(corners, law)
     at_gauss = np.empty((len(corners), 8, 6, 24))
     for k, (own, inner, _) in enumerate(_strains(corners)):
         at_gauss[:, k] = law @ (own + inner @ modes)
@@ -57,7 +57,7 @@ def corner_stresses(corners: Array, material: Material) -> Array:
     return stresses
 
 
-def _condensed(corners: Array, law: Array) -> tuple[Array, Array]:
+def _condense(corners: Array, law: Array) -> tuple[Array, Array]:
     """Stiffness (E, 24, 24), and the element's own unknowns (E, 9, 24) that balance its corners' displacements."""
     count = len(corners)
     outer, mixed, inner = np.zeros((count, 24, 24)), np.zeros((count, 9, 24)), np.zeros((count, 9, 9))

@@ -72,14 +72,14 @@ def sector_grid(tooth: Tooth, side: Side, cells: Cells, rim: float = CROWDED_RIM
     """Lines for the stress in the fillet of a loaded side: `cells` as they are asked for where it is as large as on involute teeth,
     more layers and lines down the flank where it is sharp; in the rim they crowd under the tooth by the power `rim`."""
     size = FilletSize.of(tooth, side)
-    grid = crowded(plain_grid(replace(cells, thickness=round(cells.thickness * size.layers))), rim)
+    grid = crowd(plain_grid(replace(cells, thickness=round(cells.thickness * size.layers))), rim)
     if size.power == 1.0:
         return grid
     flank = grid.lines.flank**size.power
     return replace(grid, lines=replace(grid.lines, flank=flank), others=flank)
 
 
-def crowded(grid: HexGrid, rim: float = CROWDED_RIM) -> HexGrid:
+def crowd(grid: HexGrid, rim: float = CROWDED_RIM) -> HexGrid:
     """The grid with lines that crowd under the flanks and, by the power `rim`, under the tooth."""
     lines = grid.lines
     return replace(grid, lines=replace(lines, thickness=lines.thickness**CROWDED, rim=lines.rim**rim, land=LAND))

@@ -31,7 +31,7 @@ from gearmesh.answers.load.loaded import bodies_of, loaded_contact_of
 from gearmesh.answers.tables import plain
 from gearmesh.contact.assemblies import AssemblyPaths, assembly_paths
 from gearmesh.contact.engagement.cycle import Cycle, engagement_range, gears_curve, mesh_cycle
-from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.fit.fit import fit
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
@@ -270,7 +270,7 @@ def own_keys(design: Design) -> Mapping[str, Any]:
 
 def mounted(flanks: Pair, pair: GearPair) -> Pair:
     """The flanks of a pair in other places."""
-    first, second = (flank.mounted(mount) for flank, mount in zip(flanks.flanks, pair.mounts, strict=True))
+    first, second = (flank.remount(mount) for flank, mount in zip(flanks.flanks, pair.mounts, strict=True))
     return replace(flanks, pinion=first, gear=second)
 
 
@@ -302,7 +302,7 @@ def _positions(design: Design, pair: GearPair, flanks: Pair) -> Array:
     wanted = design.contact.phi1
     ends = wanted.start, wanted.stop
     if by_engagement(design, pair):
-        followed = engaged(flanks, pair.pitch)
+        followed = whole_engagement(flanks, pair.pitch)
         if followed is None or not followed.contacts.touching.any():
             raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")
         first, last = engagement_range(followed, pair.pitch)

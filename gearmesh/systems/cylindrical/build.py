@@ -85,7 +85,7 @@ def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -
         cutting = shaping(design, name, geometry)
         made = shaped_member(name, spec, cutting, tip_key, f"theta_{letter}", f"u_{letter}")
         made = with_modifications(made, spec, internal=own.internal)
-        own_flanks = made.tooth.unmodified is made.tooth
+        own_flanks = made.tooth.unmodified_tooth is made.tooth
         return with_true_involutes(made, internal=own.internal) if own_flanks else made
     racks = hobbed_racks(name, spec, own, Heights(tip - own.radius, root - own.radius))
 

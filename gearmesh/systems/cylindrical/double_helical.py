@@ -75,7 +75,7 @@ def doubled(design: CylindricalDesign, name: str, half: Member, geometry: PairPr
         rows = DoubleHelical(plane, near, False, groove, body)
         holes = None if spec.holes is None else drilled(name, spec.holes, root if groove is None else groove, rim)
         return replace(half, holes=holes, rows=rows)
-    body = disc_body(name, spec, own.bore_radius, root, tip - root).shifted(plane)
+    body = disc_body(name, spec, own.bore_radius, root, tip - root).shift(plane)
     floor = own.bore_radius if body.web is None else body.web.outer
     groove = _groove(design, name, root, floor, geometry)
     smallest = root if groove is None else groove

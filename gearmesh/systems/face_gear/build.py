@@ -276,7 +276,7 @@ def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
         )
     bore = bore_radius("gear", spec.bore, inner, "the inner diameter")
     front = back - spec.web
-    body = Body.bored(bore, (inner, front), (outer, back))
+    body = Body.disk(bore, (inner, front), (outer, back))
     return Blank(ConeLevel(0.5 * np.pi), (inner, outer), tip, root, body)
 
 

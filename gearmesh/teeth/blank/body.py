@@ -32,7 +32,7 @@ class Body:
     bands: tuple[Region, ...]
 
     @staticmethod
-    def bored(bore: float, toe: tuple[float, float], heel: tuple[float, float], *faces: float) -> Body:
+    def disk(bore: float, toe: tuple[float, float], heel: tuple[float, float], *faces: float) -> Body:
         """A disk with a bore of radius `bore` (mm; 0: none), its end faces at the points (rho, z) of toe and heel.
 
         `faces`: z of the bore's ends where these are not those of toe and heel.
@@ -47,7 +47,7 @@ class Body:
         return Body(((radius, toe), (radius, heel)), (band,))
 
     @staticmethod
-    def webbed(bore: float, web: Disc, toe: float, heel: float) -> Body:
+    def hub_and_rim(bore: float, web: Disc, toe: float, heel: float) -> Body:
         """Hub and rim between end faces at z = toe and heel, and a web between them; the rim bears the teeth."""
         profile = [
             (web.outer, toe),
@@ -64,7 +64,7 @@ class Body:
         recess = (Region.WEB,) * 3
         return Body(tuple(profile), (*recess, Region.FACE_TOE, Region.BORE, Region.FACE_HEEL, *recess))
 
-    def shifted(self, rise: float) -> Body:
+    def shift(self, rise: float) -> Body:
         """The body moved along z by `rise` (mm)."""
         return Body(tuple((rho, z + rise) for rho, z in self.profile), self.bands)
 
@@ -134,7 +134,7 @@ class Body:
         rho, z = np.array(self.profile).T
         return float(np.pi / 3.0 * (np.diff(z) @ (rho[1:] ** 2 + rho[1:] * rho[:-1] + rho[:-1] ** 2)))
 
-    def enclosed(self) -> float:
+    def enclosed_volume(self) -> float:
         """Volume (mm^3) between the profile, closed by the straight line from heel to toe, and itself; signed by its sense."""
         closed = np.array((*self.profile, self.profile[0]))
         rho, rise = closed[:, 0], np.diff(closed[:, 1])

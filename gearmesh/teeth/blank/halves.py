@@ -30,7 +30,7 @@ class HalfGear:
     shared: tuple[int, ...] = ()
 
     @property
-    def handed(self) -> int:
+    def hand_sign(self) -> int:
         """1 for the tooth as it is, -1 for its image: triangles and surfaces are then wound the other way."""
         return 1 if self.plane is None else -1
 
@@ -40,7 +40,7 @@ class HalfGear:
         return "" if self.plane is None else "_mirrored"
 
     @property
-    def placed(self) -> Rigid:
+    def motion(self) -> Rigid:
         """The motion, or reflection, that takes the tooth here."""
         if self.plane is None:
             return Rigid.identity()
@@ -48,11 +48,11 @@ class HalfGear:
 
     def points(self, points: Array) -> Array:
         """Points (..., 3) of the tooth in this row."""
-        return points if self.plane is None else self.placed.point(points)
+        return points if self.plane is None else self.motion.point(points)
 
     def vectors(self, vectors: Array) -> Array:
         """Vectors (..., 3), such as normals, of the tooth in this row."""
-        return vectors if self.plane is None else self.placed.vector(vectors)
+        return vectors if self.plane is None else self.motion.vector(vectors)
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,7 @@ class TipEdge:
         on_land[:, 0], on_land[:, 1] = tip_radius * np.cos(angle), tip_radius * np.sin(angle)
         return p, (on_flank, on_land, centre)
 
-    def drawn(self, edge: EdgePoints, s: Array) -> tuple[Array, Array]:
+    def section_curve(self, edge: EdgePoints, s: Array) -> tuple[Array, Array]:
         """Points and unit outward normals (S, T, 3) from the flank (s = 0) to the land (s = 1), s (S, 1)."""
         on_flank, on_land, centre = edge
         s = s[..., None]

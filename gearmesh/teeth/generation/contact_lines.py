@@ -63,7 +63,7 @@ def tool_contact(tooth: Tooth, which: Side, count: int = COUNT) -> ToolContact:
 
     Raises DesignError where it is not known how the tool generates the flank, or it does so without motion.
     """
-    tooth = tooth.unmodified
+    tooth = tooth.unmodified_tooth
     side = tooth.side(which)
     flank, fillet = generation(side, "contact_lines")
     if flank.freedoms == 0:
@@ -84,9 +84,10 @@ def tool_contact(tooth: Tooth, which: Side, count: int = COUNT) -> ToolContact:
 
     def line(at: float) -> ContactLine:
         chains = _level_chains(parameters, levels, at)
-        pairs = [_on_both(flank, _polished(flank, chain, at, extent)) for chain in chains]
+        pairs = [_on_both(flank, _polish(flank, chain, at, extent)) for chain in chains]
         on_tool, on_tooth = (
-            (_parted([jet.r for jet in jets]), _parted([jet.n for jet in jets])) for jets in zip(*pairs, strict=True)
+            (_with_gaps([jet.r for jet in jets]), _with_gaps([jet.n for jet in jets]))
+            for jets in zip(*pairs, strict=True)
         )
         return ContactLine(at, *on_tool, on_tooth)
 
@@ -115,7 +116,7 @@ def _sheets(
         yield ToolSheet(region, jet.r, jet.n)
 
 
-def _parted(parts: list[Array]) -> Array:
+def _with_gaps(parts: list[Array]) -> Array:
     """Parts (K, 3) one after the other, with NaN between them."""
     return np.concatenate([piece for part in parts for piece in (part, np.full((1, 3), np.nan))][:-1])
 
@@ -168,7 +169,7 @@ def _level_chains(parameters: Array, levels: Array, at: float) -> list[Array]:
     return chains
 
 
-def _polished(flank: GeneratedSurface, places: Array, at: float, extent: Array) -> Array:
+def _polish(flank: GeneratedSurface, places: Array, at: float, extent: Array) -> Array:
     """Places (..., 2) near the line of contact moved onto it, across it where parameters are measured by their `extent` (2,)."""
     for _ in range(STEPS):
         here, by_u, by_v = _progress(flank, places)

@@ -59,7 +59,7 @@ def tool_in_place(tooth: Tooth, which: Side) -> ToolInPlace:
 
     Raises DesignError where the tool is not drawn.
     """
-    tooth = tooth.unmodified
+    tooth = tooth.unmodified_tooth
     side = tooth.side(which)
     drawing, (flank, _) = side.tool.drawing, generation(side, "tool")
     if drawing is None:
@@ -68,8 +68,8 @@ def tool_in_place(tooth: Tooth, which: Side) -> ToolInPlace:
     u, v = middle
     motion, at_tool = flank.generating(u, v), flank.on_tool(u, v)
     tool_to_own, at_point = flank.tool_to_blank(*motion), flank.tool.jet(*at_tool)
-    sides = [_drawn(each) for each in (side, *_others(tooth, which, (motion, tool_to_own)))]
-    reach = [tooth.flank_grid(each, [0.0, 1.0], [0.0, 1.0]).parameters[..., 1] for each in Side]
+    sides = [_draw_side(generated_side) for generated_side in (side, *_others(tooth, which, (motion, tool_to_own)))]
+    reach = [tooth.flank_grid(flank_side, [0.0, 1.0], [0.0, 1.0]).parameters[..., 1] for flank_side in Side]
     place = DrawnPlace(middle, at_point.r, (float(np.min(reach)), float(np.max(reach))), tooth.pitch_angle)
     own_axis = MachineAxis(f"axis of the {side.tool.name}", tool_to_own.translation, tool_to_own.vector(AXIS))
     return ToolInPlace(
@@ -117,6 +117,6 @@ def _others(tooth: Tooth, which: Side, standing: tuple[tuple[Array, ...], Rigid]
             return
 
 
-def _drawn(side: ToothSide) -> DrawnSide:
+def _draw_side(side: ToothSide) -> DrawnSide:
     flank, fillet = generation(side, "tool")
     return DrawnSide(flank, fillet, side.joint, side.root, side.tip)

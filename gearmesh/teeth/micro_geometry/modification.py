@@ -217,7 +217,7 @@ class Modification:
 
     def jet(self, length: Array, z: Array) -> AmountJet:
         length, z = np.broadcast_arrays(np.asarray(length, dtype=float), np.asarray(z, dtype=float))
-        x, x_l, x_ll = levelled(length, self.extent.least)
+        x, x_l, x_ll = level_off(length, self.extent.least)
         parts = [field.jet(x, z) for field in self.fields]
         a, a_l, a_z, a_ll, a_lz, a_zz = (
             sum((getattr(part, name) for part in parts), np.zeros(length.shape))
@@ -226,7 +226,7 @@ class Modification:
         return AmountJet(a, a_l * x_l, a_z, a_ll * x_l**2 + a_l * x_ll, a_lz * x_l, a_zz)
 
 
-def levelled(length: Array, least: float) -> tuple[Array, Array, Array]:
+def level_off(length: Array, least: float) -> tuple[Array, Array, Array]:
     """Roll lengths (...,) for which amounts are taken, and two derivatives: the same from `least` on, level below half of it.
 
     With x from 0 to 1 on the way down its change is 1 - 3 x^2 + 2 x^3, smooth to the second derivative.

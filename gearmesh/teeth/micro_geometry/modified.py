@@ -86,7 +86,7 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
     side, involute = tooth.side(which), true.involute
     kinks = Kinks() if modification is None else modification.kinks
 
-    def twisted(surface: Surface, length: float) -> Surface:
+    def twist(surface: Surface, length: float) -> Surface:
         return surface if modification is None else Twisted(surface, 0.0, _Turn(involute, modification, length))
 
     def length_at(p: float) -> float:
@@ -98,10 +98,10 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
     crest = side.crest
     if crest is not None:
         ends = length_at(crest.joint[0])
-        crest = replace(crest, surface=twisted(crest.surface, ends), joint=(ends, crest.joint[1]))
+        crest = replace(crest, surface=twist(crest.surface, ends), joint=(ends, crest.joint[1]))
     return ToothSide(
         flank=replace(involute, amount=modification),
-        fillet=twisted(side.fillet, begins),
+        fillet=twist(side.fillet, begins),
         joint=(length_at(side.joint[0]), side.joint[1]),
         root=side.root,
         tip=true.extent.tip,

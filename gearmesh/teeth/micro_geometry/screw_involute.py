@@ -111,7 +111,7 @@ class ScrewInvolute:
         size = 1.0 / np.sqrt(dot(normal, normal))[..., None]
         n = s * size * normal
 
-        def turned(q_x: Array, w_x: Array, k_x: Array, phi_x: Array) -> Array:
+        def normal_change(q_x: Array, w_x: Array, k_x: Array, phi_x: Array) -> Array:
             changed = s * size * local.vector(q_x + w * phi_x, q * phi_x - w_x, k_x)
             change: Array = changed - n * dot(n, changed)[..., None]
             return change
@@ -122,8 +122,8 @@ class ScrewInvolute:
             n=n,
             r_u=local.vector(along * phi_l, s * given.a_l, 0.0),
             r_v=local.vector(along * phi_z, r_b * phi_z, 1.0),
-            n_u=turned(q_l, w_l, k_l, phi_l),
-            n_v=turned(q_z, w_z, k_z, phi_z),
+            n_u=normal_change(q_l, w_l, k_l, phi_l),
+            n_v=normal_change(q_z, w_z, k_z, phi_z),
         )
 
 

@@ -39,8 +39,8 @@ def topography_of(modification: Modification, tolerance: float) -> tuple[Topogra
         every = len(BETWEEN) + 1
         # in the first direction along all lines of the second, and the other way round
         halved = [
-            _halved(knots[0], fine[0], wanted, SHARE * tolerance),
-            _halved(knots[1], fine[1], wanted.T, SHARE * tolerance),
+            _halve(knots[0], fine[0], wanted, SHARE * tolerance),
+            _halve(knots[1], fine[1], wanted.T, SHARE * tolerance),
         ]
         amounts = tuple(map(tuple, wanted[::every, ::every].tolist()))
         made = Topography(tuple(knots[0].tolist()), tuple(knots[1].tolist()), amounts)
@@ -69,7 +69,7 @@ def _fine(knots: Array) -> Array:
     return np.append((knots[:-1, None] + steps).ravel(), knots[-1])
 
 
-def _halved(knots: Array, fine: Array, wanted: Array, tolerance: float) -> Array:
+def _halve(knots: Array, fine: Array, wanted: Array, tolerance: float) -> Array:
     """Knots (K,), those intervals halved in which the splines through them miss amounts `wanted` (F, N) at `fine` places (F,)."""
     every = len(BETWEEN) + 1
     spline = make_interp_spline(knots, wanted[::every], k=CUBIC, axis=0)

@@ -97,7 +97,7 @@ def disc_body(name: str, spec: MemberTable, bore: float, root: float, depth: flo
             allowed=f"less than the smallest root diameter, {at_most(2.0 * root)} mm",
         )
     disc = Disc(0.5 * hub, 0.5 * rim, -0.5 * web.thickness, 0.5 * web.thickness)
-    return Body.webbed(bore, disc, -half, half)
+    return Body.hub_and_rim(bore, disc, -half, half)
 
 
 def body_features(

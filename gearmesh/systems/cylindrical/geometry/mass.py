@@ -54,7 +54,7 @@ def bulk(member: Member) -> Bulk:
     if member.keyway is not None:
         whole -= _slot(member.keyway, body.bore_radius, body.ends[1] - body.ends[0])
     if member.holes is not None:
-        low, high = member.drilled
+        low, high = member.hole_range
         whole -= _drilled(member.holes, high - low)
     return whole
 

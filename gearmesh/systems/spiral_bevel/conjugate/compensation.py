@@ -52,7 +52,7 @@ def compensate(design: ConjugateDesign) -> list[Setting]:
         """Error of phi2 (rad) at the mean point, and its slope."""
         stands = own.with_values({f"assembly.{key}": value for key, value in moved(values).items()})
         first, second = (
-            flank.mounted(replace(flank.mount, base=base))
+            flank.remount(replace(flank.mount, base=base))
             for flank, base in zip(aligned.flanks, displaced(stands, blank), strict=True)
         )
         error = _touching(replace(aligned, pinion=first, gear=second), turn) - straight

@@ -96,7 +96,7 @@ def _body(name: str, spec: GearBody, blank: BevelBlank, own: MemberBlank, root: 
     toe = _on_cone(own, root, own.inner_cone_distance, TOE_RIM * blank.mean_depth)
     heel = _on_cone(own, root, own.outer_cone_distance, HEEL_RIM * blank.mean_depth)
     bore = bore_radius(name, spec.bore, toe[0], "the diameter under the teeth at the toe", min(toe[0], toe_root[0]))
-    return Body.bored(bore, toe, heel)
+    return Body.disk(bore, toe, heel)
 
 
 def _fitting_tooth(
