@@ -78,7 +78,7 @@ class Figure:
         return replace(self, key=self.key.replace(MEMBER, member))
 
     def in_um(self, um: str = "um") -> Figure:
-        """The same along the way of a gear that slides, where the figure is an angle in arcsec."""
+        """The same along the travel of a gear that slides, where the figure is an angle in arcsec."""
         return replace(
             self, key=f"{self.stem}{UNITS[um]}", unit=um, meaning=f"{self.meaning}, along the travel of the rack"
         )
@@ -139,7 +139,7 @@ class Figures:
 
     @property
     def known(self) -> bool:
-        """Whether there is anything to tell; where there is not, figures in which these are have None in their place."""
+        """Whether there is anything to report; where there is not, figures in which these are have None in their place."""
         return True
 
     @classmethod

@@ -44,7 +44,7 @@ COLUMNS = {
     "rows": "rows",
     "wall": "time, s",
     "cpu": "CPU, s",
-    "each": "CPU, ms a row",
+    "each": "CPU, ms per row",
     "efficiency": "efficiency",
 }
 LOAD_COLUMNS = {

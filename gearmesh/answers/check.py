@@ -70,7 +70,7 @@ class RollRow(Figures):
 
 @dataclass(frozen=True)
 class MeshRoll(Figures):
-    """The roll test of a further mesh of a gear train."""
+    """The roll test of a further mesh of a gear set."""
 
     members: tuple[str, ...] = figure("members of the mesh")
     roll: list[RollRow] = figure("positions of the roll test")
@@ -142,7 +142,7 @@ class Check(Result):
 
     @property
     def complaints(self) -> list[str]:
-        """What is wrong with the meshes, with the contact as it was rolled, and with how the gears fit, one line each."""
+        """Failures of the meshes, of the roll test and of the fit of the gears, one line each."""
         meshes = [line for solid in self.solids.values() for line in solid.complaints]
         failed = (each for each in self.verdicts if not each.ok)
         return [*meshes, *(f"{each.what} = {each.value:.4g}: allowed is {each.limit:.4g}" for each in failed)]
@@ -251,7 +251,7 @@ def roll_test(
 
 
 def _turned(path: ContactPath, k: int, phi2: float, slide: float | None, rolled: str) -> RollRow:
-    """How far the gear is from where the path has it at its k-th position; and what was rolled."""
+    """Error of the gear's rotation against the path at its k-th position; and what was rolled."""
     off = float(phi2 - path.phi2[k])
     along = None if slide is None else off / error_unit(slide)[0]
     return RollRow(float(np.degrees(path.phi1[k])), rolled, off / ARCSEC, along, None, None, None, None)
@@ -282,7 +282,7 @@ def _rolled_verdicts(
 
 
 def _compared(row: RollRow, te_limit: float, contact: RollContact | None) -> Iterator[tuple[str, float, float]]:
-    """What is compared at a position, how far it is off, and the limit of that."""
+    """What is compared at a position, its error, and the limit of that."""
     yield RollRow.key_of("te_difference" if row.along is None else "along"), abs(row.difference), te_limit
     if row.a_ratio is None or row.b_ratio is None or contact is None:
         return

@@ -26,7 +26,7 @@ DIGITS = 5
 
 @dataclass(frozen=True)
 class LimitingLineFigures(Figures):
-    """The limiting line of a tool: its points that generate singular points, one a station."""
+    """The limiting line of a tool: its points that generate singular points, one per station."""
 
     parameters: Mapping[str, Array] = figure("parameters of the tool's surface, named as in the source")
     on_tool: Array = figure("limiting line on the tool, frame of the tool", "mm")
@@ -35,7 +35,7 @@ class LimitingLineFigures(Figures):
 
 @dataclass(frozen=True)
 class SideLimitFigures(Figures):
-    """Undercut of one side of the teeth, one number a station."""
+    """Undercut of one side of the teeth, one number per station."""
 
     undercut: NDArray[np.bool_] = figure("whether undercut removes part of the flank")
     undercut_from: float = figure("station at which undercut begins or ends", "mm")

@@ -114,7 +114,7 @@ class Compensation(Filling):
 
     @property
     def rows(self) -> list[SettingFigures]:
-        """One a setting."""
+        """One per setting."""
         return [SettingFigures(s.key, s.before, s.after, s.unit, s.effect) for s in self.settings]
 
     @property

@@ -33,7 +33,7 @@ RANGES = {
 
 @dataclass(frozen=True)
 class CandidateFigures(Figures):
-    """A pair of cylindrical gears that is as wanted."""
+    """A pair of cylindrical gears that meets the request."""
 
     number: int = figure("number of the pair, the best is 1", whole=True)
     teeth_pinion: int = figure("number of teeth of the pinion", symbol="z_1", whole=True)
@@ -55,7 +55,7 @@ class CandidateFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class Sizing(Result):
-    """Pairs that are as wanted, numbered from 1: those without faults first, then by the worst specific sliding.
+    """Pairs that meet the request, numbered from 1: those without faults first, then by the worst specific sliding.
 
     As ".toml" the first one's design is saved; `design(number)` is that of another one.
     """
@@ -76,7 +76,7 @@ class Sizing(Result):
 
     @property
     def rows(self) -> list[CandidateFigures]:
-        """One a pair."""
+        """One per pair."""
         return [
             CandidateFigures(
                 number,

@@ -48,7 +48,7 @@ class Listing:
 
 
 def figures(title: str, values: Figures | Summary) -> Listing:
-    """Figures, one a row, under their JSON keys, those within figures laid flat."""
+    """Figures, one per row, under their JSON keys, those within figures laid flat."""
     rows = []
     for key, value in flat(values.entries).items():
         value = plain(value)

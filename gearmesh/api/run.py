@@ -69,7 +69,7 @@ class Report(Result):
 
     @property
     def complaints(self) -> list[str]:
-        """What is wrong with the meshes, and with loaded contact, one line each."""
+        """Failures of the check and of loaded contact, one line each."""
         under_load = [
             f"{each.pair.name}: {line}" if self.loaded_meshes else line
             for each in self._under_load

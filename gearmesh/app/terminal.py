@@ -91,7 +91,7 @@ def output_folder(path: Path) -> Iterator[None]:
 
 @contextmanager
 def working(what: str) -> Iterator[Progress]:
-    """A progress bar on a terminal, one line a stage elsewhere; the bar pulses until the progress is known."""
+    """A progress bar on a terminal, one line per stage elsewhere; the bar pulses until the progress is known."""
     if not sys.stderr.isatty():
         yield lambda fraction, doing: print(f"gearmesh: {doing}", file=sys.stderr)
         return

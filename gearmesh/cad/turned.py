@@ -143,7 +143,7 @@ class TurnedSurface:
 class Loop:
     """Edges round the axis, growing polar angle, and their `start` vertex at polar angle `angle` (rad).
 
-    `traces` has one entry an edge, its angles counted from `angle`, or is empty for a circle. `rho`, `z` (mm): of the circle,
+    `traces` has one entry per edge, its angles counted from `angle`, or is empty for a circle. `rho`, `z` (mm): of the circle,
     or of the start vertex.
     """
 

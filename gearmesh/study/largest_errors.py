@@ -61,7 +61,7 @@ class LargestErrors(Result):
 
     @property
     def ranges(self) -> list[KeyRange]:
-        """The values between which all criteria hold, one a key."""
+        """The values between which all criteria hold, one per key."""
         low = {row.key: row.value for row in self.rows if row.way < 0}
         return [KeyRange(row.key, low[row.key], row.value) for row in self.rows if row.way > 0]
 

@@ -1,7 +1,7 @@
-"""What of a study is done: one file to which finished chunks are added, each a line with its checksum.
+"""What of a study is done: one file to which finished chunks are added, each one line with its checksum.
 
     DIR/plan.json      what is studied; another plan in the same folder is refused
-    DIR/rows.jsonl     {"done": [7, [[...], ...]], "crc": ...}, one line a chunk, in the order in which they were finished
+    DIR/rows.jsonl     {"done": [7, [[...], ...]], "crc": ...}, one line per chunk, in the order in which they were finished
 
 A line is written with one call and flushed to disk, so that a process which is killed leaves whole lines and at most a torn one at
 the end, which the next run cuts off. Chunks are numbered by the plan: none is done twice, and none is lost. What else the file may

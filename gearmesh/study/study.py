@@ -197,7 +197,7 @@ class Study(Result):
         return {**header(self.design), **Summary(self.summary)}
 
     def csv(self) -> str:
-        """One row a row of the study."""
+        """One row per row of the study."""
         from gearmesh.study.table import csv_text
 
         return csv_text(self.columns)

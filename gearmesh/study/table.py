@@ -13,7 +13,7 @@ from gearmesh.io.atomic import whole_file, whole_text
 
 
 def csv_text(columns: Mapping[str, list[Any]]) -> str:
-    """One row a row of the study, empty where there is nothing; numbers give back exactly what they were."""
+    """One row per row of the study, empty where there is nothing; numbers give back exactly what they were."""
     return csv_table.csv_text(list(columns), zip(*columns.values(), strict=True))
 
 

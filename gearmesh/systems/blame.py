@@ -89,7 +89,7 @@ def _stated(design: Design, bound: KeyBound) -> GearmeshError:
             bound.key,
             value,
             unit=unit,
-            reason="leave it out: the value that is then derived gives gears that can be built",
+            reason="if it is left out, its derived value gives gears that can be built",
         )
     most = "at least" if bound.larger else "at most"
     allowed = f"{most} {shown_value(float(bound.value), unit)}"

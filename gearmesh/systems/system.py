@@ -44,7 +44,7 @@ class ToolPart:
 
 @dataclass(frozen=True)
 class SheetTable:
-    """Rows of (item, unit, one value a column); a value that a column has not is None. `symbols`: one a row, or none at all."""
+    """Rows of (item, unit, one value per column); a value that a column has not is None. `symbols`: one per row, or none at all."""
 
     title: str
     columns: tuple[str, ...]

@@ -159,7 +159,7 @@ class MemberContact:
     """The contact of P positions as one member sees it, in its own frame: what a flank picture draws.
 
     point, normal (out of the member), major, minor (P, 3); semi_major, semi_minor (P,) in mm, NaN where there is
-    no ellipse; edge (P,) True for edge contact; lines: contact lines (K, 3), one a position or None.
+    no ellipse; edge (P,) True for edge contact; lines: contact lines (K, 3), one per position or None.
     """
 
     point: Array

@@ -155,7 +155,7 @@ class FiniteElementSolution(Result):
 
     @property
     def reserve(self) -> str:
-        """Why the largest pressure found is none to rely on; empty where it is."""
+        """Why the largest pressure is unreliable; empty where it is not."""
         if self.measured.contact is None or self.measured.contact.pressure_resolved:
             return ""
         return f"unresolved: {self.problem.coarse or 'not on the leading tooth pair, where the mesh is fine'}"
@@ -235,7 +235,7 @@ class FiniteElementDecks(Result):
 def request_of(
     design: Design, pair: GearPair, members: Sequence[str], rotation: float | None = None, friction: float = 0.0
 ) -> Request:
-    """What a design's tables fe and material ask for; `rotation` (rad) of the pinion takes the place of the torque.
+    """The model that a design's tables fe and material define; `rotation` (rad) of the pinion takes the place of the torque.
 
     Raises DesignError for an even number of teeth and a coefficient of `friction` that is none.
     """
@@ -380,8 +380,8 @@ def _made(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
 
 
 def _resolution(pair: GearPair, request: Request, built: GearModel) -> Resolution:
-    """Elements over half the loaded ellipse of each member, across and along the tooth, and over the smaller half axis into it;
-    how far the edges of the elements along it sag from the flank, over the approach.
+    """Elements over half the loaded ellipse of each member, across and along the tooth, and over the smaller semi-axis into it;
+    how far the edges of the elements along it deviate from the flank, over the approach.
     """
     found: dict[str, HalfAxes] = {}
     inwards: dict[str, float] = {}
@@ -409,7 +409,7 @@ def _cells(places: Array, middle: float, half: float) -> float:
 
 
 def _warnings(request: Request, models: Sequence[ModelFigures]) -> list[str]:
-    """What is wrong with models of a pair at one position or several, by their figures, each said once."""
+    """What is wrong with models of a pair at one position or several, by their figures, each reported once."""
     warnings = []
     unresolved = [each for each in models if each.coarse] if len(request.members) == 2 else []
     if unresolved:
@@ -424,7 +424,7 @@ def _warnings(request: Request, models: Sequence[ModelFigures]) -> list[str]:
 
 
 def _remedy(found: ModelFigures) -> str:
-    """Which fe.ellipse resolves the pressure, by the elements along the ellipse that its sag asks for."""
+    """Which fe.ellipse resolves the pressure, by the elements along the ellipse that this deviation needs."""
     sag, over = found.resolution.sag, found.resolution.over
     if sag is None:
         return ""
@@ -436,7 +436,7 @@ def _remedy(found: ModelFigures) -> str:
 
 
 def _left_out(pair: GearPair, request: Request) -> list[str]:
-    """What of the bodies the model does not have, said once."""
+    """Parts of the bodies that the model does not have, reported once."""
     parts: dict[str, list[str]] = {}
     for name in request.members:
         member = pair.members[name]

@@ -205,7 +205,7 @@ class Contact(Result):
         return FitDetails(None, verdict(None), UNMET) if UNMET in self.warnings else None
 
     def csv(self) -> str:
-        """One row a position, the columns of the JSON laid flat, empty where there is nothing; of whole turns theirs instead."""
+        """One row per position, the columns of the JSON laid flat, empty where there is nothing; of whole turns theirs instead."""
         if self.turns is not None:
             return csv_text(TurnsDetails.of(self.turns).positions.rows)
         return csv_text([each.flat for each in self.positions()])

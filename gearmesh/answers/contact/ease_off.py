@@ -68,7 +68,7 @@ class EaseOffMap(Result):
         ]
 
     def rows(self) -> list[EaseOffPoint]:
-        """One a point: where on the flank (s from form point to tip, t from toe to heel), its place, ease-off and phi1."""
+        """One per point: where on the flank (s from form point to tip, t from toe to heel), its place, ease-off and phi1."""
         i, j = self.map.distance.shape
         s, t = np.meshgrid(np.linspace(0.0, 1.0, i), np.linspace(0.0, 1.0, j), indexing="ij")
         return [

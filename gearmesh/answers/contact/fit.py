@@ -1,4 +1,4 @@
-"""What is reported of how gears fit: figures for the summary, and warnings of interference with their remedies."""
+"""The fit of gears: figures for the summary, and warnings of interference with their remedies."""
 
 from __future__ import annotations
 
@@ -174,7 +174,7 @@ def verdict(fit: Fit | None) -> str:
 
 
 def _unknown(fit: Fit) -> list[str]:
-    """Where in a pitch nothing touches, in words, one a side."""
+    """Where in a pitch nothing touches, in words, one per side."""
     found = []
     for driving in (True, False):
         parts = [f"{np.degrees(g.begin):.4g} to {np.degrees(g.end):.4g}" for g in fit.gaps if g.driving == driving]

@@ -1,4 +1,4 @@
-"""What `tca --turns` says of a pair over whole turns: figures, waves of eccentric members, and the error at every position."""
+"""What `tca --turns` reports of a pair over whole turns: figures, waves of eccentric members, and the error at every position."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class TurnsPositions(Figures):
 
     @property
     def rows(self) -> list[dict[str, float]]:
-        """One a position, the columns of the CSV."""
+        """One per position, the columns of the CSV."""
         columns = self.row
         return [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
 
@@ -106,7 +106,7 @@ def turns_listing(turns: FullTurns) -> Listing:
 
 
 def turns_warnings(turns: FullTurns) -> tuple[str, ...]:
-    """What is wrong with the pair somewhere in its turns."""
+    """Warnings about the pair over whole turns."""
     k = int(turns.backlash.argmin())
     if not turns.backlash[k] < -ARCSEC:
         return ()

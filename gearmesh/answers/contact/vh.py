@@ -71,7 +71,7 @@ class VHCheck(Result):
 
     @property
     def rows(self) -> list[PlaceFigures]:
-        """One a side and place; a place out of reach has displacements but in `nearest`."""
+        """One per side and place; a place out of reach has displacements but in `nearest`."""
         return [
             PlaceFigures(
                 side=_side(each.side),
@@ -86,7 +86,7 @@ class VHCheck(Result):
 
     @property
     def totals(self) -> list[TotalFigures]:
-        """One a side: V and H from the toe's to the heel's, and their ratio; None where either is out of reach."""
+        """One per side: V and H from the toe's to the heel's, and their ratio; None where either is out of reach."""
         found = []
         for side in dict.fromkeys(each.side for each in self.shifts):
             toe, heel = (self._at(side, place) for place in ("toe", "heel"))

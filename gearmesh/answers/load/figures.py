@@ -164,10 +164,10 @@ class LoadedTotals(Figures):
 class LoadedFigures(Figures):
     """All figures of loaded contact."""
 
-    totals: list[LoadedTotals] = figure("the gears over all positions, one a torque")
-    positions: list[LoadedPosition] = figure("the gears, one a torque and position")
+    totals: list[LoadedTotals] = figure("the gears over all positions, one per torque")
+    positions: list[LoadedPosition] = figure("the gears, one per torque and position")
     tooth_pair: list[ToothPairPosition] = figure(
-        "one tooth pair from its first touch to its last, one a torque and position"
+        "one tooth pair from its first touch to its last, one per torque and position"
     )
 
 

@@ -74,7 +74,7 @@ class LoadedContact(Result):
 
     @cached_property
     def rows(self) -> list[LoadedPosition]:
-        """One a torque and position; pair k does at phi1 what pair 0 does k pitches before."""
+        """One per torque and position; pair k does at phi1 what pair 0 does k pitches before."""
         return [self._row(k, p) for k in range(len(self.mesh.torque)) for p in range(len(self.mesh.phi1))]
 
     def _row(self, torque: int, position: int) -> LoadedPosition:
@@ -157,7 +157,7 @@ class LoadedContact(Result):
 
     @cached_property
     def tooth_pair(self) -> list[ToothPairPosition]:
-        """One tooth pair over the cycle of meshing: one a torque and rotation of the pinion, counted from where the pair is at phi1
+        """One tooth pair over its engagement: one per torque and rotation of the pinion, counted from where the pair is at phi1
         as others are a whole number of pitches before or after; `peak_pressure` is NaN where `edge_contact` is."""
         found = []
         for torque, load in zip(self.mesh.torque, self.mesh.loads, strict=True):
@@ -205,7 +205,7 @@ class LoadedContact(Result):
 
     @cached_property
     def totals(self) -> list[LoadedTotals]:
-        """One a torque: peak to peak of the loaded transmission error over the positions and of the unloaded one over the
+        """One per torque: peak to peak of the loaded transmission error over the positions and of the unloaded one over the
         whole mesh cycle, means of the tangent stiffness (on parallel axes also
         per mm of face, c_gamma of ISO 6336-1), the greatest of all else over the positions."""
         return [self._total(k, load) for k, load in enumerate(self.mesh.loads)]

@@ -373,7 +373,7 @@ def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: 
 
 
 def _cells(field: _Field, crossed: Sequence[str]) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
-    """Cells of the grid in which the flanks may overlap while edges of the gear, `crossed`, go through them, one a position:
+    """Cells of the grid in which the flanks may overlap while edges of the gear, `crossed`, go through them, one per position:
     positions (M,), the middles of the cells, grid places i, j (M,), and mean and greatest advance (M,) of their nodes.
 
     All of a small overlap of two flanks may lie within one cell; then nothing else shows it.

@@ -22,7 +22,7 @@ POSITIONS = 9
 
 @dataclass(frozen=True)
 class LoadFigures(Figures):
-    """A mesh under several torques, one number a torque; None where the mesh did not converge at all positions."""
+    """A mesh under several torques, one number per torque; None where the mesh did not converge at all positions."""
 
     loaded_te_peak_to_peak: list[float | None] = figure("loaded transmission error, peak to peak", "arcsec")
     max_pressure: list[float | None] = figure("largest pressure", "MPa")

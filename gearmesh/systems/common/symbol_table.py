@@ -11,7 +11,7 @@ from gearmesh.systems.system import SheetTable
 #: decimals of every value: what is less is rounding
 DECIMALS = 9
 
-#: a value a column, None where there is none
+#: one value per column, None where there is none
 Values: TypeAlias = "tuple[float | int | str | None, ...]"
 #: symbol, words, unit, values
 Row: TypeAlias = "tuple[str, str, str, Values]"

@@ -75,7 +75,7 @@ def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> list[Sheet
 
 
 def member_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> list[SheetTable]:
-    """The tables with a column a member: members, measures, root, reserves, bodies, tolerances."""
+    """The tables with one column per member: members, measures, root, reserves, bodies, tolerances."""
     return [
         table("Members", names, _member_rows(pair)),
         table("Measures of the tooth thickness", names, _measures(pair)),

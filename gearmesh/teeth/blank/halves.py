@@ -69,7 +69,7 @@ class AxialGap:
 
 
 class Rows(Protocol):
-    """How many rows of teeth a member has, and how they stand; lengths in mm, in the member's own frame."""
+    """How many rows of teeth a member has, and their positions; lengths in mm, in the member's own frame."""
 
     @property
     def halves(self) -> tuple[HalfGear, ...]:

@@ -109,7 +109,7 @@ class LoadedPattern:
         return by_member
 
     def rows(self, names: Sequence[str]) -> list[list[LoadedPanel]]:
-        """Rows of panels, a row a member, a panel a torque and half."""
+        """Rows of panels, a row per member, a panel per torque and half."""
         return [[panel for of_torque in self.panels[name] for panel in of_torque] for name in names]
 
     @cached_property

@@ -57,7 +57,8 @@ def study(
         typer.Option(
             "--record",
             metavar="FIGURES",
-            help="path (ms a row), cycle (0.1 s), fit (backlash, clearance: 0.1 s more), load (2 s a torque; needs --torque), all, "
+            help="path (ms per row), cycle (0.1 s), fit (backlash, clearance: 0.1 s more), load (2 s per torque; "
+            "needs --torque), all, "
             "or names of figures, with commas.",
         ),
     ] = "path,cycle",

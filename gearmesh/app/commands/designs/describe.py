@@ -78,7 +78,7 @@ def _sheet(design_file: Path, settings: list[str] | None, torque: float | None, 
 
 
 def _kinds() -> Listing:
-    """The kinds of design, one a line."""
+    """The kinds of design, one per line."""
     return Listing("", ("kind", "what"), [(kind, gm.system(kind).design.about) for kind in gm.kinds()])
 
 

@@ -299,7 +299,7 @@ def _with_thicknesses(cut: CutPair) -> tuple[MemberBlank, ...]:
 
 
 def member_rows(members: tuple[MemberBlank, ...], unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
-    """Rows of the table "Blank", a column a member; lengths over `unit` (mm) in `noun`."""
+    """Rows of the table "Blank", one column per member; lengths over `unit` (mm) in `noun`."""
 
     def row(item: str, kind: str, pick: Callable[[MemberBlank], float]) -> tuple[Any, ...]:
         scale = {"deg": np.pi / 180.0, "": unit, "-": 1.0}[kind]
