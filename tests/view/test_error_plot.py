@@ -26,7 +26,7 @@ def test_roots_join_three_pairs_and_bars_are_the_harmonics(monkeypatch: pytest.M
     for line, turns in ((errors.lines[0], -1), (errors.lines[2], 1)):
         np.testing.assert_allclose(line.get_xydata(), curve + np.array([turns * pitch, 0.0]), atol=1e-9)
     assert np.nanmax(np.ptp(curve[:, 0])) > 1.5 * pitch
-    roots = drawn["change of teeth"]
+    roots = drawn["change of tooth pairs"]
     assert len(roots) >= 3
     np.testing.assert_allclose(np.diff(roots[:, 0]), pitch, rtol=1e-9)
     for phi1, te in roots[1:3]:

@@ -17,7 +17,7 @@ the contact radius, before it became the default here:
 - Discretisation. Node to surface gives the same peak (1462 MPa) but no totals of the contact forces.
 - Elements. C3D8 gives the same peak (1465 MPa) and is too stiff in bending; C3D20R with a/h = 4 gives 1466 MPa in twice
   the time of C3D8I with a/h = 8.
-- Large displacements change the rotation by 0.7 % and are left out: Hertz, and the bending of teeth, are linear theory.
+- Large displacements change the rotation by 0.7 % and are neglected: Hertz, and the bending of teeth, are linear theory.
 """
 
 from __future__ import annotations

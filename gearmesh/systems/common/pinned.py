@@ -1,4 +1,4 @@
-"""Values of keys that a design leaves out and that its build chose, read off what was built: what pins a design."""
+"""Values of keys that a design does not set and that its build chose, read off what was built: what pins a design."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 Lengths in mm, angles in deg, all of them positive but the number of teeth, which is negative of an internal member. Where flanks
 begin and end is read off the teeth as they are built, undercut and broken edges included; all else is closed form (see `geometry`,
-`measures`, `line_of_action`), but for the root (`root`) and masses (`mass`). Assembly errors are left out.
+`measures`, `line_of_action`), but for the root (`root`) and masses (`mass`). Assembly errors are neglected.
 """
 
 from __future__ import annotations

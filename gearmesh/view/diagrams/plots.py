@@ -132,7 +132,9 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
     roots = everywhere(np.array(cycle.handovers, dtype=float))
     if roots.size:
         te = np.interp(roots % pitch, *gears) / rad
-        axes.plot(np.degrees(roots), te, ls="", marker="D", ms=5, mfc="white", mec=CURVES[0], label="change of teeth")
+        axes.plot(
+            np.degrees(roots), te, ls="", marker="D", ms=5, mfc="white", mec=CURVES[0], label="change of tooth pairs"
+        )
     for k, place in enumerate(everywhere(np.array([gap.phi1 for gap in cycle.breaks], dtype=float))):
         label = {"label": "jump: edge contact bridges it"} if k == 0 else {}
         axes.axvline(np.degrees(place), color=EDGE, lw=1.2, ls="--", **label)

@@ -1,7 +1,7 @@
 """The data sheet of a pinion and a rack: symbols, words, units and values of ISO 21771-1, as on that of a cylindrical pair.
 
 Lengths in mm, angles in deg. Where flanks begin and end is read off the teeth as they are built; all else is closed form, but for
-the pinion's root and masses. Heights of the rack are over its reference plane. Assembly errors are left out.
+the pinion's root and masses. Heights of the rack are over its reference plane. Assembly errors are neglected.
 """
 
 from __future__ import annotations

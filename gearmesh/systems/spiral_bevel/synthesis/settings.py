@@ -73,7 +73,7 @@ class FlankForm:
 
     Over its active flank, at coordinates `along` (I, J) and `up` (I, J) from -1 to 1, the side has the ease-off `reached` (I, J),
     mm, where `wanted` (I, J) was asked for (NaN where the gear has no conjugate), by its polynomial the five `parameters`. Both
-    leave out that the flank is turned about the pinion's axis, to be `away` (mm) in the middle: nowhere it stands out."""
+    neglect that the flank is turned about the pinion's axis, to be `away` (mm) in the middle: nowhere it projects."""
 
     values: dict[str, float]
     roll: tuple[float, ...]
