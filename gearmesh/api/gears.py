@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.questions import SolvedGears
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.lengths import Length, in_mm
@@ -34,13 +34,12 @@ if TYPE_CHECKING:
     from gearmesh.answers.sheet import Compensation, DesignSheet
     from gearmesh.api.report import ReportPage
     from gearmesh.api.run import Report
-    from gearmesh.loaded.mounts import FlexibleMount
     from gearmesh.study.largest_errors import LargestErrors
     from gearmesh.study.study import Study
     from gearmesh.view.picture import Animation, Diagram, Picture
 
 
-class Gears(GearSet):
+class Gears(SolvedGears):
     """The gears of a design: exact teeth of all members, their mounting, and the pairs that mesh.
 
     Nothing is computed before it is asked for. Angles are in deg, torques in Nm, lengths in mm, as in the results, or texts with
@@ -96,27 +95,6 @@ class Gears(GearSet):
 
     # ---------------------------------------------------------------- contact
 
-    def contact(
-        self,
-        phi1: ArrayLike | None = None,
-        *,
-        torque: float | None = None,
-        load_sharing: bool = False,
-        cycle: bool = True,
-        turns: bool = False,
-        pair: int | str = 0,
-    ) -> Contact:
-        """Tooth contact of a pair: the path of one tooth pair at `phi1` (P,), deg, and the whole mesh cycle.
-
-        Without `phi1` at the design's positions; with a `torque` (Nm) on the pinion also the Hertz pressure along the path, all
-        load on the one tooth pair or, for `load_sharing`, the share of it that `loaded` gives the pair; without `cycle` the path
-        alone. With `turns` also the transmission error over whole turns of eccentric members, until the same teeth meet again.
-        `pair`: its number, or its members as "sun-planet_1".
-        """
-        from gearmesh.answers.questions import contact
-
-        return contact(self, phi1, torque=torque, load_sharing=load_sharing, cycle=cycle, turns=turns, pair=pair)
-
     def ease_off(self, *, pair: int | str = 0) -> EaseOffMap:
         """How far the pinion's flank stays from the gear's, over its whole face, when the gears turn at their nominal ratio.
 
@@ -125,31 +103,6 @@ class Gears(GearSet):
         from gearmesh.answers.contact.ease_off import ease_off_of
 
         return ease_off_of(self.design, self.train.pair(pair))
-
-    def loaded(
-        self,
-        torque: ArrayLike,
-        phi1: ArrayLike | None = None,
-        *,
-        pair: int | str = 0,
-        progress: Progress = silent,
-        mounts: Mapping[str, FlexibleMount] | None = None,
-        contact: Contact | None = None,
-    ) -> LoadedContact:
-        """Contact of a pair under one torque or several, Nm, on the pinion: load of every tooth pair, loaded transmission error,
-        pressures, stiffness and root stress, at rotations `phi1` (P,), deg, of the pinion, by default 21 in a pitch. In a planetary
-        set the torque is that of this mesh alone: of N equal planets the sun has N times as much.
-
-        `mounts`: elastic shafts and bearings, by the members' names, as {"pinion": FlexibleMount.of([2e5, 2e5, 1e5, inf, inf,
-        inf])}, instead of the design's own; displacements are then reported, and are part of the transmission error. `contact`:
-        that of the pair, where it is solved already: its mesh cycle gives the transmission error without load.
-
-        Raises DesignError for torques that are not above 0 and for eccentric members, NoSolutionError where no teeth touch without
-        load.
-        """
-        from gearmesh.answers.questions import loaded
-
-        return loaded(self, torque, phi1, pair=pair, progress=progress, mounts=mounts, contact=contact)
 
     # ---------------------------------------------------------------- solids
 
@@ -275,12 +228,6 @@ class Gears(GearSet):
         solids = {name: self.solid(name, tolerance) for name in self.members}
         chosen = self.train.different if pair is None else (pair,)
         return self.checked({k: self.contact(pair=k) for k in chosen}, solids)
-
-    def checked(self, contacts: Mapping[int, Contact], solids: dict[str, Solid]) -> Check:
-        """The check of solved contacts, by the numbers of their pairs, and of solids by the names of their members."""
-        from gearmesh.answers.questions import checked
-
-        return checked(self, contacts, solids)
 
     def roll(self, contact: Contact) -> RollTest:
         """The roll test of the meshed flanks at positions of a solved contact."""

@@ -12,9 +12,8 @@ from gearmesh.answers.bodies.solid import member_solid, solids_of
 from gearmesh.answers.check import roll_test
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.rolling import rolling_contact
-from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.load.loaded import LoadedContact
-from gearmesh.answers.questions import contact as solved_contact
+from gearmesh.answers.questions import SolvedGears
 from gearmesh.api.study_pictures import study_pictures
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.mesh.solid import gear_solid
@@ -39,7 +38,7 @@ WORM = "worm"
 
 
 def picture(
-    gears: GearSet,
+    gears: SolvedGears,
     view: str,
     member: str | None,
     phi1: ArrayLike | None,
@@ -69,7 +68,7 @@ def picture(
         if view == "contact_lines":
             return Picture(pictures.tool_contact_picture(mesh, name, size or pictures.SIZE, title))
         return _tool_picture(gears, mesh, name, worm, size or pictures.SIZE, title)
-    contact = solved_contact(gears, phi1, cycle=view == "te", turns=view == "turns", pair=pair)
+    contact = gears.contact(phi1, cycle=view == "te", turns=view == "turns", pair=pair)
     path = contact.path
     if not path.touching.any():
         raise NoSolutionError(reason="there is no contact at any of the positions", remedy="choose another phi1")
@@ -117,17 +116,19 @@ def save_pictures(answer: LoadedContact | Study, folder: Path) -> tuple[Path, ..
     return LoadedPictures(answer).save(folder)
 
 
-def animation(gears: GearSet, phi1: ArrayLike | None, size: tuple[int, int], pair: int | str, note: str) -> Animation:
+def animation(
+    gears: SolvedGears, phi1: ArrayLike | None, size: tuple[int, int], pair: int | str, note: str
+) -> Animation:
     """The section through a mesh, rolling through one pitch, as `Gears.animation` says."""
     mesh = gears.train.pair(pair)
-    path = solved_contact(gears, phi1, cycle=False, pair=pair).path
+    path = gears.contact(phi1, cycle=False, pair=pair).path
     title = gears.title + (f", {note}" if note else "")
     rolling = rolling_contact(mesh, path, np.arange(FRAMES) / FRAMES)
     return Animation(tuple(mesh_section(rolling, _meshes(gears, mesh), size, title).scenes()))
 
 
 def _tool_picture(
-    gears: GearSet, mesh: GearPair, name: str, worm: ToolPart | None, size: tuple[int, int], title: str
+    gears: SolvedGears, mesh: GearPair, name: str, worm: ToolPart | None, size: tuple[int, int], title: str
 ) -> Picture:
     """A member with the tool that generates it, or with its `worm`."""
     tooth = mesh.members[name].tooth if worm is None or worm.tooth is None else worm.tooth
@@ -143,7 +144,7 @@ def _tool_picture(
     return Picture(pictures.tool_picture(mesh, name, tool, part, size, title))
 
 
-def _meshes(gears: GearSet, mesh: GearPair) -> dict[str, TriangleMesh]:
+def _meshes(gears: SolvedGears, mesh: GearPair) -> dict[str, TriangleMesh]:
     """Both members of a pair within the design's tolerance, own frames."""
     return {name: member_solid(gears.design, each, gears.within(None)).mesh for name, each in mesh.members.items()}
 

@@ -13,10 +13,8 @@ from gearmesh import io
 from gearmesh.answers.bodies.solid import solid_of
 from gearmesh.answers.check import Check
 from gearmesh.answers.contact.contact import Contact
-from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.load.loaded import LoadedContact
-from gearmesh.answers.questions import checked, loaded_meshes
-from gearmesh.answers.questions import contact as solved_contact
+from gearmesh.answers.questions import SolvedGears, loaded_meshes
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.sheet import DesignSheet, sheet_of
 from gearmesh.answers.tables import Listing, figures
@@ -125,7 +123,7 @@ def _frame(file: Path, members: tuple[str, ...]) -> str:
 
 
 def run(
-    gears: GearSet,
+    gears: SolvedGears,
     folder: Path,
     tolerance: float,
     progress: Progress,
@@ -148,7 +146,7 @@ def run(
         return folder / name
 
     progress(0.05, "tooth contact")
-    contacts = {k: solved_contact(gears, pair=k) for k in gears.train.different}
+    contacts = {k: gears.contact(pair=k) for k in gears.train.different}
     for each in contacts.values():
         if not each.path.touching.any():
             raise NoSolutionError(
@@ -173,7 +171,7 @@ def run(
     placed = gears.placed(meshes) if len(gears.pairs) > 1 else pictures.in_mesh(contact.pair, meshes, contact.path)
     io.write_scene(placed, wrote("pair.vtm"))
     progress(0.45, "roll test")
-    check = checked(gears, contacts, solids)
+    check = gears.checked(contacts, solids)
     progress(0.6, "plots")
     for each in contacts.values():
         before = _prefix(gears, each.pair)
@@ -223,7 +221,7 @@ def run(
     return report
 
 
-def _prefix(gears: GearSet, pair: GearPair) -> str:
+def _prefix(gears: SolvedGears, pair: GearPair) -> str:
     """What the names of a mesh's files begin with: nothing, where there is but one."""
     return "" if len(gears.pairs) == 1 else f"{pair.pinion.name}_{pair.gear.name}_"
 

@@ -181,7 +181,7 @@ def test_pairs_that_only_load_brings_together_are_found(monkeypatch: pytest.Monk
 def test_of_equal_planets_one_carries_the_torque(monkeypatch: pytest.MonkeyPatch) -> None:
     """And is said to; not where there is one mesh."""
     said: list[tuple[str, ...]] = []
-    monkeypatch.setattr("gearmesh.answers.questions.loaded_contact_of", lambda *given, **_: said.append(given[3]))
+    monkeypatch.setattr("gearmesh.answers.load.loaded.loaded_contact_of", lambda *given, **_: said.append(given[3]))
     for sample, pair in (("planetary", 0), ("planetary", "planet_2-ring"), ("spur", 0)):
         gm.build(gm.load(SAMPLES / f"{sample}.toml")).loaded(5.0, pair=pair)
     first, second, none = ([line for line in each if "equally loaded" in line] for each in said)
