@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from gearmesh import io
-from gearmesh.answers.bodies.solid import solid_of
+from gearmesh.answers.bodies.solid import Solid, solid_of
 from gearmesh.answers.check import Check
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.load.loaded import LoadedContact
@@ -22,6 +22,7 @@ from gearmesh.api.report import report_page
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.figures import Content
 from gearmesh.files.reading import MIB, is_file, read_json
+from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
 from gearmesh.systems.system import system
 from gearmesh.teeth.train import GearPair
@@ -29,7 +30,7 @@ from gearmesh.view import opengl, pictures
 from gearmesh.view.diagrams.flank_diagrams import plot_flanks
 from gearmesh.view.diagrams.modification_diagrams import is_modified, plot_modifications
 from gearmesh.view.load.loaded_pictures import LoadedPictures
-from gearmesh.view.render import render
+from gearmesh.view.render import Image, render
 
 #: the report, which also lists the files that belong to it, and the page beside it
 REPORT, PAGE = "report.json", "report.html"
@@ -122,6 +123,84 @@ def _frame(file: Path, members: tuple[str, ...]) -> str:
     return f"own frame of the {file.stem}" if file.stem in members else "fixed frame"
 
 
+@dataclass
+class RunFolder:
+    """The folder of a run of gears, and the files that are written there, in their order."""
+
+    gears: SolvedGears
+    folder: Path
+    timing: bool
+    files: list[Path] = field(default_factory=list)
+
+    def file(self, name: str, pair: GearPair | None = None) -> Path:
+        """A file that is written now; where there are several meshes, the names of those of a `pair` begin with its members."""
+        self.files.append(self.folder / f"{'' if pair is None else self.prefix(pair)}{name}")
+        return self.files[-1]
+
+    def prefix(self, pair: GearPair) -> str:
+        """What the names of a mesh's files begin with: nothing, where there is but one."""
+        return f"{pair.pinion.name}_{pair.gear.name}_" if self.several else ""
+
+    @property
+    def several(self) -> bool:
+        """Whether there are several meshes."""
+        return len(self.gears.pairs) > 1
+
+    def write_answers(self, contacts: Mapping[int, Contact], loaded: Mapping[int, LoadedContact]) -> None:
+        """Contact and loaded contact as JSON and CSV."""
+        for under in loaded.values():
+            under.save(self.file("loaded.json", under.pair), timing=self.timing)
+        for each in contacts.values():
+            each.save(self.file("contact.json", each.pair), timing=self.timing)
+            each.save(self.file("contact.csv", each.pair))
+
+    def write_solids(self, tolerance: float, progress: Progress) -> dict[str, Solid]:
+        """All members as STL, within `tolerance` (mm)."""
+        solids = {}
+        for k, name in enumerate(self.gears.members):
+            progress(0.15 + 0.3 * k / len(self.gears.members), f"solid of the {name}")
+            target = self.file(f"{name}.stl")
+            solids[name] = solid_of(self.gears, name, tolerance, file=target)
+            solids[name].save(target)
+        return solids
+
+    def write_plots(
+        self, contacts: Mapping[int, Contact], drawn: Mapping[int, LoadedPictures], progress: Progress
+    ) -> None:
+        """Figures of contact, of loaded contact and of modifications."""
+        progress(0.6, "plots")
+        for each in contacts.values():
+            te_file, path_file = (
+                self.file(f"{name}.png", each.pair) for name in ("transmission_error", "path_of_contact")
+            )
+            rows = pictures.plots(each, te_file, path_file, self.gears.title)
+            if rows:
+                title = f"{self.gears.title}: contact on the flanks"
+                plot_flanks(self.file("flank.png", each.pair), rows, title)
+        for under_load in drawn.values():
+            progress(0.65, "pictures of loaded contact")
+            self.files += under_load.save(self.folder, self.prefix(under_load.contact.pair))
+        for name, member in self.gears.members.items():
+            if is_modified(member):
+                plot_modifications(self.file(f"{name}_modifications.png"), member)
+
+    def write_pictures(
+        self, contacts: Mapping[int, Contact], check: Check, meshes: dict[str, TriangleMesh]
+    ) -> list[tuple[str, Image]]:
+        """Pictures of teeth and gears, with `meshes` of the members; their captions and pixels, all gears first."""
+        images = []
+        for each, rolled in zip(contacts.values(), (check, *check.others), strict=True):
+            patches = rolled.roll.patches(each.pair, each.pair.pinion.name)
+            scenes = pictures.all_pictures(each.pair, each.path, patches, meshes, self.gears.title)
+            if self.several:
+                del scenes["pair.png"]
+            images += [(scene.title, render(scene, self.file(file, each.pair))) for file, scene in scenes.items()]
+        if self.several:
+            overview = pictures.set_picture(contacts[0].pair, self.gears.placed(meshes), title=self.gears.title)
+            images.append((overview.title, render(overview, self.file("pair.png"))))
+        return images[-1:] + images[:-1]
+
+
 def run(
     gears: SolvedGears,
     folder: Path,
@@ -139,81 +218,29 @@ def run(
     where no position has contact.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    stale, files = _listed(folder), list[Path]()
-
-    def wrote(name: str) -> Path:
-        files.append(folder / name)
-        return folder / name
-
-    progress(0.05, "tooth contact")
-    contacts = {k: gears.contact(pair=k) for k in gears.train.different}
-    for each in contacts.values():
-        if not each.path.touching.any():
-            raise NoSolutionError(
-                "contact.phi1", reason="no position in this range has contact; reduce the range or the assembly errors"
-            )
-    loaded: dict[int, LoadedContact] = {}
-    if torque is not None:
-        loaded = loaded_meshes(gears, torque, contacts, lambda fraction, doing: progress(0.05 + 0.1 * fraction, doing))
-    for under in loaded.values():
-        under.save(wrote(f"{_prefix(gears, under.pair)}loaded.json"), timing=timing)
-    for each in contacts.values():
-        each.save(wrote(f"{_prefix(gears, each.pair)}contact.json"), timing=timing)
-        each.save(wrote(f"{_prefix(gears, each.pair)}contact.csv"))
-    contact = contacts[0]
-    solids = {}
-    for k, name in enumerate(gears.members):
-        progress(0.15 + 0.3 * k / len(gears.members), f"solid of the {name}")
-        target = wrote(f"{name}.stl")
-        solids[name] = solid_of(gears, name, tolerance, file=target)
-        solids[name].save(target)
-    meshes = {name: solid.mesh for name, solid in solids.items()}
-    placed = gears.placed(meshes) if len(gears.pairs) > 1 else pictures.in_mesh(contact.pair, meshes, contact.path)
-    io.write_scene(placed, wrote("pair.vtm"))
+    stale, written = _listed(folder), RunFolder(gears, folder, timing)
+    contacts, loaded = _solved(gears, torque, progress)
+    written.write_answers(contacts, loaded)
+    solids = written.write_solids(tolerance, progress)
+    meshes, contact = {name: solid.mesh for name, solid in solids.items()}, contacts[0]
+    placed = gears.placed(meshes) if written.several else pictures.in_mesh(contact.pair, meshes, contact.path)
+    io.write_scene(placed, written.file("pair.vtm"))
     progress(0.45, "roll test")
     check = gears.checked(contacts, solids)
-    progress(0.6, "plots")
-    for each in contacts.values():
-        before = _prefix(gears, each.pair)
-        te_file, path_file = (wrote(f"{before}{name}.png") for name in ("transmission_error", "path_of_contact"))
-        rows = pictures.plots(each, te_file, path_file, gears.title)
-        if rows:
-            plot_flanks(wrote(f"{before}flank.png"), rows, f"{gears.title}: contact on the flanks")
     drawn = {k: LoadedPictures(each) for k, each in loaded.items()}
-    for under_load in drawn.values():
-        progress(0.65, "pictures of loaded contact")
-        files += under_load.save(folder, _prefix(gears, under_load.contact.pair))
-    for name, member in gears.members.items():
-        if is_modified(member):
-            plot_modifications(wrote(f"{name}_modifications.png"), member)
-    skipped = opengl.missing_opengl_message()
-    images = []
+    written.write_plots(contacts, drawn, progress)
+    skipped, images = opengl.missing_opengl_message(), list[tuple[str, Image]]()
     if skipped is None:
         progress(0.7, "pictures")
-        for each, rolled in zip(contacts.values(), (check, *check.others), strict=True):
-            patches = rolled.roll.patches(each.pair, each.pair.pinion.name)
-            scenes = pictures.all_pictures(each.pair, each.path, patches, meshes, gears.title)
-            if len(gears.pairs) > 1:
-                del scenes["pair.png"]
-            for file, scene in scenes.items():
-                pixels = render(scene, wrote(f"{_prefix(gears, each.pair)}{file}"))
-                if page:
-                    images.append((scene.title, pixels))
-        if len(gears.pairs) > 1:
-            overview = pictures.set_picture(contact.pair, placed, title=gears.title)
-            images.append((overview.title, render(overview, wrote("pair.png"))))
+        images = written.write_pictures(contacts, check, meshes)
     if page:
         progress(0.9, "report page")
-        # all gears, the last picture, come first
-        written = report_page(
-            gears, contacts, check=check, images=images[-1:] + images[:-1], source=source, loaded=drawn
-        )
-        written.save(wrote(PAGE))
+        html = report_page(gears, contacts, check=check, images=images, source=source, loaded=drawn)
+        html.save(written.file(PAGE))
     sheet = sheet_of(gears) if system(gears.design.kind).sheet is not None else None
-    several = tuple(contacts.values()) if len(gears.pairs) > 1 else ()
-    meshes_under_load = tuple(loaded.values()) if several else ()
-    written_files = (*files, folder / REPORT)
-    report = Report(check, contact, folder, written_files, skipped, sheet, several, loaded.get(0), meshes_under_load)
+    files, several = (*written.files, folder / REPORT), tuple(contacts.values()) if written.several else ()
+    under_load = tuple(loaded.values()) if several else ()
+    report = Report(check, contact, folder, files, skipped, sheet, several, loaded.get(0), under_load)
     report.save(folder / REPORT, timing=timing)
     for file in stale - {file.name for file in report.files}:
         (folder / file).unlink(missing_ok=True)
@@ -221,9 +248,21 @@ def run(
     return report
 
 
-def _prefix(gears: SolvedGears, pair: GearPair) -> str:
-    """What the names of a mesh's files begin with: nothing, where there is but one."""
-    return "" if len(gears.pairs) == 1 else f"{pair.pinion.name}_{pair.gear.name}_"
+def _solved(
+    gears: SolvedGears, torque: ArrayLike | None, progress: Progress
+) -> tuple[dict[int, Contact], dict[int, LoadedContact]]:
+    """Contact of every mesh that differs, and under torques (Nm) where they are given, by the numbers of the pairs."""
+    progress(0.05, "tooth contact")
+    contacts = {k: gears.contact(pair=k) for k in gears.train.different}
+    if not all(each.path.touching.any() for each in contacts.values()):
+        raise NoSolutionError(
+            "contact.phi1", reason="no position in this range has contact; reduce the range or the assembly errors"
+        )
+    if torque is None:
+        return contacts, {}
+    return contacts, loaded_meshes(
+        gears, torque, contacts, lambda fraction, doing: progress(0.05 + 0.1 * fraction, doing)
+    )
 
 
 def _listed(folder: Path) -> set[str]:

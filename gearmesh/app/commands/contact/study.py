@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from gearmesh import Gears
+    from gearmesh.study.study import Study
 
 #: shares of the work after which a pipe is told
 SHARE = 0.1
@@ -121,9 +122,8 @@ def study(
     torques = None if torque is None else torques_in_nm(torque)
     if find_limits:
         if vary or tolerance or sample is not None or output is not None:
-            raise ArgumentError(
-                "find_limits", reason="cannot be given together with --vary, --tolerance, --sample or -o"
-            )
+            why = "cannot be given together with --vary, --tolerance, --sample or -o"
+            raise ArgumentError("find_limits", reason=why)
         _find(gears, find_limits, limit or ["contact_ratio>1"], torques, mesh, json_file)
         return
     if parquet:
@@ -148,13 +148,23 @@ def study(
         )
         if output is not None:
             progress(1.0, "study: files and figures")
-            with output_folder(output):
-                found.save(output / "study.csv")
-                found.save(output / "study.json")
-                if parquet or (parquet is None and _has_pyarrow()):
-                    found.save(output / "study.parquet")
-                if pictures:
-                    gears.save_pictures(found, output)
+            _save(gears, found, output, _has_pyarrow() if parquet is None else parquet, pictures)
+    _show(found, json_file)
+
+
+def _save(gears: Gears, found: Study, folder: Path, parquet: bool, pictures: bool) -> None:
+    """Rows, summary and figures of a study as files."""
+    with output_folder(folder):
+        found.save(folder / "study.csv")
+        found.save(folder / "study.json")
+        if parquet:
+            found.save(folder / "study.parquet")
+        if pictures:
+            gears.save_pictures(found, folder)
+
+
+def _show(found: Study, json_file: str | None) -> None:
+    """The tables of a study, and what is wrong with it."""
     write_text(json_file, found.json)
     if json_file != "-":
         show(found.listings)

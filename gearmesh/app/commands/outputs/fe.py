@@ -20,7 +20,7 @@ from gearmesh.app.options import (
     load_design,
     positions_in_degrees,
 )
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.app.terminal import Progress, refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -93,15 +93,8 @@ def fe(
 
         ccx()
     gears = gm.build(design)
-    members = None if member == BOTH else (member,)
     mesh = chosen_pair(gears, pair)
-    names = tuple(gears.train.pair(mesh).members)
-    if member not in (BOTH, *names):
-        raise ArgumentError("member", member, must_be=f"one of {', '.join((*names, BOTH))}")
-    if friction and members:
-        raise ArgumentError(
-            "friction", friction, must_be=f"left out with --member {member}, which has no contact alone"
-        )
+    members = _members(tuple(gears.train.pair(mesh).members), member, friction)
     found: FiniteElements | FiniteElementSolution | FiniteElementDecks
     with working("finite-element model") as progress:
         chosen = None if program is None else program.value
@@ -123,15 +116,30 @@ def fe(
             )
             if output is not None:
                 model.save(output, program=chosen)
-            found, warnings = model, model.warnings
-            if solve:
-                found = model.solve(progress)
-                if picture is not None:
-                    gears.picture("stress", of=found).save(picture)
+            found, warnings = _solved(gears, model, picture, progress) if solve else model, model.warnings
     write_text(json_file, lambda: found.json(timing=timing))
     if json_file != "-":
         show(found.listings)
     warn(warnings)
+
+
+def _members(names: tuple[str, ...], member: str, friction: float | None) -> tuple[str, ...] | None:
+    """Which of the members with these names are modelled; None for both."""
+    if member not in (BOTH, *names):
+        raise ArgumentError("member", member, must_be=f"one of {', '.join((*names, BOTH))}")
+    if friction and member != BOTH:
+        raise ArgumentError(
+            "friction", friction, must_be=f"left out with --member {member}, which has no contact alone"
+        )
+    return None if member == BOTH else (member,)
+
+
+def _solved(gears: gm.Gears, model: FiniteElements, picture: Path | None, progress: Progress) -> FiniteElementSolution:
+    """A model solved by CalculiX, with a picture of it where one is asked for."""
+    found = model.solve(progress)
+    if picture is not None:
+        gears.picture("stress", of=found).save(picture)
+    return found
 
 
 def _refuse_fe_options(
