@@ -26,7 +26,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.bodies.solid import Solid, SolidFigures
-from gearmesh.answers.check import Check, RollTest
+from gearmesh.answers.check import Check, RollRow, RollTest
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.figures import PathSummary
 from gearmesh.answers.sheet import Compensation
@@ -126,7 +126,8 @@ class CannedGears:
 
     def check(self, tolerance: float | None = None) -> Check:
         self.told.asked = {"tolerance": tolerance}
-        rolled = [{"phi1_deg": 1.0, "te_difference_arcsec": 0.25, "a_ratio": np.float64(math.nan)}]
+        none: Any = np.float64(math.nan)
+        rolled = [RollRow(1.0, "flanks", 0.25, None, none, None, None, None)]
         solids = {
             name: Solid(self.design, tetrahedron(name), found)
             for name, found in (("pinion", self.told.figures), ("gear", FIGURES))
