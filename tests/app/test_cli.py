@@ -315,7 +315,13 @@ def test_check(job: Asked) -> None:
     assert document["mesh"]["gear"] | document["timing"]["mesh"]["gear"] == FIGURES.row
     assert document["timing"]["mesh"]["gear"] == {"seconds": 0.25}
     assert "timing" not in json.loads(run("check", INTERSECTED, "--json", "-", "--no-timing")[1])
-    assert document["roll"] == [{"phi1_deg": 1.0, "te_difference_arcsec": 0.25, "a_ratio": None}]
+    (row,) = document["roll"]
+    assert {key: value for key, value in row.items() if value is not None} == {
+        "phi1_deg": 1.0,
+        "rolled": "flanks",
+        "te_difference_arcsec": 0.25,
+    }
+    assert row["a_ratio"] is None
     assert job.asked == {"tolerance": None}
     status, out, err = run("check", INTERSECTED, "--tol", "1um")
     assert job.asked == {"tolerance": pytest.approx(1e-3)}
