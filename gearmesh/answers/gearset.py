@@ -80,7 +80,7 @@ class GearSet:
     def train(self) -> Train:
         """All members and the pairs that mesh. Raises as `build` where it is still to be built."""
         if self._train is None:
-            self._design = systems.completed(self._design)
+            self._design = systems.complete_design(self._design)
             self._train = systems.build(self._design)
         return self._train
 

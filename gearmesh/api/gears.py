@@ -263,7 +263,7 @@ class Gears(SolvedGears):
         """The design with every default and derived value given: it builds the same gears in later versions, to 1e-12 mm."""
         from gearmesh.answers.pinned import pinned
 
-        return pinned(self.design, systems.pinned(self.design, self.train), self.pairs)
+        return pinned(self.design, systems.pin(self.design, self.train), self.pairs)
 
     def compensate(self, refinish: str | None = None) -> Compensation:
         """Settings that compensate the assembly errors of the design, of the member to `refinish` where the kind leaves the choice.
@@ -495,5 +495,5 @@ def build(design: Design, *, alone: bool = False) -> Gears:
     """
     if alone:
         return Gears(design)
-    whole = systems.completed(design)
+    whole = systems.complete_design(design)
     return Gears(whole, systems.build(whole))

@@ -176,7 +176,7 @@ def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
     plain = Ladder.of([numbers[outer:][::-1], numbers[:outer]], [none], [none], angle, miss)
     settled = plain
     for _ in range(TURNS):
-        settled = settled.turned(miss)
+        settled = settled.flip(miss)
     for ladder in (settled, plain):
         triangles, _ = ladder.triangles()
         (x, y), (u, v) = (np.moveaxis(polygon[triangles[:, k]] - polygon[triangles[:, 0]], -1, 0) for k in (1, 2))

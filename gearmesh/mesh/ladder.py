@@ -103,7 +103,7 @@ class Ladder:
         order = np.argsort(owner, kind="stable")
         return made[order], owner[order]
 
-    def turned(self, miss: Miss, held: Array | None = None) -> Ladder:
+    def flip(self, miss: Miss, held: Array | None = None) -> Ladder:
         """The triangulation with diagonals turned where that brings them nearer to the surface, but for those between nodes that
         are `held` (N,) by the same number, 0 for none.
 

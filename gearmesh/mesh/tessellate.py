@@ -198,7 +198,7 @@ def _mesh(
     level = _level(plan.level, nodes.s, nodes.t)
     ladder = Ladder.of(list(lines), inner[: count - 1], inner[count - 1 :], level, nodes.miss)
     on_break = np.isin(nodes.t, tooth.face_breaks)
-    ladder = ladder.turned(nodes.miss, np.where(on_break, nodes.t, 0.0))
+    ladder = ladder.flip(nodes.miss, np.where(on_break, nodes.t, 0.0))
     triangles, strip = ladder.triangles()
     low, high = np.moveaxis(np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]], axis=-1), -1, 0)
     numbers, side = np.unique(low * nodes.s.size + high, return_inverse=True)

@@ -53,7 +53,7 @@ FOR_SECOND = 0.3
 MOST_TOGETHER = 3
 
 
-def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshError:
+def diagnose(design: Design, failure: GearmeshError, build: Build) -> GearmeshError:
     """The refusal of a design with the key in front that its owner set, and a bound of it that was tried; or as it was.
 
     Where no single key mends the design one is named that mends what was noticed, of which something else is left. The refusal
@@ -64,24 +64,24 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
     if named and not isinstance(failure, VagueError | NoSolutionError):
         return failure
     keys = [key for key, value in own.items() if _movable(key, value)]
-    trials = _Trials(type(design), own, build, Effort(MOST_EFFORT), _changed(design, own))
+    trials = _Trials(type(design), own, build, Effort(MOST_EFFORT), _changed_keys(design, own))
     for noticed in (None, failure.topic):
         trials.ask(noticed)
         intervals: list[_Interval] = []
         for group in _suspects(design, keys, failure):
-            intervals += trials.left_out(group) if intervals else trials.mending(group, named, failure.remedies)
+            intervals += trials.leave_out(group) if intervals else trials.mending(group, named, failure.remedies)
             if intervals and not trials.light:
                 break
         if intervals:
             break
     else:
         return failure if trials.effort.spent else _together(design, failure, own)
-    first, *others = [_stated(design, bound) for bound in trials.refined(intervals)]
+    first, *others = [_refusal_of(design, bound) for bound in trials.refine(intervals)]
     made = BlamedInVainError if isinstance(failure, NoSolutionError) else BlamedError
     return made(first, tuple(others), failure, whole=noticed is None)
 
 
-def _stated(design: Design, bound: KeyBound) -> GearmeshError:
+def _refusal_of(design: Design, bound: KeyBound) -> GearmeshError:
     """The bound of a key as a refusal of its own."""
     value, unit = dict(design.own())[bound.key], _unit(design, bound.key)
     if bound.value is None:
@@ -102,7 +102,7 @@ def _stated(design: Design, bound: KeyBound) -> GearmeshError:
 def _suspects(design: Design, keys: list[str], failure: GearmeshError) -> list[list[str]]:
     """Keys in the order in which they are looked at: what was changed before what was in the file; of both first what the refusal
     itself says would mend it; then what belongs to the part that it is about, before the rest."""
-    part, new_keys = failure.key, _changed(design, keys)
+    part, new_keys = failure.key, _changed_keys(design, keys)
     remedies = [key for key in failure.remedies if key in keys]
     rest = sorted((key for key in keys if key not in remedies), key=lambda key: not key.startswith(part))
     groups = ([key for key in some if (key in new_keys) is new] for new in (True, False) for some in (remedies, rest))
@@ -132,7 +132,7 @@ def without_one(design: D, build: Build) -> tuple[D, str] | None:
     trials = _Trials(type(design), dict(design.own()), build, Effort(math.inf))
     for key, value in design.own():
         if _movable(key, value) and trials.works(key, None):
-            return trials.made({**trials.own, key: None}), key
+            return trials.design_of({**trials.own, key: None}), key
     return None
 
 
@@ -257,7 +257,7 @@ class _Trials(Generic[D]):
     def mending(self, keys: list[str], named: list[str], remedies: Mapping[str, int]) -> list[_Interval]:
         """Those of the keys that mend the design, alone: `remedies`, of which the direction is known, moved that way."""
         known = {key: remedies[key] for key in keys if remedies.get(key)}
-        return list(self.move(list(known), known)) or list(self.left_out(keys)) or self.otherwise(keys, named)
+        return list(self.move(list(known), known)) or list(self.leave_out(keys)) or self.otherwise(keys, named)
 
     def otherwise(self, keys: list[str], named: list[str]) -> list[_Interval]:
         """Those of the keys that mend the design when they are moved, what was `named` first, and where nothing was, what is
@@ -292,7 +292,7 @@ class _Trials(Generic[D]):
     def _trial(self, key: str, value: float | None, most: float) -> _Outcome:
         self.effort.left -= OF_DESIGN
         try:
-            design = self.made({**self.own, key: value})
+            design = self.design_of({**self.own, key: value})
         except GearmeshError:
             return _Outcome(built=False)
         own = Effort(most - OF_BUILD)
@@ -309,11 +309,11 @@ class _Trials(Generic[D]):
             self.effort.left -= most - own.left
         return _Outcome(built=True)
 
-    def made(self, keys: dict[str, Any]) -> D:
+    def design_of(self, keys: dict[str, Any]) -> D:
         """The design of the keys that are not None."""
         return self.design(**with_keys({}, ((key, value) for key, value in keys.items() if value is not None)))
 
-    def left_out(self, keys: list[str]) -> Iterator[_Interval]:
+    def leave_out(self, keys: list[str]) -> Iterator[_Interval]:
         """Of the keys that mend the design when they are left out."""
         for key in keys:
             if not self.works(key, None):
@@ -367,7 +367,7 @@ class _Trials(Generic[D]):
 
     def _default(self, key: str) -> float | None:
         """The number that a key becomes when it is left out, None where there is none."""
-        table: Any = self.made({**self.own, key: None})
+        table: Any = self.design_of({**self.own, key: None})
         for name in key.split("."):
             # a table that is left out with its only key has none
             table = getattr(table, name, None)
@@ -388,13 +388,13 @@ class _Trials(Generic[D]):
         ]
         return _Interval(key, own, good, min(refused, key=lambda value: abs(value - good), default=own), kept)
 
-    def refined(self, intervals: list[_Interval]) -> list[KeyBound]:
+    def refine(self, intervals: list[_Interval]) -> list[KeyBound]:
         """Bounds of the keys that have to change least, as fine as the effort allows; what may have to change least comes first."""
         fine: list[_Interval] = []
         left = list(intervals)
         while left and len(fine) < MOST_NAMED:
             nearest = min(left, key=lambda interval: (interval.least, interval.most))
-            if not self._parted(nearest):
+            if not self._bisect(nearest):
                 left = [interval for interval in left if interval.key != nearest.key]
                 fine.append(nearest)
             if self.effort.spent or (fine and self.effort.left < FOR_SECOND * self.allowed):
@@ -403,7 +403,7 @@ class _Trials(Generic[D]):
         nearest_of = exact or sorted(fine + left, key=lambda interval: interval.most)[:1]
         return [self._bound(interval) for interval in sorted(nearest_of, key=lambda interval: interval.most)]
 
-    def _parted(self, of: _Interval) -> bool:
+    def _bisect(self, of: _Interval) -> bool:
         """Whether an interval that is not fine yet has become narrower."""
         wanted = FINE if self._half_left else FAIR
         if of.good is None or of.width <= wanted or of.divisions >= DIVISIONS or self.effort.spent:
@@ -427,7 +427,7 @@ class _Trials(Generic[D]):
         if of.good is None:
             return KeyBound(of.key, None, of.bad, larger=False)
         larger = of.good > of.own
-        short = _rounded(of.good, larger)
+        short = _round(of.good, larger)
         # where no more can be tried it is rounded towards what is allowed all the same
         fits = short != of.good and (self.effort.spent or self._works(self._outcome(of.key, short, self.effort.left)))
         return KeyBound(of.key, short if fits else of.good, of.bad, larger)
@@ -443,7 +443,7 @@ def _width(good: float, bad: float) -> float:
     return 0.0 if isinstance(good, int) and apart <= 1 else apart / (max(abs(good), abs(bad)) or 1.0)
 
 
-def _changed(design: Design, keys: Iterable[str]) -> tuple[str, ...]:
+def _changed_keys(design: Design, keys: Iterable[str]) -> tuple[str, ...]:
     """Those of the keys that were put in anew, alone or with their table."""
     tables = tuple(f"{key}." for key in design.changed_keys)
     return tuple(key for key in keys if f"{key}.".startswith(tables))
@@ -454,7 +454,7 @@ def _movable(key: str, value: Any) -> bool:
     return number and not key.startswith(ASIDE)
 
 
-def _rounded(value: float, up: bool) -> float:
+def _round(value: float, up: bool) -> float:
     """A number with DIGITS significant digits, rounded up or down."""
     if isinstance(value, int) or value == 0.0:
         return value

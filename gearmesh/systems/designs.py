@@ -11,7 +11,7 @@ from gearmesh.design import files
 from gearmesh.design.core import Design
 from gearmesh.design.template import template
 from gearmesh.errors import DesignError
-from gearmesh.systems.system import completed, kinds, one_of_kinds, system
+from gearmesh.systems.system import complete_design, kinds, one_of_kinds, system
 
 
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complete: bool = True) -> Design:
@@ -24,16 +24,16 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complet
     kind = files.override(data, overrides).get("kind")
     if isinstance(kind, str) and kind in kinds():
         data = files.anchor(data, system(kind).design, Path(path).parent)
-    design = stated(files.override(data, overrides)).with_changed_keys(files.overridden_keys(overrides))
-    return completed(design) if complete else design
+    design = parse_as_stated(files.override(data, overrides)).with_changed_keys(files.overridden_keys(overrides))
+    return complete_design(design) if complete else design
 
 
 def parse(mapping: Mapping[str, Any]) -> Design:
     """The design in a plain mapping. Raises DesignError with one line naming key, value and what is allowed."""
-    return completed(stated(mapping))
+    return complete_design(parse_as_stated(mapping))
 
 
-def stated(mapping: Mapping[str, Any]) -> Design:
+def parse_as_stated(mapping: Mapping[str, Any]) -> Design:
     """As `parse`, without the defaults that only geometry knows: the geometry may be impossible."""
     if "kind" not in mapping:
         raise DesignError("kind", reason="missing", must_be=one_of_kinds())

@@ -192,18 +192,18 @@ def one_of_kinds() -> str:
     return "one of " + ", ".join(f'"{kind}"' for kind in kinds())
 
 
-def completed(design: D) -> D:
+def complete_design(design: D) -> D:
     """The design with the defaults that only geometry knows. Raises DesignError for geometry that cannot exist."""
-    return _refused_by_name(design, _filled)
+    return _refused_by_name(design, _fill)
 
 
-def _filled(design: D) -> D:
+def _fill(design: D) -> D:
     derive = system(design.kind).derive
     return design if derive is None or design.complete else design.fill(derive(design))
 
 
 def _train(design: Design) -> Train:
-    own = _filled(design).in_mm()
+    own = _fill(design).in_mm()
     train: Train = system(own.kind).build(own)
     return _eccentric(own, train)
 
@@ -216,21 +216,21 @@ def _eccentric(design: Design, train: Train) -> Train:
     if not any(map(any, off.values())):
         return train
 
-    def placed(member: Member) -> Member:
+    def place(member: Member) -> Member:
         return replace(member, mount=replace(member.mount, eccentricity=off[member.name]))
 
-    pairs = tuple(replace(pair, pinion=placed(pair.pinion), gear=placed(pair.gear)) for pair in train.pairs)
+    pairs = tuple(replace(pair, pinion=place(pair.pinion), gear=place(pair.gear)) for pair in train.pairs)
     return replace(train, pairs=pairs, alike=())
 
 
-def _tried(design: Design) -> object:
+def _try_build(design: Design) -> object:
     own = system(design.kind)
-    return own.build(_filled(design).in_mm()) if own.tried is None else own.tried(design.in_mm())
+    return own.build(_fill(design).in_mm()) if own.tried is None else own.tried(design.in_mm())
 
 
 def build(design: Design) -> Train:
     """The gear set of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
-    whole = completed(design)
+    whole = complete_design(design)
     train = _refused_by_name(whole, _train)
     return replace(train, warnings=(*train.warnings, *_of_small_teeth(whole), *_of_other_defaults(whole)))
 
@@ -252,9 +252,9 @@ def _refused_by_name(design: D, make: Callable[[D], T], tried: Callable[[D], obj
     except FileError:
         raise
     except (DesignError, NoSolutionError) as failure:
-        from gearmesh.systems.blame import blamed
+        from gearmesh.systems.blame import diagnose
 
-        raise blamed(design, failure, tried or _tried) from failure
+        raise diagnose(design, failure, tried or _try_build) from failure
 
 
 def build_without_one(design: D) -> tuple[D, Train, str] | None:
@@ -267,7 +267,7 @@ def build_without_one(design: D) -> tuple[D, Train, str] | None:
     mended = without_one(design, _train)
     if mended is None:
         return None
-    whole, key = completed(mended[0]), mended[1]
+    whole, key = complete_design(mended[0]), mended[1]
     return whole.with_values({key: dict(design.own())[key]}), build(whole), key
 
 
@@ -281,11 +281,11 @@ def _of_small_teeth(design: Design) -> tuple[str, ...]:
     return (f"contact.delta = {delta:.4g} mm: the default, instead of {DELTA:g} mm because the teeth are small",)
 
 
-def pinned(design: D, train: Train) -> D:
+def pin(design: D, train: Train) -> D:
     """A design with everything given that its gear set was built of, so that no default has a part in it any more."""
     from gearmesh.systems.common.pinned import body_values
 
-    whole = completed(design)
+    whole = complete_design(design)
     own, of_kind = whole.in_mm(), system(design.kind).pinned
     values = {**body_values(own, train), **({} if of_kind is None else of_kind(own, train))}
     given = {key: _in_units(whole, key, value) for key, value in values.items() if value is not None}
@@ -318,4 +318,4 @@ def worm(design: Design) -> ToolPart:
     made = system(design.kind).worm
     if made is None:
         raise ArgumentError("member", "worm", must_be=f"pinion or gear; kind {design.kind} has no worm")
-    return made(completed(design).in_mm())
+    return made(complete_design(design).in_mm())

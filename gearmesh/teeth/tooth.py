@@ -394,14 +394,14 @@ class Tooth:
     def _crest(self, side: ToothSide, crest: Crest, stations: Array, t: Array) -> tuple[Array, Array]:
         """Parameters (T,) of flank and crest where they meet at each station."""
         axial = self.blank.axial
-        p, q = (np.full_like(stations, each) for each in crest.joint)
+        p, q = (np.full_like(stations, parameter) for parameter in crest.joint)
         if not crest.crossed:
             return p, q
         start = [p, along(side.flank, p, stations, axial)[0], q, along(crest.surface, q, stations, axial)[0]]
-        found = intersection((side.flank, crest.surface), np.stack(start, axis=-1), stations, axial)
-        if not found.converged.all():
-            raise TrimError("edge", float(t[int(np.argmin(found.converged))]), "flank and tip chamfer do not meet")
-        return found.values[:, 0], found.values[:, 2]
+        solution = intersection((side.flank, crest.surface), np.stack(start, axis=-1), stations, axial)
+        if not solution.converged.all():
+            raise TrimError("edge", float(t[int(np.argmin(solution.converged))]), "flank and tip chamfer do not meet")
+        return solution.values[:, 0], solution.values[:, 2]
 
     def _root_angle(self, side: ToothSide, stations: Array) -> Array:
         """Polar angle (T,), rad, of the end of a side's fillet at stations (T,)."""

@@ -74,7 +74,7 @@ class Drawing(Protocol):
     @property
     def as_part(self) -> bool: ...
 
-    def drawn(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
+    def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
         """The tool that generates these `sides`, one or two, in its frame."""
 
 
@@ -85,7 +85,7 @@ class PartDrawing:
     turning: bool = True
     as_part: bool = True
 
-    def drawn(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
+    def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
         return (), ()
 
 
@@ -97,21 +97,21 @@ class TurnedDrawing:
     turning: bool = True
     as_part: bool = False
 
-    def drawn(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
+    def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
         through = float(np.arctan2(at.point[1], at.point[0]))
         sheets, sections = [], []
         for side in sides:
             section = []
             for region, surface, p in side.parts(side.joint[0] + SHOWN * (side.tip - side.joint[0])):
                 jet = surface.tool.jet(*surface.on_tool(p, np.full_like(p, at.parameters[1])))
-                sheets.append(_sheet(region, _revolved(jet, np.linspace(0.0, 2.0 * np.pi, AROUND))))
-                section.append(_revolved(jet, np.array([through])).r[:, 0])
+                sheets.append(_sheet(region, _revolve(jet, np.linspace(0.0, 2.0 * np.pi, AROUND))))
+                section.append(_revolve(jet, np.array([through])).r[:, 0])
             sections.append(np.concatenate(section))
         if len(sections) == 2:
             first, second = sections
             ring = np.linspace(first[-1], second[-1], 2)
             flat = Jet(ring, np.broadcast_to(AXIS, ring.shape), *(np.zeros_like(ring),) * 4)
-            sheets.append(_sheet("land", _revolved(flat, np.linspace(0.0, 2.0 * np.pi, AROUND) - through)))
+            sheets.append(_sheet("land", _revolve(flat, np.linspace(0.0, 2.0 * np.pi, AROUND) - through)))
             sections = [np.concatenate((first, second[::-1]))]
         return tuple(sheets), tuple(sections)
 
@@ -120,7 +120,7 @@ def _sheet(region: str, jet: Jet) -> ToolSheet:
     return ToolSheet(region, jet.r, jet.n)
 
 
-def _revolved(line: Jet, angles: Array) -> Jet:
+def _revolve(line: Jet, angles: Array) -> Jet:
     """A line (P,) turned about the z axis, each of its points to the angles (A,), rad: (P, A)."""
     at = np.arctan2(line.r[:, 1], line.r[:, 0])
     turned = Rigid.about_z(angles - at[:, None])
@@ -137,7 +137,7 @@ class StraightDrawing:
     turning: bool = False
     as_part: bool = False
 
-    def drawn(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
+    def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
         return tuple(self._sheets(sides, at)), ()
 
     def _sheets(self, sides: list[DrawnSide], at: DrawnPlace) -> Iterator[ToolSheet]:

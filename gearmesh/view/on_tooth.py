@@ -70,7 +70,7 @@ def path_on_surface(view: ToothView, contact: MemberContact, between: int = 8) -
     point[contact.along_lines] = np.nan
     if not np.isfinite(point).any():
         return ()
-    point, normal = _refined(point, between), _refined(contact.normal, between)
+    point, normal = _refine(point, between), _refine(contact.normal, between)
     on_surface = view.project(point)
     # Edge contact lies on the trimmed edge itself, where `project` may fall to either side: the chord is near enough.
     on_surface = np.where(np.isfinite(on_surface), on_surface, point)
@@ -141,13 +141,13 @@ def _between(contact: MemberContact, run: NDArray[np.int64], between: int) -> tu
     """
     major, normal = contact.major[run], contact.normal[run]
     turned = np.where(dot(major[1:], major[:-1]) < 0.0, -1.0, 1.0)
-    major = _refined(major * np.cumprod(np.r_[1.0, turned])[:, None], between)
-    normal = unit(_refined(normal, between))
+    major = _refine(major * np.cumprod(np.r_[1.0, turned])[:, None], between)
+    normal = unit(_refine(normal, between))
     major = unit(major - dot(major, normal)[:, None] * normal)
-    minor = cross(normal, major) / _refined(contact.semi_minor[run], between)[:, None]
-    major = major / _refined(contact.semi_major[run], between)[:, None]
+    minor = cross(normal, major) / _refine(contact.semi_minor[run], between)[:, None]
+    major = major / _refine(contact.semi_major[run], between)[:, None]
     form = major[:, :, None] * major[:, None, :] + minor[:, :, None] * minor[:, None, :]
-    return _refined(contact.point[run], between), form
+    return _refine(contact.point[run], between), form
 
 
 def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
@@ -199,7 +199,7 @@ def _last_inside(place: Callable[[Array, NDArray[np.intp]], Array], inside: Arra
     return last_true(lambda x, index: np.isfinite(place(x, index)[..., 0]), inside, outside, rounds=24)[0]
 
 
-def _refined(values: Array, between: int) -> Array:
+def _refine(values: Array, between: int) -> Array:
     """Values (P, ...) with linear interpolation in `between` steps from each to the next."""
     fraction = np.arange(between * (len(values) - 1) + 1) / between
     left = np.minimum(fraction.astype(int), max(len(values) - 2, 0))

@@ -61,7 +61,7 @@ def contact_picture(
 
     `view`, of `tooth_view`, saves meshing the tooth again, here and in the other pictures of a tooth.
     """
-    view = replace(view or tooth_view(pair, name), title=_titled(title, f"{name}, path of contact"), size=size)
+    view = replace(view or tooth_view(pair, name), title=_title(title, f"{name}, path of contact"), size=size)
     return member_scene(view, contact_on(pair.index(name), path, pair.mounts))
 
 
@@ -80,7 +80,7 @@ def pattern_picture(
         )
     view = replace(
         view or tooth_view(pair, name),
-        title=_titled(title, f"{name}, contact pattern, union of the ellipses"),
+        title=_title(title, f"{name}, contact pattern, union of the ellipses"),
         size=size,
     )
     return pattern_scene(view, contact, _pattern_grid(pair, name))
@@ -99,7 +99,7 @@ def gap_picture(
     contact = contact_on(pair.index(name), path, pair.mounts)
     view = replace(
         view or tooth_view(pair, name),
-        title=_titled(title, f"{name}, contact pattern, roll test of the meshes"),
+        title=_title(title, f"{name}, contact pattern, roll test of the meshes"),
         size=size,
     )
     return gap_scene(view, contact, _pattern_grid(pair, name), patches, pair.delta)
@@ -112,13 +112,13 @@ def pair_picture(
     k = _middle(path)
     first, second = (meshes[name] for name in pair.members)
     return pair_scene(
-        first, second, pair, (float(path.rotation[k]), float(path.phi2[k])), _titled(title, "pair in mesh"), size
+        first, second, pair, (float(path.rotation[k]), float(path.phi2[k])), _title(title, "pair in mesh"), size
     )
 
 
 def set_picture(gears: GearPair, placed: dict[str, TriangleMesh], size: Size = SIZE, title: str = "") -> Scene:
     """All members of a gear set of several meshes, of which `gears` is the first, in the fixed frame."""
-    return set_scene(placed, gears.pinion.mount.axis, _titled(title, "gears in mesh"), size)
+    return set_scene(placed, gears.pinion.mount.axis, _title(title, "gears in mesh"), size)
 
 
 def tool_picture(
@@ -130,7 +130,7 @@ def tool_picture(
     side = _side(pair, name)
     shown = f"{name}, {side} flank, and its {tool.name}"
     grid = member.tooth.flank_grid(side, s, t).points
-    return tool_scene(gear_solid(plain, WHOLE), tool, grid, part, _titled(title, shown), size)
+    return tool_scene(gear_solid(plain, WHOLE), tool, grid, part, _title(title, shown), size)
 
 
 def tool_contact_picture(pair: GearPair, name: str, size: Size = SIZE, title: str = "") -> Scene:
@@ -139,10 +139,10 @@ def tool_contact_picture(pair: GearPair, name: str, size: Size = SIZE, title: st
     contact = tool_contact(tooth, side)
     mesh = teeth_mesh(tessellate(tooth, FINE), name, np.array([0]))
     shown = f"{name} and its {contact.name}, {side} flank: lines of contact"
-    return tool_contact_scene(contact, mesh, _titled(title, shown), size)
+    return tool_contact_scene(contact, mesh, _title(title, shown), size)
 
 
-def _titled(title: str, what: str) -> str:
+def _title(title: str, what: str) -> str:
     return f"{title}: {what}" if title else what
 
 

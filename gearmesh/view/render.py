@@ -54,7 +54,7 @@ def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] |
     if path is not None and Path(path).suffix.lower() not in _KINDS:
         raise OutputError("cannot write", path, reason=f"the suffix of a picture must be {', '.join(_KINDS)}")
     size = size or scene.size
-    image = _lettered(_photograph(scene, size), scene, size)
+    image = _letter(_photograph(scene, size), scene, size)
     if path is not None:
         from matplotlib.image import imsave
 
@@ -174,7 +174,7 @@ def _half_space(origin: Array, inwards: Array) -> Any:
 # --- what lies on them ---
 
 
-def _known(points: Array) -> NDArray[np.bool_]:
+def _is_finite(points: Array) -> NDArray[np.bool_]:
     """Which of the points (..., 3) are no NaN, (...,)."""
     return np.asarray(np.isfinite(points).all(axis=-1))
 
@@ -186,7 +186,7 @@ def _grid_surface(points: Array, values: Array) -> Any:
     quads = np.stack(
         (index[..., :-1, :-1], index[..., 1:, :-1], index[..., 1:, 1:], index[..., :-1, 1:]), axis=-1
     ).reshape(-1, 4)
-    known = _known(points) & np.isfinite(values)
+    known = _is_finite(points) & np.isfinite(values)
     quads = quads[known.reshape(-1)[quads].all(axis=1)]
     used, cells = np.unique(quads, return_inverse=True)
     surface = _faces(points.reshape(-1, 3)[used], cells.reshape(-1, 4))
@@ -224,7 +224,7 @@ def _add_map(plotter: Any, value_map: ValueMap) -> Iterator[_Layer]:
 def _add_curve(plotter: Any, curve: Curve) -> Iterator[_Layer]:
     import pyvista
 
-    known = _known(curve.points)
+    known = _is_finite(curve.points)
     start = np.flatnonzero(known[:-1] & known[1:])
     if len(start):
         place = np.cumsum(known)[start] - 1
@@ -237,7 +237,7 @@ def _add_curve(plotter: Any, curve: Curve) -> Iterator[_Layer]:
 def _add_dots(plotter: Any, dots: Dots) -> Iterator[_Layer]:
     import pyvista
 
-    known = _known(dots.points)
+    known = _is_finite(dots.points)
     if known.any():
         actor = plotter.add_mesh(
             pyvista.PolyData(dots.points[known]),
@@ -346,7 +346,7 @@ _COLUMNS, _ROW = 4, 0.031
 _MARGIN = (0.035, 0.03)
 
 
-def _lettered(image: Image, scene: Scene, size: tuple[int, int]) -> Image:
+def _letter(image: Image, scene: Scene, size: tuple[int, int]) -> Image:
     """The picture with title and legend on top, a colour bar at the side, axes, scale and words; nothing of it is boxed."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -367,7 +367,7 @@ def _lettered(image: Image, scene: Scene, size: tuple[int, int]) -> Image:
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
-def _haloed(width: float = 3.0) -> list[Any]:
+def _halo(width: float = 3.0) -> list[Any]:
     """A white rim, so that what is written over the picture is read on any ground."""
     from matplotlib.patheffects import withStroke
 
@@ -391,13 +391,13 @@ def _draw_words(figure: Any, scene: Scene, size: tuple[int, int]) -> None:
         arrow = ("\N{LEFTWARDS ARROW} ", "") if way[0] < 0.0 else ("", " \N{RIGHTWARDS ARROW}")
         text = f"{arrow[0]}{word.text}{arrow[1]}" if cut else word.text
         across = "left" if cut and way[0] < 0.0 else "right" if cut else "center"
-        figure.text(*kept, text, ha=across, va="center", fontsize=12, color=INK, path_effects=_haloed())
+        figure.text(*kept, text, ha=across, va="center", fontsize=12, color=INK, path_effects=_halo())
 
 
 def _line(x: tuple[float, float], y: tuple[float, float], colour: str, width: float) -> Any:
     from matplotlib.lines import Line2D
 
-    return Line2D(x, y, color=colour, lw=width, solid_capstyle="butt", path_effects=_haloed(width + 2.0))
+    return Line2D(x, y, color=colour, lw=width, solid_capstyle="butt", path_effects=_halo(width + 2.0))
 
 
 def _draw_heading(figure: Any, scene: Scene) -> None:
@@ -409,7 +409,7 @@ def _draw_heading(figure: Any, scene: Scene) -> None:
     handles += [Line2D([], [], color=d.colour, marker="o", ls="", label=d.label) for d in scene.dots if d.label]
     if not handles and not scene.title:
         return
-    figure.text(0.5, 0.985, scene.title, ha="center", va="top", fontsize=13, color=INK, path_effects=_haloed())
+    figure.text(0.5, 0.985, scene.title, ha="center", va="top", fontsize=13, color=INK, path_effects=_halo())
     if handles:
         # further rows stand below the first, not on the title
         middle = _TOP + 0.02 - 0.5 * _ROW * ((len(handles) - 1) // _COLUMNS)
@@ -417,7 +417,7 @@ def _draw_heading(figure: Any, scene: Scene) -> None:
             handles=handles, loc="center", bbox_to_anchor=(0.5, middle), ncols=_COLUMNS, frameon=False, fontsize=10.5
         )
         for text in legend.get_texts():
-            text.set_path_effects(_haloed())
+            text.set_path_effects(_halo())
 
 
 def _draw_axes(figure: Any, camera: Camera, size: tuple[int, int]) -> None:
@@ -436,7 +436,7 @@ def _draw_axes(figure: Any, camera: Camera, size: tuple[int, int]) -> None:
                 place = place + np.array([0.022, 0.0])
             taken.append(place)
             x, y = centre + place * squeeze
-            figure.text(x, y, "xyz"[k], color=colour, ha="center", va="center", fontsize=10, path_effects=_haloed())
+            figure.text(x, y, "xyz"[k], color=colour, ha="center", va="center", fontsize=10, path_effects=_halo())
 
 
 def _draw_scale(figure: Any, camera: Camera, size: tuple[int, int], edge: float) -> None:
@@ -450,7 +450,7 @@ def _draw_scale(figure: Any, camera: Camera, size: tuple[int, int], edge: float)
         figure.add_artist(_line((x, x), (y - tick, y + tick), INK, 1.5))
     label = f"{length:g} mm"
     figure.text(
-        (left + right) / 2, y + 0.012, label, ha="center", va="bottom", fontsize=10, color=INK, path_effects=_haloed()
+        (left + right) / 2, y + 0.012, label, ha="center", va="bottom", fontsize=10, color=INK, path_effects=_halo()
     )
 
 
@@ -463,4 +463,4 @@ def _draw_colour_bar(figure: Any, value_map: ValueMap) -> None:
     bar.set_label(value_map.label, fontsize=11, color=INK)
     bar.ax.tick_params(labelsize=10)
     for text in (bar.ax.yaxis.label, *bar.ax.get_yticklabels()):
-        text.set_path_effects(_haloed())
+        text.set_path_effects(_halo())

@@ -21,7 +21,7 @@ from gearmesh.tools.drawing import ToolSheet
 from gearmesh.view.palette import CURVES, INK
 from gearmesh.view.scene import STEEL, TOOL, Curve, Scene, SceneBody, Word
 from gearmesh.view.tool_scene import sheet_mesh
-from gearmesh.view.views import framed
+from gearmesh.view.views import frame
 
 #: by how much a picture is larger than what it holds, how far tool and tooth are apart, in the height of what generates the flank,
 #: and how far above them lines are drawn, in its size
@@ -34,17 +34,17 @@ def tool_contact_scene(
     """The side of the tool that generates the flank, and above it the mesh of that `tooth`, own frame; in the tool's frame."""
     mesh, active = sheet_mesh(tool.sheets, tool.name), tool.active
     lift = LIFT * float(np.linalg.norm(np.ptp(active.points.reshape(-1, 3), axis=0)))
-    seen = _seen(active, -1.0)
-    placed = _opened(tool, seen, tooth)
+    seen = _axes(active, -1.0)
+    placed = _open(tool, seen, tooth)
     # what generates the flank; along a thread no more than the line itself
     rim = _rim(active.points - lift * active.normals)
     curves = [Curve(rim, colour=INK, width=2.0)] if tool.rolls else []
     for colour, line in zip(CURVES, tool.lines, strict=False):
         points, normals = line.on_tooth
-        curves.append(Curve(line.points - lift * line.normals, _told(tool, line), colour, 4.0))
+        curves.append(Curve(line.points - lift * line.normals, _caption(tool, line), colour, 4.0))
         curves.append(Curve(placed.point(points + lift * normals), colour=colour, width=4.0))
     shown = placed.point(tooth.vertices)
-    camera = framed(seen[2], seen[1], np.concatenate((_near(tool).reshape(-1, 3), shown)), size, MARGIN)
+    camera = frame(seen[2], seen[1], np.concatenate((_near(tool).reshape(-1, 3), shown)), size, MARGIN)
     grid = placed.point(tool.flank.points)
     i, j = (n // 2 for n in grid.shape[:2])
     words = tuple(Word(word, grid[i, k], grid[i, j]) for word, k in (("toe", 0), ("heel", -1)))
@@ -52,7 +52,7 @@ def tool_contact_scene(
     return Scene(bodies, camera, tuple(curves), words=words, title=title, size=size)
 
 
-def _seen(sheet: ToolSheet, sense: float) -> Array:
+def _axes(sheet: ToolSheet, sense: float) -> Array:
     """Rows: to the right, up and towards who sees a grid, from root to tip and from toe to heel, along `sense` times its normals.
 
     The tool, seen against its normals, has its tip at the tooth's root.
@@ -64,9 +64,9 @@ def _seen(sheet: ToolSheet, sense: float) -> Array:
     return np.stack((cross(up, back), up, back))
 
 
-def _opened(tool: ToolContact, seen: Array, tooth: TriangleMesh) -> Rigid:
+def _open(tool: ToolContact, seen: Array, tooth: TriangleMesh) -> Rigid:
     """The tooth's own frame over the tool's: above the tool as it is `seen` (3, 3), its flank towards who sees it."""
-    turn = seen.T @ _seen(tool.flank, 1.0)
+    turn = seen.T @ _axes(tool.flank, 1.0)
     active, flank = tool.active.points.reshape(-1, 3) @ seen.T, tool.flank.points.reshape(-1, 3) @ turn.T @ seen.T
     shift = 0.5 * (active.max(axis=0) + active.min(axis=0) - flank.max(axis=0) - flank.min(axis=0))
     above = (_near(tool).reshape(-1, 3) @ seen.T)[:, 1].max() + APART * float(np.ptp(active[:, 1]))
@@ -81,7 +81,7 @@ def _near(tool: ToolContact) -> Array:
     return np.concatenate([sheet.points.reshape(-1, 3) for sheet in tool.sheets])
 
 
-def _told(tool: ToolContact, line: ContactLine) -> str:
+def _caption(tool: ToolContact, line: ContactLine) -> str:
     if tool.rolls:
         return f"rotation {np.degrees(line.at):.2f}°"
     return f"contact at the feed of {line.at:.2f} mm"

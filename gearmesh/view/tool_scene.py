@@ -15,7 +15,7 @@ from gearmesh.teeth.generation.tool_in_place import ToolInPlace
 from gearmesh.tools.drawing import ToolSheet
 from gearmesh.view.palette import INK, LINES, OUTLINE, PATH
 from gearmesh.view.scene import STEEL, TOOL, Camera, Curve, Dots, Scene, SceneBody, Word
-from gearmesh.view.views import framed
+from gearmesh.view.views import frame
 
 #: by how much a picture is larger than what it holds: member, tool and axes, or a rack or shaper alone, whose axes are far away
 MARGIN, CLOSE = 1.45, 2.2
@@ -57,21 +57,21 @@ def tool_scene(
         held, margin = np.concatenate((seen, *(ends for _, ends in lines))), MARGIN
     else:
         held, margin = tool.tool_to_own.point(mesh.vertices), CLOSE
-    camera = framed(*_looking(tool, grid), held, size, margin)
-    words = [_named(*line, camera) for line in lines] if tool.axes else []
-    if any(_crowded(words[-1], word, camera) for word in words[:-1]):
+    camera = frame(*_looking(tool, grid), held, size, margin)
+    words = [_axis_name(*line, camera) for line in lines] if tool.axes else []
+    if any(_too_near(words[-1], word, camera) for word in words[:-1]):
         words[-1] = replace(words[-1], point=words[-1].inside, inside=words[-1].point)
     middle = Dots(tool.touching.r[None], "middle of the flank, being generated", PATH, 9.0)
     return Scene(bodies, camera, tuple(curves), (middle,), words=tuple(words), title=title, size=size)
 
 
-def _named(axis: MachineAxis, ends: Array, camera: Camera) -> Word:
+def _axis_name(axis: MachineAxis, ends: Array, camera: Camera) -> Word:
     """The name of an axis at its upper end, that of the member's, which is z, where it comes towards the viewer."""
     k = int(np.argmax(ends @ camera.axes[2 if axis.direction is AXIS else 1]))
     return Word(axis.name, ends[k], ends[1 - k])
 
 
-def _crowded(word: Word, other: Word, camera: Camera) -> bool:
+def _too_near(word: Word, other: Word, camera: Camera) -> bool:
     """Whether two words stand too near to each other to be read."""
     apart = np.abs(camera.axes[:2] @ (word.point - other.point)) / camera.height
     return bool((apart < CROWDED).all())

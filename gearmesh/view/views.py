@@ -139,7 +139,7 @@ def set_scene(placed: Mapping[str, TriangleMesh], axis: Array, title: str, size:
     up = cross(axis, aside)
     back = unit(axis + SWUNG * aside + SWUNG * up)
     points = np.concatenate([mesh.vertices for mesh in placed.values()])
-    return Scene(bodies, framed(back, up, points, size), title=title, size=size)
+    return Scene(bodies, frame(back, up, points, size), title=title, size=size)
 
 
 def _kind(name: str) -> str:
@@ -165,7 +165,7 @@ FLAT = np.array([1.0, 1.0, 0.0])
 STEEP = np.radians(55.0)
 
 
-def framed(back: Array, up: Array, points: Array, size: tuple[int, int], margin: float = 1.3) -> Camera:
+def frame(back: Array, up: Array, points: Array, size: tuple[int, int], margin: float = 1.3) -> Camera:
     """Parallel camera looking along -`back` with `up` upwards (3,) that just holds `points` (K, 3), by `margin`."""
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = float(np.sqrt(dot(points - centre, points - centre).max()))
@@ -195,7 +195,7 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
         normal = mean * np.sign(dot(mean, normal))
     land = view.fine.only("land").normals if "land" in view.fine.region_names else grid.mean(axis=0)[None] * FLAT
     up = unit(land.mean(axis=0))
-    whole = framed(normal, up, grid, view.size, margin=FILLS)
+    whole = frame(normal, up, grid, view.size, margin=FILLS)
     right, rise, _ = whole.axes
     height = np.ptp(grid @ rise)
     front = _front(view, whole) + BEFORE * height
@@ -259,12 +259,12 @@ def pair_camera(
         first = first * np.sign(first @ (pinion.mean(axis=0) - pair.gear.mount.origin))
         second = second * np.sign(second @ (gear.mean(axis=0) - pair.pinion.mount.origin))
         side = unit(cross(first, second))
-        whole = framed(0.9 * side - 0.6 * second - 0.5 * first, -second, points, size)
+        whole = frame(0.9 * side - 0.6 * second - 0.5 * first, -second, points, size)
     else:
         along = unit(first + np.where(dot(first, second) < 0, -second, second))
         above = unit(apart - dot(apart, along) * along)
         ups = (above, cross(above, along))
-        views = (framed(along + 0.4 * up + 0.3 * cross(up, along), up, points, size) for up in ups)
+        views = (frame(along + 0.4 * up + 0.3 * cross(up, along), up, points, size) for up in ups)
         whole = min(views, key=lambda camera: camera.height)
     if close_up is None:
         return whole

@@ -32,7 +32,7 @@ from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.kernel.surface.stations import along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.mesh.hexahedra.grading import Spacing
-from gearmesh.systems.common.racks.rack_tooth import Heights, rounded
+from gearmesh.systems.common.racks.rack_tooth import Heights, round_tips
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank, gear_sides
 from gearmesh.teeth.blank.tip_edge import TipEdge
@@ -310,7 +310,7 @@ def test_two_equations_of_meshing() -> None:
         surface = replace(ground, start=start)
         u, s = rng.uniform(-0.5, 2.5, 80) * module, rng.uniform(-8.0, 8.0, 80) * module
         with np.errstate(all="ignore"):
-            generation = surface._solved(u, s)
+            generation = surface._solve(u, s)
             found = generation.solution
             jet = surface.jet(u, s)
         good = found.converged
@@ -481,7 +481,7 @@ def test_roundings_of_cutters() -> None:
         spec, heights = Spec(), Heights(module, -1.25 * module)
         spec.tool_tip_radius = rng.uniform(0.0, 0.6)
         try:
-            sides = rounded("pinion", spec, module, (flank, flank), heights)
+            sides = round_tips("pinion", spec, module, (flank, flank), heights)
         except GearmeshError:
             continue
         for rack in sides:

@@ -101,10 +101,10 @@ def test_limits_are_told_beyond_them_too() -> None:
     """Of a face gear that is undercut at its inner radius: the radius that would work, and what is beyond."""
     from gearmesh.answers.limits import limits_beyond
     from gearmesh.design import files
-    from gearmesh.systems.designs import stated
+    from gearmesh.systems.designs import parse_as_stated
 
     mapping = files.override(files.read(SAMPLES / "face_gear.toml"), ["gear.inner_radius=460"])
-    design = stated(mapping)
+    design = parse_as_stated(mapping)
     with pytest.raises(DesignError) as refused:
         gm.build(design)
     found = limits_beyond(design, refused.value)
@@ -192,7 +192,7 @@ def test_of_an_unusual_offset_one_that_works_is_named(module: float) -> None:
     with pytest.raises(GearmeshError) as refused:
         tried(offset)
     design = own.design(module=module, offset=offset, pinion={"teeth": 11}, gear={"teeth": 22})
-    line = str(blame.blamed(design, refused.value, own.tried))
+    line = str(blame.diagnose(design, refused.value, own.tried))
     found = re.match(
         rf"offset = {offset:.7g} mm: allowed is at most (?:about )?([\d.]+) mm, .*with the other keys unchanged", line
     )

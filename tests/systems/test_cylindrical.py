@@ -17,7 +17,7 @@ from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of
 from gearmesh.systems.cylindrical.geometry.interference import reserves
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
-from gearmesh.systems.system import completed
+from gearmesh.systems.system import complete_design
 from gearmesh.teeth.region import Side
 
 ARCSEC = math.pi / 180.0 / 3600.0
@@ -255,7 +255,7 @@ def test_inputs_that_say_the_same_are_the_same() -> None:
         {"transverse_pressure_angle": math.degrees(math.atan(math.tan(math.radians(20.0)) / cosine))},
     ):
         given = {key: value for key, value in {"module": 2, **keys}.items() if value is not None}
-        other = completed(
+        other = complete_design(
             gm.parse(
                 {
                     "kind": "cylindrical",

@@ -27,7 +27,7 @@ KAPPA, THETA = np.radians(np.linspace(4.0, 50.0, 6))[:, None], np.linspace(0.2, 
 
 
 def design(*overrides: str, sample: str = "face_gear") -> Any:
-    return system.completed(load(SAMPLES / f"{sample}.toml", list(overrides))).in_mm()
+    return system.complete_design(load(SAMPLES / f"{sample}.toml", list(overrides))).in_mm()
 
 
 def grinding(*overrides: str, sample: str = "face_gear") -> Grinding:

@@ -22,7 +22,7 @@ from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions, rack_member, rack_mount, rack_pair
-from gearmesh.systems.system import completed
+from gearmesh.systems.system import complete_design
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import FLANKS, Side
 from gearmesh.teeth.train import GearPair
@@ -41,7 +41,7 @@ def pair_of(case: str) -> tuple[RackMesh, GearPair]:
     helix, hand, shift, flank, off, keys = CASES[case]
     pinion = {"teeth": 20, "face_width": 20, "profile_shift": shift, "tip_alteration": 0}
     gear = {"teeth": 45, "face_width": 20}
-    design = completed(
+    design = complete_design(
         gm.parse(
             {"kind": "cylindrical", "module": 2, "helix_angle": helix, "hand": hand, "pinion": pinion, "gear": gear}
         )

@@ -27,7 +27,7 @@ from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.kernel.surface.stations import along
 from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.designs import load
 from gearmesh.systems.parabolic_helical.worm_thread import touching_range, worm_member
 from gearmesh.systems.system import worm as part_of_design
@@ -48,7 +48,7 @@ def racks(tip_radius: float = 0.3, angles: tuple[float, float] = (25.0, 20.0)) -
     lines = [Line(float(np.radians(angle)), MODULE, 0.25 * np.pi * MODULE) for angle in angles]
     right, left = (Parabola(line, 0.008, line.at_height(0.0)) for line in lines)
     spec = SimpleNamespace(tool_tip_radius=tip_radius, dedendum=DEDENDUM / MODULE)
-    return rounded("pinion", spec, MODULE, (right, left), Heights(ADDENDUM, -DEDENDUM))
+    return round_tips("pinion", spec, MODULE, (right, left), Heights(ADDENDUM, -DEDENDUM))
 
 
 def worm(threads: int = 1, hand: int = 1, radius: float = 40.0) -> Worm:

@@ -36,7 +36,7 @@ from gearmesh.view.scene import (
     ToothView,
     contact_on,
 )
-from gearmesh.view.views import framed, gap_scene, member_scene, pair_scene, pattern_scene
+from gearmesh.view.views import frame, gap_scene, member_scene, pair_scene, pattern_scene
 
 SIZE = (480, 360)
 # A bar as a tooth: its flank is part of a cylinder with an axis parallel to z, 6 mm high and 16 mm long.
@@ -306,7 +306,7 @@ def test_line_contact_shows_lines_and_no_path_through_them():
 def test_cameras_hold_what_they_show():
     points = np.random.default_rng(5).normal(size=(200, 3)) * [30.0, 5.0, 10.0] + [100.0, -20.0, 3.0]
     for back, up in (([1, 2, 3], [0, 0, 1]), ([0, -1, 0.1], [1, 0, 0])):
-        seen = framed(np.array(back, dtype=float), np.array(up, dtype=float), points, SIZE, margin=1.25).pixels(
+        seen = frame(np.array(back, dtype=float), np.array(up, dtype=float), points, SIZE, margin=1.25).pixels(
             points, SIZE
         )
         low, high = seen.min(axis=0), seen.max(axis=0)
@@ -420,7 +420,7 @@ def test_no_side_of_a_body_is_black_and_nothing_covers_the_silhouette():
     centre = body.own_to_scene.point(mesh.corners().mean(axis=1))
     facing = body.own_to_scene.vector(mesh.normals)
     for back in ([1, 1, 1], [-1, 0.5, 0.3], [0.2, -1, 0.4], [0.3, 0.2, -1]):
-        camera = framed(unit(np.array(back, dtype=float)), np.array([0.1, 1.0, 0.2]), points, SIZE)
+        camera = frame(unit(np.array(back, dtype=float)), np.array([0.1, 1.0, 0.2]), points, SIZE)
         image = render(Scene((body,), camera, size=SIZE))
         seen = dot(facing, camera.axes[2]) > 0.2
         assert colour_at(image, camera, centre[seen]).min() > 70

@@ -165,7 +165,7 @@ def vh_of(gears: GearSet, moved: tuple[str, str]) -> VHCheck:
     if made is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).vh is not None]
         raise DesignError("kind", gears.design.kind, reason="has no V-H check", allowed=" or ".join(able))
-    own = systems.completed(gears.design).in_mm()
+    own = systems.complete_design(gears.design).in_mm()
     if len({*moved} & {"V", "H", "J", "alpha"}) != 2 or len(moved) != 2:
         raise ArgumentError("moved", ",".join(moved), must_be="two of V, H, J, alpha, as V,H")
     return VHCheck(gears.design, tuple(made(own, gears.train, moved)), gears.warnings)

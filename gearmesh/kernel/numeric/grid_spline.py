@@ -67,18 +67,18 @@ class GridSpline:
             reach = np.concatenate(([own.min()], lines[1:-1], [own.max()]))
             knots.append(make_interp_spline(reach, reach, k=degrees[k]).t)
         first, second = (_basis(knots[k], degrees[k], at[..., k].ravel()) for k in (0, 1))
-        row, i, j = (each.ravel() for each in np.indices((values.size, degrees[0] + 1, degrees[1] + 1)))
+        row, i, j = (index.ravel() for index in np.indices((values.size, degrees[0] + 1, degrees[1] + 1)))
         # of each basis those few that are not 0
         i, j = (
-            base[row] + each
-            for base, each in (
+            base[row] + offset
+            for base, offset in (
                 (_first(knots[0], degrees[0], at[..., 0]), i),
                 (_first(knots[1], degrees[1], at[..., 1]), j),
             )
         )
         matrix = csr_array((first[row, i] * second[row, j], (row, i * len(y) + j)), shape=(values.size, values.size))
-        found = np.asarray(spsolve(matrix.tocsc(), values.ravel()), dtype=float)
-        return GridSpline((knots[0], knots[1]), degrees, found.reshape(values.shape))
+        coefficients = np.asarray(spsolve(matrix.tocsc(), values.ravel()), dtype=float)
+        return GridSpline((knots[0], knots[1]), degrees, coefficients.reshape(values.shape))
 
     @cached_property
     def _cells(self) -> tuple[Array, Array, Array]:
@@ -137,14 +137,14 @@ def _degree(lines: Array) -> int:
 
 def _first(knots: Array, degree: int, x: Array) -> NDArray[np.intp]:
     """Number (X,) of the first spline of a basis that is not 0 at x, (X,) when laid flat."""
-    found: NDArray[np.intp] = np.clip(
+    span: NDArray[np.intp] = np.clip(
         np.searchsorted(knots, x.ravel(), side="right") - 1, degree, len(knots) - degree - 2
     )
-    return found - degree
+    return span - degree
 
 
 def _basis(knots: Array, degree: int, x: Array, order: int = 0) -> Array:
     """Derivatives (X, N) of an order of all N splines of a basis at x (X,)."""
     basis = BSpline(knots, np.eye(len(knots) - degree - 1), degree)
-    found: Array = basis.derivative(order)(x) if order else basis(x)
-    return found
+    derivatives: Array = basis.derivative(order)(x) if order else basis(x)
+    return derivatives

@@ -83,12 +83,12 @@ class Series:
     corners: tuple[float, ...] = ()
 
     @cached_property
-    def _derived(self) -> tuple[Chebyshev, Chebyshev, Chebyshev]:
+    def _derivatives(self) -> tuple[Chebyshev, Chebyshev, Chebyshev]:
         series = Chebyshev(self.coefficients, domain=self.extent)
         return series, series.deriv(1), series.deriv(2)
 
     def at(self, a: Array) -> Values:
-        value, slope, bend = (np.asarray(each(a)) for each in self._derived)
+        value, slope, bend = (np.asarray(series(a)) for series in self._derivatives)
         return value, slope, bend
 
 
@@ -111,7 +111,7 @@ class Joined:
     def at(self, a: Array) -> Values:
         number = np.searchsorted(self.corners, a, side="right")
         pieces = [curve.at(a) for curve in self.curves]
-        value, slope, bend = (np.choose(number, each) for each in zip(*pieces, strict=True))
+        value, slope, bend = (np.choose(number, of_pieces) for of_pieces in zip(*pieces, strict=True))
         return value, slope, bend
 
 
@@ -165,28 +165,28 @@ class Meridian:
         """rho, mm, at z; where stations are planes."""
         z = np.asarray(z, dtype=float)
         a = self.axial.value(components(np.ones_like(z), 0.0, z))
-        found: Array = self.curve.at(a)[0] * self._w.normal[0]
-        return found
+        rho: Array = self.curve.at(a)[0] * self._w.normal[0]
+        return rho
 
     def value(self, r: Array) -> Array:
-        found: Array = self._w.value(r) - self.curve.at(self.axial.value(r))[0]
-        return found
+        distance: Array = self._w.value(r) - self.curve.at(self.axial.value(r))[0]
+        return distance
 
     def gradient(self, r: Array) -> Array:
         slope = self.curve.at(self.axial.value(r))[1]
-        found: Array = self._w.gradient(r) - slope[..., None] * self.axial.gradient(r)
-        return found
+        gradient: Array = self._w.gradient(r) - slope[..., None] * self.axial.gradient(r)
+        return gradient
 
     def hessian(self, r: Array, w: Array) -> Array:
         _, slope, bend = self.curve.at(self.axial.value(r))
         along = self.axial.gradient(r)
         more = bend * (along * w).sum(axis=-1)
-        found: Array = self._w.hessian(r, w) - slope[..., None] * self.axial.hessian(r, w) - more[..., None] * along
-        return found
+        hessian: Array = self._w.hessian(r, w) - slope[..., None] * self.axial.hessian(r, w) - more[..., None] * along
+        return hessian
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
-        height, slope, bend = (each[..., None] for each in self.curve.at(v))
+        height, slope, bend = (column[..., None] for column in self.curve.at(v))
         a, w, origin = self._frame
         point = (v - origin)[..., None] * a + height * w
         along = a + slope * w
@@ -196,13 +196,13 @@ class Meridian:
         turned = -bend * shorter**3 * along
         c, s = np.cos(u), np.sin(u)
 
-        def lifted(plane: Array) -> Array:
+        def lift(plane: Array) -> Array:
             return components(plane[..., 0] * c, plane[..., 0] * s, plane[..., 1])
 
         def around(plane: Array) -> Array:
             return components(-plane[..., 0] * s, plane[..., 0] * c, 0.0)
 
-        return Jet(lifted(point), lifted(n), around(point), lifted(along), around(n), lifted(turned))
+        return Jet(lift(point), lift(n), around(point), lift(along), around(n), lift(turned))
 
     def meeting(self, axial: Level, stations: Array) -> Array:
         """v (...,) near the station coordinates `stations` (...,), mm: a start value, exact for stations along its own."""

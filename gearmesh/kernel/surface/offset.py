@@ -71,7 +71,7 @@ class Offset:
             g = at.gradient
             rate = 1.0 / (1.0 - dot(g, base.n))
             r_u, r_v = (
-                _carried(r_q + a[..., None] * n_q, base.n, rate, g)
+                _carry(r_q + a[..., None] * n_q, base.n, rate, g)
                 for r_q, n_q in ((base.r_u, base.n_u), (base.r_v, base.n_v))
             )
             w = base.n - g
@@ -92,7 +92,7 @@ class Offset:
         return np.where(np.abs(step) > SETTLED, np.nan, a), at
 
 
-def _carried(along: Array, n: Array, rate: Array, g: Array) -> Array:
+def _carry(along: Array, n: Array, rate: Array, g: Array) -> Array:
     """Partials (..., 3) of moved points, for those that they have with their amounts held."""
     carried: Array = along + (dot(g, along) * rate)[..., None] * n
     return carried

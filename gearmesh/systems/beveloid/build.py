@@ -18,12 +18,12 @@ from gearmesh.kernel.numeric.algebra import Array, cross, rotation_about
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.beveloid.design import TIP_RADIUS
 from gearmesh.systems.common.axes import shifts, tilts
-from gearmesh.systems.common.backlash import thinned
+from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import Roll, member
-from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
@@ -54,7 +54,7 @@ def build(design: BeveloidDesign) -> Train:
         tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
         # a gear that is turned over counts u along its own axis turned over [LT02 Table 4]
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
-        made = member(name, spec, racks, roll, _named(letter, along), tip_key)
+        made = member(name, spec, racks, roll, _source_parameters(letter, along), tip_key)
         members.append(with_modifications(made, spec))
         rolls.append(roll)
     flank = Side(design.contact.flank)
@@ -71,10 +71,10 @@ def build(design: BeveloidDesign) -> Train:
 
 def _warnings(design: BeveloidDesign) -> tuple[str, ...]:
     why = "the rack's tooth has no room for it"
-    return adapted(design, {f"{name}.tool_tip_radius": (TIP_RADIUS, why) for name in ("pinion", "gear")})
+    return unusual_defaults(design, {f"{name}.tool_tip_radius": (TIP_RADIUS, why) for name in ("pinion", "gear")})
 
 
-def _named(letter: str, along: float) -> SourceParameters:
+def _source_parameters(letter: str, along: float) -> SourceParameters:
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {f"l_{letter}": p, f"u_{letter}": along * v}
 
@@ -86,7 +86,7 @@ def _rack(
 ) -> tuple[RackTooth, RackTooth]:
     """Standard rack, shifted by x m_n; each of the pair's four flanks is set back by a quarter of the normal backlash."""
     shift = spec.profile_shift * module
-    half_thickness = thinned(0.25 * np.pi * module, backlash, 0.25, alpha)
+    half_thickness = thin(0.25 * np.pi * module, backlash, 0.25, alpha)
     tip_height = shift + spec.addendum * module
     root_height = shift - spec.dedendum * module
     if spec.tip_diameter is not None:
@@ -107,7 +107,7 @@ def _rack(
             f"tip ({2 * (roll.radius + tip_height / np.cos(roll.cone)):.6g} mm)",
         )
     flank = Line(alpha, module, half_thickness, shift)
-    return rounded(name, spec, module, (flank, flank), Heights(tip_height, root_height))
+    return round_tips(name, spec, module, (flank, flank), Heights(tip_height, root_height))
 
 
 def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) -> Mount:
@@ -140,14 +140,14 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
     return Mount(base, sign=-1.0 if errors.turned_over else 1.0)
 
 
-def _displaced(design: BeveloidDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _displaced_bases(design: BeveloidDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     over = Rigid(rotation_about("x", np.pi if design.assembly.turned_over else 0.0), np.zeros(3))
     offset = Rigid(tilts(errors["gamma_h"], errors["gamma_v"]), shifts(errors["dx"], errors["dy"], errors["dz"]))
     return pinion, gear @ over @ offset @ over
 
 
-DISPLACEMENTS: Displacements[BeveloidDesign] = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced)
+DISPLACEMENTS: Displacements[BeveloidDesign] = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced_bases)
 
 
 def _no_working_angle(design: BeveloidDesign, reason: str, allowed: str) -> DesignError:

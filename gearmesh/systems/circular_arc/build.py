@@ -22,7 +22,7 @@ from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.systems.circular_arc.design import FILLETS
 from gearmesh.systems.circular_arc.fillets import ArcRack
 from gearmesh.systems.common.axes import shifts
-from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.system import Displacements
@@ -49,7 +49,14 @@ def build(design: CircularArcDesign) -> Train:
     mounts, specs = _mounts(design), {"pinion": design.pinion, "gear": design.gear}
     pinion, gear = (
         replace(
-            member(name, specs[name], (rack, rack), rolls[name], _named(name, rack, rolls[name], design), "addendum"),
+            member(
+                name,
+                specs[name],
+                (rack, rack),
+                rolls[name],
+                _source_parameters(name, rack, rolls[name], design),
+                "addendum",
+            ),
             mount=mounts[name],
         )
         for name, rack in racks.items()
@@ -68,7 +75,7 @@ def build(design: CircularArcDesign) -> Train:
     )
     why = "the cutter's tooth has room for no other"
     standards = {f"{name}.fillet_radius": (standard, why) for name, standard in FILLETS.items()}
-    return Train(design.kind, (pair,), (*adapted(design, standards), *_loose(design)))
+    return Train(design.kind, (pair,), (*unusual_defaults(design, standards), *_loose(design)))
 
 
 def _loose(design: CircularArcDesign) -> tuple[str, ...]:
@@ -101,17 +108,17 @@ def _mounts(design: CircularArcDesign) -> dict[str, Mount]:
     }
 
 
-def _displaced(design: CircularArcDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _displaced_bases(design: CircularArcDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     tilt = rotation_about("x", -np.radians(errors["dgamma"]))
     moved = gear.translation + shifts(errors["dC"], 0.0, 0.0)
     return Rigid(tilt, np.zeros(3)) @ pinion, Rigid(np.broadcast_to(gear.rotation, tilt.shape), moved)
 
 
-DISPLACEMENTS: Displacements[CircularArcDesign] = Displacements(("dC", "dgamma"), _displaced)
+DISPLACEMENTS: Displacements[CircularArcDesign] = Displacements(("dC", "dgamma"), _displaced_bases)
 
 
-def _named(name: str, rack: RackTooth, roll: Roll, design: CircularArcDesign) -> SourceParameters:
+def _source_parameters(name: str, rack: RackTooth, roll: Roll, design: CircularArcDesign) -> SourceParameters:
     """Source parameters theta, u and the generation angle phi of [LT85] (5), (8), (A.5), in degrees and mm."""
     letter, number, sign, offset = ("F", 1, 1.0, 0.0) if name == "pinion" else ("P", 2, -1.0, np.pi / design.gear.teeth)
     side = Side(design.contact.flank)

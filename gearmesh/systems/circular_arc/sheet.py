@@ -9,7 +9,7 @@ import numpy as np
 from gearmesh.contact.flanks import analyse
 from gearmesh.systems.circular_arc.contact_angle import contact_angle, setting_change
 from gearmesh.systems.common.plain_sheet import plain_sheet
-from gearmesh.systems.system import Sheet, SheetTable, completed
+from gearmesh.systems.system import Sheet, SheetTable, complete_design
 
 if TYPE_CHECKING:
     from gearmesh.systems.circular_arc.design import CircularArcDesign
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def contact_sheet(design: CircularArcDesign, train: Train) -> Sheet:
     """The sheet of a design and the gear set built of it; what that of any system has is part of it."""
-    own = completed(design).in_mm()
+    own = complete_design(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
     return Sheet((derived, _contact_table(own, train), *plain), {})
 

@@ -8,7 +8,7 @@ from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_most
 
 
-def thinned(half: float, backlash: float, share: float, alpha: float, whose: str = "") -> float:
+def thin(half: float, backlash: float, share: float, alpha: float, whose: str = "") -> float:
     """Half a rack tooth's or space's width (mm) less the share of the normal `backlash` (mm) by which this flank is set back.
 
     `alpha`: pressure angle, rad. Raises DesignError, naming the limit, where nothing is left.

@@ -11,15 +11,15 @@ DIGITS = 6
 
 def at_most(bound: float) -> str:
     """An upper bound, rounded down."""
-    return _rounded(bound, math.floor)
+    return _round(bound, math.floor)
 
 
 def at_least(bound: float) -> str:
     """A lower bound, rounded up."""
-    return _rounded(bound, math.ceil)
+    return _round(bound, math.ceil)
 
 
-def _rounded(bound: float, whole: Callable[[float], int]) -> str:
+def _round(bound: float, whole: Callable[[float], int]) -> str:
     if bound == 0.0 or not math.isfinite(bound):
         return f"{bound:g}"
     unit = 10.0 ** (math.floor(math.log10(abs(bound))) + 1 - DIGITS)

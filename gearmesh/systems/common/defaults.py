@@ -40,7 +40,7 @@ def deepest(fits: Callable[[float], bool], least: float, standard: float) -> flo
     return low
 
 
-def adapted(design: Design, standards: Mapping[str, tuple[float, str]]) -> tuple[str, ...]:
+def unusual_defaults(design: Design, standards: Mapping[str, tuple[float, str]]) -> tuple[str, ...]:
     """A warning for every (dotted) key that the design leaves out and whose value is not its standard one.
 
     `standards`: that value by key, in the design's units, and what keeps the default from it.

@@ -17,17 +17,17 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import shifts, tilts
-from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications, with_true_involutes
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights
-from gearmesh.systems.cylindrical.cutting.cutter import other_cutters, trimmed
+from gearmesh.systems.cylindrical.cutting.cutter import other_cutters, trimming_warnings
 from gearmesh.systems.cylindrical.cutting.hobbed import hobbed_racks
 from gearmesh.systems.cylindrical.cutting.shaped import shaped_member, shaping
 from gearmesh.systems.cylindrical.design import PROFILES
-from gearmesh.systems.cylindrical.double_helical import HALF, doubled, half_of
+from gearmesh.systems.cylindrical.double_helical import HALF, double_helical_member, half_of
 from gearmesh.systems.cylindrical.geometry.geometry import distance_of, sum_of_shifts
-from gearmesh.systems.cylindrical.geometry.interference import told
+from gearmesh.systems.cylindrical.geometry.interference import interference_warnings
 from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.geometry.shifts import addendum
@@ -52,7 +52,7 @@ def build(design: CylindricalDesign) -> Train:
     geometry = proportions(design)
     members = [member_of(design, name, geometry) for name in ("pinion", "gear")]
     if whole.double_helical:
-        members = [doubled(whole, member.name, member, geometry) for member in members]
+        members = [double_helical_member(whole, member.name, member, geometry) for member in members]
     flank = Side(design.contact.flank)
     inside = design.pinion.internal or design.gear.internal
     first, second = _mounts(design, geometry)
@@ -107,13 +107,13 @@ def _mounts(design: CylindricalDesign, geometry: PairProportions) -> tuple[Mount
     return Mount(Rigid.identity(), sign=-1.0), Mount(offset @ Rigid(tilt, np.zeros(3)), sign=-1.0 if inside else 1.0)
 
 
-def _displaced(design: CylindricalDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _displaced_bases(design: CylindricalDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     moved = gear.translation + shifts(errors["dx"], errors["dy"], errors["dz"])
     return pinion, Rigid(tilts(errors["gamma_h"], errors["gamma_v"]) @ gear.rotation, moved)
 
 
-DISPLACEMENTS = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced)
+DISPLACEMENTS = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced_bases)
 
 
 def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[str, ...]:
@@ -127,15 +127,15 @@ def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[s
             why = "its cutter generates involute up to there" if own_end else "the mating gear's involute ends there"
             standard[f"{name}.addendum"] = (PROFILES[design.profile][0], why)
     return (
-        *adapted(design, standard),
-        *_thickened(geometry),
-        *told(geometry.mesh, geometry.tips, geometry.roots),
+        *unusual_defaults(design, standard),
+        *_thickness_warnings(geometry),
+        *interference_warnings(geometry.mesh, geometry.tips, geometry.roots),
         *other_cutters(design, geometry.mesh),
-        *trimmed(design, geometry.mesh, geometry.tips),
+        *trimming_warnings(design, geometry.mesh, geometry.tips),
     )
 
 
-def _thickened(geometry: PairProportions) -> tuple[str, ...]:
+def _thickness_warnings(geometry: PairProportions) -> tuple[str, ...]:
     """A warning of teeth that the given backlash makes thicker than their profile shifts do."""
     nominal, more = geometry.nominal, geometry.mesh.pinion.allowance
     if more <= THICKER * nominal.pinion.module or more != geometry.mesh.gear.allowance:

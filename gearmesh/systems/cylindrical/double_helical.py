@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gearmesh.errors import DesignError
-from gearmesh.systems.common.bodies.body import body_features, disc_body, drilled
+from gearmesh.systems.common.bodies.body import body_features, disc_body, holes_in
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
 from gearmesh.teeth.blank.body import Body
@@ -57,7 +57,7 @@ def half_width(design: CylindricalDesign, spec: CylindricalMember) -> float:
     return 0.5 * (spec.face_width - design.gap)
 
 
-def doubled(design: CylindricalDesign, name: str, half: Member, geometry: PairProportions) -> Member:
+def double_helical_member(design: CylindricalDesign, name: str, half: Member, geometry: PairProportions) -> Member:
     """A member of a double helical design (in mm) of its first half: both halves, the gap, and the features of the body.
 
     Raises DesignError naming key, value and limit.
@@ -73,7 +73,7 @@ def doubled(design: CylindricalDesign, name: str, half: Member, geometry: PairPr
         body = Body.tube(rim, 2.0 * plane + near, -near, Region.RIM)
         groove = _groove(design, name, root, rim, geometry)
         rows = DoubleHelical(plane, near, False, groove, body)
-        holes = None if spec.holes is None else drilled(name, spec.holes, root if groove is None else groove, rim)
+        holes = None if spec.holes is None else holes_in(name, spec.holes, root if groove is None else groove, rim)
         return replace(half, holes=holes, rows=rows)
     body = disc_body(name, spec, own.bore_radius, root, tip - root).shift(plane)
     floor = own.bore_radius if body.web is None else body.web.outer

@@ -32,15 +32,15 @@ SHARED = (
 
 def shared_keys(design: ToothingKeys) -> dict[str, Any]:
     """What a design says of the keys that its pairs take over."""
-    return {key: getattr(design, key) for key in SHARED if given(design, key)}
+    return {key: getattr(design, key) for key in SHARED if is_given(design, key)}
 
 
-def given(design: ToothingKeys, key: str) -> bool:
+def is_given(design: ToothingKeys, key: str) -> bool:
     """Whether a design sets a key."""
     return design.sets(key) and getattr(design, key) is not None
 
 
-def nested(own: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+def nest(own: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, dict[str, Any]]:
     """The keys that are set of some members, as tables under other names."""
     tables: dict[str, dict[str, Any]] = {name: {} for name in names.values()}
     for dotted, value in own.items():
@@ -64,9 +64,9 @@ def in_words(make: Callable[[], T], names: Mapping[str, str]) -> T:
     try:
         return make()
     except GearmeshError as failure:
-        raise failure.reword(lambda text: renamed(text, names)) from failure
+        raise failure.reword(lambda text: rename(text, names)) from failure
 
 
-def renamed(line: str, names: Mapping[str, str]) -> str:
+def rename(line: str, names: Mapping[str, str]) -> str:
     """A line about a pair in the words of the whole."""
     return re.sub(r"\b(pinion|gear)\b", lambda match: names[match[0]], line)

@@ -27,7 +27,7 @@ from gearmesh.systems.cylindrical.geometry.mass import Bulk, bulk
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.geometry.root import CriticalSection, critical_section, lever
-from gearmesh.systems.system import Sheet, SheetTable, completed
+from gearmesh.systems.system import Sheet, SheetTable, complete_design
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member, Train
 
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 def data_sheet(design: CylindricalDesign, train: Train) -> Sheet:
     """The sheet of a cylindrical design and the gear set built of it; what that of any system has is part of it."""
-    own = completed(design).in_mm()
+    own = complete_design(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
     members = tuple(train.members[name] for name in MEMBERS)
     half = half_of(own)
@@ -207,11 +207,11 @@ def _is_ranged(spec: CylindricalMember) -> bool:
 
 def _at_end(pair: SheetPair, end: str) -> InvolutePair:
     """The mesh with thicknesses at one end, "upper" or "lower", of the allowances that are given."""
-    first, second = (_as_allowed(pair, k, end) for k in (0, 1))
+    first, second = (_at_allowance(pair, k, end) for k in (0, 1))
     return replace(pair.mesh, pinion=first, gear=second)
 
 
-def _as_allowed(pair: SheetPair, k: int, end: str) -> Toothing:
+def _at_allowance(pair: SheetPair, k: int, end: str) -> Toothing:
     """A member's teeth at one end of its allowances, as they are made where it has none."""
     given = pair.specs[k].thickness_allowance
     return pair.teeth[k] if given is None else replace(pair.teeth[k], allowance=getattr(given, end))
@@ -229,7 +229,7 @@ def _member_rows(pair: SheetPair) -> list[Row]:
         return symbol, words, "mm", pair.of_both(lambda k: 2.0 * radius(k))
 
     return [
-        ("z", "teeth; internal: negative", "-", pair.of_both(lambda k: teeth[k].signed)),
+        ("z", "teeth; internal: negative", "-", pair.of_both(lambda k: teeth[k].signed_teeth)),
         ("hand", "hand of the helix", "", pair.of_both(lambda k: hands[1 + int(np.sign(teeth[k].beta))])),
         (*_width(pair), "mm", pair.of_both(lambda k: specs[k].face_width)),
         ("x", "profile shift", "m_n", pair.of_both(lambda k: teeth[k].shift)),
@@ -292,7 +292,9 @@ def _measures(pair: SheetPair) -> list[Row]:
     ) -> list[Row]:
         made = {"": pair.teeth}
         if ends and any(_is_ranged(spec) for spec in pair.specs):
-            made |= {f", {end}": (_as_allowed(pair, 0, end), _as_allowed(pair, 1, end)) for end in ("upper", "lower")}
+            made |= {
+                f", {end}": (_at_allowance(pair, 0, end), _at_allowance(pair, 1, end)) for end in ("upper", "lower")
+            }
         return [
             (
                 symbol + end.replace(", ", "_"),

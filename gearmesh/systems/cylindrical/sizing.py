@@ -23,7 +23,7 @@ from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, j
 from gearmesh.systems.cylindrical.geometry.measures import thickness_at
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
-from gearmesh.systems.system import completed
+from gearmesh.systems.system import complete_design
 
 #: fewest teeth of a pinion that are proposed
 FEWEST = 7
@@ -94,7 +94,7 @@ def candidates(wanted: Wanted) -> list[Candidate]:
     pairs, refusal = [], None
     for keys in _designs(wanted):
         try:
-            pairs.append(_judged(keys))
+            pairs.append(_judge(keys))
         except DesignError as failure:
             refusal = failure
     if not pairs:
@@ -158,13 +158,13 @@ def _keys(wanted: Wanted, first: int, second: int, helix: float) -> dict[str, An
     }
 
 
-def _shared(keys: dict[str, Any]) -> dict[str, Any]:
+def _share_shifts(keys: dict[str, Any]) -> dict[str, Any]:
     """The keys with the pinion's profile shift: equal specific sliding, but tips of LEAST_TIP where equal parts have them."""
-    own = completed(CylindricalDesign(**keys))
+    own = complete_design(CylindricalDesign(**keys))
     sliding, equal = own.pinion.profile_shift, 0.5 * (own.pinion.profile_shift + own.gear.profile_shift)
 
     def broad(shift: float) -> bool:
-        return min(_tips(proportions(completed(CylindricalDesign(**_with_shift(keys, shift)))))) >= LEAST_TIP
+        return min(_tips(proportions(complete_design(CylindricalDesign(**_with_shift(keys, shift)))))) >= LEAST_TIP
 
     if not broad(sliding) and broad(equal):
         shifts, _ = last_true(
@@ -192,10 +192,10 @@ def _tips(geometry: PairProportions) -> tuple[float, float]:
     return first, second
 
 
-def _judged(keys: dict[str, Any]) -> Candidate:
+def _judge(keys: dict[str, Any]) -> Candidate:
     """A pair with its shifts shared. Raises DesignError for teeth that cannot exist."""
-    keys = _shared(keys)
-    design = completed(CylindricalDesign(**keys))
+    keys = _share_shifts(keys)
+    design = complete_design(CylindricalDesign(**keys))
     geometry = proportions(design)
     mesh, both = geometry.mesh, (geometry.mesh.pinion, geometry.mesh.gear)
     line = LineOfAction(mesh, (_flank(design, geometry, 0), _flank(design, geometry, 1)))

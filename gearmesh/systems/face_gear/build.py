@@ -25,13 +25,13 @@ from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.axes import gear_base, shifts
-from gearmesh.systems.common.backlash import thinned
+from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.bodies.body import body_features, bore_radius
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import Roll, member
-from gearmesh.systems.common.racks.rack_tooth import Heights, rounded
+from gearmesh.systems.common.racks.rack_tooth import Heights, round_tips
 from gearmesh.systems.face_gear.design import CLEARANCE
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.systems.face_gear.pinion_root import clear_root, unlike_standard
@@ -122,7 +122,7 @@ def derived_values(design: FaceGearDesign) -> dict[str, float]:
         "gear.inner_radius": inner,
         "gear.outer_radius": outer,
         # radii in the wrong order are told later
-        "pinion.face_width": abs(float(np.subtract(*covered(shaped, (float(inner), float(outer)))))) + m,
+        "pinion.face_width": abs(float(np.subtract(*covered_range(shaped, (float(inner), float(outer)))))) + m,
     }
 
 
@@ -133,10 +133,10 @@ def inner_limit(design: FaceGearDesign, shaped: ShapedGear) -> float:
 
 def middle(design: FaceGearDesign, shaped: ShapedGear) -> float:
     """Distance (mm) from the apex, along the pinion's axis, of the middle of the face."""
-    return 0.5 * float(sum(covered(shaped, (design.gear.inner_radius, design.gear.outer_radius))))
+    return 0.5 * float(sum(covered_range(shaped, (design.gear.inner_radius, design.gear.outer_radius))))
 
 
-def covered(shaped: ShapedGear, radii: tuple[float, float]) -> tuple[float, float]:
+def covered_range(shaped: ShapedGear, radii: tuple[float, float]) -> tuple[float, float]:
     """z (mm) in the shaper's frame where the pitch line, and a module beside it on crossed axes, meets two radii (mm)."""
     aside = shaped.shaper.module * shaped.offset / np.array(radii)
     inner, outer = shaped.place_of(np.array(radii)) + np.abs(aside) * [-1.0, 1.0]
@@ -159,7 +159,7 @@ def shaping(shaped: ShapedGear, place: float) -> Chain:
     )
 
 
-def generated(shaped: ShapedGear, place: float, profile: Profile, side: int) -> Envelope:
+def generate(shaped: ShapedGear, place: float, profile: Profile, side: int) -> Envelope:
     """What a profile of the shaper generates: `side` +1 the right side of the gear's tooth, -1 the left."""
     # of the two tangents from the instantaneous axis to the base circle, the one on the side of the flank
     return Envelope(RackSurface(profile, 0.0, 0.0, side), shaping(shaped, place), branch=1)
@@ -195,7 +195,7 @@ def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -
     shaper = shaped.shaper
     own = shaped if side > 0 else shaped.mirror_image
     tip = own.theta_at_height(design.gear.addendum * design.given_module, np.array(place))
-    flank, fillet = (generated(shaped, place, profile, side) for profile in (shaper.involute, shaper.rounding))
+    flank, fillet = (generate(shaped, place, profile, side) for profile in (shaper.involute, shaper.rounding))
     return ToothSide(
         flank=flank,
         fillet=fillet,
@@ -214,7 +214,7 @@ def _bottom(shaped: ShapedGear, place: float) -> Bottom | None:
     shaper = shaped.shaper
     # the tooth between this space and the one before
     before = np.pi + 2.0 * np.pi / shaper.teeth - shaper.root
-    return Bottom(generated(shaped, place, shaper.top, 1), (before, shaper.root))
+    return Bottom(generate(shaped, place, shaper.top, 1), (before, shaper.root))
 
 
 def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
@@ -287,7 +287,7 @@ def _pinion(design: FaceGearDesign, place: float) -> Member:
     """A spur pinion of the shaper's base pitch; either flank is set back by half of the normal backlash."""
     spec, m, alpha = design.pinion, design.given_module, float(np.radians(design.pressure_angle))
     shift = spec.profile_shift * m
-    half_thickness = thinned(0.25 * np.pi * m, design.backlash, 0.5, alpha)
+    half_thickness = thin(0.25 * np.pi * m, design.backlash, 0.5, alpha)
     flank = Line(alpha, m, half_thickness, shift)
     heights = Heights(shift + spec.addendum * m, shift - spec.dedendum * m)
     roll = Roll(0.5 * spec.teeth * m, 0.0, 0.0)
@@ -298,7 +298,7 @@ def _pinion(design: FaceGearDesign, place: float) -> Member:
         theta = np.tan(alpha) + height / (base_radius * np.sin(alpha))
         return {"theta_1": np.degrees(theta), "u_1": v + place}
 
-    racks = rounded("pinion", spec, m, (flank, flank), heights)
+    racks = round_tips("pinion", spec, m, (flank, flank), heights)
     return with_modifications(member("pinion", spec, racks, roll, source_parameters, "addendum"), spec)
 
 
@@ -323,7 +323,7 @@ def _mounts(design: FaceGearDesign, shaped: ShapedGear, place: float) -> tuple[M
     )
 
 
-def _displaced(design: FaceGearDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _displaced_bases(design: FaceGearDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     # about the common perpendicular, which is y
     opened = Rigid(rotation_about("y", np.radians(errors["d_gamma"])), np.zeros(3))
@@ -332,7 +332,7 @@ def _displaced(design: FaceGearDesign, train: Train, errors: Mapping[str, Array]
     return Rigid(np.broadcast_to(pinion.rotation, (len(moved), 3, 3)), moved), opened @ gear @ along
 
 
-DISPLACEMENTS: Displacements[FaceGearDesign] = Displacements(("dE", "dq", "d_gamma"), _displaced)
+DISPLACEMENTS: Displacements[FaceGearDesign] = Displacements(("dE", "dq", "d_gamma"), _displaced_bases)
 
 
 def _warnings(design: FaceGearDesign, shaped: ShapedGear) -> tuple[str, ...]:
@@ -340,10 +340,10 @@ def _warnings(design: FaceGearDesign, shaped: ShapedGear) -> tuple[str, ...]:
         design.pinion,
         {"shaper.addendum": (design.pinion.addendum + CLEARANCE, "its teeth would be pointed")},
     )
-    warnings = [*unlike_standard(design), *adapted(design, longer)]
+    warnings = [*unlike_standard(design), *unusual_defaults(design, longer)]
     if shaped.shaper.teeth == spec.teeth:
         warnings.append("shaper.teeth = pinion.teeth: line contact; any assembly error turns it into edge contact")
-    toe, heel = covered(shaped, (design.gear.inner_radius, design.gear.outer_radius))
+    toe, heel = covered_range(shaped, (design.gear.inner_radius, design.gear.outer_radius))
     if spec.face_width < heel - toe:
         warnings.append(
             f"pinion.face_width = {spec.face_width:g} mm: narrower than the face width of the gear, {heel - toe:.6g} mm"

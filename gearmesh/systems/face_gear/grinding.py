@@ -69,12 +69,12 @@ class Grinding:
 
         return FeedEnvelope(self.worm.thread(shaper.involute, side.sign), self.motion(), start)
 
-    def ground(self, tooth: Tooth) -> Tooth:
+    def grind(self, tooth: Tooth) -> Tooth:
         """A shaped tooth with the ground flanks instead."""
-        right, left = (self._ground(tooth.side(side), self.flank(side)) for side in Side)
+        right, left = (self._grind_side(tooth.side(side), self.flank(side)) for side in Side)
         return replace(tooth, right=right, left=left)
 
-    def _ground(self, side: ToothSide, flank: FeedEnvelope) -> ToothSide:
+    def _grind_side(self, side: ToothSide, flank: FeedEnvelope) -> ToothSide:
         """The side with its ground flank; the fillet is still the shaper's."""
         assert side.generation is not None
         return replace(side, flank=flank, tool=self.worm.description, generation=(flank, side.generation[1]))

@@ -18,7 +18,7 @@ import numpy as np
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import gear_base
-from gearmesh.systems.common.defaults import ROOM, adapted, straight_rounding
+from gearmesh.systems.common.defaults import ROOM, straight_rounding, unusual_defaults
 from gearmesh.systems.face_gear.limits import ShapedGear
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def unlike_standard(design: FaceGearDesign) -> tuple[str, ...]:
     standards = {"pinion.dedendum": (DEDENDUM, why)}
     if straight_rounding(*_rack(design, design.pinion.dedendum), TIP_RADIUS) < TIP_RADIUS:
         standards["pinion.tool_tip_radius"] = (TIP_RADIUS, "the rack's tooth has no room for it")
-    return adapted(design, standards)
+    return unusual_defaults(design, standards)
 
 
 def tips_on_pinion(design: FaceGearDesign, shaped: ShapedGear, radii: tuple[float, float]) -> tuple[Array, Array]:
@@ -108,12 +108,12 @@ def _half_space(design: FaceGearDesign, depth: float, radius: float) -> Callable
     centre_x = shift - depth + radius
     centre_y = half + (centre_x - shift) * np.tan(alpha) - radius / np.cos(alpha)
     arc = np.linspace(0.5 * np.pi, alpha, POINTS)
-    fillet = _generated(
+    fillet = _generate(
         centre_x - radius * np.sin(arc), centre_y + radius * np.cos(arc), -np.sin(arc), np.cos(arc), pitch
     )
     x = np.linspace(centre_x - radius * np.sin(alpha), shift + design.pinion.addendum, POINTS)
     one = np.ones_like(x)
-    flank = _generated(x, half + (x - shift) * np.tan(alpha), -np.sin(alpha) * one, np.cos(alpha) * one, pitch)
+    flank = _generate(x, half + (x - shift) * np.tan(alpha), -np.sin(alpha) * one, np.cos(alpha) * one, pitch)
     # an undercut flank turns back at its cusp
     cusp = int(np.argmin(flank[0]))
 
@@ -126,7 +126,7 @@ def _half_space(design: FaceGearDesign, depth: float, radius: float) -> Callable
     return room
 
 
-def _generated(x: Array, y: Array, n_x: Array, n_y: Array, pitch: float) -> tuple[Array, Array]:
+def _generate(x: Array, y: Array, n_x: Array, n_y: Array, pitch: float) -> tuple[Array, Array]:
     """Radii and polar angles (P,) that points (x, y) with normals (n_x, n_y) of the rack generate (see the module's text)."""
     off = x * n_y / n_x
     return np.hypot(pitch + x, off), np.arctan2(off, pitch + x) + (y - off) / pitch

@@ -12,7 +12,7 @@ import numpy as np
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, table
-from gearmesh.systems.face_gear.build import covered, shaped_gear
+from gearmesh.systems.face_gear.build import covered_range, shaped_gear
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.systems.system import Sheet, SheetTable
 
@@ -52,7 +52,7 @@ def half_angles(first: int, second: int, shaft_angle: float) -> tuple[float, flo
 
 def _lines(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
     """Sections of the shaper at toe and heel and where the pinion touches: the pressure angle of L_s2 on either flank."""
-    toe, heel = covered(shaped, (design.gear.inner_radius, design.gear.outer_radius))
+    toe, heel = covered_range(shaped, (design.gear.inner_radius, design.gear.outer_radius))
     right, left = (float(side.distance(np.array(side.shaper.pressure_angle))) for side in shaped.sides)
     sections = {"toe": toe, "contact, right": right, "contact, left": left, "heel": heel}
     places = np.array(list(sections.values()))

@@ -192,7 +192,7 @@ class Wall:
         length = np.hypot(z_v, radius * angle_v)
         a, b = -sense * z_v / length, sense * radius * angle_v / length
 
-        def turned(z_x: Array, slope_x: Array, angle_x: Array) -> Array:
+        def normal_change(z_x: Array, slope_x: Array, angle_x: Array) -> Array:
             """Change of the normal a around + b up."""
             change = (z_v * slope_x - radius * angle_v * z_x) / length**2
             return vector(-a * angle_x, b * change, -a * change)
@@ -202,8 +202,8 @@ class Wall:
             n=vector(zero, a, b),
             r_u=vector(radius_q, zero, zero),
             r_v=vector(radius_v, radius * angle_v, z_v),
-            n_u=turned(zero, radius_q * angle_v, zero),
-            n_v=turned(z_vv, radius_v * angle_v + radius * angle_vv, angle_v),
+            n_u=normal_change(zero, radius_q * angle_v, zero),
+            n_v=normal_change(z_vv, radius_v * angle_v + radius * angle_vv, angle_v),
         )
 
 
@@ -236,7 +236,7 @@ def worm_part(design: FaceGearDesign) -> ToolPart:
     Raises DesignError as `grinding_worm`.
     """
     tooth = build(design).pairs[0].gear.tooth
-    grinding, part = _made(design, tooth)
+    grinding, part = _make(design, tooth)
     worm = grinding.worm
     figures = GrindingFigures(
         turns=part.figures["length_mm"] / (2.0 * np.pi * worm.radius * np.tan(worm.lead_angle)),
@@ -246,10 +246,10 @@ def worm_part(design: FaceGearDesign) -> ToolPart:
         reserve_to_singular_points=float(np.degrees(grinding.reserve(tooth))),
         ground_from_shaped=1e3 * grinding.difference(tooth),
     )
-    return replace(part, figures=Summary(part.figures, figures), ground="gear", tooth=grinding.ground(tooth))
+    return replace(part, figures=Summary(part.figures, figures), ground="gear", tooth=grinding.grind(tooth))
 
 
-def _made(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
+def _make(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
     """The worm of a design (in mm) on the tooth of its gear, and as a part with the figures of its length. Raises DesignError."""
     grinding, spec = grinding_of(design), design.worm
     shaped, height = grinding.shaped, design.gear.addendum * design.given_module
@@ -263,7 +263,7 @@ def _made(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
 def pinned_values(design: FaceGearDesign, train: Train) -> dict[str, float]:
     """Length and bore of the worm of a complete design in mm and the gear set built of it; nothing where there is none."""
     try:
-        part = _made(design, train.pairs[0].gear.tooth)[1]
+        part = _make(design, train.pairs[0].gear.tooth)[1]
     except DesignError:
         return {}
     return {
@@ -321,7 +321,7 @@ def _member(thread: Thread, length: float, bore: float | None) -> Member:
     worm, half = thread.worm, 0.5 * length
     hole = bore_radius("worm", bore, thread.root, "the root diameter")
     try:
-        land = Meridian.through(lambda z: _turned(worm, worm.shaper.top_radius, z), (-half, half))
+        land = Meridian.through(lambda z: _crest_radius(worm, worm.shaper.top_radius, z), (-half, half))
         blank = Blank(PlaneLevel(0.0), (-half, half), land, ConeLevel.of(thread.root), Body.tube(hole, -half, half))
         tooth = Tooth(worm.threads, thread.side(1), thread.side(-1), blank)
         tooth.prove()
@@ -332,7 +332,7 @@ def _member(thread: Thread, length: float, bore: float | None) -> Member:
     return Member("worm", tooth, lambda p, v: {"p": p, "y": v})
 
 
-def _turned(worm: ShaperWorm, radius: float, z: Array) -> Array:
+def _crest_radius(worm: ShaperWorm, radius: float, z: Array) -> Array:
     """rho (...,), mm, at z on the surface of revolution that a cylinder about the shaper's axis generates on the worm."""
     _, cosine, sine = worm.to_shaper.rotation[:, 2]
     off = sine**2 / cosine * worm.distance

@@ -24,11 +24,11 @@ from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.systems.common.axes import shifts
-from gearmesh.systems.common.backlash import thinned
-from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.common.backlash import thin
+from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import ROOT, Roll, ToothMaking, member
-from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
 from gearmesh.systems.system import Displacements, ToolPart
 from gearmesh.teeth.mount import Mount
@@ -49,7 +49,7 @@ BEYOND = 0.6
 def build(design: ParabolicHelicalDesign) -> Train:
     """The pair of a `novikov` or `modified_involute` design (in mm).
 
-    Raises DesignError for racks and teeth that cannot exist (see `rack_tooth.rounded`, `rack_member.member`) and for
+    Raises DesignError for racks and teeth that cannot exist (see `rack_tooth.round_tips`, `rack_member.member`) and for
     tools that cannot grind the pinion.
     """
     rolls, racks = _rolls(design), _racks(design)
@@ -58,7 +58,14 @@ def build(design: ParabolicHelicalDesign) -> Train:
     mounts = _mounts(design, rolls)
     made = {
         name: member(
-            name, spec, racks[name], rolls[name], _named(grinding[name]), "addendum", grinding[name], bottoms[name]
+            name,
+            spec,
+            racks[name],
+            rolls[name],
+            _source_parameters(grinding[name]),
+            "addendum",
+            grinding[name],
+            bottoms[name],
         )
         for name, spec in _specs(design).items()
     }
@@ -74,7 +81,7 @@ def build(design: ParabolicHelicalDesign) -> Train:
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    return Train(design.kind, (pair,), adapted(design, design.standards()))
+    return Train(design.kind, (pair,), unusual_defaults(design, design.standards()))
 
 
 def _specs(design: ParabolicHelicalDesign) -> dict[str, ParabolicMember]:
@@ -104,9 +111,9 @@ def _racks(design: ParabolicHelicalDesign) -> dict[str, tuple[RackTooth, RackToo
     module, racks = design.given_module, {}
     for name, spec in _specs(design).items():
         for angle in (design.pressure_angle, design.coast_pressure_angle):
-            thinned(0.5 * design.rack_space(name), design.backlash, 0.25, float(np.radians(angle)), f" of the {name}")
+            thin(0.5 * design.rack_space(name), design.backlash, 0.25, float(np.radians(angle)), f" of the {name}")
         heights = Heights(spec.addendum * module, -spec.dedendum * module)
-        racks[name] = rounded(name, spec, module, design.rack_flanks(name), heights)
+        racks[name] = round_tips(name, spec, module, design.rack_flanks(name), heights)
     return racks
 
 
@@ -123,7 +130,7 @@ def _crowning(design: ParabolicHelicalDesign, roll: Roll) -> ToothMaking | None:
             disk.description,
         )
     tool = worm(design, module, roll.helix)
-    ground = _ground(design, tool)
+    ground = _grind(design, tool)
     return ToothMaking(lambda rack, used: ground(rack).prepare(used, (-feed, feed)), tool.description)
 
 
@@ -148,7 +155,7 @@ def _bottom(design: ParabolicHelicalDesign, roll: Roll, racks: tuple[RackTooth, 
     return Bottom(*disk.rim((right, left), ROOT, design.pinion.plunge_coefficient, vertex))
 
 
-def _ground(design: ParabolicHelicalDesign, tool: Worm) -> Callable[[RackSurface], FeedEnvelope]:
+def _grind(design: ParabolicHelicalDesign, tool: Worm) -> Callable[[RackSurface], FeedEnvelope]:
     """The tooth that the worm grinds, of a cutter surface: crowned if the pinion is so by a worm."""
     pinion = design.pinion
     plunge = pinion.plunge_coefficient if pinion.crowning == "worm_plunge" else 0.0
@@ -171,7 +178,7 @@ def worm_part(design: ParabolicHelicalDesign) -> ToolPart:
     pinion, roll, racks = design.pinion, _rolls(design)["pinion"], _racks(design)["pinion"]
     tool = worm(design, _module(design, roll), roll.helix)
     half = 0.5 * pinion.face_width
-    touching = touching_range(_ground(design, tool), tool, racks, (-half, half))
+    touching = touching_range(_grind(design, tool), tool, racks, (-half, half))
     return grinding_worm(tool, racks, touching, design.worm.length, design.worm.bore)
 
 
@@ -214,16 +221,16 @@ def _mounts(design: ParabolicHelicalDesign, rolls: dict[str, Roll]) -> dict[str,
     }
 
 
-def _displaced(design: ParabolicHelicalDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _displaced_bases(design: ParabolicHelicalDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     tilt = rotation_about("x", -_hand(design) * np.radians(errors["d_gamma"]))
     return pinion, Rigid(tilt @ gear.rotation, gear.translation + shifts(errors["dE"], 0.0, 0.0))
 
 
-DISPLACEMENTS: Displacements[ParabolicHelicalDesign] = Displacements(("dE", "d_gamma"), _displaced)
+DISPLACEMENTS: Displacements[ParabolicHelicalDesign] = Displacements(("dE", "d_gamma"), _displaced_bases)
 
 
-def _named(grinding: ToothMaking | None) -> SourceParameters:
+def _source_parameters(grinding: ToothMaking | None) -> SourceParameters:
     """u_c along the rack's profile with theta_c along its teeth [LF04 17.9], or with the feed s_w of worm and disk (17.7.8)."""
     second = "theta_c" if grinding is None else "s_w"
 

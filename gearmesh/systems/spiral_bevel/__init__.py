@@ -1,6 +1,6 @@
 """Spiral, zerol, straight bevel and hypoid gears cut by head cutters [AB; CR3553; ISO 23509], and conjugate geometries."""
 
-from gearmesh.systems.spiral_bevel.build import build, gear_part, left_to_geometry, pinion_part, tried
+from gearmesh.systems.spiral_bevel.build import build, gear_part, left_to_geometry, pinion_part, try_build
 from gearmesh.systems.spiral_bevel.conjugate import build as conjugate_build
 from gearmesh.systems.spiral_bevel.conjugate import compensation as conjugate_compensation
 from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
@@ -23,7 +23,7 @@ SYSTEMS = (
             design,
             build,
             members={"pinion": pinion_part, "gear": gear_part},
-            tried=tried,
+            tried=try_build,
             derive=left_to_geometry,
             sheet=settings_sheet,
             member_sheet=member_sheet,

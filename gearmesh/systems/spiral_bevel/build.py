@@ -43,22 +43,22 @@ def build(design: FaceMilledDesign) -> Train:
     )
 
 
-def tried(design: FaceMilledDesign) -> BevelTeeth:
+def try_build(design: FaceMilledDesign) -> BevelTeeth:
     """Fails where `build` does, and where only a chosen contact gives teeth."""
     return closing_teeth(_leant(design))
 
 
 def gear_part(design: FaceMilledDesign) -> ToolPart:
     """The gear of a design in mm, without more of the pinion than it depends on. Raises as `build`."""
-    return _part(made_alone(design, "gear"))
+    return _part(cut_alone(design, "gear"))
 
 
 def pinion_part(design: FaceMilledDesign) -> ToolPart:
     """The pinion of a design in mm, without a gear that it would fit. Raises as `build`."""
-    return _part(made_alone(design, "pinion"))
+    return _part(cut_alone(design, "pinion"))
 
 
-def made_alone(design: FaceMilledDesign, name: str) -> CutAlone:
+def cut_alone(design: FaceMilledDesign, name: str) -> CutAlone:
     """The member "pinion" or "gear" of a design in mm, without more of the other than it depends on. Raises as `build`."""
     if name == "pinion":
         return pinion_alone(_leant(design))

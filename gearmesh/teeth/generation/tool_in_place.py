@@ -77,7 +77,7 @@ def tool_in_place(tooth: Tooth, which: Side) -> ToolInPlace:
         tool_to_own,
         at_point.move(tool_to_own),
         (float(u), float(v)),
-        *drawing.drawn(sides, place),
+        *drawing.draw(sides, place),
         ((own_axis,) if drawing.turning else ()) + flank.axes(*motion),
     )
 

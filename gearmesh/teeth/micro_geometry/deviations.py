@@ -95,7 +95,7 @@ class DeviationGrid:
         # the first coordinate from toe to heel, the second from root to tip
         quadrangle = Quadrangle(nominal[[0, 0, -1, -1], [0, -1, -1, 0]])
         at, wanted = (
-            np.stack([each.f for each in quadrangle.jets(place[..., 0], place[..., 1])], axis=-1)
+            np.stack([jet.f for jet in quadrangle.jets(place[..., 0], place[..., 1])], axis=-1)
             for place in (nominal, moved)
         )
         columns, rows = at[..., 0].mean(axis=0), at[..., 1].mean(axis=1)

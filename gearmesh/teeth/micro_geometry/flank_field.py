@@ -41,18 +41,18 @@ class LevelField:
     def jet(self, r: Array) -> FieldJet:
         along, across = self.levels
         x, y = along.value(r), across.value(r)
-        f = reduce(_product, (each.jet(x, y) for each in self.factors))
+        f = reduce(_product, (factor.jet(x, y) for factor in self.factors))
         to_x, to_y = along.gradient(r), across.gradient(r)
 
         def hessian(w: Array) -> Array:
             x_w, y_w = dot(to_x, w), dot(to_y, w)
-            found: Array = (
+            change: Array = (
                 (f.xx * x_w + f.xy * y_w)[..., None] * to_x
                 + (f.xy * x_w + f.yy * y_w)[..., None] * to_y
                 + f.x[..., None] * along.hessian(r, w)
                 + f.y[..., None] * across.hessian(r, w)
             )
-            return found
+            return change
 
         return FieldJet(f.f, f.x[..., None] * to_x + f.y[..., None] * to_y, hessian)
 
@@ -101,12 +101,12 @@ class Quadrangle:
         b = ((r - a[..., None] * c1) * way).sum(axis=-1) / (way**2).sum(axis=-1)
         by_a, area = c1 + b[..., None] * c3, plane_cross(c1 + b[..., None] * c3, way)
         # the inverse of the Jacobian (by_a, way), and its change
-        a_x, a_y, b_x, b_y = (each / area for each in (way[..., 1], -way[..., 0], -by_a[..., 1], by_a[..., 0]))
-        bent_a, bent_b = (-(each[0] * c3[0] + each[1] * c3[1]) for each in ((a_x, a_y), (b_x, b_y)))
+        a_x, a_y, b_x, b_y = (partial / area for partial in (way[..., 1], -way[..., 0], -by_a[..., 1], by_a[..., 0]))
+        bent_a, bent_b = (-(way_rate[0] * c3[0] + way_rate[1] * c3[1]) for way_rate in ((a_x, a_y), (b_x, b_y)))
         twice = 2.0 * a_x * b_x, a_x * b_y + a_y * b_x, 2.0 * a_y * b_y
         return (
-            PlaneJet(a, a_x, a_y, *(bent_a * each for each in twice)),
-            PlaneJet(b, b_x, b_y, *(bent_b * each for each in twice)),
+            PlaneJet(a, a_x, a_y, *(bent_a * second for second in twice)),
+            PlaneJet(b, b_x, b_y, *(bent_b * second for second in twice)),
         )
 
 

@@ -231,11 +231,11 @@ def _same_clips(svg: str) -> str:
     """SVG text whose clip paths are called by what they are: matplotlib calls them by where they are in memory."""
     names: dict[str, str] = {}
 
-    def defined(match: re.Match[str]) -> str:
+    def definition(match: re.Match[str]) -> str:
         name = "p" + hashlib.sha256(match[2].encode()).hexdigest()[:10]
         known = name in names.values()
         names[match[1]] = name
         return "" if known else f'<clipPath id="{name}">{match[2]}</clipPath>'
 
-    text = re.sub(r'<clipPath id="(\w+)">(.*?)</clipPath>', defined, svg, flags=re.DOTALL)
+    text = re.sub(r'<clipPath id="(\w+)">(.*?)</clipPath>', definition, svg, flags=re.DOTALL)
     return re.sub(r"url\(#(\w+)\)", lambda match: f"url(#{names.get(match[1], match[1])})", text)

@@ -61,7 +61,7 @@ def plot_responses(
             if i == down - 1:
                 own.set_xlabel(key)
             if j == 0:
-                own.set_ylabel(_broken(response), fontsize=8)
+                own.set_ylabel(_two_lines(response), fontsize=8)
     save_figure(figure, file)
 
 
@@ -178,6 +178,6 @@ def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentile
     save_figure(figure, file)
 
 
-def _broken(figure: StudyFigure) -> str:
+def _two_lines(figure: StudyFigure) -> str:
     """A figure's name over two lines, its unit on the second."""
     return f"{figure.stem}\n({figure.unit})" if figure.unit else figure.name

@@ -20,7 +20,7 @@ from gearmesh.mesh.triangles import TriangleMesh, facet_normals
 from gearmesh.view.picture import Diagram
 from gearmesh.view.render import render
 from gearmesh.view.scene import BLUE_STEEL, BRASS, Scene, SceneBody, ValueMap
-from gearmesh.view.views import framed
+from gearmesh.view.views import frame
 
 #: colours of the stress end at this share of the largest tension in a fillet; at the contact it is far beyond
 STRESS_SHARE = 1.25
@@ -50,7 +50,7 @@ def pressure_scene(
     rise = unit(outwards - dot(outwards, normal) * normal)
     return Scene(
         bodies=(SceneBody(skin(mesh, name), Rigid.identity(), BLUE_STEEL),),
-        camera=framed(np.cos(TILT) * normal + np.sin(TILT) * rise, outwards, mesh.nodes[np.unique(leading)], size),
+        camera=frame(np.cos(TILT) * normal + np.sin(TILT) * rise, outwards, mesh.nodes[np.unique(leading)], size),
         maps=(_patches(mesh, faces[pressed.max(axis=1) > 0.0], solution.pressure, peak, "contact pressure (MPa)"),),
         title=f"{name}: contact pressure, at most {peak:.0f} MPa{note and f' ({note})'}",
         size=size,
@@ -74,7 +74,7 @@ def stress_scene(model: Model, solution: NodalSolution, at: PlacedPair, size: tu
     limit = STRESS_SHARE * worst
     return Scene(
         bodies=tuple(bodies),
-        camera=framed(back, outwards, mesh.nodes, size),
+        camera=frame(back, outwards, mesh.nodes, size),
         maps=(_patches(mesh, faces, np.minimum(tension, limit), limit, "largest principal stress (MPa)"),),
         title=f"fillets: tension at most {worst:.0f} MPa",
         size=size,

@@ -229,14 +229,14 @@ def plot_loaded_errors(
     rad, unit = error_unit(gears.slide)
     word = unit.replace("um", "µm")
     turn = cycle_curves(gears, mesh.phi1)
-    curves = [(mesh.unloaded, INK, "no load"), *_coloured(mesh, mesh.te)]
+    curves = [(mesh.unloaded, INK, "no load"), *_colours(mesh, mesh.te)]
     wide = 2 + (len(mesh.torque) >= CURVE_OF)
     figure, places = _figure(wide, size, dpi)
     span = LEAST_ERROR
     for values, colour, label in curves:
         own = (values - mesh.unloaded[0]) / rad
         for axes, shown in ((places[0], own), (places[1], own - own.mean())):
-            axes.plot(turn.degrees, turn.closed(shown), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
+            axes.plot(turn.degrees, turn.close(shown), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
         span = max(span, float(np.ptp(own)))
     places[1].set_ylim(-0.75 * span, 0.75 * span)
     for axes, what in zip(places, ("transmission error", "transmission error less its mean"), strict=False):
@@ -258,13 +258,13 @@ def plot_load_share(
     """Load share of one tooth pair over its whole engagement, for all torques, and of its neighbours."""
     figure, (axes,) = _figure(1, size, dpi)
     low, high = np.inf, -np.inf
-    for k, (_, colour, label) in enumerate(_coloured(mesh, mesh.te)):
+    for k, (_, colour, label) in enumerate(_colours(mesh, mesh.te)):
         for half, prints in enumerate(_different(footprints(gears, mesh, k))):
             carries = np.flatnonzero(prints.share > 0.0)
             if not carries.size:
                 continue
             shown = slice(max(carries[0] - 1, 0), carries[-1] + 2)
-            phase, share = _broken(prints.phase[shown], 100.0 * prints.share[shown], gears.pitch)
+            phase, share = _with_breaks(prints.phase[shown], 100.0 * prints.share[shown], gears.pitch)
             for n in (-1, 1):
                 axes.plot(phase + n * np.degrees(gears.pitch), share, color=colour, lw=0.8, alpha=0.4)
             # torques of like shares lie upon each other
@@ -289,8 +289,8 @@ def plot_root_stress(
     figure, places = _figure(2, size, dpi)
     turn = cycle_curves(gears, mesh.phi1)
     for n, (axes, name) in enumerate(zip(places, gears.members, strict=True)):
-        for values, colour, label in _coloured(mesh, mesh.bending[..., n]):
-            axes.plot(turn.degrees, turn.closed(values), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
+        for values, colour, label in _colours(mesh, mesh.bending[..., n]):
+            axes.plot(turn.degrees, turn.close(values), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
         axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=BENDING)
         axes.set_title(f"fillets of the {name}", fontsize=10, color=INK)
     top = 1.08 * float(np.nanmax(mesh.bending))
@@ -305,14 +305,14 @@ def plot_tooth_pair(
     """Peak pressure and bending stresses of one tooth pair over its engagement, for all torques [LF04 17.10.5, 17.10.6]; marks
     where contact is with an edge, whose pressure is not reported."""
     figure, places = _figure(3, size, dpi)
-    curves, room = _coloured(mesh, mesh.te), 0.1 * np.degrees(gears.pitch)
+    curves, room = _colours(mesh, mesh.te), 0.1 * np.degrees(gears.pitch)
     for (_, colour, label), load in zip(curves, mesh.loads, strict=True):
         phase = mesh.phi1[load.position] - gears.pitch * load.number
         for half in np.unique(load.half):
             own = np.flatnonzero((load.half == half) & (load.force > 0.0))
             own = own[np.argsort(phase[own], kind="stable")]
             for axes, values in zip(places, (load.peak, *load.roots.nominal.T), strict=True):
-                x, y = _broken(phase[own], values[own], gears.pitch)
+                x, y = _with_breaks(phase[own], values[own], gears.pitch)
                 axes.plot(
                     x, y, label=label + HALVES[half], color=colour, ls=("-", ":")[half], lw=1.6, marker="o", ms=2.5
                 )
@@ -336,7 +336,7 @@ class CycleCurves:
     degrees: Array
     order: NDArray[np.intp]
 
-    def closed(self, values: Array) -> Array:
+    def close(self, values: Array) -> Array:
         ordered: Array = values[self.order]
         return ordered
 
@@ -354,13 +354,13 @@ def cycle_curves(gears: GearPair, phi1: Array) -> CycleCurves:
     return CycleCurves(np.r_[degrees, degrees[0] + np.degrees(gears.pitch)], np.r_[order, order[0]])
 
 
-def _broken(phase: Array, values: Array, pitch: float) -> tuple[Array, Array]:
+def _with_breaks(phase: Array, values: Array, pitch: float) -> tuple[Array, Array]:
     """Phases, deg, and values with breaks where phases are far apart."""
     gaps = np.flatnonzero(np.diff(phase) > 0.5 * pitch) + 1
     return np.insert(np.degrees(phase), gaps, np.nan), np.insert(values, gaps, np.nan)
 
 
-def _coloured(mesh: LoadedMesh, values: Array) -> list[tuple[Array, str, str]]:
+def _colours(mesh: LoadedMesh, values: Array) -> list[tuple[Array, str, str]]:
     """Values (T, ...) of the torques, each with its colour and name."""
     return [
         (value, CURVES[k % len(CURVES)], newton_metres(torque))

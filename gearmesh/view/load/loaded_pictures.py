@@ -51,7 +51,9 @@ class LoadedPictures:
         if member is not None and member not in members:
             raise ArgumentError("member", member, must_be=f"one of {', '.join(members)}")
         if view == "loaded":
-            return self._tooth(member or self.contact.pair.pinion.name, _numbered(self.contact, torque), size, note)
+            return self._tooth(
+                member or self.contact.pair.pinion.name, _torque_number(self.contact, torque), size, note
+            )
         if torque is not None:
             raise ArgumentError("torque", torque, unit="Nm", reason=f"{view} shows all torques; leave torque out")
         return self._figure(view, member, size, dpi, note)
@@ -102,7 +104,7 @@ class LoadedPictures:
         return Diagram(title, lambda file: plot(file, pair, mesh, title, size, dpi))
 
 
-def _numbered(contact: LoadedContact, torque: float | None) -> int:
+def _torque_number(contact: LoadedContact, torque: float | None) -> int:
     """Number of the torque (Nm) among those of the contact; without one that of the largest."""
     if torque is None:
         return int(contact.mesh.torque.argmax())

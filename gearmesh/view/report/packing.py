@@ -15,7 +15,7 @@ from gearmesh.view.render import corner_normals, region_edges
 SHADES = ("flank", "fillet")
 
 
-def packed(values: ArrayLike, kind: str = "<f4") -> str:
+def pack(values: ArrayLike, kind: str = "<f4") -> str:
     """An array as the base64 text of its little-endian numbers."""
     return base64.b64encode(np.ascontiguousarray(values, dtype=np.dtype(kind)).tobytes()).decode("ascii")
 
@@ -30,11 +30,11 @@ def packed_mesh(mesh: TriangleMesh) -> dict[str, Any]:
     wide = len(vertices) > np.iinfo(np.uint16).max
     kind = "<u4" if wide else "<u2"
     return {
-        "positions": packed(mesh.vertices[vertices[:, 0]]),
-        "shades": packed(vertices[:, 1], "u1"),
-        "normals": packed(vertices[:, 2:], "i1"),
-        "corners": packed(index, kind),
+        "positions": pack(mesh.vertices[vertices[:, 0]]),
+        "shades": pack(vertices[:, 1], "u1"),
+        "normals": pack(vertices[:, 2:], "i1"),
+        "corners": pack(index, kind),
         # any of the vertices that one was split into has its place
-        "edges": packed(np.searchsorted(vertices[:, 0], region_edges(mesh)), kind),
+        "edges": pack(np.searchsorted(vertices[:, 0], region_edges(mesh)), kind),
         "wide": wide,
     }

@@ -24,7 +24,7 @@ from gearmesh.teeth.train import GearPair, Member, Train
 from gearmesh.view.load.footprints import Footprints
 from gearmesh.view.load.loaded_diagrams import FAINTEST, PRESSURE, LoadedPattern, cycle_curves
 from gearmesh.view.on_tooth import closest_gap, lift_grid, union_level
-from gearmesh.view.report.packing import packed, packed_mesh
+from gearmesh.view.report.packing import pack, packed_mesh
 from gearmesh.view.scene import BLUE_STEEL, BRASS, BRONZE, Camera, MemberContact, contact_on
 
 #: um at which a scale ends at least: ten times what the amounts are accurate to
@@ -139,29 +139,29 @@ def _pair(train: Train, staged: StagedPair, names: list[str]) -> dict[str, Any]:
     return {
         "name": pair.name,
         "members": [names.index(name) for name in pair.members],
-        "phi1": packed(path.phi1),
-        "turns": [packed(turns[name]) for name in names],
-        "te": packed(path.te / rad),
+        "phi1": pack(path.phi1),
+        "turns": [pack(turns[name]) for name in names],
+        "te": pack(path.te / rad),
         "te_unit": unit.replace("um", "\u00b5m"),
         "kind": [f"edge: {edge}" if edge else str(kind) for kind, edge in zip(path.kind, path.edge, strict=True)],
         "delta_um": 1e3 * pair.delta,
-        "point": packed(path.point),
-        "normal": packed(path.normal),
-        "lines": packed([_evenly(line) for line in path.lines]),
+        "point": pack(path.point),
+        "normal": pack(path.normal),
+        "lines": pack([_evenly(line) for line in path.lines]),
         "flanks": [_flank(staged, name, _to_shown(train, pair, name)) for name in pair.members],
-        **({} if staged.loaded is None else {"loaded": _loaded(staged.loaded, rad)}),
+        **({} if staged.loaded is None else {"loaded": _load_data(staged.loaded, rad)}),
     }
 
 
-def _loaded(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
+def _load_data(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
     """What the pair does under its torques: figures over a pitch, and bands of pressure by phases, fixed frame; see `bands`."""
     mesh, loads = pattern.mesh, []
     curves = cycle_curves(pattern.gears, mesh.phi1)
     for k, halves in enumerate(pattern.prints):
         loads.append({
             "torque": 1e-3 * float(mesh.torque[k]),
-            "te": packed(curves.closed(mesh.te[k] - mesh.unloaded[0]) / rad),
-            "stress": packed(curves.closed(mesh.bending[k])),
+            "te": pack(curves.close(mesh.te[k] - mesh.unloaded[0]) / rad),
+            "stress": pack(curves.close(mesh.bending[k])),
             "halves": [
                 _bands(prints, image)
                 for prints, image in zip(halves, pattern.gears.images, strict=False)
@@ -170,7 +170,7 @@ def _loaded(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
         })  # fmt: skip
     return {
         "pitch": pattern.gears.pitch,
-        "phi1": packed(np.radians(curves.degrees)),
+        "phi1": pack(np.radians(curves.degrees)),
         "limit": pattern.limit,
         "loads": loads,
     }
@@ -193,12 +193,12 @@ def _flank(staged: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
     return {
         "shape": list(GRID),
         "size": size,
-        "points": packed(to_shown.point(lift_grid(grid.points, contact, LIFT * size))),
-        "contact": packed(to_shown.point(contact.point)),
-        "normal": packed(to_shown.vector(contact.normal)),
+        "points": pack(to_shown.point(lift_grid(grid.points, contact, LIFT * size))),
+        "contact": pack(to_shown.point(contact.point)),
+        "normal": pack(to_shown.vector(contact.normal)),
         # semi-axes of the ellipse over their squares: inside it the squares of the products with them add up to 1 at most
-        "major": packed(to_shown.vector(major)),
-        "minor": packed(to_shown.vector(minor)),
+        "major": pack(to_shown.vector(major)),
+        "minor": pack(to_shown.vector(minor)),
         "fields": _fields(staged, name, contact, grid.points),
     }
 
@@ -209,7 +209,7 @@ def _fields(staged: StagedPair, name: str, contact: MemberContact, points: Array
 
     def add(key: str, label: str, values: Array, limit: float) -> None:
         if np.isfinite(values).any():
-            fields.append({"key": key, "label": label, "values": packed(values), "limit": limit})
+            fields.append({"key": key, "label": label, "values": pack(values), "limit": limit})
 
     if staged.loaded is not None:
         fields.append(_pressures(staged.loaded, name, points))
@@ -241,11 +241,11 @@ def _bands(prints: Footprints, image: Rigid) -> dict[str, Any]:
     bands = prints.bands(BAND)[shown]
     bands[..., :3] = image.point(bands[..., :3])
     return {
-        "phase": packed(prints.phase[shown]),
-        "share": packed(prints.share[shown]),
+        "phase": pack(prints.phase[shown]),
+        "share": pack(prints.share[shown]),
         "joined": prints.joined[pressed[0] : last - 1].astype(int).tolist(),
-        "bands": packed(bands),
-        "across": packed(image.vector(prints.across[shown])),
+        "bands": pack(bands),
+        "across": pack(image.vector(prints.across[shown])),
     }
 
 
@@ -255,7 +255,7 @@ def _pressures(pattern: LoadedPattern, name: str, points: Array) -> dict[str, An
     for panel, *_ in pattern.panels[name]:
         values = panel.at(panel.plane.frame.places(points))
         shown = np.where(values > FAINTEST * pattern.limit, np.minimum(values, 0.999 * pattern.limit), np.nan)
-        by_torque.append(packed(shown))
+        by_torque.append(pack(shown))
     return {"key": "pressure", "label": PRESSURE, "values": by_torque[0], "torques": by_torque, "limit": pattern.limit}
 
 

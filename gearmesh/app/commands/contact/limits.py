@@ -11,7 +11,7 @@ from gearmesh.app.options import DesignFile, Json, Set
 from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
 from gearmesh.design import files
 from gearmesh.errors import ArgumentError, DesignError
-from gearmesh.systems.designs import stated
+from gearmesh.systems.designs import parse_as_stated
 
 #: normal modules; no tooth is wider at its tip
 _WIDEST = 3.0
@@ -29,7 +29,7 @@ def limits(
     if not 0.0 <= land <= _WIDEST:
         raise ArgumentError("land", land, must_be=f"a number of modules from 0 to {_WIDEST:g}")
     refuse_unwritable(json_file)
-    design = stated(files.override(files.read(design_file), settings or []))
+    design = parse_as_stated(files.override(files.read(design_file), settings or []))
     with working("limits"):
         try:
             found = gm.build(design).limits(land)

@@ -145,11 +145,11 @@ def body_features(
             )
         if spec.holes is not None:
             around = max(keyed, 0.5 * hub.diameter if hub else 0.0)
-            drilling = drilled(name, spec.holes, *((around, smallest) if web is None else (web.inner, web.outer)))
+            drilling = holes_in(name, spec.holes, *((around, smallest) if web is None else (web.inner, web.outer)))
     return keyway, hub, drilling
 
 
-def drilled(name: str, spec: Holes, inner: float, outer: float) -> Drilling:
+def holes_in(name: str, spec: Holes, inner: float, outer: float) -> Drilling:
     """Holes where a body has room between two radii (mm). Raises DesignError naming key, value and limit."""
     room, apart = outer - inner, math.sin(math.pi / spec.count)
     circle = inner + outer if spec.circle is None else spec.circle

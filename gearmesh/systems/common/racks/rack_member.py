@@ -105,13 +105,13 @@ def member(
     return Member(name, tooth, source_parameters, *features)
 
 
-def _rolled(roll: Roll) -> ToothMaking:
+def _rack_making(roll: Roll) -> ToothMaking:
     """The rack cutter itself."""
     return ToothMaking(lambda tool, _: Envelope(tool, RackRoll(roll.radius)), lambda cutter: cutter)
 
 
 def _side(rack: RackTooth, roll: Roll, side: int, grinding: ToothMaking | None) -> ToothSide:
-    grinding = grinding or _rolled(roll)
+    grinding = grinding or _rack_making(roll)
     cutter, rounding = (
         RackSurface(profile, roll.helix, roll.cone, side) for profile in (rack.flank, rack.root_profile)
     )
@@ -241,12 +241,10 @@ def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:
     except TrimError as trim_error:
         failure = trim_error
         vague = VagueError if failure.what in ("undercut", "root", "tip") else DesignError
-        raise vague.later(
-            lambda: _explained(name, tooth, spec, tip_key, failure), f"{name}: {failure.what}"
-        ) from failure
+        raise vague.later(lambda: _refusal(name, tooth, spec, tip_key, failure), f"{name}: {failure.what}") from failure
 
 
-def _explained(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: TrimError) -> DesignError:
+def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: TrimError) -> DesignError:
     edge = tooth.tip_edge
     if edge and failure.what in ("edge", "pointed") and _fits(replace(tooth, tip_edge=None), 1.0):
         key, size = ("tip_rounding" if edge.rounded else "tip_chamfer"), edge.size

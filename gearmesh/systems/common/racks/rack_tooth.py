@@ -75,7 +75,7 @@ class Heights:
     root: float
 
 
-def rounded(
+def round_tips(
     name: str, spec: CutterTip, module: float, flanks: tuple[Line | Parabola, Line | Parabola], heights: Heights
 ) -> tuple[RackTooth, RackTooth]:
     """Both sides, (right, left), of a space whose cutter has its tip rounded by `spec.tool_tip_radius` normal modules.

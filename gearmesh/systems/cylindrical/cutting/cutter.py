@@ -88,7 +88,7 @@ def sharp_shaper(design: CylindricalDesign, name: str, mesh: InvolutePair) -> Sh
     return sharp_tool(generating(cutter, own), root_radius(design, name, own))
 
 
-def trimmed(design: CylindricalDesign, mesh: InvolutePair, tips: tuple[float, float]) -> tuple[str, ...]:
+def trimming_warnings(design: CylindricalDesign, mesh: InvolutePair, tips: tuple[float, float]) -> tuple[str, ...]:
     """A line for an internal gear whose tips its cutter trims as it is fed in radially, with the cutters that do not."""
     warnings = []
     for name, own, tip in (("pinion", mesh.pinion, tips[0]), ("gear", mesh.gear, tips[1])):

@@ -33,7 +33,7 @@ def standard_teeth(own: Toothing) -> int:
 
 def generating(cutter: Toothing, own: Toothing) -> InvolutePair:
     """Cutter and member as they stand when the last cut is made: without backlash."""
-    signed = own.signed + cutter.teeth
+    signed = own.signed_teeth + cutter.teeth
     thicknesses = (own.thickness + cutter.thickness) / own.module
     # the sum of shifts that belongs to these thicknesses
     shifts = (thicknesses - math.pi) / (2.0 * math.tan(own.alpha))

@@ -31,7 +31,7 @@ from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.racks.rack_member import ROOT
-from gearmesh.systems.common.racks.rack_tooth import Heights, RackCrest, RackTooth, rounded
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackCrest, RackTooth, round_tips
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.undercut import intersection
 from gearmesh.tools.profile import Profile
@@ -73,7 +73,7 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
     taken = 0.0 if hob is None else hob.stock - left
     depth = 0.0 if hob is None else hob.protuberance - taken
     cutting, final = flank_line(own, left - depth), flank_line(own, left)
-    racks = rounded(name, spec, own.module, (cutting, cutting), heights)
+    racks = round_tips(name, spec, own.module, (cutting, cutting), heights)
     if hob is None:
         return racks
     made = racks[0]
@@ -82,8 +82,8 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
     )
     if abs(depth) >= NOTHING * own.module:
         hob_flank = flank_line(own, left + taken)
-        parts = hobbing.hobbed(hob_flank) if depth < 0.0 else hobbing.tip_parts(hob_flank)
-        *fillet, flank = hobbing.relieved(parts, final) if depth > 0.0 else hobbing.notched(parts, final)
+        parts = hobbing.hob_parts(hob_flank) if depth < 0.0 else hobbing.tip_parts(hob_flank)
+        *fillet, flank = hobbing.relieve(parts, final) if depth > 0.0 else hobbing.notch(parts, final)
         knots = ROOT - np.cumsum([0.0, *(hobbing.length(part) / own.module for part in fillet)])
         pieces = ProfilePieces(
             tuple(part.profile for part in fillet),
@@ -145,22 +145,22 @@ class _Hobbing:
             return [rounding, ToothCut(ramp, 0.0, length)]
         if begins >= length:
             return [rounding]
-        return self._crossed([rounding], [ToothCut(ramp, begins, length)]) or [rounding]
+        return self._cross([rounding], [ToothCut(ramp, begins, length)]) or [rounding]
 
-    def hobbed(self, flank: Line) -> list[ToothCut]:
+    def hob_parts(self, flank: Line) -> list[ToothCut]:
         """The parts that bound the tooth as the hob, whose `flank` it is, leaves it."""
         whole = self._sound(flank)
         parts = self.tip_parts(flank)
         touch = self.rack.joint[0]
         if not self.hob.protuberance and whole.root <= touch:
             return [*parts, replace(whole, root=touch)]
-        return self._crossed(parts, [whole]) or self._none_left()
+        return self._cross(parts, [whole]) or self._none_left()
 
-    def relieved(self, parts: list[ToothCut], flank: Line) -> list[ToothCut]:
+    def relieve(self, parts: list[ToothCut], flank: Line) -> list[ToothCut]:
         """The `parts` of the hob and the `flank` that they undercut."""
-        return self._crossed(parts, [self._sound(flank)]) or self._none_left()
+        return self._cross(parts, [self._sound(flank)]) or self._none_left()
 
-    def notched(self, parts: list[ToothCut], flank: Line) -> list[ToothCut]:
+    def notch(self, parts: list[ToothCut], flank: Line) -> list[ToothCut]:
         """The `parts` of the hob and those of a finishing tool with a sharp tip, its `flank` last."""
         own, diameter = self.own, self.hob.finishing_diameter
         assert diameter is not None
@@ -180,7 +180,7 @@ class _Hobbing:
         # the tip plane is a line whose normal is x, from the middle of the tool's tooth on
         plane = ToothCut(Line(0.5 * math.pi, 0.0, 0.0, float(x)), -0.5 * math.pi * own.module, float(y))
         tip = ToothCut(RolledArc(Arc((float(x), float(y)), 0.0)), ROOT, RolledArc.parameter(own.alpha))
-        crossed = self._crossed(parts, [plane, tip, replace(self._sound(flank), root=edge)])
+        crossed = self._cross(parts, [plane, tip, replace(self._sound(flank), root=edge)])
         if crossed is None:
             raise VagueError(key, diameter, unit="mm", reason="the finishing tool's tip cuts the root", allowed="more")
         return crossed
@@ -213,7 +213,7 @@ class _Hobbing:
         turn = own.half_angle(radius) + math.atan2(aside, own.radius + height)
         line = Line(angle, 0.0, (own.radius * turn - aside) * math.cos(own.beta), height)
         end = (self._height(angle, tip) - height) / math.cos(angle)
-        if self._drawn(ToothCut(line, 0.0, end))[2][0, 1] >= 0.0:
+        if self._section_curve(ToothCut(line, 0.0, end))[2][0, 1] >= 0.0:
             raise VagueError(
                 key,
                 diameter,
@@ -261,7 +261,7 @@ class _Hobbing:
 
     # ------------------------------------------------------------ curves
 
-    def _crossed(self, lower: Sequence[ToothCut], upper: Sequence[ToothCut]) -> list[ToothCut] | None:
+    def _cross(self, lower: Sequence[ToothCut], upper: Sequence[ToothCut]) -> list[ToothCut] | None:
         """Two chains of parts, each from root to tip, cut where their curves cross next to the upper one's tip; None if nowhere."""
         for k, above in reversed(list(enumerate(upper))):
             met = [
@@ -274,7 +274,7 @@ class _Hobbing:
 
     def _meeting(self, above: ToothCut, below: ToothCut) -> tuple[float, float] | None:
         """Parameters where the curves of two parts cross, the crossing next to the tip of `above`; None where there is none."""
-        (p, v, one), (q, w, other) = self._drawn(above), self._drawn(below)
+        (p, v, one), (q, w, other) = self._section_curve(above), self._section_curve(below)
         at = _first_crossing(one, other)
         if at is None:
             return None
@@ -287,9 +287,9 @@ class _Hobbing:
 
     def length(self, part: ToothCut) -> float:
         """Length (mm) of what a part generates."""
-        return float(np.hypot(*np.diff(self._drawn(part)[2], axis=0).T).sum())
+        return float(np.hypot(*np.diff(self._section_curve(part)[2], axis=0).T).sum())
 
-    def _drawn(self, part: ToothCut) -> tuple[Array, Array, Array]:
+    def _section_curve(self, part: ToothCut) -> tuple[Array, Array, Array]:
         """Both parameters (N,) and the points (N, 2) of a part's curve in the transverse section, from its tip on."""
         p = np.linspace(part.tip, part.root, SAMPLES)
         v, jet = along(self._surface(part), p, np.zeros_like(p), PlaneLevel(0.0))

@@ -21,7 +21,7 @@ from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.kernel.surface.surface import Surface
 from gearmesh.kernel.surface.twisted import Twisted
-from gearmesh.systems.common.bodies.body import body_features, bore_radius, disc_body, drilled
+from gearmesh.systems.common.bodies.body import body_features, bore_radius, disc_body, holes_in
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.racks.rack_member import prove, tip_edge
 from gearmesh.systems.cylindrical.cutting.cutter import cutter_of, sharp_shaper
@@ -87,7 +87,7 @@ class Shaping:
             harmonic=True,
         )
 
-    def generated(self, profile: Profile, which: Side) -> Surface:
+    def generate(self, profile: Profile, which: Side) -> Surface:
         """What a profile of the cutter generates on one side of the tooth; its second parameter is z, mm."""
         section = self.section(profile, which)
         return section if self.own.twist == 0.0 else Twisted(section, self.own.twist)
@@ -139,7 +139,7 @@ def shaped_member(name: str, spec: CylindricalMember, shaping: Shaping, tip_key:
 
     body = tooth.blank.body
     if own.internal:
-        holes = None if spec.holes is None else drilled(name, spec.holes, shaping.root, body.profile[0][0])
+        holes = None if spec.holes is None else holes_in(name, spec.holes, shaping.root, body.profile[0][0])
         return Member(name, tooth, source_parameters, holes=holes)
     features = body_features(name, spec, body.bore_radius, shaping.root, shaping.root, body.web)
     return Member(name, tooth, source_parameters, *features)
@@ -171,7 +171,7 @@ def _side(shaping: Shaping, which: Side) -> ToothSide:
     shaper = shaping.shaper
     profiles = shaper.involute, shaper.rounding
     # a helical shaper turns as it strokes: what it leaves is that of a spur one, twisted
-    flank, fillet = (shaping.generated(profile, which) for profile in profiles)
+    flank, fillet = (shaping.generate(profile, which) for profile in profiles)
     spur = shaping.section(profiles[0], which), shaping.section(profiles[1], which)
     return ToothSide(
         flank=flank,

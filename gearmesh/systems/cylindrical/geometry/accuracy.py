@@ -49,10 +49,10 @@ def tolerances(accuracy_class: int, teeth: Toothing, width: float) -> dict[str, 
         math.hypot(helix_form, helix_slope),
     )
     factor = math.sqrt(2.0) ** (accuracy_class - 5)
-    return {symbol: rounded(factor * value) for symbol, value in zip(NAMES, values, strict=True)}
+    return {symbol: round_tolerance(factor * value) for symbol, value in zip(NAMES, values, strict=True)}
 
 
-def rounded(tolerance: float) -> float:
+def round_tolerance(tolerance: float) -> float:
     """A tolerance (um) as the standard rounds it: to 0.1 below 5 um, to 0.5 up to 10 um, to 1 beyond; halves go up."""
     step = 0.1 if tolerance < FINE else 0.5 if tolerance <= MIDDLE else 1.0
     # a tenth has no exact number: what is printed is

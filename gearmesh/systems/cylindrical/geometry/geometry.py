@@ -52,7 +52,7 @@ class Toothing:
         return -1 if self.internal else 1
 
     @property
-    def signed(self) -> int:
+    def signed_teeth(self) -> int:
         """The tooth number as ISO 21771 writes it."""
         return self.sense * self.teeth
 
@@ -128,7 +128,7 @@ class InvolutePair:
     @property
     def sum_of_teeth(self) -> int:
         """|z1 + z2|, teeth counted with the signs of ISO 21771."""
-        return abs(self.pinion.signed + self.gear.signed)
+        return abs(self.pinion.signed_teeth + self.gear.signed_teeth)
 
     @property
     def reference_distance(self) -> float:
@@ -190,14 +190,14 @@ def distance_of(pinion: Toothing, gear: Toothing) -> float:
 
     inv(alpha_wt) = inv(alpha_t) + 2 tan(alpha_n) (x1 + x2) / (z1 + z2), signs as in ISO 21771.
     """
-    signed = pinion.signed + gear.signed
+    signed = pinion.signed_teeth + gear.signed_teeth
     working = angle_of(involute(pinion.alpha_t) + 2.0 * math.tan(pinion.alpha) * (pinion.shift + gear.shift) / signed)
     return 0.5 * abs(signed) * pinion.transverse_module * math.cos(pinion.alpha_t) / math.cos(working)
 
 
 def sum_of_shifts(pinion: Toothing, gear: Toothing, distance: float) -> float:
     """Sum x1 + x2 with which nominal teeth mesh without backlash at a centre distance; NaN where it is below the base radii's."""
-    signed = pinion.signed + gear.signed
+    signed = pinion.signed_teeth + gear.signed_teeth
     cosine = 0.5 * abs(signed) * pinion.transverse_module * math.cos(pinion.alpha_t) / distance
     if cosine > 1.0:
         return math.nan

@@ -87,7 +87,7 @@ def _trimming(members: tuple[Toothing, Toothing], tips: tuple[float, float], bey
     return (of_pinion + beyond[0]) / teeth - of_ring - beyond[1]
 
 
-def told(mesh: InvolutePair, tips: tuple[float, float], roots: tuple[float, float]) -> tuple[str, ...]:
+def interference_warnings(mesh: InvolutePair, tips: tuple[float, float], roots: tuple[float, float]) -> tuple[str, ...]:
     """A line for every limit that an internal gear of a mesh passes, with its tip diameter from which on it holds."""
     if not (mesh.pinion.internal or mesh.gear.internal):
         return ()

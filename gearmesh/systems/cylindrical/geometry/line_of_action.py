@@ -62,7 +62,7 @@ class LineOfAction:
         """+1 where the pinion's roll length grows from root to tip."""
         return self.mesh.pinion.sense
 
-    def mapped(self, length: float) -> float:
+    def pinion_length(self, length: float) -> float:
         """The pinion's roll length where the gear has `length`."""
         return self.mesh.mate_roll_length(length, self.mesh.gear)
 
@@ -70,8 +70,8 @@ class LineOfAction:
     def points(self) -> dict[str, float]:
         """Roll lengths of the pinion at A, B, C, D, E."""
         (root, tip), mate, sense = self.flanks[0], self.flanks[1], self._sense
-        a = sense * max(sense * root, sense * self.mapped(mate[1]))
-        e = sense * min(sense * tip, sense * self.mapped(mate[0]))
+        a = sense * max(sense * root, sense * self.pinion_length(mate[1]))
+        e = sense * min(sense * tip, sense * self.pinion_length(mate[0]))
         pitch = sense * self.mesh.pinion.base_pitch
         c = self.mesh.pinion.base_radius * math.tan(self.mesh.working_angle)
         return {"A": a, "B": e - pitch, "C": c, "D": a + pitch, "E": e}

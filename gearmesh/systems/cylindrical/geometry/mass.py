@@ -50,12 +50,12 @@ def bulk(member: Member) -> Bulk:
     body = member.body
     whole = sum([_teeth(member.tooth)] * len(member.halves), Bulk(0.0, 0.0))
     for under in (*(gap.body for gap in member.gaps), body):
-        whole -= _turned(under)
+        whole -= _profile_bulk(under)
     if member.keyway is not None:
         whole -= _slot(member.keyway, body.bore_radius, body.ends[1] - body.ends[0])
     if member.holes is not None:
         low, high = member.hole_range
-        whole -= _drilled(member.holes, high - low)
+        whole -= _hole_bulk(member.holes, high - low)
     return whole
 
 
@@ -83,7 +83,7 @@ def _slope(nodes: Array, values: Array) -> Array:
     return np.asarray(np.polynomial.legendre.legval(nodes, np.polynomial.legendre.legder(series)).T, dtype=float)
 
 
-def _turned(body: Body) -> Bulk:
+def _profile_bulk(body: Body) -> Bulk:
     """What a body's profile cuts off towards the axis, from toe to heel; signed as `_teeth`."""
     rho, z = np.array(body.profile).T
     a, b, rise = rho[:-1], rho[1:], np.diff(z)
@@ -100,6 +100,6 @@ def _slot(slot: Slot, bore: float, length: float) -> Bulk:
     return Bulk(length * float(weights @ (outer - inner)), length * float(weights @ moment))
 
 
-def _drilled(holes: Drilling, length: float) -> Bulk:
+def _hole_bulk(holes: Drilling, length: float) -> Bulk:
     area = 0.25 * math.pi * holes.diameter**2 * holes.count
     return Bulk(area * length, area * length * (0.125 * holes.diameter**2 + 0.25 * holes.circle**2))

@@ -61,7 +61,7 @@ def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> DesignEr
     """The refusal where profile shifts leave no working pressure angle between 0 and STEEPEST."""
     shifts = [("pinion", mesh.pinion.shift), ("gear", mesh.gear.shift)]
     (first, own), (second, other) = shifts if design.sets("pinion.profile_shift") else shifts[::-1]
-    signed = mesh.pinion.signed + mesh.gear.signed
+    signed = mesh.pinion.signed_teeth + mesh.gear.signed_teeth
     ends = sorted(
         signed * (end - involute(mesh.pinion.alpha_t)) / (2.0 * math.tan(mesh.pinion.alpha))
         for end in (0.0, involute(STEEPEST))

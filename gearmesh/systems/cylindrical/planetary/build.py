@@ -20,7 +20,7 @@ from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry import proportions as closed
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
 from gearmesh.systems.cylindrical.geometry.nominal import wanted_backlash
-from gearmesh.systems.cylindrical.parts import completed_pair, given, in_words, nested, renamed, shared_keys
+from gearmesh.systems.cylindrical.parts import completed_pair, in_words, is_given, nest, rename, shared_keys
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
@@ -48,9 +48,9 @@ def meshes(design: PlanetaryDesign) -> Meshes:
     inner = {
         **shared,
         "hand": design.hand,
-        **nested(own, {SUN: "pinion", PLANET: "gear"}),
+        **nest(own, {SUN: "pinion", PLANET: "gear"}),
         "assembly": {} if distance is None else {"center_distance": distance},
-        **{key: getattr(design, key) for key in ("backlash", "circumferential_backlash") if given(design, key)},
+        **{key: getattr(design, key) for key in ("backlash", "circumferential_backlash") if is_given(design, key)},
     }
     first = in_words(lambda: completed_pair(inner), {"pinion": SUN, "gear": PLANET})
     geometry = closed.proportions(first)
@@ -62,7 +62,7 @@ def meshes(design: PlanetaryDesign) -> Meshes:
         **shared,
         "hand": "left" if design.hand == "right" else "right",
         "pinion": planet,
-        **nested(own, {RING: "gear"}),
+        **nest(own, {RING: "gear"}),
         "assembly": {"center_distance": geometry.mesh.distance},
     }
     outer["gear"].setdefault("internal", True)
@@ -148,8 +148,8 @@ def build(design: PlanetaryDesign) -> Train:
         )
     warnings = dict.fromkeys(
         [
-            *(renamed(line, {"pinion": SUN, "gear": PLANET}) for line in pairs.warnings_of(both.inner, inner)),
-            *(renamed(line, {"pinion": PLANET, "gear": RING}) for line in pairs.warnings_of(both.outer, outer)),
+            *(rename(line, {"pinion": SUN, "gear": PLANET}) for line in pairs.warnings_of(both.inner, inner)),
+            *(rename(line, {"pinion": PLANET, "gear": RING}) for line in pairs.warnings_of(both.outer, outer)),
         ]
     )
     return Train(design.kind, tuple(made), tuple(warnings), (*[0] * len(angles), *[len(angles)] * len(angles)))

@@ -15,7 +15,7 @@ from gearmesh.systems.cylindrical.planetary import motion
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
 from gearmesh.systems.cylindrical.sheet import SheetPair, pair_tables
-from gearmesh.systems.system import Sheet, SheetTable, completed
+from gearmesh.systems.system import Sheet, SheetTable, complete_design
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.train import Member, Train
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 def planetary_sheet(design: PlanetaryDesign, train: Train) -> Sheet:
     """The sheet of a planetary design and the gear set built of it; what that of any system has is part of it."""
-    own = completed(design).in_mm()
+    own = complete_design(design).in_mm()
     both_meshes = meshes(own)
     derived, *plain = plain_sheet(own, train).tables
     members = {SUN: train.members[SUN], PLANET: train.members[f"{PLANET}_1"], RING: train.members[RING]}
@@ -63,7 +63,7 @@ def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer
             "z_a",
             "teeth of sun and ring per planet; a whole number where planets can be equally spaced",
             "-",
-            (_shared(design),),
+            (_planet_share(design),),
         ),
         ("tau_a", "step of the angles at which planets can be assembled", "deg", (360.0 / (teeth[0] + teeth[2]),)),
         ("c_p", "clearance of the tips of neighbouring planets, least", "mm", (min(apart, default=None),)),
@@ -106,7 +106,7 @@ def _motion_rows(design: PlanetaryDesign, teeth: tuple[int, int, int]) -> list[R
     return rows
 
 
-def _shared(design: PlanetaryDesign) -> float:
+def _planet_share(design: PlanetaryDesign) -> float:
     return (design.sun.teeth + design.ring.teeth) / len(design.angles)
 
 

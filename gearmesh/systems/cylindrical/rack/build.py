@@ -13,7 +13,7 @@ import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
-from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.cylindrical.build import THICKER, member_of
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
@@ -62,10 +62,10 @@ def _warnings(design: RackDesign, geometry: RackPairProportions) -> tuple[str, .
     standard = PROFILES[design.profile][2]
     values = {f"{name}.tool_tip_radius": getattr(design, name).tool_tip_radius for name in (PINION, RACK)}
     far = {key: (standard, why) for key, value in values.items() if abs(value - standard) > TOLD * standard}
-    return (*adapted(design, far), *_thickened(geometry))
+    return (*unusual_defaults(design, far), *_thickness_warnings(geometry))
 
 
-def _thickened(geometry: RackPairProportions) -> tuple[str, ...]:
+def _thickness_warnings(geometry: RackPairProportions) -> tuple[str, ...]:
     """A warning of teeth that the given backlash makes thicker than nominal."""
     nominal, more = geometry.nominal, geometry.mesh.pinion.allowance
     if more <= THICKER * nominal.pinion.module or more != geometry.mesh.rack.allowance:

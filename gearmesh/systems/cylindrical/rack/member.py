@@ -24,7 +24,7 @@ from gearmesh.kernel.surface.flat import FlatLevel
 from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.racks.rack_member import ROOT
-from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
@@ -175,7 +175,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
     line = Line(pinion.alpha, m, 0.25 * math.pi * m + 0.5 * spec.allowance)
     right, left = (
         _side(rack, helix, side)
-        for rack, side in zip(rounded(name, spec, m, (line, line), heights), (1, -1), strict=True)
+        for rack, side in zip(round_tips(name, spec, m, (line, line), heights), (1, -1), strict=True)
     )
     depth, back = (spec.addendum + spec.dedendum) * m, heights.tip - spec.height
     if not spec.height > depth:

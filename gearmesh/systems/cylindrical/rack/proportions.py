@@ -20,7 +20,7 @@ from gearmesh.systems.cylindrical.design import PROFILES, CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin, teeth_of, wanted_backlash
 from gearmesh.systems.cylindrical.geometry.proportions import ROOM, PairProportions, clearing, proportions, still_open
-from gearmesh.systems.cylindrical.parts import completed_pair, nested, shared_keys
+from gearmesh.systems.cylindrical.parts import completed_pair, nest, shared_keys
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions
 
@@ -192,7 +192,7 @@ def _check(design: RackDesign, mesh: RackMesh) -> None:
 
 def _pair(design: RackDesign, own: Toothing) -> CylindricalDesign:
     """A pair with the pinion as it is made, with all figures that a mating gear would need; the other gear is a substitute."""
-    table: dict[str, Any] = nested(dict(design.own()), {PINION: "pinion"})["pinion"]
+    table: dict[str, Any] = nest(dict(design.own()), {PINION: "pinion"})["pinion"]
     table |= {
         "profile_shift": own.shift,
         "thickness_allowance": {"upper": own.allowance, "lower": own.allowance},

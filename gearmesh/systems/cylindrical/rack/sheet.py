@@ -26,7 +26,7 @@ from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
 from gearmesh.systems.cylindrical.sheet import SheetPair, member_tables
-from gearmesh.systems.system import Sheet, SheetTable, completed
+from gearmesh.systems.system import Sheet, SheetTable, complete_design
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member, Train
 
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 class RackAction(LineOfAction):
     """The line of action of a pinion and a rack, whose usable flank is given by the roll lengths at which the pinion meets it."""
 
-    def mapped(self, length: float) -> float:
+    def pinion_length(self, length: float) -> float:
         return length
 
     def interference_reserve(self, member: Toothing) -> float:
@@ -78,7 +78,7 @@ def rack_flank(rack: Member) -> tuple[float, float]:
 
 def rack_sheet(design: RackDesign, train: Train) -> Sheet:
     """The sheet of a design of pinion and rack and the gear set built of it."""
-    own = completed(design).in_mm()
+    own = complete_design(design).in_mm()
     geometry = rack_proportions(own)
     # how axes lie says nothing of a rack
     derived, plain, _ = plain_sheet(own, train).tables

@@ -43,8 +43,8 @@ def build(design: ConjugateDesign) -> Train:
     pinion, gear = {}, {}
     for name, side in SIDES.items():
         geometry = conjugate_geometry(design, blank, name)
-        pinion[name] = _generated(design, blank, geometry, side, 1)
-        gear[MATES[name]] = _generated(design, blank, geometry, -side, 2)
+        pinion[name] = _generate(design, blank, geometry, side, 1)
+        gear[MATES[name]] = _generate(design, blank, geometry, -side, 2)
     away = thinning(design.backlash, blank)
     places = tuple(
         {
@@ -99,7 +99,7 @@ def conjugate_geometry(design: ConjugateDesign, blank: BevelBlank, name: str) ->
     )
 
 
-def _generated(
+def _generate(
     design: ConjugateDesign, blank: BevelBlank, geometry: ConjugateGeometry, side: int, member: int
 ) -> Generated:
     """One side of pinion (1) or gear (2): generating surface F or K, in the crown gear's motion."""

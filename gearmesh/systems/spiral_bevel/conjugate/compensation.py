@@ -20,7 +20,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.restoring import restoring
 from gearmesh.systems.spiral_bevel.conjugate.build import build, conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.errors.kinematic_errors import compensation
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, displaced, without_errors
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, displaced_frames, without_errors
 from gearmesh.systems.system import Setting
 
 if TYPE_CHECKING:
@@ -43,17 +43,17 @@ def compensate(design: ConjugateDesign) -> list[Setting]:
     straight = _touching(aligned, turn)
     assembly = own.assembly
 
-    def moved(values: dict[str, float]) -> dict[str, float]:
+    def displacements_of(values: dict[str, float]) -> dict[str, float]:
         """dV, dA and dG (mm) for displacements of the pinion across both axes and along the pitch line."""
         axial = _along_the_axes(blank, values["along"])
         return {"dV": values["across"], "dA": assembly.dA + axial["dA"], "dG": assembly.dG + axial["dG"]}
 
     def errors(values: dict[str, float]) -> Array:
         """Error of phi2 (rad) at the mean point, and its slope."""
-        stands = own.with_values({f"assembly.{key}": value for key, value in moved(values).items()})
+        stands = own.with_values({f"assembly.{key}": value for key, value in displacements_of(values).items()})
         first, second = (
             flank.remount(replace(flank.mount, base=base))
-            for flank, base in zip(aligned.flanks, displaced(stands, blank), strict=True)
+            for flank, base in zip(aligned.flanks, displaced_frames(stands, blank), strict=True)
         )
         error = _touching(replace(aligned, pinion=first, gear=second), turn) - straight
         return np.array([error[1], (error[2] - error[0]) / np.ptp(SLOPE_RANGE)])
@@ -69,7 +69,7 @@ def compensate(design: ConjugateDesign) -> list[Setting]:
         "dA": "its slope from {:.4f} to {:.4f} arcsec per degree".format(*np.radians((before[1], after[1]))),
         "dG": "with dA, along the pitch line",
     }
-    values, unit, forms = moved(solved), design.mm_per_unit, first_order.displacements
+    values, unit, forms = displacements_of(solved), design.mm_per_unit, first_order.displacements
     return [
         Setting(
             f"assembly.{key}",

@@ -88,10 +88,10 @@ class ConjugateFlank:
     @staticmethod
     def of(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ConjugateFlank:
         """Raises NoSolutionError where the middle of the flank has no conjugate."""
-        return _OnGear(design, blank, name).found()
+        return _OnGear(design, blank, name).solve()
 
     @cached_property
-    def met(self) -> NDArray[np.bool_]:
+    def exists(self) -> NDArray[np.bool_]:
         """Where there is a conjugate, (I, J)."""
         return np.asarray(np.isfinite(self.points).all(axis=-1))
 
@@ -104,16 +104,16 @@ class _OnGear:
     blank: BevelBlank
     name: str
 
-    def found(self) -> ConjugateFlank:
+    def solve(self) -> ConjugateFlank:
         y, x = np.meshgrid(np.linspace(-1.0, 1.0, GRID[1]), np.linspace(-1.0, 1.0, GRID[0]))
-        parameters, middle = self._solved(x.ravel(), y.ravel()), x.size // 2
+        parameters, middle = self._solve(x.ravel(), y.ravel()), x.size // 2
         p, v = parameters.T
         jet = self._surface.jet(p, v)
         turns = meshing_turns(jet, self._base, self._sense, self._ratio)
-        points, normals = self._carried(jet, turns, float(turns[middle]))
+        points, normals = self._carry(jet, turns, float(turns[middle]))
         gear = self.blank.gear
         beyond = gear.tip.value(jet.r) > 0.0
-        points[beyond | self._folded(parameters, middle)] = np.nan
+        points[beyond | self._undercut(parameters, middle)] = np.nan
         if not np.isfinite(points[middle]).all():
             raise NoSolutionError(
                 f"pinion.{self.name}",
@@ -128,7 +128,7 @@ class _OnGear:
             station=float(gear.stations.value(jet.r[middle])),
         )
 
-    def _solved(self, x: Array, y: Array) -> Array:
+    def _solve(self, x: Array, y: Array) -> Array:
         """Parameters (K, 2) on the gear's flank of points with conjugates at x and y (K,), NaN where there are none."""
         blank, level = self.blank, self.blank.gear.stations
         # what touches the pinion's tip is as deep in the gear
@@ -143,7 +143,7 @@ class _OnGear:
             solution = newton.solve(apart, start, tolerance=FOUND, max_iterations=ITERATIONS)
         return np.where(solution.converged[:, None], solution.values, np.nan)
 
-    def _folded(self, parameters: Array, middle: int) -> NDArray[np.bool_]:
+    def _undercut(self, parameters: Array, middle: int) -> NDArray[np.bool_]:
         """Where the conjugate is undercut, or nearly: parameters (K, 2) on the gear's flank, `middle` is not."""
         slopes = self._slopes(parameters)
         area = slopes[:, 0, 0] * slopes[:, 1, 1] - slopes[:, 0, 1] * slopes[:, 1, 0]
@@ -154,7 +154,7 @@ class _OnGear:
         """Coordinates (K, 2) of the conjugates of points of the gear's flank at parameters q (K, 2)."""
         jet = self._surface.jet(q[:, 0], q[:, 1])
         turns = meshing_turns(jet, self._base, self._sense, self._ratio)
-        return np.stack(ActiveFlank(self.blank).coordinates(self._carried(jet, turns, 0.0)[0]), axis=-1)
+        return np.stack(ActiveFlank(self.blank).coordinates(self._carry(jet, turns, 0.0)[0]), axis=-1)
 
     def _slopes(self, q: Array) -> Array:
         """Their derivatives (K, 2, 2), by differences."""
@@ -165,7 +165,7 @@ class _OnGear:
         ]
         return np.stack(columns, axis=-1)
 
-    def _carried(self, jet: Jet, turns: Array, mean: float) -> tuple[Array, Array]:
+    def _carry(self, jet: Jet, turns: Array, mean: float) -> tuple[Array, Array]:
         """Conjugate points and normals (K, 3) of the gear's (own frame, as cut), which meet the pinion at `turns` (K,), rad, where
         the pinion stands as cut at that turn which is `mean`."""
         phi1 = self._sense * (mean - turns) / self._ratio

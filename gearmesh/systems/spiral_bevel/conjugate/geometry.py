@@ -79,7 +79,7 @@ class ConjugateGeometry:
         phi_d = np.asarray(phi_d, dtype=float)
         x, y, z = np.moveaxis(self.line_of_action(phi_d), -1, 0)
         c, s = np.cos(self.gamma_1), np.sin(self.gamma_1)
-        return _turned(x * c + z * s, y, z * c - x * s, -phi_d / s)
+        return _turn(x * c + z * s, y, z * c - x * s, -phi_d / s)
 
     def gear_path(self, phi_d: ArrayLike) -> Array:
         """Path of contact (..., 3) on the gear in the source's S_2, phi_2 left-handed about its axis [2.3.3].
@@ -89,7 +89,7 @@ class ConjugateGeometry:
         phi_d = np.asarray(phi_d, dtype=float)
         x, y, z = np.moveaxis(self.line_of_action(phi_d), -1, 0)
         c, s = np.cos(self.gamma_2), np.sin(self.gamma_2)
-        return _turned(x * c - z * s, y, x * s + z * c, phi_d / s)
+        return _turn(x * c - z * s, y, x * s + z * c, phi_d / s)
 
     @cached_property
     def tool_curvatures(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -118,7 +118,7 @@ class ConjugateGeometry:
         return float(mean + half), float(mean - half), float(sigma)
 
 
-def _turned(x: Array, y: Array, z: Array, angle: Array) -> Array:
+def _turn(x: Array, y: Array, z: Array, angle: Array) -> Array:
     """Points turned right-handed about z."""
     c, s = np.cos(angle), np.sin(angle)
     return np.stack((c * x - s * y, s * x + c * y, np.broadcast_to(z, x.shape)), axis=-1)

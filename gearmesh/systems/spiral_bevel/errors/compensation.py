@@ -21,7 +21,15 @@ from gearmesh.kernel.surface.surface import Jet
 from gearmesh.systems.spiral_bevel.build import build
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED
 from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash, pinion_places
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, SIDES, Angles, CutSides, Sides, displaced, without_errors
+from gearmesh.systems.spiral_bevel.machine.pair import (
+    HANDS,
+    SIDES,
+    Angles,
+    CutSides,
+    Sides,
+    displaced_frames,
+    without_errors,
+)
 from gearmesh.systems.spiral_bevel.machine.thickness import mean_thickness
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import MeanContact, contact_of
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
@@ -31,7 +39,7 @@ from gearmesh.systems.spiral_bevel.synthesis.settings import (
     mean_contact,
     pinion_values,
     side_of,
-    synthesised,
+    synthesise,
 )
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.systems.system import Setting
@@ -56,7 +64,7 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
     own = design.in_mm()
     teeth = bevel_teeth(own)
     blank = teeth.cut.blank
-    first, second = displaced(own, blank)
+    first, second = displaced_frames(own, blank)
     unit = design.mm_per_unit
     rows: list[Setting] = []
     turns: Angles = {}
@@ -79,10 +87,10 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
         farther, standing = mean_contact(gear.move(base.inverse), first.inverse @ second, HANDS[own.hand], blank)
         turns[name] = teeth.cut.turns[name] + gears.gear.mount.sign * float(path.phi2[0]) + farther
         spec, choice = own.pinion.side(name), teeth.choices[name]
-        kept = _chosen(spec, choice)
+        kept = _chosen_values(spec, choice)
         before = {**pinion_values(own, blank, name, nominal, choice), **kept}
         free = _base_free(own, design, name)
-        values = synthesised(free, blank, name, standing, asked)
+        values = synthesise(free, blank, name, standing, asked)
         after = {**values, **kept}
         made[name] = side_of(free, blank, name, values, given_roll(spec))
         for key in (
@@ -128,8 +136,8 @@ def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Ang
         *(
             Setting(
                 f"pinion.{name}.mesh_angle",
-                _turned(cut.pinion[name]),
-                _turned(made[name]),
+                _mesh_angle(cut.pinion[name]),
+                _mesh_angle(made[name]),
                 "deg",
                 "phi1 = 0 at the mean point",
             )
@@ -138,12 +146,12 @@ def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Ang
     ]
 
 
-def _turned(side: Generated) -> float:
+def _mesh_angle(side: Generated) -> float:
     """Mesh angle (deg) of a side of the pinion."""
     return float(np.degrees(side.hand * side.turned))
 
 
-def _chosen(spec: PinionSide, choice: ContactChoice) -> dict[str, float]:
+def _chosen_values(spec: PinionSide, choice: ContactChoice) -> dict[str, float]:
     """What was chosen of a side that leaves it open, and stays, under its keys: place of the mean point (mm), modified roll, and
     the machine root angle (deg) of a cutter that leans."""
     chosen = {"mean_offset": choice.height, "mean_shift": choice.along}

@@ -1,4 +1,4 @@
-"""Positions of the members of bevel pairs in many assemblies at once: the errors of `pair.displaced`, as arrays."""
+"""Positions of the members of bevel pairs in many assemblies at once: the errors of `pair.displaced_frames`, as arrays."""
 
 from __future__ import annotations
 

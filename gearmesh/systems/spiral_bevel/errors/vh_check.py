@@ -126,7 +126,7 @@ class _Side:
         Raises NoSolutionError where there are none.
         """
         asked = np.array(list(PLACES.values()))
-        shares, x = asked, self._solved(asked, None)
+        shares, x = asked, self._solve(asked, None)
         good = self._holds(x)
         if not good.all():
             swept = self._swept()
@@ -150,13 +150,13 @@ class _Side:
         for end in (PLACES["toe"], PLACES["heel"]):
             start: Array | None = None
             for share in np.round(np.linspace(PLACES["middle"], end, STEPS + 1), 6):
-                unknowns = self._solved(np.array([share]), start)
+                unknowns = self._solve(np.array([share]), start)
                 start = unknowns if np.isfinite(unknowns).all() else start
                 shares.append(share)
                 x.append(unknowns[0])
         return np.array(shares), np.array(x)
 
-    def _solved(self, shares: Array, start: Array | None) -> Array:
+    def _solve(self, shares: Array, start: Array | None) -> Array:
         """Unknowns (N, 6) of contacts at `shares` (N,) of the face; NaN where there are none."""
         mate = gear_targets(self.pair.gear, self.pair.flanks[1], self.clearance, shares)
         jet = self.pair.gear.tooth.side(self.pair.flanks[1]).flank.jet(mate[:, 0], mate[:, 1])

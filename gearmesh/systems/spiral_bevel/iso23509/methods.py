@@ -126,7 +126,7 @@ class OffsetPair:
         there are none.
         """
         roots = bracketed_root(
-            lambda turn, at: self._missed(wheel[at], turn), np.zeros_like(wheel), self._widest(wheel)
+            lambda turn, at: self._offset_error(wheel[at], turn), np.zeros_like(wheel), self._widest(wheel)
         )
         cones = self._cones(wheel, np.where(roots.converged, roots.values, np.nan))
         steep = (np.abs(cones.spiral_angles) >= 0.5 * np.pi).any(axis=0)
@@ -157,7 +157,7 @@ class OffsetPair:
             return pinion, np.full_like(wheel, self.spiral_angle), self.spiral_angle - apart
         return pinion, self.spiral_angle + apart, np.full_like(wheel, self.spiral_angle)
 
-    def _missed(self, wheel: Array, turn: Array) -> Array:
+    def _offset_error(self, wheel: Array, turn: Array) -> Array:
         """Offset of the axes less that of the pair, (N,), times cos(beta_m1) [ISO 23509 (113)]."""
         pinion, first, second = self._leaning(wheel, turn)
         radius = self.wheel_radius(wheel)
@@ -216,7 +216,7 @@ def with_offset(pair: OffsetPair) -> PitchCones:
 
     Raises DesignError where there are none, saying up to which offset there are.
     """
-    wheel, reached = _followed(pair)
+    wheel, reached = _follow(pair)
     if reached != pair.offset:
         bound = f"at most {at_most(reached)}" if pair.offset > 0.0 else f"at least {at_least(reached)}"
         raise DesignError(
@@ -227,10 +227,10 @@ def with_offset(pair: OffsetPair) -> PitchCones:
             f"mm, and spiral_angle, {np.degrees(pair.spiral_angle):g} deg",
             allowed=f"{bound} mm",
         )
-    return _placed(pair, pair.touching(np.array([wheel])))
+    return _place(pair, pair.touching(np.array([wheel])))
 
 
-def _followed(pair: OffsetPair) -> tuple[float, float]:
+def _follow(pair: OffsetPair) -> tuple[float, float]:
     """The wheel's pitch angle, and the offset it belongs to: the pair's, or the largest that the cones without it grow into."""
     wheel, reached = bevel_pitch_angles(pair.teeth, pair.shaft_angle)[1], 0.0
     step = longest = pair.offset / STEPS
@@ -250,17 +250,17 @@ def _roots(pair: OffsetPair) -> Array:
     """All the wheel's pitch angles that meet the condition of the pair's method."""
     condition = CONDITIONS[pair.method]
 
-    def missed(wheel: Array) -> Array:
+    def offset_error(wheel: Array) -> Array:
         with np.errstate(invalid="ignore"):
             return condition(pair, pair.touching(wheel))
 
-    table = missed(WHEEL_ANGLES)
+    table = offset_error(WHEEL_ANGLES)
     changes = np.flatnonzero(table[:-1] * table[1:] <= 0.0)
-    roots = bracketed_root(lambda wheel, _: missed(wheel), WHEEL_ANGLES[changes], WHEEL_ANGLES[changes + 1])
+    roots = bracketed_root(lambda wheel, _: offset_error(wheel), WHEEL_ANGLES[changes], WHEEL_ANGLES[changes + 1])
     return roots.values[roots.converged]
 
 
-def _placed(pair: OffsetPair, cones: TangentCones) -> PitchCones:
+def _place(pair: OffsetPair, cones: TangentCones) -> PitchCones:
     (pinion, wheel), (first, second), spirals = (
         values[:, 0].tolist() for values in (cones.pitch_angles, cones.cone_distances, cones.spiral_angles)
     )

@@ -19,7 +19,7 @@ from gearmesh.systems.spiral_bevel.machine.pair import (
     nominal_base,
     thinning,
 )
-from gearmesh.systems.spiral_bevel.machine.thickness import thinned_to
+from gearmesh.systems.spiral_bevel.machine.thickness import thin_to
 from gearmesh.systems.spiral_bevel.synthesis.settings import ContactChoice, gear_sides, mean_point, pinion_side
 from gearmesh.teeth.region import Side
 
@@ -78,9 +78,7 @@ def pinion_places(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, gea
     else:
         thickness = design.pinion.thickness
         away = (
-            thinning(design.backlash, blank)
-            if thickness is None
-            else thinned_to(thickness, blank.pinion, sides, fitting)
+            thinning(design.backlash, blank) if thickness is None else thin_to(thickness, blank.pinion, sides, fitting)
         )
         places = {name: fitting[name] + (-away if side.flank is Side.LEFT else away) for name, side in sides.items()}
     own, hand = beside_space(sides, blank.pinion.teeth), HANDS[design.hand]

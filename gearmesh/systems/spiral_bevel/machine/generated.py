@@ -93,7 +93,7 @@ class Generated:
 
         Raises NoSolutionError where the cutter generates no such point near the middle, as at small spiral angles.
         """
-        flank = self.rolled(self.blade.flank)
+        flank = self.envelope(self.blade.flank)
         p = self.blade.at_height(height)
 
         def cradle(v: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -113,9 +113,9 @@ class Generated:
         if self.settings.formate:
             tool = Revolved(profile, self.blade.side, self._mean_direction)
             return PlacedSurface(tool, self.settings.standing(self.hand, self.turned + place))
-        return self.rolled(profile, place)
+        return self.envelope(profile, place)
 
-    def rolled(self, profile: Profile, place: float = 0.0) -> Envelope:
+    def envelope(self, profile: Profile, place: float = 0.0) -> Envelope:
         """The envelope of a profile of the blade."""
         tool = Revolved(profile, self.blade.side, self._mean_direction)
         # as for a rack, f grows with the roll wherever the normal has a part up the tooth: blade angles are > 0

@@ -46,7 +46,7 @@ def touching_turn(
     point = standing.point(surface.jet(*(np.array(x) for x in parameters)).r)
     flank = side.side(0.0).flank
     at = _at(side, point, blank)
-    turn = _wrapped(float(polar_angle(point) - polar_angle(flank.jet(at[:1], at[1:]).r)[0]))
+    turn = _wrap(float(polar_angle(point) - polar_angle(flank.jet(at[:1], at[1:]).r)[0]))
     # the gear stands still, and it is the pinion that turns to it
     still = Flank(surface, Mount(standing), {}, blank.gear.stations, blank.gear.extent, _NO_GRID)
     turning = Flank(flank, Mount(Rigid.identity()), {}, blank.pinion.stations, blank.pinion.extent, _NO_GRID)
@@ -79,5 +79,5 @@ def _at(side: Generated, point: Array, blank: BevelBlank) -> Array:
     return np.asarray(solution.values[0])
 
 
-def _wrapped(angle: float) -> float:
+def _wrap(angle: float) -> float:
     return (angle + np.pi) % (2.0 * np.pi) - np.pi

@@ -103,7 +103,7 @@ class MachineSettings:
         turn = (place, -per_roll, *(per_roll * c for c in self.modified_roll))
         x, y, z = (float(c) for c in self.cutter_centre(hand))
         # the blank that is moved away is the machine that is moved back
-        away = [(0.0, -hand * offset, -base) for offset, base in _paired(self.vertical_motion, self.helical_motion)]
+        away = [(0.0, -hand * offset, -base) for offset, base in _pair(self.vertical_motion, self.helical_motion)]
         return CradleRoll(
             (x, y, z),
             self.own_from_machine(hand),
@@ -111,7 +111,7 @@ class MachineSettings:
             float(hand),
             tilt=(self.tilt, *self.tilt_motion) if self.tilted else (),
             swivel=(self._lean(hand), *(hand * a for a in self.swivel_motion)) if self.tilted else (),
-            slide=_vectors([a * self._outwards(hand) for a in _trimmed(self.radial_motion)]),
+            slide=_vectors([a * self._outwards(hand) for a in _trim(self.radial_motion)]),
             feed=_vectors(away),
         )
 
@@ -127,14 +127,14 @@ class MachineSettings:
         )
 
 
-def _trimmed(coefficients: tuple[float, ...]) -> tuple[float, ...]:
+def _trim(coefficients: tuple[float, ...]) -> tuple[float, ...]:
     """Coefficients without zeros at the end."""
     return tuple(float(c) for c in np.trim_zeros(np.array(coefficients), "b"))
 
 
-def _paired(first: tuple[float, ...], second: tuple[float, ...]) -> list[tuple[float, float]]:
+def _pair(first: tuple[float, ...], second: tuple[float, ...]) -> list[tuple[float, float]]:
     """Pairs of coefficients of the same power, to the highest that is not 0."""
-    one, other = _trimmed(first), _trimmed(second)
+    one, other = _trim(first), _trim(second)
     count = max(len(one), len(other))
     return list(zip(one + (0.0,) * (count - len(one)), other + (0.0,) * (count - len(other)), strict=True))
 

@@ -104,7 +104,7 @@ def _fitting_tooth(
 ) -> Tooth:
     """The tooth, its free edge radii as large as the fillets of neighbouring teeth leave room for, in steps of EDGE_SHARES."""
 
-    def proved(share: float) -> Tooth:
+    def prove(share: float) -> Tooth:
         flanks = {which: side.with_edge(share) for which, side in sides.items()}
         cut = {which: side.side(places[which]) for which, side in flanks.items()}
         tooth = Tooth(teeth, cut[Side.RIGHT], cut[Side.LEFT], body)
@@ -117,7 +117,7 @@ def _fitting_tooth(
         except TrimError as failure:
             if failure.what == "root" and share > 0.0:
                 raise
-            raise _explained(name, tooth, failure) from failure
+            raise _refusal(name, tooth, failure) from failure
         except ValueError as failure:
             raise VagueError(
                 name, reason="the fillets do not end in a smooth line along the face", allowed=ALLOWED["tip"]
@@ -125,17 +125,17 @@ def _fitting_tooth(
         return tooth
 
     try:
-        return proved(EDGE_SHARES[0])
+        return prove(EDGE_SHARES[0])
     except TrimError:
         # what has no room for sharp edges has none for any
-        sharp = proved(0.0)
+        sharp = prove(0.0)
     for share in EDGE_SHARES[1:-1]:
         with suppress(TrimError):
-            return proved(share)
+            return prove(share)
     return sharp
 
 
-def _explained(name: str, tooth: Tooth, failure: TrimError) -> VagueError:
+def _refusal(name: str, tooth: Tooth, failure: TrimError) -> VagueError:
     return VagueError(
         name,
         reason=f"{failure.reason} at the cone distance {tooth.stations(failure.station):.5g} mm",

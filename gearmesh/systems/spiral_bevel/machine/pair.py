@@ -155,7 +155,7 @@ def _about_axes(blank: BevelBlank, hand: int) -> tuple[Rigid, Rigid]:
     return Rigid.about_z(-hand * first), gear_to_axes
 
 
-def displaced(design: BevelDesign, blank: BevelBlank) -> tuple[Rigid, Rigid]:
+def displaced_frames(design: BevelDesign, blank: BevelBlank) -> tuple[Rigid, Rigid]:
     """Mounting of pinion and gear with the assembly errors of a design: their own frames to the fixed frame."""
     errors = design.assembly
     axes_to_pinion, gear_to_axes = _about_axes(blank, HANDS[design.hand])
@@ -173,5 +173,5 @@ def without_errors(design: BevelDesign) -> dict[str, float]:
 def _mounts(design: BevelDesign, blank: BevelBlank, pinion_turn: float, gear_turn: float) -> tuple[Mount, Mount]:
     """Mounts; `pinion_turn`, `gear_turn` (rad) bring the flanks to their mean contact."""
     sense = float(HANDS[design.hand])
-    first, second = displaced(design, blank)
+    first, second = displaced_frames(design, blank)
     return Mount(first, sense, sense * pinion_turn), Mount(second, -sense, sense * gear_turn)

@@ -38,7 +38,7 @@ def mean_thickness(own: MemberBlank, sides: Sides, places: Angles) -> float:
     return float(mean_pitch_lines(own, sides, places).normal_thicknesses[0])
 
 
-def thinned_to(thickness: float, own: MemberBlank, sides: Sides, places: Angles) -> float:
+def thin_to(thickness: float, own: MemberBlank, sides: Sides, places: Angles) -> float:
     """Rotation (rad) by which each flank has to be set back for a thickness (mm).
 
     A flank that turns about the axis keeps the radius and the spiral angle of its pitch line: no iteration.
@@ -54,12 +54,12 @@ def cut_to(thickness: float, own: MemberBlank, module: float, cut_by: Callable[[
     Raises DesignError where no cutter has that point width; `module` is the mean normal one, mm.
     """
 
-    def measured(width: float) -> tuple[Sides, float]:
+    def measure(width: float) -> tuple[Sides, float]:
         sides = cut_by(width)
         return sides, mean_thickness(own, sides, beside_space(sides, own.teeth)) - thickness
 
     least = LEAST_WIDTH * module
-    sides, thin = measured(least)
+    sides, thin = measure(least)
     if not thin >= 0.0:
         raise DesignError(
             "gear.thickness",
@@ -73,6 +73,6 @@ def cut_to(thickness: float, own: MemberBlank, module: float, cut_by: Callable[[
         if abs(thin) <= REACHED:
             break
         step = -thin / slope
-        sides, now = measured(width + step)
+        sides, now = measure(width + step)
         width, slope, thin = width + step, (now - thin) / step, now
     return sides

@@ -18,13 +18,13 @@ from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
 
 @dataclass(frozen=True)
 class BevelContactRatios:
-    """Transverse eps_v_alpha and face eps_v_beta; `modified` eps_v_gamma."""
+    """Transverse eps_v_alpha and face eps_v_beta; `modified_ratio` eps_v_gamma."""
 
     transverse: float
     face: float
 
     @property
-    def modified(self) -> float:
+    def modified_ratio(self) -> float:
         """Root of the sum of both squares [AGMA 2003-B97; ISO 10300-1:2001]."""
         return float(np.hypot(self.transverse, self.face))
 

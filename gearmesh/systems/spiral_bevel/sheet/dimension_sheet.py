@@ -128,13 +128,13 @@ def dimension_tables(
     ]  # fmt: skip
     iso += _mounting(cut, dimensions)
     return (
-        table("Ratios, depths and backlash", ("",), _scaled(_pair(cut, dimensions), unit, noun)),
-        table("Dimensions [ISO 23509]", MEMBERS, _scaled(iso, unit, noun)),
+        table("Ratios, depths and backlash", ("",), _scale(_pair(cut, dimensions), unit, noun)),
+        table("Dimensions [ISO 23509]", MEMBERS, _scale(iso, unit, noun)),
         measured_table(_teeth(cut, dimensions, slots), cut.blank.clearance, unit, noun),
     )
 
 
-def _scaled(rows: list[Row], unit: float, noun: str) -> list[Row]:
+def _scale(rows: list[Row], unit: float, noun: str) -> list[Row]:
     """Rows in mm in another unit."""
     return [
         (symbol, words, noun, tuple(v / unit if isinstance(v, float) else v for v in values))
@@ -180,7 +180,7 @@ def _pair(cut: CutPair, dimensions: tuple[MemberDimensions, MemberDimensions]) -
         ("j_et", "outer transverse backlash", "mm", transverse * outer / mean),
         ("eps_v_alpha", "transverse contact ratio, virtual gears", "-", ratios.transverse),
         ("eps_v_beta", "face contact ratio", "-", ratios.face),
-        ("eps_v_gamma", "modified contact ratio", "-", ratios.modified),
+        ("eps_v_gamma", "modified contact ratio", "-", ratios.modified_ratio),
     ]
     return [(symbol, words, kind, (value,)) for symbol, words, kind, value in values]
 
@@ -302,7 +302,7 @@ def measured_table(teeth: tuple[CutTooth, ...], clearance: float, unit: float, n
         for k, (symbol, words, kind, value) in enumerate(columns[0])
     ]
     names = tuple(tooth.member.name for tooth in teeth)
-    return table("Teeth as cut, measured on their flanks", names, _scaled(rows, unit, noun))
+    return table("Teeth as cut, measured on their flanks", names, _scale(rows, unit, noun))
 
 
 def _teeth(

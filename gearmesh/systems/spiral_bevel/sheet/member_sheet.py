@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.systems.spiral_bevel.build import made_alone
+from gearmesh.systems.spiral_bevel.build import cut_alone
 from gearmesh.systems.spiral_bevel.machine.pair import SIDES, index_angles
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutTooth, measured_table, point_width
 from gearmesh.systems.spiral_bevel.sheet.sheet import (
-    fitted,
+    fit_edge_radius,
     member_rows,
     pair_rows_of,
     setting_tables,
@@ -29,10 +29,10 @@ OF_BOTH = ("mean normal thickness",)
 def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
     """Tables of the member "pinion" or "gear" of a design in its own units. Raises as `build` does."""
     own_design, unit, noun = design.in_mm(), design.mm_per_unit, design.units
-    made = made_alone(own_design, name)
+    made = cut_alone(own_design, name)
     pinion, member, blank = name == "pinion", made.cut.member, made.blank
     own = blank.pinion if pinion else blank.gear
-    sides = {key: fitted(side, member) for key, side in made.sides.items()}
+    sides = {key: fit_edge_radius(side, member) for key, side in made.sides.items()}
     slots = slot_widths_of(member.tooth, own)
     angles = index_angles(made.sides, own.teeth, made.places) if pinion else {}
     one_cutter = not pinion or own_design.completing

@@ -50,7 +50,7 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
     teeth = train.members
     # free edge radii as they fit the teeth
     pinion, gear = (
-        {name: fitted(side, teeth[member]) for name, side in sides.items()}
+        {name: fit_edge_radius(side, teeth[member]) for name, side in sides.items()}
         for member, sides in (("pinion", pinion), ("gear", gear))
     )
     made_sides = [*pinion.values(), *gear.values()]
@@ -132,7 +132,7 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
     indexed = {f"pinion.{name}.index_angle": angle for name, angle in index.items()}
     # a flank of an ease-off stands where that has it; others follow their settings again
     values |= {key: angle for key, angle in indexed.items() if key.split(".")[1] in forms}
-    return Sheet((*tables, *form_tables(own, forms)), values, _replaced(design), following=indexed)
+    return Sheet((*tables, *form_tables(own, forms)), values, _replaced_keys(design), following=indexed)
 
 
 def setting_tables(
@@ -149,7 +149,7 @@ def setting_tables(
     return SheetTable("Cutters and machine settings", names, rows), maker_table(sides, names, unit, noun)
 
 
-def _replaced(design: FaceMilledDesign) -> tuple[str, ...]:
+def _replaced_keys(design: FaceMilledDesign) -> tuple[str, ...]:
     """Keys of a design that ask for the settings that the values of the sheet give."""
     own = [f"pinion.{name}.ease_off" for name in SIDES if design.pinion.side(name).ease_off is not None]
     own += ["contact.ease_off"] if design.contact.ease_off is not None else []
@@ -180,7 +180,7 @@ def tooth_forces(design: FaceMilledDesign, torque: float) -> SheetTable:
     return thrust_table(blank, means, base, torque)
 
 
-def fitted(side: Generated, member: Member) -> Generated:
+def fit_edge_radius(side: Generated, member: Member) -> Generated:
     """The side with the edge radius that its fillet has."""
     return replace(side, blade=replace(side.blade, edge_radius=edge_radius(member, side.flank)))
 

@@ -97,7 +97,7 @@ class _Search:
             if sum(most) >= 1.0 or (rolled and most[1] >= 0.0):
                 break
             for direction in self._directions(first):
-                if self.prospects.looked_at >= MOST[rolled]:
+                if self.prospects.count >= MOST[rolled]:
                     break
                 for choice, path in self._ellipses(direction, rolled=rolled):
                     good = self._good(path)
@@ -110,7 +110,7 @@ class _Search:
     def _good(self, path: Prospect) -> tuple[float, float]:
         """How long a path is, 1 where it is long enough, and by how much other places touch before it and its parabola is missed,
         0 where all is as asked for."""
-        missed = abs(path.at_change / self.prospects.wanted - 1.0) if self._scales else 0.0
+        missed = abs(path.at_change / self.prospects.wanted_lag - 1.0) if self._scales else 0.0
         ahead = float(np.clip(self.prospects.apart(path) + AHEAD, -1.0, 0.0))
         return (
             min(path.shorter / ENOUGH_ASIDE, 1.0),
@@ -119,7 +119,7 @@ class _Search:
 
     @property
     def _scales(self) -> bool:
-        return "ratio_derivative" in self.free and self.prospects.wanted > 0.0
+        return "ratio_derivative" in self.free and self.prospects.wanted_lag > 0.0
 
     def _directions(self, first: ContactChoice) -> Iterator[ContactChoice]:
         """Choices whose paths are long enough in all, then the others."""
@@ -143,7 +143,7 @@ class _Search:
         whole, least = choice.asked.semi_major_axis, -np.inf
         for share in SHORTER if "semi_major_axis" in self.free else (1.0,):
             choice = replace(choice, asked=replace(choice.asked, semi_major_axis=share * whole))
-            refined = self._refined(choice, rolled=rolled)
+            refined = self._refine(choice, rolled=rolled)
             if refined is None:
                 continue
             choice, path = refined
@@ -156,31 +156,31 @@ class _Search:
                 return
             least = apart
 
-    def _refined(self, choice: ContactChoice, *, rolled: bool) -> tuple[ContactChoice, Prospect] | None:
+    def _refine(self, choice: ContactChoice, *, rolled: bool) -> tuple[ContactChoice, Prospect] | None:
         """The choice centred and with the parabola asked for, and its path; None where it has none."""
         path = self.prospects.of(choice)
         for _ in range(ROUNDS):
             if path is None:
                 return None
-            better = self._scaled(self._centred(choice, path), path)
+            better = self._scale(self._centre(choice, path), path)
             if rolled:
-                better = self._rolled(better, path)
+                better = self._roll(better, path)
             preview = None if better == choice else self.prospects.of(better)
             if preview is None:
                 break
             choice, path = better, preview
         return None if path is None else (choice, path)
 
-    def _centred(self, choice: ContactChoice, path: Prospect) -> ContactChoice:
+    def _centre(self, choice: ContactChoice, path: Prospect) -> ContactChoice:
         """The choice with its mean point in the middle of the path, and the path in the middle of the flank."""
         if abs(path.begin + path.end) < 2.0 * CENTRED:
             return choice
         middle = path.at(0.5 * (path.begin + path.end))
         way = path.at(path.end) - path.at(path.begin)
         aside = np.array([-way[1], way[0]]) / max(float(np.hypot(*way)), 1e-9 * self.prospects.blank.mean_depth)
-        return self._moved(choice, middle - path.at(0.0) - (middle @ aside) * aside)
+        return self._move(choice, middle - path.at(0.0) - (middle @ aside) * aside)
 
-    def _moved(self, choice: ContactChoice, step: Array) -> ContactChoice:
+    def _move(self, choice: ContactChoice, step: Array) -> ContactChoice:
         """The mean point moved by `step` (2,), mm, as far as it is free and near the middle."""
         blank = self.prospects.blank
         along, height = FARTHEST[0] * blank.gear.face_width, FARTHEST[1] * blank.mean_working_depth
@@ -190,14 +190,18 @@ class _Search:
             choice = replace(choice, height=float(np.clip(choice.height + step[1], -height, height)))
         return choice
 
-    def _scaled(self, choice: ContactChoice, path: Prospect) -> ContactChoice:
+    def _scale(self, choice: ContactChoice, path: Prospect) -> ContactChoice:
         """The choice with the parabola that lags by what was asked at the change of teeth."""
-        if not self._scales or not path.at_change > 0.0 or abs(path.at_change / self.prospects.wanted - 1.0) < CLOSE:
+        if (
+            not self._scales
+            or not path.at_change > 0.0
+            or abs(path.at_change / self.prospects.wanted_lag - 1.0) < CLOSE
+        ):
             return choice
-        share = float(np.clip(self.prospects.wanted / path.at_change, 0.5, 2.0))
+        share = float(np.clip(self.prospects.wanted_lag / path.at_change, 0.5, 2.0))
         return replace(choice, asked=replace(choice.asked, ratio_derivative=share * choice.asked.ratio_derivative))
 
-    def _rolled(self, choice: ContactChoice, path: Prospect) -> ContactChoice:
+    def _roll(self, choice: ContactChoice, path: Prospect) -> ContactChoice:
         """The choice with modified roll that takes the orders from the third to the fifth out of its lag.
 
         A blank that lags by c q^n / m when the cradle has turned by q has a flank that is so much behind where q generated it,

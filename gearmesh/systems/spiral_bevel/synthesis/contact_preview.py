@@ -114,28 +114,28 @@ class Prospects:
 
     def of(self, choice: ContactChoice) -> Prospect | None:
         """The path of contact of a choice, None where no pinion gives it."""
-        if choice not in self._known:
-            self._known[choice] = self._of(choice)
-        return self._known[choice]
+        if choice not in self._cache:
+            self._cache[choice] = self._of(choice)
+        return self._cache[choice]
 
     def _of(self, choice: ContactChoice) -> Prospect | None:
         try:
             mean = mean_point(self.design, self.blank, self._gear, self._base, choice)
-            return self._followed(pinion_side(self.design, self.blank, self.name, mean), mean)
+            return self._follow(pinion_side(self.design, self.blank, self.name, mean), mean)
         except (NoSolutionError, DesignError):
             return None
 
     @cached_property
-    def _known(self) -> dict[ContactChoice, Prospect | None]:
+    def _cache(self) -> dict[ContactChoice, Prospect | None]:
         return {}
 
     @property
-    def looked_at(self) -> int:
+    def count(self) -> int:
         """How many choices have been looked at."""
-        return len(self._known)
+        return len(self._cache)
 
     @property
-    def wanted(self) -> float:
+    def wanted_lag(self) -> float:
         """Lag (rad) asked for at the change of teeth."""
         return self.design.pinion.side(self.name).te_at_change * ARCSEC
 
@@ -171,24 +171,24 @@ class Prospects:
         ahead = (polar_angle(r) - polar_angle(surface) + np.pi) % (2.0 * np.pi) - np.pi
         lag = SIDES[self.name] * sense * ratio * ahead
         own_margin = np.minimum(-blank.pinion.tip.value(surface), _above_joint(path.pinion, solution.values[:, 0]))
-        margin = np.where(solution.converged, np.minimum(own_margin, self._margin[self._met]), np.nan)
+        margin = np.where(solution.converged, np.minimum(own_margin, self._margin[self._in_contact]), np.nan)
         # where pairs change over the least lag has a corner, and what is ahead may be as narrow as that
         table = np.full((3, *self._margin.shape), np.nan)
-        table[:, self._met] = lag, phi1 / self._pitch, margin
+        table[:, self._in_contact] = lag, phi1 / self._pitch, margin
         lag, pitches, margin = _finer(table, table[2] >= 0.0)
         least = path.smooth(np.clip(pitches - np.round(pitches), path.phi[0], path.phi[-1]))
-        return float(np.min((lag - least)[margin >= 0.0], initial=0.0) / (self.wanted or np.ptp(path.lag)))
+        return float(np.min((lag - least)[margin >= 0.0], initial=0.0) / (self.wanted_lag or np.ptp(path.lag)))
 
     @cached_property
     def _conjugate(self) -> tuple[Jet, Array]:
         """Points (M,) of the gear's flank as cut, and how far (rad) it is turned where they are points of contact at the ratio of
         the teeth."""
         jet, turns, _ = self._of_grid
-        met = self._met
+        met = self._in_contact
         return Jet(*(getattr(jet, name)[met] for name in ("r", "n", "r_u", "r_v", "n_u", "n_v"))), turns[met]
 
     @cached_property
-    def _met(self) -> NDArray[np.bool_]:
+    def _in_contact(self) -> NDArray[np.bool_]:
         """Which points of the grid are points of contact somewhere."""
         return np.isfinite(self._of_grid[1]) & np.isfinite(self._margin)
 
@@ -230,7 +230,7 @@ class Prospects:
     def _pitch(self) -> float:
         return 2.0 * np.pi / self.blank.pinion.teeth
 
-    def _followed(self, pinion: Generated, mean: MeanPoint) -> Prospect:
+    def _follow(self, pinion: Generated, mean: MeanPoint) -> Prospect:
         """The path of a pinion's side as cut, from the mean point on."""
         blank, sense = self.blank, float(HANDS[self.design.hand])
         own, mate = blank.pinion.stations, blank.gear.stations

@@ -44,7 +44,7 @@ from gearmesh.systems.spiral_bevel.synthesis.settings import (
     given_roll,
     mean_point,
     side_of,
-    synthesised,
+    synthesise,
     tool_values,
 )
 
@@ -91,18 +91,18 @@ def form_choice(design: FaceMilledDesign, blank: BevelBlank, name: str, target: 
     contact = mean_point(design, blank, gear, base, at_middle).contact
     start, spec = _start(design, blank, name, at_middle, contact, wanted), design.pinion.side(name)
     keys = tuple(key for key in SYNTHESISED if getattr(spec, key) is None)
-    met = conjugate.met
+    met = conjugate.exists
     least = float((terms(conjugate.along[met], conjugate.up[met]) @ wanted).min())
     # turned until what has least is as the conjugate
     fit = _Fit(design, blank, name, conjugate, wanted, start, given_roll(spec), met, keys, -least).whole()
-    form = fit.solved(MANY if spec.gives_roll else FEW)
-    if form.left > max(ROLL_FROM * form.most, ROLL_LEAST) and not spec.gives_roll:
+    form = fit.solve(MANY if spec.gives_roll else FEW)
+    if form.rest_max > max(ROLL_FROM * form.most, ROLL_LEAST) and not spec.gives_roll:
         fit = replace(fit, start=form.values, orders=ROLL)
-        form = fit.solved(MANY)
+        form = fit.solve(MANY)
     # what is left of higher order stands out somewhere
     out = float(np.nanmin(form.reached)) + form.away
     if fit.turns and out < -CLEAR:
-        form = replace(fit, start=form.values, roll=form.roll, away=fit.away - out).solved(FEW)
+        form = replace(fit, start=form.values, roll=form.roll, away=fit.away - out).solve(FEW)
     return ContactChoice(at_middle.asked, at_middle.height, at_middle.along, form=form)
 
 
@@ -129,7 +129,7 @@ def form_figures(form: FlankForm) -> FormFigures:
     reached = {f"ease_off_{key}": 1e3 * value for key, value in form.parameters.items()}
     return FormFigures(
         **reached,
-        ease_off_residual_max=1e3 * form.left,
+        ease_off_residual_max=1e3 * form.rest_max,
         ease_off_residual_rms=1e3 * float(np.sqrt(np.nanmean(form.residual**2))),
     )
 
@@ -137,9 +137,9 @@ def form_figures(form: FlankForm) -> FormFigures:
 def form_warnings(design: FaceMilledDesign, forms: dict[str, FlankForm | None]) -> Iterator[str]:
     """What to say of sides with too much residual topography."""
     for name, form in forms.items():
-        if form is not None and form.left > max(LEFT * form.most, LEFT_LEAST):
+        if form is not None and form.rest_max > max(LEFT * form.most, LEFT_LEAST):
             yield (
-                f"{design.ease_off_key(name)}: the residual topography of pinion.{name} is up to {1e3 * form.left:.3g} um, the "
+                f"{design.ease_off_key(name)}: the residual topography of pinion.{name} is up to {1e3 * form.rest_max:.3g} um, the "
                 f"requested ease-off up to {1e3 * form.most:.3g} um; give fewer settings or a smaller ease-off"
             )
 
@@ -162,7 +162,7 @@ def _start(
     try:
         values = tool_values(design, blank, name, (r, unit(n + tilted @ basis)), operator)
     except NoSolutionError:
-        values = synthesised(design, blank, name, contact, choice.asked)
+        values = synthesise(design, blank, name, contact, choice.asked)
     spec = design.pinion.side(name)
     given = {key: getattr(spec, key) for key in (*SYNTHESISED, "blade_height") if getattr(spec, key) is not None}
     # that of a cutter that leans follows from the rest
@@ -207,14 +207,14 @@ class _Fit:
             "give a smaller ease-off, or fewer settings",
         )
 
-    def solved(self, evaluations: int) -> FlankForm:
+    def solve(self, evaluations: int) -> FlankForm:
         """The form that is nearest to what is wanted. Raises NoSolutionError where there is none to begin with."""
         from scipy.optimize import least_squares
 
         tried: dict[bytes, tuple[Envelope, Array, Array, Jet]] = {}
         at = self.begin
 
-        def tried_at(q: Array) -> tuple[Envelope, Array, Array, Jet]:
+        def trial_at(q: Array) -> tuple[Envelope, Array, Array, Jet]:
             """The flank of unknowns q, its ease-off, parameters and jets."""
             if q.tobytes() not in tried:
                 surface = self.cut(q)
@@ -224,12 +224,12 @@ class _Fit:
         def residual(q: Array) -> Array:
             if not self._can_be(q):
                 return np.full(len(self._rows) + len(q), np.nan)
-            e = tried_at(q)[1]
-            return np.concatenate((self._rows @ (e - self._wanted - self.away * self._turning), FAR * q))
+            e = trial_at(q)[1]
+            return np.concatenate((self._rows @ (e - self._wanted_ease_off - self.away * self._turning), FAR * q))
 
         def derivatives(q: Array) -> Array:
             nonlocal at
-            surface, _, at, jet = tried_at(q)
+            surface, _, at, jet = trial_at(q)
             return np.concatenate((self._rows @ self._slopes(q, surface, at, jet), FAR * np.eye(len(q))))
 
         zero = np.zeros(len(self.keys) + len(self.orders))
@@ -237,10 +237,10 @@ class _Fit:
             if not np.isfinite(residual(zero)).all():
                 raise self._nothing()
             fit = least_squares(residual, zero, derivatives, ftol=SETTLED, xtol=None, gtol=None, max_nfev=evaluations)
-            reached = tried_at(fit.x)[1]
+            reached = trial_at(fit.x)[1]
         away, *five = self._polynomial @ reached
         grids = np.full((2, *self.used.shape), np.nan)
-        grids[:, self.used] = self._wanted, reached - away * self._turning
+        grids[:, self.used] = self._wanted_ease_off, reached - away * self._turning
         values, roll = self._settings(fit.x)
         return FlankForm(
             values,
@@ -257,7 +257,7 @@ class _Fit:
         """The flank with the settings of unknowns q (N,)."""
         values, roll = self._settings(q)
         side = side_of(self.design, self.blank, self.name, values, roll)
-        return side.rolled(side.blade.flank)
+        return side.envelope(side.blade.flank)
 
     def ease_off(self, surface: Surface, at: Array, steps: int = STEPS) -> tuple[Array, Array, Jet]:
         """Ease-off (K,), mm, NaN where the surface is not near, by Newton steps from the parameters at (K, 2); parameters and jet
@@ -360,7 +360,7 @@ class _Fit:
         return ease_off
 
     @property
-    def _wanted(self) -> Array:
+    def _wanted_ease_off(self) -> Array:
         wanted: Array = self._terms @ self.parameters
         return wanted
 

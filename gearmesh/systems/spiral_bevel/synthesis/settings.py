@@ -90,7 +90,7 @@ class FlankForm:
         return self.reached - self.wanted
 
     @property
-    def left(self) -> float:
+    def rest_max(self) -> float:
         """The most of it, mm, either way."""
         return float(np.nanmax(np.abs(self.residual)))
 
@@ -376,7 +376,7 @@ def pinion_values(
     spec = design.pinion.side(name)
     values = {key: getattr(spec, key) for key in (*SYNTHESISED, "blade_height")}
     if any(values[key] is None for key in SYNTHESISED):
-        derived = synthesised(design, blank, name, contact, choice.asked)
+        derived = synthesise(design, blank, name, contact, choice.asked)
     else:
         derived = {"blade_height": 0.5 * blank.mean_depth}
     settings = {key: value if value is not None else derived[key] for key, value in values.items()}
@@ -384,7 +384,7 @@ def pinion_values(
     return {**settings, "sliding_base": base}
 
 
-def synthesised(
+def synthesise(
     design: FaceMilledDesign, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
 ) -> dict[str, float]:
     """Settings of one side of the pinion by local synthesis, under their keys (mm, deg).

@@ -72,7 +72,7 @@ def bevel_teeth(design: FaceMilledDesign) -> BevelTeeth:
     Raises DesignError for blanks and teeth that cannot exist, before any contact has been looked for, NoSolutionError where no
     pinion gives the contact asked for.
     """
-    return _settled(_Remembered.of(design))
+    return _best_teeth(_Remembered.of(design))
 
 
 def closing_teeth(design: FaceMilledDesign) -> BevelTeeth:
@@ -112,7 +112,7 @@ def gear_alone(design: FaceMilledDesign) -> CutAlone:
     if first.teeth is not None and not _may_become_shallower(design, first):
         made = first.teeth
         return CutAlone(first.blank, made.cut.gear, made.cut.places[1], made.gear)
-    made = _settled(key)
+    made = _best_teeth(key)
     return CutAlone(made.cut.blank, made.cut.gear, made.cut.places[1], made.gear)
 
 
@@ -146,7 +146,7 @@ class _Remembered:
         return cls(repr((type(design), own, derived, design.contact.delta)), design)
 
     @property
-    def stated(self) -> _Remembered:
+    def stated_design(self) -> _Remembered:
         """The design before sliding bases were derived of its geometry, which the search for a contact is to find."""
         design = self.design
         pinion = {
@@ -179,10 +179,10 @@ def _plain(key: _Remembered) -> _Plain:
     """With the proportions that are best. Raises DesignError for blanks and teeth that cannot exist."""
     design = key.design
     given = proportions(design)
-    teeth_by_proportions = {given: _proportioned(design, given, first=True)}
+    teeth_by_proportions = {given: _with_proportions(design, given, first=True)}
 
     def faults_of(asked: Proportions) -> ToothFaults:
-        teeth_by_proportions[asked] = _proportioned(design, asked)
+        teeth_by_proportions[asked] = _with_proportions(design, asked)
         return teeth_by_proportions[asked].faults
 
     first = teeth_by_proportions[given]
@@ -193,14 +193,14 @@ def _plain(key: _Remembered) -> _Plain:
     return best if chosen == given else _saying(first, best)
 
 
-def _proportioned(design: FaceMilledDesign, given: Proportions, *, first: bool = False) -> _Plain:
+def _with_proportions(design: FaceMilledDesign, given: Proportions, *, first: bool = False) -> _Plain:
     """The teeth of given proportions. Raises DesignError for blanks that cannot exist.
 
     Of the `first` that are tried the land is not looked at where nothing is undercut: they are taken.
     """
     blank = basic_blank(design, given)
     try:
-        teeth = _made(design, (given, blank), {name: contact_said(design, blank, name) for name in SIDES})
+        teeth = _make(design, (given, blank), {name: contact_said(design, blank, name) for name in SIDES})
     except NoSolutionError as failure:
         return _Plain(given, blank, unsolved=failure)
     except VagueError as refusal:
@@ -238,12 +238,12 @@ def _saying(first: _Plain, best: _Plain) -> _Plain:
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _sought(key: _Remembered, blank: BevelBlank) -> Choices:
+def _search(key: _Remembered, blank: BevelBlank) -> Choices:
     return {name: contact_choice(key.design, blank, name) for name in SIDES}
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _settled(key: _Remembered) -> BevelTeeth:
+def _best_teeth(key: _Remembered) -> BevelTeeth:
     """With the proportions of the plain teeth; shallower where those are whole and the contact that is chosen undercuts them."""
     design, first = key.design, _plain(key)
     if first.teeth is not None and not any(chooses(design, name) for name in SIDES):
@@ -255,10 +255,10 @@ def _settled(key: _Remembered) -> BevelTeeth:
         if not any(_undercut(best)):
             break
         depth, share = factors(first.given, first.blank)
-        less = _proportioned(design, replace(first.given, depth_factor=part * depth, addendum_factor=share))
+        less = _with_proportions(design, replace(first.given, depth_factor=part * depth, addendum_factor=share))
         if less.teeth is None or any(less.faults.undercut):
             break
-        shallower = _with_contact(key, _saying(_proportioned(design, proportions(design)), less))
+        shallower = _with_contact(key, _saying(_with_proportions(design, proportions(design)), less))
         best = shallower if sum(_undercut(shallower)) < sum(_undercut(best)) else best
     return best
 
@@ -274,8 +274,8 @@ def _with_contact(key: _Remembered, first: _Plain) -> BevelTeeth:
     """The teeth with the contact that is chosen, or the plain ones."""
     plain = first.teeth
     try:
-        choices = _sought(key.stated, first.blank)
-        return _made(key.design, (first.given, first.blank), choices, None if plain is None else plain.gear)
+        choices = _search(key.stated_design, first.blank)
+        return _make(key.design, (first.given, first.blank), choices, None if plain is None else plain.gear)
     except (DesignError, NoSolutionError):
         # a blank that has room for the one contact may have none for the other
         if plain is None:
@@ -283,7 +283,7 @@ def _with_contact(key: _Remembered, first: _Plain) -> BevelTeeth:
         return plain
 
 
-def _made(
+def _make(
     design: FaceMilledDesign, basis: tuple[Proportions, BevelBlank], choices: Choices, gear: CutMember | None = None
 ) -> BevelTeeth:
     """The teeth of some proportions and their blank with a contact, on which the gear does not depend; that first: what is wrong
