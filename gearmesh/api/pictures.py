@@ -71,7 +71,7 @@ def picture(
     contact = gears.contact(phi1, cycle=view == "te", turns=view == "turns", pair=pair)
     path = contact.path
     if not path.touching.any():
-        raise NoSolutionError(reason="there is no contact at any of the positions", remedy="choose another phi1")
+        raise NoSolutionError(reason="no contact at any position shown", remedy="choose another phi1")
     if view in FIGURES:
         return _figure(view, contact, None if member is None else (name,), title, size, dpi)
     size = size or pictures.SIZE

@@ -149,7 +149,7 @@ class ParabolicAssembly(PairRunout):
         float,
         Key(
             "angle",
-            "shaft angle: turn of the gear's axis about the line of centres; d_lambda1 = -d_gamma makes up for it",
+            "shaft angle: turn of the gear's axis about the line of centres; d_lambda1 = -d_gamma compensates it",
             low=-5,
             high=5,
         ),
