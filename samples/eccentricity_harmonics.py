@@ -17,9 +17,8 @@ import numpy as np
 
 import gearmesh as gm
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.systems.spiral_bevel.errors.kinematic_errors import Harmonics, NominalContact, harmonics
 
 DESIGN = Path(__file__).parent / "spiral_bevel_geometry1.toml"

@@ -15,7 +15,7 @@ import numpy as np
 
 import gearmesh as gm
 from gearmesh.answers.contact.contact import Contact
-from gearmesh.contact.path import ARCSEC
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.view.diagrams.flank_diagrams import beside, plot_flanks
 from gearmesh.view.pictures import flank_panel
 

@@ -27,8 +27,8 @@ import tables
 
 import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
-from gearmesh.contact.path import ARCSEC
 from gearmesh.errors import Status
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.loaded.compliance.compliance import CELLS as ELEMENTS
 from gearmesh.loaded.compliance.compliance import flank_compliance
 from gearmesh.loaded.sharing import CELLS, loaded_mesh

@@ -22,13 +22,12 @@ from tables import rewrite, table
 
 import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
-from gearmesh.contact.path import ARCSEC
 from gearmesh.fe import ccx
 from gearmesh.fe.gear_model import GearModel, Request, gear_model
 from gearmesh.fe.model import STIFFNESS_RATIO
 from gearmesh.fe.placing import PlacedPair, place
 from gearmesh.fe.results import NodalSolution, contact_figures, largest_principal
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.loaded.compliance.compliance import CELLS, HeldTeeth, held_teeth
 from gearmesh.loaded.sharing import LoadedMesh, beside, inside, loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells

@@ -64,7 +64,6 @@ HEAVY = {
 SOLVERS = ("contact", "loaded")
 RESULTS = {
     "ContactPath",
-    "error_unit",
     "Cycle",
     "FullTurns",
     "LoadedMesh",

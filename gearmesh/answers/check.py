@@ -16,10 +16,11 @@ from gearmesh.check.members import roll_teeth
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.contact.fit.fit import NOTHING, Fit
 from gearmesh.contact.flanks import smooth_under
-from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
+from gearmesh.contact.path import ContactPath
 from gearmesh.design.core import Design
 from gearmesh.figures import Content, Figures, Summary, figure
-from gearmesh.kernel.numeric.algebra import Array, dot, spread
+from gearmesh.kernel.motion.joint import Joint
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot, spread
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import FLANKS
 from gearmesh.teeth.train import GearPair
@@ -235,26 +236,27 @@ def roll_test(
         )
     rows, smooth = list[RollRow](), smooth_under(pair, path)
     for k, found in zip(chosen, contacts, strict=True):
-        turned = _turned(path, k, found.phi2, pair.slide, "flanks")
+        turned = _turned(path, k, found.phi2, pair.output, "flanks")
         within = bool(path.kind[k] == "point") and not found.cut_by_edge and bool(smooth[k])
         rows.append(_with_ellipse(turned, found, path, k) if within else turned)
     filleted = spread(np.flatnonzero(path.touching & (path.part > 0)), positions)
     if filleted.size:
         whole = roll_teeth(pair, path.rotation[filleted], guess_phi2=path.phi2[filleted])
         for k, touch in zip(filleted, whole, strict=True):
-            rows.append(_turned(path, k, np.nan if touch is None else touch.phi2, pair.slide, "whole teeth"))
+            rows.append(_turned(path, k, np.nan if touch is None else touch.phi2, pair.output, "whole teeth"))
     compared, mount = np.concatenate((chosen, filleted)), pair.gear.mount
     arms = np.abs(dot(path.normal[compared], mount.velocity(path.point[compared])))
-    limits = (FACETS * tolerance / arms / error_unit(pair.slide)[0]).tolist()
+    limits = (FACETS * tolerance / arms / pair.output.reading.error[0]).tolist()
     rolled = (*contacts, *[None] * len(filleted))
     return RollTest(rows, contacts, tuple(_rolled_verdicts(rows, rolled, limits)))
 
 
-def _turned(path: ContactPath, k: int, phi2: float, slide: float | None, rolled: str) -> RollRow:
+def _turned(path: ContactPath, k: int, phi2: float, output: Joint, rolled: str) -> RollRow:
     """Error of the gear's rotation against the path at its k-th position; and what was rolled."""
     off = float(phi2 - path.phi2[k])
-    along = None if slide is None else off / error_unit(slide)[0]
-    return RollRow(float(np.degrees(path.phi1[k])), rolled, off / ARCSEC, along, None, None, None, None)
+    return RollRow(
+        float(np.degrees(path.phi1[k])), rolled, off / ARCSEC, output.travelled(1e3 * off), None, None, None, None
+    )
 
 
 def _with_ellipse(row: RollRow, found: RollContact, path: ContactPath, k: int) -> RollRow:

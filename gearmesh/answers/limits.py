@@ -233,9 +233,8 @@ def _heads(columns: Iterable[str]) -> list[str]:
 def _figures(member: Member, found: MemberLimits) -> MemberLimitFigures:
     """Limits of a member as figures."""
     radial = station_normal(member.tooth.blank.axial) == (1.0, 0.0)
-    slides = member.tooth.joint.travel is not None
+    joint = member.tooth.joint
     inner = [side.undercut_from for side in found.sides.values()]
-    turns = not radial and not slides
     return MemberLimitFigures(
         teeth=member.tooth.teeth,
         fewest_teeth=found.fewest_teeth,
@@ -250,26 +249,26 @@ def _figures(member: Member, found: MemberLimits) -> MemberLimitFigures:
         stations=found.stations,
         top_land=found.top_land,
         room_over_tip=found.rise,
-        tip_diameter=2.0 * found.tip_radius if turns else None,
-        largest_tip_diameter=2.0 * found.land_radius if turns else None,
-        tip_height=found.tip_radius if slides and not radial else None,
-        largest_tip_height=found.land_radius if slides and not radial else None,
+        tip_diameter=None if radial else joint.diameter(found.tip_radius),
+        largest_tip_diameter=None if radial else joint.diameter(found.land_radius),
+        tip_height=None if radial else joint.height(found.tip_radius),
+        largest_tip_height=None if radial else joint.height(found.land_radius),
         sides={key: _side_figures(member, side) for key, side in found.sides.items()},
     )
 
 
 def _side_figures(member: Member, side: SideLimits) -> SideLimitFigures:
-    slides = member.tooth.joint.travel is not None
+    joint = member.tooth.joint
     return SideLimitFigures(
         undercut=side.undercut,
         undercut_from=side.undercut_from,
         h1=side.h1,
         joint_depth=side.joint_depth,
         h2=side.h2,
-        flank_from_diameter=None if slides else 2.0 * side.flank_radius,
-        singular_diameter=None if slides else 2.0 * side.singular_radius,
-        flank_from_height=side.flank_radius if slides else None,
-        singular_height=side.singular_radius if slides else None,
+        flank_from_diameter=joint.diameter(side.flank_radius),
+        singular_diameter=joint.diameter(side.singular_radius),
+        flank_from_height=joint.height(side.flank_radius),
+        singular_height=joint.height(side.singular_radius),
         lost_height=side.lost,
         limiting_line=LimitingLineFigures(
             (member.tool_parameters or member.source_parameters)(side.p, side.v), side.on_tool, side.on_tooth

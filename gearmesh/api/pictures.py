@@ -157,13 +157,13 @@ def _figure(
     size: tuple[int, int] | None,
     dpi: int,
 ) -> Diagram:
-    slide, path = contact.pair.slide, contact.path
+    unit, path = contact.pair.output.reading.error, contact.path
     if view == "te":
         what = f"{title}: transmission error"
-        return Diagram(what, lambda file: plot_transmission_error(file, path, contact.cycle, what, slide, size, dpi))
+        return Diagram(what, lambda file: plot_transmission_error(file, path, contact.cycle, what, unit, size, dpi))
     if (turns := contact.turns) is not None:
         what = f"{title}:\ntransmission error over whole turns"
-        return Diagram(what, lambda file: plot_turns(file, turns, what, slide, size, dpi))
+        return Diagram(what, lambda file: plot_turns(file, turns, what, unit, size, dpi))
     what = f"{title}: contact on the flanks"
     return Diagram(
         what, lambda file: plot_flanks(file, pictures.flank_rows(contact, names, view == "sliding"), what, size, dpi)

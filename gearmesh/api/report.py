@@ -228,7 +228,7 @@ def plots(gears: GearSet, contacts: Mapping[int, Contact]) -> list[tuple[str, by
                 plot_flanks(path, rows, "", dpi=DPI)
             found.append((f"Contact on the flanks{of}", path.read_bytes()))
             if (turns := each.eccentric_turns) is not None:
-                plot_turns(path, turns, "", each.pair.slide, dpi=DPI)
+                plot_turns(path, turns, "", each.pair.output.reading.error, dpi=DPI)
                 found.append((f"Transmission error over whole turns{of}", path.read_bytes()))
         for member in gears.members.values():
             if is_modified(member):

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gearmesh.contact.path import ARCSEC, error_unit
-from gearmesh.kernel.numeric.algebra import cross
+from gearmesh.kernel.numeric.algebra import ARCSEC, cross
 from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.study.rows.path_figures import carries
 from gearmesh.study.rows.patterns import AssemblyContact
@@ -130,7 +129,7 @@ def _cell(each: AssemblyContact, planes: dict[int, FlankPlane], peak_to_peak: fl
     pair, frame, lead = each.pair, each.frame, each.lead
     plane = planes.setdefault(id(frame), FlankPlane(pair.pinion, pair.flanks[0], frame.as_drawn, GRID))
     top = float(np.nanmax(lead)) if np.isfinite(lead).any() else float(np.nanmax(each.paths.lead))
-    rad, unit = error_unit(pair.slide)
+    rad, unit = pair.output.reading.error
     own, gears = (pair.drive * (values - top) / rad for values in (each.paths.lead[0], np.append(lead, lead[0])))
     curves = np.stack((np.degrees(each.paths.phi1), own)), np.stack((np.degrees(each.phase), gears))
     mesh_te = None if peak_to_peak is None else peak_to_peak * ARCSEC / rad

@@ -8,7 +8,7 @@ material is inside or not.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -285,6 +285,9 @@ def _rotation(angle: float) -> Array:
 #: what a bound of a section is: its name and its curves
 _Bound = tuple[str, tuple[PlaneCurve, ...]]
 
+#: one link, or smooth piece of it, at one station, as a curve and its deviation (mm)
+_Drawn = Callable[[Tooth, Piece, Sections, float], tuple[PlaneCurve, float]]
+
 
 def _outline(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
     """The contour that bounds a member opposite to its bore or rim: round all teeth of the half that is there, or in the gap."""
@@ -298,7 +301,7 @@ def _outline(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]
 def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
     """The contour round all teeth, and the deviation (mm) of its splines."""
     tooth = member.tooth
-    one, deviation = _one_tooth(tooth, z, tolerance)
+    one, deviation = _one_tooth(tooth, z, tolerance, _of_gear)
     moved = _join(one, one[-1].turn(-tooth.pitch_angle))
     turned = [curve.turn(k * tooth.pitch_angle) for k in range(tooth.teeth) for curve in one]
     return (TEETH, tuple(turned)), deviation + moved
@@ -307,7 +310,7 @@ def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
 def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, ...], float]:
     """The contour of a rack, and the deviation (mm) of its splines: its teeth from end to end, and the bar under them."""
     tooth = member.tooth
-    one, deviation = _one_tooth(tooth, z, tolerance)
+    one, deviation = _one_tooth(tooth, z, tolerance, _of_rack)
     pitch = np.asarray(tooth.joint.to(tooth.pitch_angle).translation)[:2]
     moved = _join(one, one[-1].move(-pitch))
     places = tooth.joint.places(tooth.teeth)
@@ -325,7 +328,7 @@ def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, 
     return (*row, *lines), deviation + moved
 
 
-def _one_tooth(tooth: Tooth, z: float, tolerance: float) -> tuple[list[PlaneCurve], float]:
+def _one_tooth(tooth: Tooth, z: float, tolerance: float, drawn: _Drawn) -> tuple[list[PlaneCurve], float]:
     """The curves of one tooth at z (mm), and the deviation (mm) of the splines among them."""
     toe, heel = tooth.blank.extent
     station = float(tooth.blank.axial.value(np.array([0.0, 0.0, z])))
@@ -335,7 +338,7 @@ def _one_tooth(tooth: Tooth, z: float, tolerance: float) -> tuple[list[PlaneCurv
         ends = piece.grid(tooth, np.array([0.0, 1.0]), sections).points[:, 0, :2]
         if np.linalg.norm(ends[1] - ends[0]) <= NARROWEST:
             continue
-        curve, miss = _draw(tooth, piece, sections, tolerance)
+        curve, miss = drawn(tooth, piece, sections, tolerance)
         one.append(curve)
         deviation = max(deviation, miss)
     return one, deviation
@@ -358,11 +361,9 @@ def _join(curves: list[PlaneCurve], last: PlaneCurve) -> float:
     return moved
 
 
-def _draw(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneCurve, float]:
-    """One link, or smooth piece of it, at one station, and its deviation (mm)."""
+def _of_gear(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneCurve, float]:
+    """A link of a gear, or smooth piece of it, at one station, and its deviation (mm)."""
     link = tooth.chain[piece.region]
-    if tooth.joint.travel is not None:
-        return _of_rack(tooth, piece, sections, tolerance)
     if isinstance(link, (GeneratedLink, BottomLink)):
         return _fit(tooth, piece, sections, tolerance)
     first, last = link.grid([0.0, 1.0], sections).points[:, 0, :2]

@@ -10,13 +10,6 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 
-ARCSEC = np.pi / 648000.0
-
-
-def error_unit(slide: float | None) -> tuple[float, str]:
-    """Rad and name of the unit in which transmission errors are reported: arc seconds, or um of a gear that slides (mm/rad)."""
-    return (ARCSEC, "arcsec") if slide is None else (1e-3 / slide, "um")
-
 
 @dataclass(frozen=True)
 class ContactPath:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearmesh.contact.hertz import STEEL, Material, normal_force
+from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.fe.model import STIFFNESS_RATIO, ContactPair, Model, NodeForces, RigidTie, Support
 from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, neighbours
 from gearmesh.kernel.motion.rigid import Rigid
@@ -97,9 +97,8 @@ def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "g
     gap = preload = 0.0
     if both:
         gap, apart = _facet_gap(pair, own, at)
-        mount = pair.gear.mount
-        per_gap = normal_force(1.0, at.path.point[0], at.path.normal[0], mount.origin, mount.axis)
-        turns[1] -= pair.drive * gap * float(np.abs(per_gap))
+        lever = float(at.path.normal[0] @ pair.gear.mount.velocity(at.path.point[0]))
+        turns[1] -= pair.drive * gap / abs(lever)
         overlap = max(OVERCLOSURE * at.approach, BEYOND_APART * apart)
         preload = overlap / abs(at.arm) if request.rotation is None else 0.0
     placed = {

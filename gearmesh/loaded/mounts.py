@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from gearmesh.errors import ArgumentError, DesignError
+from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross
 from gearmesh.lengths import Length, in_mm
@@ -89,12 +89,7 @@ class Supports:
 
     @classmethod
     def of(cls, gears: GearPair, flexible: tuple[FlexibleMount | None, FlexibleMount | None]) -> Self:
-        """Of a pair that is not moved yet. Raises DesignError for members that slide or are double helical."""
-        for member, own in zip(gears.both, flexible, strict=True):
-            if own is not None and (len(gears.halves) > 1 or gears.slide is not None):
-                raise ArgumentError(
-                    "mounts", member.name, reason="elastic mounts need rotating gears with one row of teeth"
-                )
+        """Of a pair that is not moved yet."""
         return cls(gears.mounts, flexible, np.zeros((2, 6)))
 
     def displace(self, gears: GearPair, displacement: Array) -> tuple[Self, GearPair]:

@@ -115,10 +115,21 @@ class NearPairs:
         return _beyond(self.surfaces, self.range)
 
     def in_place(self, points: Array) -> Array:
-        """Points (M, 3) where they are, those of the other half too."""
+        """Points (M, ..., 3) where they are, those of the other half too."""
         for k, image in enumerate(self.images[1:], 1):
-            points = np.where(self.half[:, None] == k, image.point(points), points)
+            points = np.where(self._of_half(k, points), image.point(points), points)
         return points
+
+    def directed(self, vectors: Array) -> Array:
+        """Vectors (M, ..., 3) as they are, those of the other half too."""
+        for k, image in enumerate(self.images[1:], 1):
+            vectors = np.where(self._of_half(k, vectors), image.vector(vectors), vectors)
+        return vectors
+
+    def _of_half(self, k: int, values: Array) -> NDArray[np.bool_]:
+        """Which of (M, ..., 3) values are of a half."""
+        of_half: NDArray[np.bool_] = np.asarray(self.half == k).reshape(-1, *(1,) * (values.ndim - 1))
+        return of_half
 
     def levers(self, member: int, points: Array, normals: Array) -> Array:
         """At which levers (M, ...), mm, above 0, pressures along `normals` at `points` (M, ..., 3) turn a member about its axis."""

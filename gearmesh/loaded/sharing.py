@@ -179,8 +179,7 @@ def loaded_mesh(
     """The mesh at rotations phi1 (P,), rad, of the pinion under torques (T,), N mm, on it in the sense that drives; `flexible`: how
     compliance of the mounts of pinion and gear, None where they are rigid.
 
-    Raises DesignError for a torque that is not above 0 and for elastic mounts of racks and double helical gears,
-    NoSolutionError where no teeth touch without load.
+    Raises DesignError for a torque that is not above 0, NoSolutionError where no teeth touch without load.
     """
     wrong = ~(np.isfinite(torque) & (torque > 0.0))
     if wrong.any():
@@ -357,7 +356,7 @@ class _Problem:
         full = (count, self.most, *cells)
         on, gap = self._slots(grid.on), self._slots(grid.gap)
         if supports is not None:
-            for k, wrench_rows in enumerate(supports.wrenches(grid.middle, grid.normal)):
+            for k, wrench_rows in enumerate(supports.wrenches(near.in_place(grid.middle), near.directed(grid.normal))):
                 wrench = self._slots(wrench_rows).reshape(count, -1, 6)
                 smooth += wrench @ supports.compliance[k] @ wrench.swapaxes(1, 2)
                 # as far as members have been moved, gaps have it already
@@ -463,7 +462,8 @@ class _Problem:
         """By how much (P, 2, 6), mm and rad, the pressures displace both members in their mounts."""
         assert self.supports is not None
         displacements = np.zeros((len(self.near.phi1), 2, 6))
-        for k, wrench in enumerate(self.supports.wrenches(self.grid.middle, self.grid.normal)):
+        points, normals = self.near.in_place(self.grid.middle), self.near.directed(self.grid.normal)
+        for k, wrench in enumerate(self.supports.wrenches(points, normals)):
             force = np.einsum("mxi,mx->mi", wrench, self.line)
             np.add.at(displacements[:, k], self.near.position, force @ self.supports.compliance[k])
         return displacements

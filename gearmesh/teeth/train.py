@@ -9,6 +9,7 @@ import numpy as np
 
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Figures
+from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.blank.body import Body
@@ -121,6 +122,14 @@ class Member:
         rare = self.gaps or self.holes is not None or self.plain_body.web is not None
         return (*BODY_REGIONS, *(RARE_REGIONS if rare else ()), *(GAP_REGIONS if self.gaps else ()))
 
+    @property
+    def repeated(self) -> tuple[Region, ...]:
+        """Regions of the tooth that look alike on every tooth: of a bar all but the root, which goes on beyond the last."""
+        regions = self.tooth.regions
+        return (
+            regions if self.tooth.joint.travel is None else tuple(name for name in regions if name is not Region.ROOT)
+        )
+
     def plain_volume(self) -> float:
         """Volume (mm^3) of teeth and body, of both halves if there are two, without hub, keyway and holes."""
         half = self.tooth.volume()
@@ -190,10 +199,10 @@ class GearPair:
         return self.pinion.mount, self.gear.mount
 
     def middle(self, member: Member) -> float:
-        """Place (mm) along its axis of the middle of the working flank of one of both, half way up."""
+        """Place (mm) along its axis of the middle of the working flank of one of both, half way up, of all halves together."""
         side = self.flanks[0] if member is self.pinion else self.flanks[1]
-        ends = member.tooth.flank_grid(side, np.array([0.5]), np.array([0.0, 1.0])).points[0, :, 2]
-        return float(ends.mean())
+        ends = member.tooth.flank_grid(side, np.array([0.5]), np.array([0.0, 1.0])).points[0]
+        return float(np.mean([half.points(ends)[:, 2] for half in member.halves]))
 
     @property
     def shaft_angle(self) -> float:
@@ -212,9 +221,9 @@ class GearPair:
         return min(self.shaft_angle, np.pi - self.shaft_angle)
 
     @property
-    def slide(self) -> float | None:
-        """How far (mm/rad) the gear slides with phi2; None where it turns."""
-        return self.gear.mount.joint.travel
+    def output(self) -> Joint:
+        """The joint that the gear moves in with phi2."""
+        return self.gear.mount.joint
 
     @property
     def pitch(self) -> float:

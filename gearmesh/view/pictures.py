@@ -176,7 +176,9 @@ def plots(contact: Contact, te_file: Path, path_file: Path, title: str = "") -> 
     Returns the panels of both sides, to be drawn as they are; none where there is no cycle.
     """
     before, gears, path = f"{title}: " if title else "", contact.pair, contact.path
-    plotting.plot_transmission_error(te_file, path, contact.cycle, f"{before}transmission error", gears.slide)
+    plotting.plot_transmission_error(
+        te_file, path, contact.cycle, f"{before}transmission error", gears.output.reading.error
+    )
     rows = flank_rows(contact) if contact.engagement is not None else []
     driving = _first_side(rows) if rows else [flank_panel(gears, name, path) for name in gears.members]
     plot_flanks(

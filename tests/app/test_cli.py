@@ -33,10 +33,11 @@ from gearmesh.answers.sheet import Compensation
 from gearmesh.answers.tables import Listing
 from gearmesh.api.run import Report
 from gearmesh.app.terminal import show
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ContactPath
 from gearmesh.design import files
 from gearmesh.errors import NoSolutionError, OutputError, Status
 from gearmesh.figures import Summary
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
 from gearmesh.systems.designs import load

@@ -11,7 +11,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.check.members import MemberRoll, ToothTouch, roll_members, root_clearance
 from gearmesh.check.roll import roll
-from gearmesh.contact.path import ARCSEC
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh

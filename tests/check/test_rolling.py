@@ -16,8 +16,9 @@ from gearmesh.answers.check import flank_meshes
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.flanks import analyse, solver_pair
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
 from gearmesh.teeth.train import GearPair

@@ -14,9 +14,8 @@ from gearmesh.check.heightfield import Arcs, GridFlank, HeightFlank, MeshFlank, 
 from gearmesh.check.members import flank_patches, roll_flanks
 from gearmesh.check.touch import FirstTouch, first_touch
 from gearmesh.contact.flanks import analyse
-from gearmesh.contact.path import ARCSEC
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.systems.designs import load
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair

@@ -16,8 +16,8 @@ from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.fit.fit import fit, reversed_pair
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.systems.designs import load
 
 CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("contact_*.toml"))

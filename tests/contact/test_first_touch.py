@@ -15,11 +15,10 @@ from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import rotation_about
+from gearmesh.kernel.numeric.algebra import ARCSEC, rotation_about
 from gearmesh.systems.designs import load
 from gearmesh.teeth.train import GearPair
 

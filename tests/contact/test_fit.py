@@ -22,9 +22,9 @@ from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.fit.fit import fit, reversed_pair
 from gearmesh.contact.fit.freeing import freeing_shift, shift_gear
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
 from gearmesh.teeth.train import GearPair

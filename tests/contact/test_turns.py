@@ -14,8 +14,8 @@ import gearmesh as gm
 from gearmesh.check.roll import roll
 from gearmesh.contact.engagement.turns import FullTurns, full_turns, pitches_until_repeat
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.systems.designs import load
 from gearmesh.systems.system import kinds, system
 from gearmesh.teeth.mount import Mount

@@ -134,7 +134,7 @@ def height_at(mesh: HexMesh, flanks: str, place: Array) -> float:
 @needs_ccx
 @pytest.mark.parametrize(
     ("sample", "torque", "flank", "face"),
-    [("helical", 200.0, 5, 3), ("beveloid_crossed", 20.0, 8, 6), ("face_gear", 200.0, 6, 6)],
+    [("helical", 200.0, 5, 3), ("beveloid_crossed", 20.0, 8, 6), ("face_gear", 200.0, 6, 6), ("rack", 60.0, 6, 4)],
 )
 def test_coarse_facets_touch_at_the_start(sample: str, torque: float, flank: int, face: int) -> None:
     """Facets that sag by many times the approach: the deck overlaps far enough to have contact, and carries all of the torque."""

@@ -379,9 +379,16 @@ def test_a_rack_is_loaded_as_a_gear_is() -> None:
     levers = found.loads[0].separation.levers
     assert (np.abs(levers[1] / levers[0] - 1.0) < 1e-9).mean() > 0.7
     row = LoadedContact(gm.load(SAMPLES / "rack.toml"), pair, found, (), 0.0).rows[0].row
-    assert pair.slide is not None
-    assert row["gear_force_n"] == pytest.approx(found.gear_torque[0, 0] / pair.slide)
-    assert row["te_um"] - row["unloaded_te_um"] == pytest.approx(-1e3 * pair.slide * found.rotation[0, 0], rel=1e-6)
+    assert pair.output.travel is not None
+    # by the base cylinder of z 20, m_n 2, beta 19.5283 deg and the rack's face, the narrower one
+    helix, pressure = np.radians(19.5283), np.radians(20.0)
+    base = 20.0 / np.cos(helix) * np.cos(np.arctan(np.tan(pressure) / np.cos(helix)))
+    per_width = 1e-3 * found.tangent[0, 0] / (base**2 * 24.0)
+    assert row["tangent_stiffness_n_per_mm_um"] == pytest.approx(per_width, rel=2e-3)
+    assert row["gear_force_n"] == pytest.approx(found.gear_torque[0, 0] / pair.output.travel)
+    assert row["te_um"] - row["unloaded_te_um"] == pytest.approx(
+        -1e3 * pair.output.travel * found.rotation[0, 0], rel=1e-6
+    )
 
 
 def test_wide_gears_have_many_pairs_and_any_turn_counts() -> None:

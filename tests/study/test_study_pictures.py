@@ -11,7 +11,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.api import study_pictures
-from gearmesh.contact.path import ARCSEC
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.view.diagrams.pattern_matrix import PatternCell
 from gearmesh.view.scene import contact_on
 

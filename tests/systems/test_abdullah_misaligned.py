@@ -9,8 +9,8 @@ from oracles.places import SAMPLES
 from oracles.swept_cones import transmission_error
 
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.systems.designs import load
 
 

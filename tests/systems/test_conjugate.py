@@ -8,11 +8,11 @@ from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross, dot
 from gearmesh.kernel.surface.curvature import principal, relative_curvature, shape_operator
 from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.conjugate.build import conjugate_blank, conjugate_geometry

@@ -10,7 +10,7 @@ import pytest
 
 import gearmesh as gm
 from gearmesh.check.members import roll_members
-from gearmesh.contact.path import ARCSEC
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.systems.spiral_bevel.synthesis.contact_preview import Prospects
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth

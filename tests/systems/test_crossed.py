@@ -7,7 +7,7 @@ import pytest
 
 import gearmesh as gm
 from gearmesh.check.members import roll_members
-from gearmesh.contact.path import ARCSEC
+from gearmesh.kernel.numeric.algebra import ARCSEC
 
 MODULE, ALPHA = 2.0, np.radians(20.0)
 TEETH = np.array([17, 23])

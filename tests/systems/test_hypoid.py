@@ -12,10 +12,10 @@ from numpy.polynomial import Polynomial
 import gearmesh as gm
 from gearmesh.check.members import roll_flanks
 from gearmesh.contact.flanks import analyse
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ContactPath
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, cross
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross
 from gearmesh.systems.spiral_bevel.build import build
 from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES, nominal_base, without_errors
 from gearmesh.systems.spiral_bevel.synthesis import teeth_choice

@@ -21,10 +21,10 @@ from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.first_touch.field import candidates
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, rotation_about
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, rotation_about
 from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.conjugate.build import conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.errors.kinematic_errors import (

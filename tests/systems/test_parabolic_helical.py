@@ -14,12 +14,12 @@ from oracles.places import SAMPLES
 
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.flanks import analyse, solver_pair
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
-from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross, dot, unit
 from gearmesh.kernel.surface.meridian import Meridian
 from gearmesh.kernel.surface.surface import Jet, PlacedSurface
 from gearmesh.systems.designs import load, parse

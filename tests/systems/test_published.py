@@ -11,9 +11,8 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.contact.contact import Contact
-from gearmesh.contact.path import ARCSEC
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.systems.designs import load
 
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]

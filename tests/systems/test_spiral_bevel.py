@@ -16,11 +16,11 @@ import gearmesh as gm
 from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import GearmeshError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, dot, unit
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot, unit
 from gearmesh.kernel.surface.curvature import shape_operator, tangent_basis
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.stations import along

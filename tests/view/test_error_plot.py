@@ -17,7 +17,7 @@ def test_roots_join_three_pairs_and_bars_are_the_harmonics(monkeypatch: pytest.M
     kept = []
     monkeypatch.setattr(plots, "save_figure", lambda figure, file: kept.append(figure))
     found = gm.build(gm.load(RACK)).contact()
-    plots.plot_transmission_error("te.svg", found.path, found.cycle, slide=found.pair.slide)
+    plots.plot_transmission_error("te.svg", found.path, found.cycle, unit=found.pair.output.reading.error)
     errors, harmonics = kept[0].axes
     drawn = {line.get_label(): line.get_xydata() for line in errors.lines}
     pitch = np.degrees(found.pair.pitch)

@@ -25,7 +25,7 @@ def test_cells_stand_where_their_errors_are(monkeypatch: pytest.MonkeyPatch) -> 
     cells = []
     for each in found:
         pair = each.pair
-        curves = ((np.degrees(phi1), 1e3 * pair.slide * te) for phi1, te in (each.cycle.pair, each.cycle.gears))
+        curves = ((np.degrees(phi1), 1e3 * pair.output.travel * te) for phi1, te in (each.cycle.pair, each.cycle.gears))
         own, gears = (np.stack(curve) for curve in curves)
         plane = FlankPlane.of(pair.pinion, pair.flanks[0])
         cells.append(
@@ -35,7 +35,7 @@ def test_cells_stand_where_their_errors_are(monkeypatch: pytest.MonkeyPatch) -> 
                 own,
                 gears,
                 "um",
-                1e3 * pair.slide * each.cycle.peak_to_peak,
+                1e3 * pair.output.travel * each.cycle.peak_to_peak,
             )
         )
     plot_matrix("a.png", [[PatternCell(reason="no contact"), cells[0]], [cells[1], cells[0]]],

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from gearmesh.contact.engagement.cycle import Cycle
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ContactPath
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import dot, rotation_about, unit
+from gearmesh.kernel.numeric.algebra import ARCSEC, dot, rotation_about, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side

@@ -25,7 +25,6 @@ from gearmesh.answers.bodies.model_figures import (
 from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, cell, figures, rounded
-from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError, OutputError
 from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, gear_model, grid_of
@@ -34,7 +33,7 @@ from gearmesh.fe.placing import PlacedPair, focus_on, place
 from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, largest_principal
 from gearmesh.figures import Content, Entry, Summary
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.teeth.train import GearPair
@@ -337,14 +336,6 @@ def _request(
     design: Design, pair: GearPair, members: Sequence[str] | None, rotation: float | None, friction: float
 ) -> Request:
     request = request_of(design, pair, tuple(pair.members) if members is None else members, rotation, friction)
-    for name in request.members:
-        if pair.members[name].tooth.joint.travel is not None:
-            raise ArgumentError(
-                "member",
-                name,
-                reason=f"finite-element models need members that rotate; the {name} slides",
-                allowed=" or ".join(each.name for each in pair.both if each.tooth.joint.travel is None),
-            )
     return request
 
 

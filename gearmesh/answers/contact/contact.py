@@ -37,12 +37,12 @@ from gearmesh.contact.engagement.lead import PairLead
 from gearmesh.contact.engagement.turns import FullTurns, full_turns
 from gearmesh.contact.fit.fit import Fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, solver_pair
-from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
+from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path, jammed_path
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError, Status
 from gearmesh.figures import Content, Summary
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.train import GearPair, Member
 
@@ -136,20 +136,21 @@ class Contact(Result):
         points, normals, majors = path.point.tolist(), path.normal.tolist(), path.major.tolist()
         own = dict(zip(self.params, (path.point1.tolist(), path.point2.tolist()), strict=True))
         regions = list(zip(*(region.tolist() for region in path.regions), strict=True))
-        curved, slide = self._curvatures(), self.pair.slide
+        curved, output = self._curvatures(), self.pair.output
+
+        led = None if self.neighbours is None else output.travelled(self.neighbours)
 
         def optional(values: Array | None, factor: float, i: int) -> float | None:
             return None if values is None else float(values[i]) * factor
 
-        slid = None if slide is None else 1e3 * slide
         return tuple(
             PositionFigures(
                 phi1=phi1[i],
                 phi2=phi2[i],
                 te=float(path.te[i]) / ARCSEC,
                 # to 1e-12 mm: what is less is rounding
-                displacement=None if slide is None else float((slide * path.phi2[i]).round(12)),
-                te_um=None if slid is None else slid * float(path.te[i]),
+                displacement=_less_rounding(output.travelled(float(path.phi2[i]))),
+                te_um=output.travelled(1e3 * float(path.te[i])),
                 contact=str(path.kind[i]),
                 edge=str(path.edge[i]) or None,
                 regions=dict(zip(own, (region or None for region in regions[i]), strict=True)),
@@ -164,7 +165,7 @@ class Contact(Result):
                 hertz=None if self.hertz is None else _hertz(self.hertz, i),
                 load_share=None if self.hertz is None else float(self.hertz.share[i]),
                 neighbour_lead=optional(self.neighbours, 1.0 / ARCSEC, i),
-                neighbour_lead_um=None if slid is None else optional(self.neighbours, slid, i),
+                neighbour_lead_um=optional(led, 1e3, i),
                 te_first_order=optional(self.first_order, 1.0 / ARCSEC, i),
             )
             for i in range(len(phi1))
@@ -218,8 +219,8 @@ class Contact(Result):
     def _path_listing(self) -> list[Listing]:
         """Rounded, so that what is zero but for rounding reads as zero."""
         names = [(member, name) for member in self.params for name in self.params[member][0]]
-        slides = self.pair.slide is not None
-        heads = ["phi1 deg", *(("displacement mm", "TE um") if slides else ("phi2 deg", "TE arcsec"))]
+        reading = self.pair.output.reading
+        heads = ["phi1 deg", f"{reading.quantity} {reading.motion[1]}", f"TE {reading.error[1]}"]
         heads += ["contact", "a mm", "b mm"]
         values = [
             [
@@ -374,7 +375,12 @@ def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, 
 
 def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> Summary:
     found = Summary(PathSummary.of(pair, path), None if cycle is None else CycleSummary.of(cycle))
-    return found if pair.slide is None else Summary(found, slid_summary(pair, pair.slide, found))
+    return Summary(found, slid_summary(pair, found))
+
+
+def _less_rounding(value: float | None) -> float | None:
+    """To 1e-12: what is less is rounding."""
+    return None if value is None else round(value, 12)
 
 
 def _hertz(hertz: PathHertz, i: int) -> HertzFigures:
@@ -395,7 +401,7 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
         bend = pair.drive * np.polyfit(path.phi1[inside], path.te[inside], 2)[0]
         lead = bend * (0.5 * pair.pitch) ** 2
         if lead / ARCSEC > LEAD:
-            rad, unit = error_unit(pair.slide)
+            rad, unit = pair.output.reading.error
             warnings.append(
                 f"the gear runs ahead by {lead / rad:.3g} {unit} at the change of tooth pairs (the transmission error is "
                 "curved the wrong way): the pairs change over in edge contact"
@@ -405,7 +411,7 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
 
 def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
     """Where the transmission error is discontinuous, one line each."""
-    warnings, (rad, unit) = [], error_unit(pair.slide)
+    warnings, (rad, unit) = [], pair.output.reading.error
     total = total_ratio(pair, cycle) if cycle is not None and cycle.contact_ratio < 1.0 else math.inf
     if cycle is not None and total < 1.0:
         warnings.append(

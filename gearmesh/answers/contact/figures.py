@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from gearmesh.contact.engagement.cycle import Cycle
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ContactPath
 from gearmesh.figures import Entry, Figures, Summary, figure
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.teeth.train import GearPair
 
 
@@ -87,10 +88,13 @@ class SlideSummary(Figures):
     displacement_per_turn: float = figure("travel of the gear per turn of the pinion", "mm")
 
 
-def slid_summary(pair: GearPair, slide: float, known: Summary) -> Iterator[Entry]:
-    """Of a gear that slides (mm/rad): its way in a turn of the pinion, and every figure in arcsec in um, too."""
-    yield from SlideSummary(2.0 * math.pi * pair.ratio * slide).entries
-    um = 1e3 * slide * ARCSEC
+def slid_summary(pair: GearPair, known: Summary) -> Iterator[Entry]:
+    """Of a gear that slides: its way in a turn of the pinion, and every figure in arcsec in um, too; nothing of others."""
+    travel = pair.output.travel
+    if travel is None:
+        return
+    yield from SlideSummary(2.0 * math.pi * pair.ratio * travel).entries
+    um = 1e3 * travel * ARCSEC
     for each in known.entries:
         if each.figure.unit == "arcsec":
             value = each.value

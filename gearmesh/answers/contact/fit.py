@@ -219,7 +219,8 @@ def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
 
 def _way(pair: GearPair, phi2: float) -> str:
     """A rotation (rad) of the gear, or how far it slides, in words."""
-    return f"{np.degrees(phi2):.4g} deg" if pair.slide is None else f"{pair.slide * phi2:.4g} mm"
+    rad, unit = pair.output.reading.motion
+    return f"{phi2 / rad:.4g} {unit}"
 
 
 def _place(point: Array) -> str:
@@ -235,7 +236,7 @@ def _remedy(pair: GearPair, fit: Fit) -> str:
     # three digits, of which the last is rounded up: what is reported frees
     places = 2 - math.floor(math.log10(size))
     by = f"{_up(size, places):.3g}"
-    if pair.slide is not None:
+    if pair.output.travel is not None:
         return f"; to free it move the {pair.gear.name} {by} mm {'away' if shift > 0.0 else 'closer'}"
     if apart is not None:
         bound = f"{abs(_up(math.copysign(apart + shift, shift), places)):.{max(places, 0)}f} mm"

@@ -9,8 +9,8 @@ import numpy as np
 
 from gearmesh.answers.tables import Listing, rounded
 from gearmesh.contact.engagement.turns import FullTurns
-from gearmesh.contact.path import ARCSEC
 from gearmesh.figures import Figures, figure
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.teeth.train import GearPair
 
 

@@ -27,11 +27,10 @@ from gearmesh.answers.load.mounting import held_by_rim, mounts_of
 from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, csv_text, rounded
 from gearmesh.contact.engagement.cycle import Cycle
-from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, Status
 from gearmesh.figures import Content, Entry, Figure, Summary, flat
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads
 from gearmesh.loaded.mounts import FlexibleMount
@@ -82,8 +81,7 @@ class LoadedContact(Result):
         own = np.flatnonzero((load.position == position) & (load.force > 0.0))
         worst = own[np.nan_to_num(load.peak[own]).argmax()]
         te, unloaded = (float(each - mesh.unloaded[0]) for each in (mesh.te[at], mesh.unloaded[position]))
-        slide, um = self.pair.slide, None if self.pair.slide is None else 1e3 * self.pair.slide
-        gear_torque = float(mesh.gear_torque[at])
+        output, gear_torque = self.pair.output, float(mesh.gear_torque[at])
         return LoadedPosition(
             torque=1e-3 * float(mesh.torque[torque]),
             phi1=float(np.degrees(mesh.phi1[position]).round(12)),
@@ -91,9 +89,9 @@ class LoadedContact(Result):
             unloaded_te=unloaded / ARCSEC,
             rotation=float(mesh.rotation[at]) / ARCSEC,
             gear_torque=1e-3 * gear_torque,
-            te_um=None if um is None else um * te,
-            unloaded_te_um=None if um is None else um * unloaded,
-            gear_force=None if slide is None else gear_torque / slide,
+            te_um=output.travelled(1e3 * te),
+            unloaded_te_um=output.travelled(1e3 * unloaded),
+            gear_force=output.force(gear_torque),
             stiffness=1e-3 * float(mesh.stiffness[at]) * ARCSEC,
             tangent_stiffness=1e-3 * float(mesh.tangent[at]) * ARCSEC,
             tangent_stiffness_per_width=None if self._width is None else float(mesh.tangent[at]) / self._width,
@@ -136,7 +134,7 @@ class LoadedContact(Result):
     @cached_property
     def _width(self) -> float | None:
         """N mm/rad of the pinion in 1 N/(mm um) at its base circle per mm of face [ISO 6336-1]; None where axes cross."""
-        return None if self.pair.slide is not None else _per_width(self.pair, self.mesh.loads[-1])
+        return _per_width(self.pair, self.mesh.loads[-1])
 
     def _fillets(
         self, bending: Array, error: Array, largest: Array, at_tangent: Array, contact: Array

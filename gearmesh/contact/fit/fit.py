@@ -244,9 +244,9 @@ def reversed_pair(pair: GearPair) -> GearPair:
 
 
 def centre_distance(pair: GearPair) -> float | None:
-    """Distance (mm) between parallel axes, None where they are not parallel."""
+    """Distance (mm) between parallel axes of rotation, None where they are not parallel or a member has none."""
     first, second = pair.mounts
-    if float(np.linalg.norm(np.cross(first.axis, second.axis))) >= PARALLEL:
+    if float(np.linalg.norm(np.cross(first.spin, second.spin))) >= PARALLEL * abs(float(first.spin @ second.spin)):
         return None
     return _off_axis(second.origin - first.origin, first.axis)
 
@@ -312,19 +312,17 @@ def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Ar
 
 def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
     """Of a contact of the flanks near phi1 = 0, or of fillets if flanks touch nowhere: distance (mm) of its normal from the gear's
-    axis; radius of the pitch circle. Of a gear that slides, how far (mm/rad) it does along the normal, and in all."""
+    axis; radius of the pitch circle, or what stands for it: the speed (mm/rad) of the point of contact."""
     contacts = engagement.flanks if engagement.flanks.touching.any() else engagement.contacts
     there = np.flatnonzero(contacts.touching)
     k = int(there[np.abs(engagement.phi1[there]).argmin()])
     lever, point = _normal(engagement.pair, contacts, engagement.phi1, k)
     first, second = pair.mounts
-    if second.joint.travel is not None:
-        return lever, second.joint.travel
     apart = centre_distance(pair)
     if apart is not None:
         # external gears turn against each other, a ring with its pinion
         return lever, apart / abs(1.0 - pair.ratio * float(first.spin @ second.spin))
-    return lever, _off_axis(point - second.origin, second.axis)
+    return lever, float(np.linalg.norm(second.velocity(point)))
 
 
 def _off_axis(r: Array, axis: Array) -> float:

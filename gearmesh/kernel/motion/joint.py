@@ -14,26 +14,25 @@ circle: the angle is then the pinion's rotation. A rack's teeth are the limit of
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, cross, plane_cross, polar_angle
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross, plane_cross, polar_angle
+
+#: an angle (rad), torque or radius, or an array of them
+Quantity = TypeVar("Quantity", float, Array)
 
 
 @dataclass(frozen=True)
-class Size:
-    """What places at some radius are known by: `name`, "diameter" or "height", its value for every mm of radius, and what the
-    radius itself is called in diagrams."""
+class Reading:
+    """How a motion is read: `quantity`, its name in tables; rad of, and name of, the units of the `motion` and of its `error`."""
 
-    name: str
-    per_radius: float
-    radius: str
-
-
-DIAMETER, HEIGHT = Size("diameter", 2.0, "radius"), Size("height", 1.0, "height")
+    quantity: str
+    motion: tuple[float, str]
+    error: tuple[float, str]
 
 
 class Joint(Protocol):
@@ -44,8 +43,24 @@ class Joint(Protocol):
         """Displacement, mm/rad, of all points alike; None where they turn."""
 
     @property
-    def size(self) -> Size:
-        """How places at some radius are called and reported."""
+    def radius_name(self) -> str:
+        """What the radius is called in diagrams."""
+
+    @property
+    def reading(self) -> Reading:
+        """Units that its motion is read in."""
+
+    def travelled(self, angle: Quantity) -> Quantity | None:
+        """Way, mm, in an angle; None where points turn."""
+
+    def force(self, torque: Quantity) -> Quantity | None:
+        """Force, N, that does the work of a torque (N mm) about the angle; None where points turn."""
+
+    def diameter(self, radius: Quantity) -> Quantity | None:
+        """Diameter at a radius, mm; None where points slide."""
+
+    def height(self, radius: Quantity) -> Quantity | None:
+        """Height over x = 0 at a radius, mm; None where points turn."""
 
     def spin(self, base: Rigid) -> Array:
         """Angular velocity (..., 3), rad/rad, in a frame to which `base` takes the member's own."""
@@ -111,8 +126,24 @@ class Revolute:
         return None
 
     @property
-    def size(self) -> Size:
-        return DIAMETER
+    def radius_name(self) -> str:
+        return "radius"
+
+    @property
+    def reading(self) -> Reading:
+        return Reading("phi2", (np.pi / 180.0, "deg"), (ARCSEC, "arcsec"))
+
+    def travelled(self, angle: Quantity) -> None:
+        return None
+
+    def force(self, torque: Quantity) -> None:
+        return None
+
+    def diameter(self, radius: Quantity) -> Quantity:
+        return 2.0 * radius
+
+    def height(self, radius: Quantity) -> None:
+        return None
 
     def spin(self, base: Rigid) -> Array:
         return base.rotation[..., 2]
@@ -185,8 +216,24 @@ class Prismatic:
     step: float
 
     @property
-    def size(self) -> Size:
-        return HEIGHT
+    def radius_name(self) -> str:
+        return "height"
+
+    @property
+    def reading(self) -> Reading:
+        return Reading("displacement", (1.0 / self.travel, "mm"), (1e-3 / self.travel, "um"))
+
+    def travelled(self, angle: Quantity) -> Quantity:
+        return self.travel * angle
+
+    def force(self, torque: Quantity) -> Quantity:
+        return torque / self.travel
+
+    def diameter(self, radius: Quantity) -> None:
+        return None
+
+    def height(self, radius: Quantity) -> Quantity:
+        return radius
 
     def spin(self, base: Rigid) -> Array:
         return np.zeros_like(base.translation)

@@ -9,6 +9,8 @@ Array = NDArray[np.float64]
 
 
 #: the z axis
+#: rad
+ARCSEC = np.pi / 648000.0
 AXIS = np.array([0.0, 0.0, 1.0])
 
 

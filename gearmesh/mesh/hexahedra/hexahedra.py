@@ -277,7 +277,9 @@ def hex_mesh(
         place: tooth_lattice(tooth, sections, replace(fine.lines, flank=fine.own[place]), chart, inner)
         for place in np.intersect1d(teeth, list(fine.own)).tolist()
     }
-    layout = _Layout([lattices[place] for place in teeth.tolist()], len(teeth) == tooth.teeth, step, edges)
+    layout = _Layout(
+        [lattices[place] for place in teeth.tolist()], len(teeth) == tooth.joint.cycle(tooth.teeth), step, edges
+    )
     return layout.mesh(tooth.joint.to(teeth * tooth.pitch_angle), reaches_bore)
 
 
@@ -326,7 +328,7 @@ def _under(tooth: Tooth, sections: Sections) -> tuple[Chart, Array, Array]:
     (rho_toe, z_toe), (rho_heel, z_heel) = blank.body.profile[0], blank.body.profile[-1]
     ends = chart.height(np.array([rho_toe, rho_heel]), np.array([z_toe, z_heel]))
     room = root - (ends[0] + sections.t * (ends[1] - ends[0]))
-    if blank.body.genus == 0 and tooth.joint.travel is None:
+    if blank.body.solid:
         room = room * SOLID_SHARE
     return replace(chart, reference=root), tip, room
 

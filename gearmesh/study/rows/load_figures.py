@@ -10,10 +10,9 @@ import numpy as np
 
 from gearmesh.answers.load.figures import FilletFigures
 from gearmesh.answers.load.loaded import LoadedContact
-from gearmesh.contact.path import ARCSEC
 from gearmesh.errors import Status
 from gearmesh.figures import Figures, Summary, figure
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.loaded.sharing import PairLoad
 
 #: positions in a pitch

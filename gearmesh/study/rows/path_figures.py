@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.assemblies import AssemblyPaths
-from gearmesh.contact.path import ARCSEC
 from gearmesh.figures import Figures, figure
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.teeth.flank_frame import FlankFrame
 
 #: phases of a pitch at which the advance of the gears is taken

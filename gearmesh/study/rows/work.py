@@ -214,9 +214,7 @@ def cycle_figures(pair: GearPair, known: CycleSummary, fitted: FitSummary | None
     told = (each for each in known.entries if each.value is not known.te_breaks_phi1)
     breaks = BreakCount(len(known.te_breaks_phi1))
     found = Summary(told, breaks, PathErrors(math.nan, math.nan) if jammed else None, fitted)
-    if pair.slide is not None:
-        found = Summary(found, slid_summary(pair, pair.slide, found))
-    return found.flat
+    return Summary(found, slid_summary(pair, found)).flat
 
 
 @dataclass(frozen=True)

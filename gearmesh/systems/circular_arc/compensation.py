@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.contact.flanks import analyse
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ContactPath
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.systems.circular_arc.build import build
 from gearmesh.systems.circular_arc.contact_angle import contact_angle, is_off, setting_change
 from gearmesh.systems.common.restoring import restoring

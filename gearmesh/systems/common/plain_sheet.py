@@ -56,22 +56,21 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
         ("flank begins at diameter, right", "flank begins at z, right", at[Region.FLANK_RIGHT][:1]),
         ("flank begins at diameter, left", "flank begins at z, left", at[Region.FLANK_LEFT][1:]),
     )
-    turns = tooth.joint.travel is None
     # a face gear's section is a cylinder: all of it has one diameter
     on_cylinder = station_normal(tooth.blank.axial)[1] == 0.0
     diameters = {
-        (words, "mm"): 2.0 * float(_rho(points).mean()) if turns and not on_cylinder else None
+        (words, "mm"): None if on_cylinder else tooth.joint.diameter(float(tooth.joint.radius(points).mean()))
         for words, _, points in places
     }
     toe, heel = member.extent
     width = (section.left.tip_angle - section.right.tip_angle)[0]
-    land = float((_rho(at[Region.LAND])[0] if turns else tooth.joint.arm(np.zeros(3))) * width)
+    land = float(tooth.joint.arm(at[Region.LAND])[0] * width)
     figures: dict[tuple[str, str], float | None] = {
         ("teeth", "-"): tooth.teeth,
         ("face width", "mm"): heel - toe,
         **diameters,
         ("top land", "mm"): land,
-        ("bore diameter", "mm"): 2.0 * float(tooth.blank.body.bore_radius) if turns else None,
+        ("bore diameter", "mm"): tooth.blank.body.bore_diameter,
         ("volume", "mm^3"): member.plain_volume(),
     }
     if on_cylinder:

@@ -490,10 +490,6 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
                 )
             if spec.gap_diameter is not None and self.gap == 0.0:
                 raise conflict(f"{name}.gap_diameter", spec.gap_diameter, reason="needs a gap above 0")
-            if self.double_helical and spec.mount is not None:
-                spec.mount.refuse_stiffness(
-                    f"{name}.mount", "must be left out: double helical gears locate each other axially"
-                )
         return self
 
     @model_validator(mode="after")

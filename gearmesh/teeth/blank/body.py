@@ -100,6 +100,16 @@ class Body:
         return next((self.profile[k][0] for k, band in enumerate(self.bands) if band is Region.BORE), 0.0)
 
     @property
+    def bore_diameter(self) -> float | None:
+        """Diameter (mm) of the bore, 0 where there is none; None of a bar."""
+        return None if Region.BACK in self.bands else 2.0 * self.bore_radius
+
+    @property
+    def solid(self) -> bool:
+        """True where it is a disk that goes down to its axis."""
+        return self.genus == 0 and Region.BACK not in self.bands
+
+    @property
     def bore_band(self) -> int:
         """Number of the band that is the bore. Raises ValueError where there is none."""
         return self.bands.index(Region.BORE)

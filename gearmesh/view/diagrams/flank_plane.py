@@ -43,7 +43,7 @@ class FlankPlane:
         """What length and height are, with their unit."""
         across, up = station_normal(self.member.tooth.blank.axial)
         if across == 0.0:
-            return "z (mm)", f"{self.member.tooth.joint.size.radius} (mm)"
+            return "z (mm)", f"{self.member.tooth.joint.radius_name} (mm)"
         return ("radius (mm)" if up == 0.0 else "cone distance (mm)"), "height (mm)"
 
     @cached_property

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from gearmesh.contact.engagement.cycle import Cycle
-from gearmesh.contact.path import ContactPath, error_unit
+from gearmesh.contact.path import ContactPath
 from gearmesh.errors import OutputError
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, INK, LINES, PATH
 
 _MARKERS = "osD^v*"
@@ -47,28 +47,28 @@ def plot_transmission_error(
     path: ContactPath,
     cycle: Cycle | None = None,
     title: str = "Transmission error",
-    slide: float | None = None,
+    unit: tuple[float, str] = (ARCSEC, "arcsec"),
     size: tuple[int, int] | None = None,
     dpi: int = 150,
 ) -> None:
-    """TE (arcsec) against pinion rotation (deg): positions of a path, and a mesh cycle behind it if given.
+    """TE against pinion rotation (deg): positions of a path, and a mesh cycle behind it if given.
 
     The cycle is three neighbouring tooth pairs over their whole engagement, the gears as they pass from one to the next at the
-    marked roots, where this is discontinuous, and the amplitudes of its harmonics as bars. Of a gear that slides by `slide`
-    (mm/rad) it is in um. `size` is in pixels. Raises OutputError where the file cannot be written.
+    marked roots, where this is discontinuous, and the amplitudes of its harmonics as bars. `unit`: rad and
+    name of the unit that errors are shown in. `size` is in pixels. Raises OutputError where the file cannot be written.
     """
     from matplotlib.figure import Figure
 
-    rad, unit = error_unit(slide)
+    rad, name = unit[0], unit[1].replace("um", "µm")
     heard = _harmonics(cycle, rad)
     inches = (10.5 if heard.size else 8.0, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
     figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
     axes, *others = figure.subplots(
         1, 1 + bool(heard.size), squeeze=False, width_ratios=(3.2, 1.0)[: 1 + bool(heard.size)]
     )[0]
-    _draw_errors(axes, path, cycle, rad, unit.replace("um", "µm"))
+    _draw_errors(axes, path, cycle, rad, name)
     if others:
-        _draw_harmonics(others[0], heard, unit.replace("um", "µm"))
+        _draw_harmonics(others[0], heard, name)
     for plot in (axes, *others):
         plot.grid(True, color=GRID_LINES, lw=0.8)
         plot.set_axisbelow(True)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.contact.engagement.turns import FullTurns
-from gearmesh.contact.path import error_unit
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.view.diagrams.plots import save_figure
 from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
 
@@ -16,23 +16,24 @@ def plot_turns(
     file: Path | str,
     turns: FullTurns,
     title: str,
-    slide: float | None = None,
+    unit: tuple[float, str] = (ARCSEC, "arcsec"),
     size: tuple[int, int] | None = None,
     dpi: int = 150,
 ) -> None:
-    """TE (arcsec; um of a gear that slides by `slide` mm/rad) over the pinion's turns until it repeats, and its waves as bars.
+    """TE over the pinion's turns until it repeats, and its waves as bars.
 
-    `size` is in pixels. Raises OutputError where the file cannot be written.
+    `unit`: rad and name of the unit that errors are shown in; `size` is in pixels.
+
+    Raises OutputError where the file cannot be written.
     """
     from matplotlib.figure import Figure
 
-    rad, unit = error_unit(slide)
-    unit = unit.replace("um", "µm")
+    rad, name = unit[0], unit[1].replace("um", "µm")
     inches = (10.5, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
     figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
     axes, bars = figure.subplots(1, 2, width_ratios=(3.2, 1.0))
     axes.plot(turns.phi1 / (2.0 * np.pi), turns.te / rad, color=CURVES[0], lw=0.9)
-    axes.set(xlabel="turns of the pinion, until the same teeth mesh again", ylabel=f"transmission error ({unit})")
+    axes.set(xlabel="turns of the pinion, until the same teeth mesh again", ylabel=f"transmission error ({name})")
     axes.margins(x=0.01)
     place, names = np.arange(len(turns.waves)), [_name(wave.member, wave.per_turn) for wave in turns.waves]
     bars.bar(place, [wave.amplitude / rad for wave in turns.waves], color=CURVES[0], width=0.7, label="exact contact")
@@ -40,7 +41,7 @@ def plot_turns(
     if np.isfinite(closed).any():
         bars.plot(place, closed, ls="", marker="_", ms=22, mew=2.0, color=INK, label="closed form")
     bars.set_xticks(place, names, rotation=90, fontsize=9)
-    bars.set(ylabel=f"amplitude ({unit})")
+    bars.set(ylabel=f"amplitude ({name})")
     bars.legend(fontsize=8, framealpha=0.85)
     for plot in (axes, bars):
         plot.grid(True, color=GRID_LINES, lw=0.8)

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
-from gearmesh.contact.path import error_unit
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.sharing import LoadedMesh, whole_cycle
 from gearmesh.teeth.train import GearPair
@@ -226,7 +225,7 @@ def plot_loaded_errors(
     """Transmission error of all torques and without load over phi1, as it is and less its mean; from `CURVE_OF` torques on its peak
     to peak over the torque, too, without load that of the whole mesh cycle, `unloaded`, rad (NaN: not known). Raises OutputError
     where the file cannot be written."""
-    rad, unit = error_unit(gears.slide)
+    rad, unit = gears.output.reading.error
     word = unit.replace("um", "µm")
     turn = cycle_curves(gears, mesh.phi1)
     curves = [(mesh.unloaded, INK, "no load"), *_colours(mesh, mesh.te)]

@@ -13,13 +13,11 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.contact.staging import GRID, StagedContact, flank_places
-from gearmesh.contact.path import error_unit
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import GearPair, Member, Train
 from gearmesh.view.load.footprints import Footprints
 from gearmesh.view.load.loaded_diagrams import FAINTEST, PRESSURE, LoadedPattern, cycle_curves
@@ -71,10 +69,7 @@ class StagedMember:
         plain = whole
         if member.keyway is not None or member.holes is not None:
             plain = gear_solid(replace(member, keyway=None, holes=None), tolerance, tooth)
-        regions = list(member.tooth.regions)
-        if member.tooth.joint.travel is not None:
-            # the roots of a bar do not all look alike
-            regions.remove(Region.ROOT)
+        regions = member.repeated
         repeated = np.isin(plain.regions, [plain.region_names.index(name) for name in regions])
         first = np.flatnonzero(repeated)[: int(repeated.sum()) // member.tooth.teeth]
         return StagedMember(
@@ -135,7 +130,7 @@ def _member(member: Member, shape: int, reach: float) -> dict[str, Any]:
 
 def _pair(train: Train, staged: StagedPair, names: list[str]) -> dict[str, Any]:
     pair, path, turns = staged.pair, staged.contact.path, staged.contact.turns
-    rad, unit = error_unit(pair.slide)
+    rad, unit = pair.output.reading.error
     return {
         "name": pair.name,
         "members": [names.index(name) for name in pair.members],

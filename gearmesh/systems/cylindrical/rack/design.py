@@ -125,10 +125,6 @@ class RackDesign(ToothingKeys):
             raise conflict("pinion.internal", True, reason="the pinion of a rack is external")
         if self.pinion.gap_diameter is not None:
             raise conflict("pinion.gap_diameter", self.pinion.gap_diameter, reason="the pinion of a rack has no gap")
-        if self.pinion.mount is not None:
-            self.pinion.mount.refuse_stiffness(
-                "pinion.mount", "must be left out: the mount of a rack's pinion is rigid"
-            )
         if self.rack.length is not None:
             teeth = self.rack.teeth or 1
             if self.rack.length < teeth * self.pitch * (1.0 - ROUNDED):

@@ -13,10 +13,9 @@ import numpy as np
 
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
-from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.systems.common.restoring import restoring
 from gearmesh.systems.spiral_bevel.conjugate.build import build, conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.errors.kinematic_errors import compensation

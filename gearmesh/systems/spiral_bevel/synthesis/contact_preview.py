@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions, Flank
-from gearmesh.contact.path import ARCSEC
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, polar_angle
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, polar_angle
 from gearmesh.kernel.surface.stations import along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank

@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearmesh.contact.path import ARCSEC
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, unit
+from gearmesh.kernel.numeric.algebra import ARCSEC, AXIS, Array, cross, unit
 from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent_basis
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.common.bounds import at_least, at_most
