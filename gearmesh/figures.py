@@ -130,7 +130,7 @@ class Entry:
         return None if self.figure.nullable and any(map(math.isnan, self.value)) else self.value
 
 
-#: what is said of a figure beside what it is
+#: properties of a figure beside its meaning
 _KINDS = ("optional", "whole", "vector", "nullable", "bare", "shown", "singular", "timing")
 
 
@@ -297,5 +297,5 @@ class Summary(Mapping[str, Any]):
         return f"Summary({self.row!r})"
 
 
-#: what a document is made of: figures, tables of them, and what is said beside them
+#: what a document is made of: figures, tables of them, and messages beside them
 Content: TypeAlias = "Figures | Mapping[str, Content] | Sequence[Content] | str | float | bool | None"

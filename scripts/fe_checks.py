@@ -32,7 +32,7 @@ Row = dict[str, Any]
 NAMES = {1: "C3D8I", 2: "C3D20R"}
 #: peak pressure of the crossed cylinders, MPa
 PEAK = 1500.0
-#: elements over a half axis: crossed cylinders of first and of second order
+#: elements over a semi-axis: crossed cylinders of first and of second order
 CYLINDERS = {1: (2, 4, 8), 2: (2, 4)}
 #: elements on the fillet, for the convergence of its stress; on three teeth, against ISO 6336
 FILLET = (4, 8, 16, 32)

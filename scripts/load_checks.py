@@ -68,7 +68,7 @@ MODIFIED = tuple(
 class Case:
     """A pair: the sample, keys set in it, and the torque on the pinion, Nm; `teeth` of either member, the middle one with the
     leading contact, and `phases` of a pitch, of a single tooth such at which no other pair carries; `ellipse`: elements over each
-    half axis of the contact, 0 for what `deck` allows."""
+    semi-axis of the contact, 0 for what `deck` allows."""
 
     sample: str
     torque: float

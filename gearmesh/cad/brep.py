@@ -32,8 +32,8 @@ TOLERANCE = 1e-4
 #: nodes are added until each direction alone stays within this share of the tolerance
 SHARE = 0.45
 #: curves on planes, cylinders and cones keep this close (mm) to them, whatever the tolerance: CAD programs take points within
-#: 1e-7 mm for the same and fit edges that are farther off anew, less exactly (read back, the volume was off by 1e-6 instead of
-#: 1e-8)
+#: 1e-7 mm for the same and fit edges that are farther off anew, less exactly (read back, the error of the volume was 1e-6
+#: instead of 1e-8)
 ON_LEVEL = 5e-8
 #: rounds of measuring and spreading nodes: on the samples 1 after the plan is usual, and 3 the most
 ROUNDS = 12

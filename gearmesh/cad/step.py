@@ -23,7 +23,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 
 SUFFIXES = (".step", ".stp")
 
-#: what the writer is told: AP242, names on faces too, and every edge's curve on its faces: a third more file,
+#: settings of the writer: AP242, names on faces too, and every edge's curve on its faces: a third more file,
 #: but readers that project instead go astray where undercut begins, where the flank has a singular corner
 _SCHEMA = {"write.step.schema": "AP242DIS"}
 _SWITCHES = {"write.stepcaf.subshapes.name": 1, "write.surfacecurve.mode": 1}

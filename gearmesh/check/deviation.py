@@ -34,7 +34,7 @@ INSIDE = PLACES[:10]
 BLOCK = 4_000
 #: samples whose closest points are sought at first, and by how much more of them every further time
 BATCH, MORE = 64, 4
-#: where the closest facet is sought, one after the other: 0 so many facets up and down the ladder, else so many rings
+#: where the closest facet is sought, one after the other: 0 so many facets along the strip on either side, else so many rings
 REACHES = (0, 1, 2, 3)
 STEPS = np.array([0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64])
 #: distances (mm) that differ by no more are the same

@@ -36,7 +36,7 @@ GRID_RESIDUAL = 1e-11
 GRID_ITERATIONS = 24
 # A place beyond the rim is given up when its foot on the rim moves by less than this, in cells.
 AT_REST = 1e-3
-# A grid folds over where its lines turn the other way by more than this share of the most.
+# A grid has two sheets where its lines turn the other way by more than this share of the most.
 FLAT = 1e-9
 MOST_BINS = 200
 # Triangles whose boxes are larger than this part of the whole, both ways, are halved for the bins, so many times at most.

@@ -7,7 +7,7 @@ tangency conditions in it, only distances.
 1. Touch. Every circle about the gear's axis that meets both flanks says by how much the gear must turn for these
    two points to meet; the greatest need decides (`touch.first_touch`).
 2. Patch. In the common tangent plane, distances along the common normal; the part closer than delta is measured by
-   its area, centroid and second moments (`_patch`). An ellipse with half axis a has the second moment a^2 / 4.
+   its area, centroid and second moments (`_patch`). An ellipse with semi-axis a has the second moment a^2 / 4.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from gearmesh.teeth.mount import Mount
 DELTA = 0.00635
 # Lattices that look for the patch, and the final one; 4 m + 1 points, so that every second point is a lattice too.
 SEARCH_POINTS, PATCH_POINTS = 33, 97
-# Half sides of the lattice over half axes of the patch.
+# Half sides of the lattice over semi-axes of the patch.
 MARGIN = 1.4
 
 
@@ -39,7 +39,7 @@ class RollContact:
 
     phi2 as the source counts it; point where the flanks first touch; normal the mean of the two members' there, out
     of the pinion (on meshes those of facets). The patch closer than delta: its area in the common tangent plane
-    (mm^2), its centre (in that plane), half axes semi_major >= semi_minor and unit vectors major, minor of the
+    (mm^2), its centre (in that plane), semi-axes semi_major >= semi_minor and unit vectors major, minor of the
     ellipse with the same second moments; cut_by_edge where it runs into the edge of a flank, so that these are not
     the moments of an ellipse. The centre is off the contact point by an amount proportional to delta, because the
     gap is not symmetric; `centre_limit` is the line through the centres for delta and delta / 2, followed to 0, and
@@ -186,7 +186,7 @@ def arcs_over(flank: HeightFlank, own_to_base: Rigid, sense: float, side: float,
 
 @dataclass(frozen=True)
 class _PatchShape:
-    """Area, centre (2,), half axes (2,) ascending and axes as columns (2, 2), in the tangent plane."""
+    """Area, centre (2,), semi-axes (2,) ascending and axes as columns (2, 2), in the tangent plane."""
 
     area: float
     centre: Array

@@ -40,7 +40,7 @@ class AssemblyPaths:
 
     `touching` (M, P), `surface` (M, P): contact inside both flanks, in a point or along a line, `line` (M, P): along a line;
     `lead`, `slope` (M, P): of the gear over the nominal ratio, rad, and by phi1; `residual` (M, P), mm; `point` (M, P, 3) on the
-    pinion, its own frame, and `axes` (M, P, 2, 3), mm, the half axes of the ellipse there; `inside` (M, P, E), mm: how far
+    pinion, its own frame, and `axes` (M, P, 2, 3), mm, the semi-axes of the ellipse there; `inside` (M, P, E), mm: how far
     surface contact is inside each edge that ends a flank.
     """
 

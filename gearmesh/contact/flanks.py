@@ -51,7 +51,7 @@ def analyse(pair: GearPair, phi1: Array) -> ContactPath:
 class PathHertz:
     """Hertz contact at the positions of a path, all (P,): NaN at edges and where there is no contact.
 
-    `force` N along the normal; `peak_pressure` MPa; half axes `semi_major`, `semi_minor` and `approach` mm. At a line of
+    `force` N along the normal; `peak_pressure` MPa; semi-axes `semi_major`, `semi_minor` and `approach` mm. At a line of
     contact `semi_major` is half its length and `approach`, which for half-spaces has no limit, is NaN. `share` of the torque that
     the tooth pair has.
     """

@@ -21,7 +21,7 @@ class ContactPath:
     "gear_heel", two joined by "+" where edges cross, "" otherwise); status (P,) `errors.Status` codes;
     residual (P,) largest residual of r1 = r2 in mm; point, normal (P, 3) in the fixed frame (normal out of the
     pinion); point1, point2 (P, 3) in the members' own frames; params1, params2 (P, 2) surface parameters;
-    semi_major, semi_minor (P,) half axes of the contact ellipse in mm and angle (P,) from the pinion's first
+    semi_major, semi_minor (P,) semi-axes of the contact ellipse in mm and angle (P,) from the pinion's first
     parameter line to the major axis, rad (NaN for edges and lines); major, minor (P, 3) unit vectors along them, fixed frame;
     part (P,): 0 on the flanks, 1 where a tip touches the pinion's fillet, 2 the gear's (parameters are then the fillet's);
     lines: for every position None or (K, 3) points of the contact line, fixed frame, mm.

@@ -29,11 +29,11 @@ OVERCLOSURE = 0.5
 BEYOND_APART = 1.5
 #: places across a face, of its sides, inside of which contact is looked for
 INNER = (0.2, 0.5, 0.8)
-#: where facets may touch first: this many half axes of the contact, lengthened by an element
+#: where facets may touch first: this many semi-axes of the contact, lengthened by an element
 NEAR = 2.0
-#: elements over a half axis of the contact ellipse, and into the tooth over the smaller one, that resolve the pressure; sag of
+#: elements over a semi-axis of the contact ellipse, and into the tooth over the smaller one, that resolve the pressure; sag of
 #: an element's edge along the ellipse over the approach of the flanks. One pair of bevel teeth (spiral_bevel_basic, 50 Nm, half
-#: axes 6.6 and 0.21 mm) with 4 elements over each half axis sags by 0.46 and is pressed 23 % harder than by Hertz; with 12 along,
+#: axes 6.6 and 0.21 mm) with 4 elements over each semi-axis sags by 0.46 and is pressed 23 % harder than by Hertz; with 12 along,
 #: 4 across and 0.7 inwards, which sag by 0.05, 7 % less than by Hertz, with twice as many inwards 12 % less
 OVER, INWARDS, SAG = 4.0, 0.7, 0.11
 #: default numbers of elements
@@ -49,7 +49,7 @@ class Request:
     """What a model shall hold.
 
     `members`: "pinion", "gear" or both, in mesh; `teeth` of each, None for all; `cells`: numbers of elements;
-    `ellipse`: elements over each half axis of the contact ellipse, 0 for what `cells` allow; `even`: evenly spaced lines;
+    `ellipse`: elements over each semi-axis of the contact ellipse, 0 for what `cells` allow; `even`: evenly spaced lines;
     `rim`: mm under the root, None for the default; `torque` (N mm) on the pinion in the sense that drives, or the
     `rotation` (rad) it is turned by instead; `friction`: coefficient of Coulomb on the flanks; `resolved`: more
     lines than `cells` say where the contact ellipse takes them; `every_tooth`: lines follow the contact on the teeth beside the
@@ -169,7 +169,7 @@ def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> tu
     the insides of the pinion's faces, where CalculiX looks for contact, are from the gear's facets at least once that is closed.
 
     The flanks themselves touch there; facets of convex flanks lie below them. Both are taken as heights over the common
-    tangent plane, within `NEAR` half axes of the contact, each lengthened by an element.
+    tangent plane, within `NEAR` semi-axes of the contact, each lengthened by an element.
     """
     normal = at.path.normal[0]
     along = unit(np.cross(normal, np.eye(3)[np.abs(normal).argmin()]))

@@ -51,7 +51,7 @@ ACROSS = 5
 RIDGE_STEPS, NARROWER = 6, 5.0
 #: a step goes no further than to a gap of so many mm; curvatures (1/mm) are taken as no less
 FAR, LEAST_KAPPA = 0.05, 1e-3
-#: half the grid's width over the Hertz half axes under the load
+#: half the grid's width over the Hertz semi-axes under the load
 MARGIN = 1.4
 #: how far a grid about a corner of a flank goes on, over the half width that a contact as long as wide has
 CORNER = 2.0

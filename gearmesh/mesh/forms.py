@@ -25,13 +25,13 @@ from gearmesh.teeth.tooth import Tooth
 
 #: points per link on which second forms are sampled, across and along
 SAMPLES = (25, 9)
-#: stations on which levels are kept: a worm's rungs are drawn by them over several turns
+#: stations on which levels are kept: a worm's diagonals are drawn by them over several turns
 STATIONS = 65
 #: step of t over which the ends of the links are differentiated
 STEP = 1e-6
 #: a link is sheared if that takes no more than this share of its cells
 WORTH = 0.9
-#: and if its rungs, as long as the link is wide, run along no more than so many times the whole face
+#: and if its diagonals, as long as the link is wide, run along no more than so many times the whole face
 STEEP = 5.0
 #: section curves that need no more than so many times the lines' nodes have the lines begin at all of them
 CLOSE = 1.5

@@ -31,7 +31,7 @@ Index = NDArray[np.int64]
 #: distance (M,), mm, of the middles of edges (M, 2) from the surface
 Miss = Callable[[Index], Array]
 
-#: gain (mm) from which on a rung is turned: below it is rounding
+#: gain (mm) from which on a diagonal is turned: below it is rounding
 GAIN = 1e-12
 
 
@@ -118,7 +118,7 @@ class Ladder:
         """Steps that better change places with the next one, no two of them neighbours."""
         at = np.flatnonzero((self.strip[1:] == self.strip[:-1]) & (self.steps[1:] != self.steps[:-1]))
         places, _ = self.rungs()
-        # the rung after step k is the one that it shares with step k + 1; a strip has one rung before its first step
+        # the diagonal after step k is the one that it shares with step k + 1; a strip has one diagonal before its first step
         here = places[at + self.strip[at] + 1]
         other = here + np.where(self.steps[at], -1, 1)[:, None] * np.array([1, -1])
         gain = np.zeros(len(self.steps) + 1)

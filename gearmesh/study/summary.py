@@ -13,7 +13,7 @@ from gearmesh.study.variance import VarianceShare
 
 #: figures of a row, or an effect of keys on them
 Row = TypeVar("Row", bound=Figures)
-#: most reasons that are told
+#: most reasons that are reported
 REASONS = 10
 
 

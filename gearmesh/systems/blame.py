@@ -49,7 +49,7 @@ OF_BUILD, OF_DESIGN = 0.015, 0.005
 LIGHT = 0.03
 #: part of it that has to be left for the bound of a second key to be refined
 FOR_SECOND = 0.3
-#: keys that are named at most where none alone is to blame
+#: keys that are named at most where none alone makes the design infeasible
 MOST_TOGETHER = 3
 
 

@@ -41,9 +41,9 @@ from gearmesh.teeth.undercut import Undercut, cut_off, intersection, joint, sing
 
 #: stations at which the beginning of undercut is looked for
 BREAK_SAMPLES = 17
-#: stations at which a flank is looked at for folds
+#: stations at which a flank is searched for loops with two cusps
 FOLD_STATIONS = 5
-#: distance from where undercut begins or ends at which a flank that folds is tried
+#: distance from where undercut begins or ends at which a flank with such a loop is tried
 BESIDE = 1e-6
 #: stations, evenly spaced, whose sections are kept
 EVEN_STATIONS = 25

@@ -32,7 +32,7 @@ AT_JOINT = 1e-6
 #: area density at the form point, over that near the tip and negative, up to which the cusp is at the form point: what would be
 #: cut off is about half its square of the flank's height, less than 1e-12 mm
 JUST_BEGUN = 1e-7
-#: points between tip and form point at which a flank is looked at for folds
+#: points between tip and form point at which a flank is searched for loops with two cusps
 FOLD_SAMPLES = 24
 #: parts of the flank's and the fillet's parameter by which they may miss each other at the form point, modified since they were cut
 MISSED = 0.1

@@ -4,7 +4,7 @@ It is computed in the tangent plane of the contact, put on the exact surface by 
 the normal by `ToothView.lift`, a small fraction of the picture, so that it is neither buried in the facets of the mesh
 nor seen to float:
 
-    tangent plane  ----+----        ellipse, half axes a and b along `major` and `minor`
+    tangent plane  ----+----        ellipse, semi-axes a and b along `major` and `minor`
                      .. | ..        project: closest point of the trimmed flank, NaN beyond it
     exact flank   .-'   |   '-.     lift: 0.1 % of the tooth's bounding radius
 """
@@ -104,7 +104,7 @@ def lift_grid(grid: Array, contact: MemberContact, lift: float) -> Array:
 def union_level(contact: MemberContact, grid: Array) -> Array:
     """Scaled distance (I, J) from points (I, J, 3) to the nearest ellipse centre: at most 1 inside any ellipse.
 
-    Positions are refined to steps of an eighth of the smallest minor half axis, so that the union is the area
+    Positions are refined to steps of an eighth of the smallest minor semi-axis, so that the union is the area
     swept by the moving ellipse and not a row of separate ones. Edge contact, which has no ellipse, adds nothing.
     """
     chosen = contact.ellipses

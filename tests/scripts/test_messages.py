@@ -45,6 +45,7 @@ PRIVATE = {
     r"\bmates?\b": "mating gear",
     r"\brun(?:s|ning)? (?:most )?evenly\b|\beven running\b": "uniform transmission",
     r"\bpairs? of teeth\b": "tooth pair",
+    r"\bhalf ax[ei]s\b": "semi-axis",
 }
 
 

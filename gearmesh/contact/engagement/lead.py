@@ -23,7 +23,7 @@ from gearmesh.kernel.numeric.algebra import Array
 STENCIL = 4
 #: by how much (rad) the last node may change a polynomial that is used
 SURE = 1e-11
-#: rounds in which nodes are added, and the parts of an interval between contacts of two kinds; of one where they are told roughly
+#: rounds in which nodes are added, and the parts of an interval between contacts of two kinds; of one where they are rough
 ROUNDS, PARTS, ROUGH_PARTS = 4, 8, 2
 
 

@@ -35,7 +35,7 @@ INSIDE = 3
 ROUNDS = 5
 #: finer and finer lattices about a sharp peak
 FINER = 3
-#: nodes about a place by which it is told what may lie between them, at most
+#: nodes about a place that estimate what may lie between them, at most
 AROUND = 2
 #: a sampled place this far (mm) outside a flank is still on it
 SLACK = 1e-9

@@ -183,7 +183,7 @@ def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve)
     lever, radius = _lever(pair, forwards.engagement)
     nodes = np.linspace(0.0, pair.pitch, NODES + 1)
     plays = play(pair, forwards.at_nodes() + _at_nodes(backwards, nodes))
-    # how deep teeth are jammed that stand in fillets is told by the nodes
+    # the nodes give the depth of teeth jammed in fillets
     rough = bool(
         np.nanmin(plays, initial=np.inf) * lever < -NOTHING and any((_ahead_at_nodes(s) > AHEAD).any() for s in sides)
     )

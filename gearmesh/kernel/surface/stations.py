@@ -15,7 +15,7 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 START_ROWS = 7
 #: Newton steps at most, and the distance from the station (of 1 mm and more, relative) that counts as none
 ITERATIONS, SETTLED = 40, 1e-9
-#: steps of the whole batch before what has not settled goes on alone, and steps that must halve a point's distance
+#: steps of the whole batch before what has not converged goes on alone, and steps that must halve a point's distance
 TOGETHER, STALE = 8, 8
 
 

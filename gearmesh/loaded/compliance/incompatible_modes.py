@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from gearmesh.contact.hertz import Material
 from gearmesh.kernel.numeric.algebra import Array
 
-#: corners of the unit brick in the order of `HexMesh.elements`
+#: corners of the unit element in the order of `HexMesh.elements`
 CORNERS = np.array(
     [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], dtype=float
 )
 #: points of Gauss
 GAUSS = CORNERS / np.sqrt(3.0)
-#: bricks that are worked on at once
+#: hexahedra that are worked on at once
 CHUNK = 4000
 
 

@@ -36,7 +36,7 @@ POINTS = 16
 FAR = 45.0
 #: places phi of the table, and wave numbers over which it is summed
 PLACES, WAVES = 49, 3000
-#: powers of m^2 by which `release` is told, exact at as many places: within 2e-3 between them
+#: powers of m^2 at which `release` is tabulated, exact at as many places: within 2e-3 between them
 POWERS = 3
 #: far along the edge: a wedge of 90 degrees under a force on one face, less twice a half-space, over a half-space [J85 2.4]
 WEDGE = 0.5 * np.pi * (1.0 / (0.5 * np.pi + 1.0) + 1.0 / (0.5 * np.pi - 1.0)) - 2.0

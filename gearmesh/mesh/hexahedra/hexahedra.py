@@ -35,7 +35,7 @@ LEAST_CELLS = 6
 NEARLY, ENOUGH = 0.95, 0.98
 #: stations that are given up for lines that follow a contact ellipse leave as many as these
 LEAST_STATIONS = 24
-#: beyond this many half axes the fine lines no longer follow the slant of the ellipse
+#: beyond this many semi-axes the fine lines no longer follow the slant of the ellipse
 FOLLOWED = 1.5
 
 Index = NDArray[np.int64]
@@ -62,7 +62,7 @@ class Focus:
     """A contact ellipse on a flank, in the flank's coordinates s (form point to tip) and t (toe to heel), both 0 .. 1.
 
     `s`, `t`: its centre; `slope`: ds/dt of the line through the middles of its chords of constant t; `half_s`: half its
-    chord through the centre along s; `half_t`: half its extent along t; `half_depth`: its smaller half axis over half the
+    chord through the centre along s; `half_t`: half its extent along t; `half_depth`: its smaller semi-axis over half the
     tooth's thickness there; `cells`: elements wanted over each half, 0 for what the numbers of elements allow; `bow`: second
     derivative (mm) in t of the flank's height over the plane that touches it there, along the ellipse.
     """
@@ -81,7 +81,7 @@ class Focus:
 class CoarsestLines:
     """The coarsest lines over a contact ellipse that will do, whatever the numbers of elements.
 
-    `over`: elements over each half axis; `inwards`: over the smaller half axis, into the tooth; `sag` (mm): of an element's edge
+    `over`: elements over each semi-axis; `inwards`: over the smaller semi-axis, into the tooth; `sag` (mm): of an element's edge
     along the ellipse from the flank.
     """
 

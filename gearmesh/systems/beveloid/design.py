@@ -129,7 +129,7 @@ class BeveloidDesign(PairDesign):
             radius = 0.5 * member.teeth * m / math.cos(math.radians(member.helix_angle))
             below = (radius - 0.5 * member.root_diameter) * math.cos(math.radians(member.cone_angle))
             depth = member.profile_shift + below / m
-        # each flank of the pair gives way by a quarter of the backlash
+        # each flank of the pair is set back by a quarter of the backlash
         width = 0.5 * math.pi + 0.5 * self.backlash / m / math.cos(alpha)
         return straight_rounding(width, depth, (self.pressure_angle, self.pressure_angle), TIP_RADIUS)
 

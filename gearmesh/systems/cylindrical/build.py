@@ -39,7 +39,7 @@ from gearmesh.teeth.train import GearPair, Member, Train
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
 
-#: allowance of the tooth thickness (modules) from which on it is told that teeth are thicker
+#: allowance of the tooth thickness (modules) from which on a warning says that teeth are thicker
 THICKER = 0.01
 
 

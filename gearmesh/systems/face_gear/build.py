@@ -121,7 +121,7 @@ def derived_values(design: FaceGearDesign) -> dict[str, float]:
         "shaper.tip_radius": shaped.shaper.tip_radius / m,
         "gear.inner_radius": inner,
         "gear.outer_radius": outer,
-        # radii in the wrong order are told later
+        # radii in the wrong order are refused later
         "pinion.face_width": abs(float(np.subtract(*covered_range(shaped, (float(inner), float(outer)))))) + m,
     }
 

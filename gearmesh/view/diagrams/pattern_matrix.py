@@ -32,7 +32,7 @@ from gearmesh.view.scene import MemberContact
 WIDTH, ERROR, LABELS = 2.6, 0.75, 0.7
 #: inches beside and above a flank, in which the words stand, and their size
 ROOM, WORDS = (0.22, 0.13), 6.0
-#: least range (arcsec, um) of transmission errors that is shown, and what of one is told as nothing but rounding
+#: least range (arcsec, um) of transmission errors that is shown, and the part of one that is only rounding
 LEAST, NOTHING = 0.5, 1e-3
 #: what is put before figures that are estimates, in the legend and in the cells
 ESTIMATE, APPROXIMATELY = "estimate of ", "\u2248 "

@@ -16,7 +16,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.view.diagrams.plots import save_figure
 from gearmesh.view.palette import CURVES, INK
 
-#: lines of a response plot that are told apart by colour
+#: lines of a response plot that are distinguished by colour
 _LINES = 9
 #: shares with others, and counts
 PALE = "#b9c9df"

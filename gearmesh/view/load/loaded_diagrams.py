@@ -39,7 +39,7 @@ LEAST_ERROR = 0.02
 CURVE_OF = 3
 #: parts of the torque by which halves differ, at least
 ALIKE = 1e-3
-#: what is said of the halves of double helical gears
+#: labels of the halves of double helical gears
 HALVES = ("", ", other half")
 #: positions below which each has its mark
 FEW = 12

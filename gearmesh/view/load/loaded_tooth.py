@@ -13,7 +13,7 @@ from gearmesh.view.palette import EDGE
 from gearmesh.view.scene import Camera, Dots, MemberContact, Scene, ToothView, ValueMap
 from gearmesh.view.views import edge_words, flank_camera
 
-#: size of the marks where edges carry, in pixels
+#: size of the marks of edge contact, in pixels
 MARK = 5.0
 #: points across and along the part of a flank that is pressed
 GRID = (121, 241)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from gearmesh import Gears
     from gearmesh.study.study import Study
 
-#: shares of the work after which a pipe is told
+#: shares of the work after which a pipe gets a line
 SHARE = 0.1
 
 

@@ -42,7 +42,7 @@ AHEAD, MISSED = 0.03, 0.05
 ROUNDS, CENTRED, CLOSE = 5, 0.02, 2e-3
 #: farthest from the middle of the flank that the mean point goes, as parts of face width and working depth
 FARTHEST = (0.25, 0.35)
-#: prospects after which no other direction is tried, without modified roll and, all in all, with it
+#: contact previews after which no other direction is tried, without modified roll and, all in all, with it
 MOST = (45, 70)
 #: largest coefficient of modified roll
 MOST_ROLL = 1.0

@@ -157,7 +157,7 @@ def _start(
     tilted = np.array([e[2, 1] - e[0, 1], e[1, 2] - e[1, 0]]) / (2.0 * h)
     mixed = 0.25 * (e[2, 2] - e[2, 0] - e[0, 2] + e[0, 0])
     bent = np.array([[e[2, 1] - 2.0 * e[1, 1] + e[0, 1], mixed], [mixed, e[1, 2] - 2.0 * e[1, 1] + e[1, 0]]]) / h**2
-    # less material by e along n: the normal leans with its slope, and the shape operator gives way by its curvature
+    # less material by e along n: the normal leans with its slope, and the shape operator changes by its curvature
     operator = conjugate_operator(contact) - basis.T @ bent @ basis
     try:
         values = tool_values(design, blank, name, (r, unit(n + tilted @ basis)), operator)
