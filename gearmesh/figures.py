@@ -148,25 +148,25 @@ class Figures:
         """Names of fields, their figures, and what kind of figures stands in their place."""
         return tuple(
             (
-                each.name,
+                field.name,
                 Figure(
-                    key=each.metadata["key"]
-                    if each.metadata["key"] is not None
-                    else f"{each.name}{UNITS[each.metadata['unit']]}",
-                    **{name: each.metadata[name] for name in ("unit", "symbol", "meaning", *_KINDS)},
+                    key=field.metadata["key"]
+                    if field.metadata["key"] is not None
+                    else f"{field.name}{UNITS[field.metadata['unit']]}",
+                    **{name: field.metadata[name] for name in ("unit", "symbol", "meaning", *_KINDS)},
                 ),
-                each.metadata["parts"],
+                field.metadata["parts"],
             )
-            for each in fields(cls)  # type: ignore[arg-type]
+            for field in fields(cls)  # type: ignore[arg-type]
         )
 
     @classmethod
     def declared_figures(cls) -> tuple[Figure, ...]:
         """The figures that it can have, in order."""
         return tuple(
-            each
+            figure
             for _, known, kind in cls._by_field()
-            for each in ((known,) if kind is None else kind.declared_figures())
+            for figure in ((known,) if kind is None else kind.declared_figures())
         )
 
     @classmethod
@@ -177,19 +177,19 @@ class Figures:
     @property
     def entries(self) -> tuple[Entry, ...]:
         """The figures that it has, one for each member where it holds members' own."""
-        found: list[Entry] = []
+        own_entries: list[Entry] = []
         for name, known, kind in self._by_field():
             value = getattr(self, name)
             if value is None and known.optional:
                 continue
             if kind is not None:
                 own = value.entries if isinstance(value, Figures) else _of_members(value)
-                found += own
+                own_entries += own
             elif MEMBER in known.key:
-                found += [Entry(known.of(member), own) for member, own in value.items()]
+                own_entries += [Entry(known.of(member), own) for member, own in value.items()]
             else:
-                found.append(Entry(known, value))
-        return tuple(found)
+                own_entries.append(Entry(known, value))
+        return tuple(own_entries)
 
     def entries_of(self, member: str) -> tuple[Entry, ...]:
         """The figures that it has, as those of a member, whose name takes the place of {member}."""
@@ -199,7 +199,7 @@ class Figures:
     @property
     def row(self) -> dict[str, Any]:
         """Values by key, figures within figures as rows of their own."""
-        return {each.key: as_rows(each.known) for each in self.entries}
+        return {entry.key: as_rows(entry.known) for entry in self.entries}
 
     @property
     def flat(self) -> dict[str, Any]:
@@ -209,7 +209,7 @@ class Figures:
 
 def _of_members(values: Mapping[str, Figures]) -> list[Entry]:
     """Figures of members, all of one, then all of the next."""
-    return [each for member, own in values.items() for each in own.entries_of(member)]
+    return [entry for member, own in values.items() for entry in own.entries_of(member)]
 
 
 def as_rows(value: Any) -> Any:
@@ -218,10 +218,10 @@ def as_rows(value: Any) -> Any:
         return value.row if value.known else None
     if isinstance(value, Summary):
         return value.row
-    if isinstance(value, list | tuple) and any(isinstance(each, Figures) for each in value):
-        return [as_rows(each) for each in value]
+    if isinstance(value, list | tuple) and any(isinstance(item, Figures) for item in value):
+        return [as_rows(item) for item in value]
     if isinstance(value, Mapping):
-        return {key: as_rows(each) for key, each in value.items()}
+        return {key: as_rows(item) for key, item in value.items()}
     return value
 
 
@@ -231,8 +231,8 @@ def flat(entries: Iterable[Entry]) -> dict[str, Any]:
 
 
 def _flat(entries: Iterable[Entry], prefix: str) -> Iterator[tuple[str, Any]]:
-    for each in entries:
-        known, value = each.figure, each.value
+    for entry in entries:
+        known, value = entry.figure, entry.value
         if not known.shown:
             continue
         if isinstance(value, Figures):
@@ -256,7 +256,9 @@ class Summary(Mapping[str, Any]):
         entries: dict[str, Entry] = {}
         for part in parts:
             if part is not None:
-                entries |= {each.key: each for each in (part.entries if isinstance(part, Figures | Summary) else part)}
+                entries |= {
+                    entry.key: entry for entry in (part.entries if isinstance(part, Figures | Summary) else part)
+                }
         self._entries = entries
 
     @property
@@ -271,18 +273,18 @@ class Summary(Mapping[str, Any]):
     @property
     def row(self) -> dict[str, Any]:
         """Values by key."""
-        return {key: as_rows(each.known) for key, each in self._entries.items()}
+        return {key: as_rows(entry.known) for key, entry in self._entries.items()}
 
     @property
     def flat(self) -> Summary:
         """With one entry for each number of a list, counted from 1."""
-        found: list[Entry] = []
-        for each in self.entries:
-            if isinstance(each.value, list | tuple):
-                found += [Entry(each.figure.item(k), value) for k, value in enumerate(each.value, start=1)]
+        entries: list[Entry] = []
+        for entry in self.entries:
+            if isinstance(entry.value, list | tuple):
+                entries += [Entry(entry.figure.item(k), value) for k, value in enumerate(entry.value, start=1)]
             else:
-                found.append(each)
-        return Summary(found)
+                entries.append(entry)
+        return Summary(entries)
 
     def __getitem__(self, key: str) -> Any:
         return self._entries[key].value

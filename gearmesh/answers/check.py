@@ -96,11 +96,11 @@ class RollTest(Result):
     def listings(self) -> list[Listing]:
         if not self.rows:
             return []
-        rows = [plain(each.row) for each in self.rows]
+        rows = [plain(row.row) for row in self.rows]
         return [Listing("Roll test against solver", list(rows[0]), [list(row.values()) for row in rows])]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([each.row for each in self.rows])
+        return columns([row.row for row in self.rows])
 
     @property
     def sections(self) -> Mapping[str, Content]:
@@ -108,16 +108,16 @@ class RollTest(Result):
 
     def patches(self, pair: GearPair, name: str) -> list[tuple[Array, Array]]:
         """Gap maps of the positions that touch: points (..., 3) in the own frame of a member, and gaps (...,), mm."""
-        found = []
-        for each in self.contacts:
-            if not each.touching:
+        gap_maps = []
+        for contact in self.contacts:
+            if not contact.touching:
                 continue
-            points = each.map_points
+            points = contact.map_points
             if pair.index(name) == 1:
                 first, second = pair.mounts
-                points = (second.at(each.phi2).inverse @ first.at(each.phi1)).point(points)
-            found.append((points, each.map_gap))
-        return found
+                points = (second.at(contact.phi2).inverse @ first.at(contact.phi1)).point(points)
+            gap_maps.append((points, contact.map_gap))
+        return gap_maps
 
 
 @dataclass(frozen=True, repr=False)
@@ -145,37 +145,43 @@ class Check(Result):
     def complaints(self) -> list[str]:
         """Failures of the meshes, of the roll test and of the fit of the gears, one line each."""
         meshes = [line for solid in self.solids.values() for line in solid.complaints]
-        failed = (each for each in self.verdicts if not each.ok)
-        return [*meshes, *(f"{each.what} = {each.value:.4g}: allowed is {each.limit:.4g}" for each in failed)]
+        failed = (verdict for verdict in self.verdicts if not verdict.ok)
+        return [
+            *meshes,
+            *(f"{verdict.what} = {verdict.value:.4g}: allowed is {verdict.limit:.4g}" for verdict in failed),
+        ]
 
     @property
     def verdicts(self) -> list[Verdict]:
         """Everything that was compared, with its limit."""
-        found = []
+        compared = []
         for name, solid in self.solids.items():
             value, limit = solid.measured.max_deviation, solid.measured.tolerance
-            found.append(Verdict(f"{name}: max_deviation_um", value, limit, value <= limit))
-            found.append(Verdict(f"{name}: defects", float(len(solid.complaints)), 0.0, not solid.complaints))
-        found += self.roll.verdicts
+            compared.append(Verdict(f"{name}: max_deviation_um", value, limit, value <= limit))
+            compared.append(Verdict(f"{name}: defects", float(len(solid.complaints)), 0.0, not solid.complaints))
+        compared += self.roll.verdicts
         meet = "fit: sides on which the flanks meet"
         if self.fit is None and UNMET in self.warnings:
-            found.append(Verdict(meet, float(bool(self.roll.rows)), 2.0, ok=False))
+            compared.append(Verdict(meet, float(bool(self.roll.rows)), 2.0, ok=False))
         if self.fit is not None:
-            found.append(Verdict(meet, 2.0, 2.0, ok=True))
-            play, depth = self.fit.normal_backlash[0], max((each.depth for each in self.fit.interference), default=0.0)
-            found.append(
+            compared.append(Verdict(meet, 2.0, 2.0, ok=True))
+            play, depth = (
+                self.fit.normal_backlash[0],
+                max((overlap.depth for overlap in self.fit.interference), default=0.0),
+            )
+            compared.append(
                 Verdict("fit: parts of the cycle without contact", float(len(self.fit.gaps)), 0.0, not self.fit.gaps)
             )
             known = bool(np.isfinite(play))
-            found.append(Verdict("fit: least backlash_normal_mm", play, 0.0, known and not play < -NOTHING))
-            found.append(Verdict("fit: interference_um", 1e3 * depth, 0.0, depth == 0.0))
+            compared.append(Verdict("fit: least backlash_normal_mm", play, 0.0, known and not play < -NOTHING))
+            compared.append(Verdict("fit: interference_um", 1e3 * depth, 0.0, depth == 0.0))
             for name, clearance in zip(self.mesh or self.solids, self.fit.clearances, strict=False):
                 if clearance is not None:
                     apart = clearance.distance
-                    found.append(Verdict(f"fit: tip_clearance_{name}_mm", apart, 0.0, apart >= -NOTHING))
+                    compared.append(Verdict(f"fit: tip_clearance_{name}_mm", apart, 0.0, apart >= -NOTHING))
         for other in self.others:
-            found += [replace(each, what=f"{'-'.join(other.mesh)}: {each.what}") for each in other.verdicts]
-        return found
+            compared += [replace(verdict, what=f"{'-'.join(other.mesh)}: {verdict.what}") for verdict in other.verdicts]
+        return compared
 
     @property
     def listings(self) -> list[Listing]:
@@ -183,7 +189,8 @@ class Check(Result):
         keys = list(next(iter(meshes.values())))
         rows = [[member, *(values[key] for key in keys)] for member, values in meshes.items()]
         verdicts = [
-            [each.what, plain(each.value), plain(each.limit), "ok" if each.ok else "FAILED"] for each in self.verdicts
+            [verdict.what, plain(verdict.value), plain(verdict.limit), "ok" if verdict.ok else "FAILED"]
+            for verdict in self.verdicts
         ]
         return [
             Listing("Meshes against exact surfaces", ["", *keys], rows, timed(next(iter(self.meshes.values())))),
@@ -235,10 +242,10 @@ def roll_test(
             pinion, gear, pair.mounts, pair.ratio, path.rotation[chosen], pair.drive, pair.delta, path.phi2[chosen]
         )
     rows, smooth = list[RollRow](), smooth_under(pair, path)
-    for k, found in zip(chosen, contacts, strict=True):
-        turned = _turned(path, k, found.phi2, pair.output, "flanks")
-        within = bool(path.kind[k] == "point") and not found.cut_by_edge and bool(smooth[k])
-        rows.append(_with_ellipse(turned, found, path, k) if within else turned)
+    for k, contact in zip(chosen, contacts, strict=True):
+        turned = _turned(path, k, contact.phi2, pair.output, "flanks")
+        within = bool(path.kind[k] == "point") and not contact.cut_by_edge and bool(smooth[k])
+        rows.append(_with_ellipse(turned, contact, path, k) if within else turned)
     filleted = spread(np.flatnonzero(path.touching & (path.part > 0)), positions)
     if filleted.size:
         whole = roll_teeth(pair, path.rotation[filleted], guess_phi2=path.phi2[filleted])
@@ -259,14 +266,14 @@ def _turned(path: ContactPath, k: int, phi2: float, output: Joint, rolled: str) 
     )
 
 
-def _with_ellipse(row: RollRow, found: RollContact, path: ContactPath, k: int) -> RollRow:
+def _with_ellipse(row: RollRow, rolled: RollContact, path: ContactPath, k: int) -> RollRow:
     """The same with the contact ellipse, as it was rolled, against that of the path."""
     return replace(
         row,
-        a_ratio=float(found.semi_major / path.semi_major[k]),
-        b_ratio=float(found.semi_minor / path.semi_minor[k]),
-        angle_difference=float(np.degrees(np.arccos(min(1.0, abs(float(found.major @ path.major[k])))))),
-        centre_distance=1e3 * float(np.linalg.norm(found.centre_limit - path.point[k])),
+        a_ratio=float(rolled.semi_major / path.semi_major[k]),
+        b_ratio=float(rolled.semi_minor / path.semi_minor[k]),
+        angle_difference=float(np.degrees(np.arccos(min(1.0, abs(float(rolled.major @ path.major[k])))))),
+        centre_distance=1e3 * float(np.linalg.norm(rolled.centre_limit - path.point[k])),
     )
 
 
@@ -278,8 +285,8 @@ def _rolled_verdicts(
     for row, te_limit, contact in zip(rows, te_limits, contacts, strict=True):
         for what, value, limit in _compared(row, te_limit, contact):
             kinds.setdefault(what, []).append((value, limit))
-    for what, each in kinds.items():
-        value, limit = max(each, key=lambda pair: float(np.nan_to_num(pair[0] / pair[1], nan=np.inf)))
+    for what, values in kinds.items():
+        value, limit = max(values, key=lambda pair: float(np.nan_to_num(pair[0] / pair[1], nan=np.inf)))
         yield Verdict(f"roll: {what}", value, limit, bool(value <= limit))
 
 

@@ -153,7 +153,9 @@ class GearSet:
                 continue
             # a pinion that another pair has placed stands as that has turned it, whole pitches from where its first tooth touches
             turn = turns.get(pair.pinion.name, 0.0)
-            rotation, phi2 = (float(each[0]) for each in leading_turns(pair, np.array([turn]), 1 if turn else 0))
+            rotation, phi2 = (
+                float(leading_turn[0]) for leading_turn in leading_turns(pair, np.array([turn]), 1 if turn else 0)
+            )
             if np.isnan(phi2):
                 raise NoSolutionError(
                     reason=f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = 0, the position of the "

@@ -92,7 +92,7 @@ class MemberLimitFigures(Figures):
     @property
     def single(self) -> list[Entry]:
         """What is of the whole member."""
-        return [each for each in self.entries if not isinstance(each.value, np.ndarray | Mapping)]
+        return [entry for entry in self.entries if not isinstance(entry.value, np.ndarray | Mapping)]
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
@@ -100,8 +100,8 @@ class MemberLimitFigures(Figures):
         return {key: values for key, values in _by_station(self).items() if values is not self.stations}
 
 
-def _by_station(found: Figures) -> dict[str, NDArray[Any]]:
-    return {each.key: each.value for each in found.entries if isinstance(each.value, np.ndarray)}
+def _by_station(figures: Figures) -> dict[str, NDArray[Any]]:
+    return {entry.key: entry.value for entry in figures.entries if isinstance(entry.value, np.ndarray)}
 
 
 @dataclass(frozen=True, repr=False)
@@ -115,24 +115,28 @@ class Limits(Result):
 
     @property
     def headline(self) -> str:
-        undercut = [name for name, found in self.limits.items() if any(s.undercut.any() for s in found.sides.values())]
+        undercut = [
+            name
+            for name, limits_of_member in self.limits.items()
+            if any(s.undercut.any() for s in limits_of_member.sides.values())
+        ]
         return f"undercut: {', '.join(undercut) or 'none'}"
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Those of the gear set, and a line for every flank that is undercut, every member of which half is shown, and every one
         whose flanks begin at a sharp edge that its tools leave: undercut is then not seen where flank and fillet part."""
-        found = []
+        lines = []
         for name, limits in self.limits.items():
             for other in self.train.members[name].halves[1:]:
-                found.append(
+                lines.append(
                     f"the limits of the {name} are those of its first half; the other half is its mirror image about z = "
                     f"{other.plane:.6g} mm"
                 )
             tooth = self.train.members[name].tooth
             if tooth.right.sharp or tooth.left.sharp:
                 begins = max(2.0 * float(side.flank_radius.max()) for side in limits.sides.values())
-                found.append(
+                lines.append(
                     f"the flanks of the {name} begin at a sharp edge of diameter {begins:.6g} mm: undercut by the tip rounding of "
                     "the tool alone is not shown here; `gearmesh describe` lists the reserve against it"
                 )
@@ -147,13 +151,13 @@ class Limits(Result):
                         f": the limit of the tool's depth is {np.nanmin(h1):.4g} mm below the pitch plane, the flank extends to "
                         f"{side.joint_depth[side.undercut].max():.4g} mm"
                     )
-                found.append(line)
-        return (*self.train.warnings, *found)
+                lines.append(line)
+        return (*self.train.warnings, *lines)
 
     @property
     def members(self) -> dict[str, MemberLimitFigures]:
         """The figures of every member, by names."""
-        return {name: _figures(self.train.members[name], found) for name, found in self.limits.items()}
+        return {name: _figures(self.train.members[name], limits) for name, limits in self.limits.items()}
 
     @property
     def listings(self) -> list[Listing]:
@@ -197,8 +201,8 @@ def limits_of(design: Design, train: Train, land: float = 0.0) -> Limits:
     """Limits of all members of a gear set; `land` in the design's modules is the smallest top land."""
     sized = design.in_mm()
     least = land * sized.given_module
-    found = {name: member_limits(member, least) for name, member in train.members.items()}
-    return Limits(design, train, least, found)
+    by_member = {name: member_limits(member, least) for name, member in train.members.items()}
+    return Limits(design, train, least, by_member)
 
 
 def limits_beyond(design: Design, refused: DesignError, land: float = 0.0) -> Limits:
@@ -206,10 +210,10 @@ def limits_beyond(design: Design, refused: DesignError, land: float = 0.0) -> Li
 
     Their first warning is the refusal. Raises it where no single key makes the design infeasible.
     """
-    found = build_without_one(design)
-    if found is None:
+    without_key = build_without_one(design)
+    if without_key is None:
         raise refused
-    whole, train, key = found
+    whole, train, key = without_key
     beyond = f"{refused}; the limits shown are for the design without {key}"
     return limits_of(whole, replace(train, warnings=(beyond, *train.warnings)), land)
 
@@ -230,30 +234,30 @@ def _heads(columns: Iterable[str]) -> list[str]:
     return [key.replace("_", " ") for key in columns]
 
 
-def _figures(member: Member, found: MemberLimits) -> MemberLimitFigures:
+def _figures(member: Member, limits: MemberLimits) -> MemberLimitFigures:
     """Limits of a member as figures."""
     radial = station_normal(member.tooth.blank.axial) == (1.0, 0.0)
     joint = member.tooth.joint
-    inner = [side.undercut_from for side in found.sides.values()]
+    inner = [side.undercut_from for side in limits.sides.values()]
     return MemberLimitFigures(
         teeth=member.tooth.teeth,
-        fewest_teeth=found.fewest_teeth,
-        undercut=any(bool(side.undercut.any()) for side in found.sides.values()),
-        h1=_least(side.h1 for side in found.sides.values()),
-        h2=_least(side.h2 for side in found.sides.values()),
-        pointed_from=found.pointed_from,
+        fewest_teeth=limits.fewest_teeth,
+        undercut=any(bool(side.undercut.any()) for side in limits.sides.values()),
+        h1=_least(side.h1 for side in limits.sides.values()),
+        h2=_least(side.h2 for side in limits.sides.values()),
+        pointed_from=limits.pointed_from,
         # where stations are cylinders, as on a face gear, the two ends of a whole tooth are radii
         # flanks on crossed axes are undercut from different ones, and one of them may be so nowhere near the face
         inner_radius=float(np.fmax.reduce(inner)) if radial else None,
-        outer_radius=found.pointed_from if radial else None,
-        stations=found.stations,
-        top_land=found.top_land,
-        room_over_tip=found.rise,
-        tip_diameter=None if radial else joint.diameter(found.tip_radius),
-        largest_tip_diameter=None if radial else joint.diameter(found.land_radius),
-        tip_height=None if radial else joint.height(found.tip_radius),
-        largest_tip_height=None if radial else joint.height(found.land_radius),
-        sides={key: _side_figures(member, side) for key, side in found.sides.items()},
+        outer_radius=limits.pointed_from if radial else None,
+        stations=limits.stations,
+        top_land=limits.top_land,
+        room_over_tip=limits.rise,
+        tip_diameter=None if radial else joint.diameter(limits.tip_radius),
+        largest_tip_diameter=None if radial else joint.diameter(limits.land_radius),
+        tip_height=None if radial else joint.height(limits.tip_radius),
+        largest_tip_height=None if radial else joint.height(limits.land_radius),
+        sides={key: _side_figures(member, side) for key, side in limits.sides.items()},
     )
 
 

@@ -110,14 +110,19 @@ class SolvedGears(GearSet):
         """The check of solved contacts, by the numbers of their pairs, and of solids by the names of their members."""
         from gearmesh.answers.check import Check, roll_test
 
-        found = [
+        checks = [
             Check(
-                self.design, {}, roll_test(each.pair, each.path), each.warnings, each.fit, mesh=tuple(each.pair.members)
+                self.design,
+                {},
+                roll_test(contact.pair, contact.path),
+                contact.warnings,
+                contact.fit,
+                mesh=tuple(contact.pair.members),
             )
-            for each in contacts.values()
+            for contact in contacts.values()
         ]
-        warnings = tuple(dict.fromkeys(line for each in found for line in each.warnings))
-        return replace(found[0], solids=solids, warnings=warnings, others=tuple(found[1:]))
+        warnings = tuple(dict.fromkeys(line for check in checks for line in check.warnings))
+        return replace(checks[0], solids=solids, warnings=warnings, others=tuple(checks[1:]))
 
 
 def loaded_meshes(
@@ -134,7 +139,7 @@ def loaded_meshes(
     """
     first, asked = gears.pairs[0], np.atleast_1d(np.asarray(torque, dtype=float))
     handed: dict[str, float] = {first.pinion.name: 1.0}
-    found: dict[int, LoadedContact] = {}
+    by_pair: dict[int, LoadedContact] = {}
     for pair in gears.pairs:
         handed.setdefault(pair.gear.name, handed.setdefault(pair.pinion.name, 1.0) / abs(pair.ratio))
     different = gears.train.different
@@ -144,17 +149,19 @@ def loaded_meshes(
         def told(share: float, doing: str, done: int = done) -> None:
             progress((done + share) / len(different), doing)
 
-        each = gears.loaded(part * asked, pair=k, progress=told, contact=contacts[k])
+        under_load = gears.loaded(part * asked, pair=k, progress=told, contact=contacts[k])
         if len(different) > 1:
-            each = replace(each, warnings=(*gears.warnings, *_of_mesh(pair, each.warnings, gears.warnings)))
+            under_load = replace(
+                under_load, warnings=(*gears.warnings, *_of_mesh(pair, under_load.warnings, gears.warnings))
+            )
         if pair.pinion.name != first.pinion.name:
             line = (
                 f"{pair.name}: its torque is transmitted by {first.name}, {part * asked[-1]:.6g} Nm on the {pair.pinion.name} with "
                 f"{asked[-1]:g} Nm on the {first.pinion.name}"
             )
-            each = replace(each, warnings=(*each.warnings, line))
-        found[k] = each
-    return found
+            under_load = replace(under_load, warnings=(*under_load.warnings, line))
+        by_pair[k] = under_load
+    return by_pair
 
 
 def _of_mesh(pair: GearPair, lines: Sequence[str], known: Sequence[str]) -> list[str]:

@@ -62,8 +62,8 @@ class Result(ABC):
         kept, times = times_apart(self.sections)
         if self.spent is not None:
             times |= self.spent.row
-        found: dict[str, Any] = plain({**kept, "timing": times} if times else kept)
-        return found
+        table: dict[str, Any] = plain({**kept, "timing": times} if times else kept)
+        return table
 
     def json(self, *, timing: bool = True) -> str:
         """The document as JSON text; without `timing` the same from run to run."""
@@ -131,7 +131,7 @@ def times_apart(table: Figures | Mapping[str, Content]) -> tuple[dict[str, Any],
             if within:
                 times[key] = within
         elif isinstance(value, list | tuple):
-            kept[key] = [_timeless(each) for each in value]
+            kept[key] = [_timeless(item) for item in value]
         else:
             kept[key] = as_rows(value)
     return kept, times
@@ -144,7 +144,7 @@ def _timeless(value: Content) -> Any:
 def _named(table: Figures | Mapping[str, Content]) -> Iterator[tuple[str, Any, bool]]:
     """Keys and values of a table, and whether they are run times."""
     if isinstance(table, Figures | Summary):
-        yield from ((each.key, each.known, each.figure.timing) for each in table.entries)
+        yield from ((entry.key, entry.known, entry.figure.timing) for entry in table.entries)
     else:
         yield from ((key, value, False) for key, value in table.items())
 

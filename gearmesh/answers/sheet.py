@@ -110,7 +110,7 @@ class Compensation(Filling):
 
     @property
     def headline(self) -> str:
-        return ", ".join(f"{each.key} {each.before:.6g} -> {each.after:.6g}" for each in self.settings)
+        return ", ".join(f"{setting.key} {setting.before:.6g} -> {setting.after:.6g}" for setting in self.settings)
 
     @property
     def rows(self) -> list[SettingFigures]:
@@ -123,12 +123,12 @@ class Compensation(Filling):
             Listing(
                 "Settings",
                 ("key", "before", "after", "unit", "effect"),
-                [[plain(value) for value in each.row.values()] for each in self.rows],
+                [[plain(value) for value in row.row.values()] for row in self.rows],
             )
         ]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([each.row for each in self.rows])
+        return columns([row.row for row in self.rows])
 
     @property
     def sections(self) -> Mapping[str, Content]:
@@ -136,7 +136,7 @@ class Compensation(Filling):
 
     def applied(self) -> Design:
         """The design with the settings of after."""
-        return self.design.with_values({each.key: each.after for each in self.settings})
+        return self.design.with_values({setting.key: setting.after for setting in self.settings})
 
 
 def sheet_of(gears: GearSet, torque: float | None = None) -> DesignSheet:

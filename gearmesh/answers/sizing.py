@@ -80,19 +80,19 @@ class Sizing(Result):
         return [
             CandidateFigures(
                 number,
-                *each.teeth,
-                each.ratio,
-                each.helix_angle,
-                *each.shifts,
-                each.eps_alpha,
-                each.eps_beta,
-                *each.sliding,
-                *each.tips,
-                each.undercut,
-                each.interference,
-                list(each.faults),
+                *candidate.teeth,
+                candidate.ratio,
+                candidate.helix_angle,
+                *candidate.shifts,
+                candidate.eps_alpha,
+                candidate.eps_beta,
+                *candidate.sliding,
+                *candidate.tips,
+                candidate.undercut,
+                candidate.interference,
+                list(candidate.faults),
             )
-            for number, each in enumerate(self.candidates, start=1)
+            for number, candidate in enumerate(self.candidates, start=1)
         ]
 
     @property
@@ -105,22 +105,22 @@ class Sizing(Result):
         rows = [
             (
                 number,
-                *each.teeth,
-                round(each.helix_angle, 3),
-                *(round(shift, 4) + 0.0 for shift in each.shifts),
-                round(each.eps_alpha, 3),
-                round(each.eps_beta, 3),
-                round(min(each.sliding), 2) if math.isfinite(min(each.sliding)) else None,
-                round(min(each.tips), 3),
-                ", ".join(each.faults),
+                *candidate.teeth,
+                round(candidate.helix_angle, 3),
+                *(round(shift, 4) + 0.0 for shift in candidate.shifts),
+                round(candidate.eps_alpha, 3),
+                round(candidate.eps_beta, 3),
+                round(min(candidate.sliding), 2) if math.isfinite(min(candidate.sliding)) else None,
+                round(min(candidate.tips), 3),
+                ", ".join(candidate.faults),
             )
-            for number, each in enumerate(self.candidates[:most], start=1)
+            for number, candidate in enumerate(self.candidates[:most], start=1)
         ]
         which = f"Pairs 1 to {len(rows)} of {len(self.candidates)}"
         return [Listing(f"{which} (beta in deg, s_an in modules; zeta, s_an: worse of both)", heads, rows)]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([each.row for each in self.rows])
+        return columns([row.row for row in self.rows])
 
     @property
     def sections(self) -> Mapping[str, Content]:
@@ -173,9 +173,9 @@ def _check(wanted: Wanted) -> None:
         if field.name not in RANGES or value is None:
             continue
         low, high = RANGES[field.name]
-        for each in value if isinstance(value, tuple) else (value,):
-            if not low <= each <= high:
-                raise ArgumentError(field.name, each, must_be=f"from {low:g} to {high:g}")
+        for number in value if isinstance(value, tuple) else (value,):
+            if not low <= number <= high:
+                raise ArgumentError(field.name, number, must_be=f"from {low:g} to {high:g}")
         if isinstance(value, tuple) and value[0] > value[1]:
             both = f"{value[0]:g} to {value[1]:g}"
             raise ArgumentError(field.name, value, shown=both, reason="the first must not be above the second")

@@ -58,7 +58,7 @@ def figures(title: str, values: Figures | Summary) -> Listing:
 
 def timed(values: Figures | Summary) -> frozenset[str]:
     """Keys of those that are run times."""
-    return frozenset(each.key for each in values.entries if each.figure.timing)
+    return frozenset(entry.key for entry in values.entries if entry.figure.timing)
 
 
 def aligned(listing: Listing, width: int = WIDTH) -> str:

@@ -209,7 +209,7 @@ class Gears(SolvedGears):
             self.design,
             self.train.pair(pair),
             Path(folder),
-            [float(np.radians(each)) for each in phi1],
+            [float(np.radians(angle)) for angle in phi1],
             self.warnings,
             members,
             angle,
@@ -456,10 +456,13 @@ class Gears(SolvedGears):
             verdicts,
             None,
             source,
-            [Path(each) for each in studies],
+            [Path(study) for study in studies],
             None
             if torque is None
-            else {k: LoadedPictures(each) for k, each in loaded_meshes(self, torque, contacts, progress).items()},
+            else {
+                k: LoadedPictures(loaded_mesh)
+                for k, loaded_mesh in loaded_meshes(self, torque, contacts, progress).items()
+            },
         )
 
     # ---------------------------------------------------------------- all of it

@@ -146,7 +146,7 @@ def _tool_picture(
 
 def _meshes(gears: SolvedGears, mesh: GearPair) -> dict[str, TriangleMesh]:
     """Both members of a pair within the design's tolerance, own frames."""
-    return {name: member_solid(gears.design, each, gears.within(None)).mesh for name, each in mesh.members.items()}
+    return {name: member_solid(gears.design, member, gears.within(None)).mesh for name, member in mesh.members.items()}
 
 
 def _figure(

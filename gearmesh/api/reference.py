@@ -28,7 +28,7 @@ class FigureGroup:
     @property
     def rows(self) -> list[tuple[str, str, str, str]]:
         """Key, unit, symbol and meaning of each."""
-        return [(each.key, each.unit, each.symbol, each.meaning) for each in self.figures]
+        return [(figure.key, figure.unit, figure.symbol, figure.meaning) for figure in self.figures]
 
     @property
     def listing(self) -> Listing:
@@ -45,7 +45,7 @@ def figure_groups(word: str = "") -> list[FigureGroup]:
 
 def figures_document(groups: list[FigureGroup]) -> dict[str, dict[str, list[dict[str, str]]]]:
     """As `describe --figures --json` writes it."""
-    return {"figures": {each.of: [dict(zip(COLUMNS, row, strict=True)) for row in each.rows] for each in groups}}
+    return {"figures": {group.of: [dict(zip(COLUMNS, row, strict=True)) for row in group.rows] for group in groups}}
 
 
 def declaring() -> list[type[Figures]]:
@@ -53,14 +53,14 @@ def declaring() -> list[type[Figures]]:
     for package in PACKAGES:
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             importlib.import_module(module.name)
-    found: list[type[Figures]] = []
+    kinds: list[type[Figures]] = []
     waiting = list(Figures.__subclasses__())
     while waiting:
         kind = waiting.pop(0)
         waiting += kind.__subclasses__()
         if kind.__module__.startswith(f"{gearmesh.__name__}."):
-            found.append(kind)
-    return found
+            kinds.append(kind)
+    return kinds
 
 
 def _rank(module: str) -> int:
@@ -74,4 +74,4 @@ def _first_line(kind: type[Figures]) -> str:
 
 def _named(kind: type[Figures], word: str) -> tuple[Figure, ...]:
     """Its own figures whose key contains a word; those that consist of figures of another kind are listed there."""
-    return tuple(each for each in kind.declared_figures() if each.key and word in each.key)
+    return tuple(known for known in kind.declared_figures() if known.key and word in known.key)

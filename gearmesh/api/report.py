@@ -95,14 +95,14 @@ def report_page(
     is the contact under torque of pairs, by their numbers. Raises OutputError for a folder without a study,
     NoSolutionError where a pair has no contact at any position.
     """
-    for each in contacts.values():
-        if not each.path.touching.any():
+    for contact in contacts.values():
+        if not contact.path.touching.any():
             raise NoSolutionError(
-                each.pair.name,
+                contact.pair.name,
                 reason="no position has contact; set contact.phi1 to other positions or reduce the assembly errors",
             )
     members = [StagedMember.of(member, tolerance) for member in gears.members.values()]
-    meshes = {each.member.name: each.whole for each in members}
+    meshes = {member.member.name: member.whole for member in members}
     first = contacts[0]
     if len(gears.pairs) > 1:
         overview = pictures.set_picture(first.pair, gears.placed(meshes), PICTURE_SIZE)
@@ -113,12 +113,12 @@ def report_page(
         images = [] if skipped else _drawn(gears, contacts, members, overview)
     checks = {} if check is None else dict(zip(contacts, (check, *check.others), strict=True))
     loads = {} if loaded is None else dict(loaded)
-    staged = [_staged(gears.train, each, checks.get(k), loads.get(k)) for k, each in contacts.items()]
+    staged = [_staged(gears.train, contact, checks.get(k), loads.get(k)) for k, contact in contacts.items()]
     data = stage(gears.train, members, staged, overview.camera)
     shots = [(caption, _jpeg(image)) for caption, image in images]
     sections = _sections(gears, contacts, check, shots, source, studies, loads)
-    lines = (*gears.warnings, *(line for each in contacts.values() for line in each.warnings))
-    for under in (each.contact for each in loads.values()):
+    lines = (*gears.warnings, *(line for contact in contacts.values() for line in contact.warnings))
+    for under in (load.contact for load in loads.values()):
         of = f"{under.pair.name}: " if len(loads) > 1 else ""
         lines = (*lines, *under.warnings, *(f"{of}{line}" for line in under.complaints))
     if check is not None:
@@ -143,8 +143,10 @@ def _drawn(
 ) -> list[tuple[str, Image]]:
     """All gears in mesh, then the members' teeth with their contact."""
     scenes = [overview]
-    for each in contacts.values():
-        scenes += [pictures.contact_picture(each.pair, name, each.path, PICTURE_SIZE) for name in each.pair.members]
+    for contact in contacts.values():
+        scenes += [
+            pictures.contact_picture(contact.pair, name, contact.path, PICTURE_SIZE) for name in contact.pair.members
+        ]
     return [(scene.title, render(scene)) for scene in scenes]
 
 
@@ -169,28 +171,30 @@ def _sections(
     studies: Sequence[Path],
     loaded: Mapping[int, LoadedPictures],
 ) -> list[PageSection]:
-    found = [PageSection("Contact", _tables([table for each in contacts.values() for table in _contact_tables(each)]))]
+    sections = [
+        PageSection("Contact", _tables([table for contact in contacts.values() for table in _contact_tables(contact)]))
+    ]
     if loaded:
         tables = _tables([
-            replace(each.listings[0], title=f"{each.listings[0].title} of {each.pair.name}")
-            for each in (under.contact for under in loaded.values())
+            replace(loaded_contact.listings[0], title=f"{loaded_contact.listings[0].title} of {loaded_contact.pair.name}")
+            for loaded_contact in (under.contact for under in loaded.values())
         ])  # fmt: skip
-        body = "".join(drawing(*each) for each in loaded_plots(loaded))
-        found.append(PageSection("Under load", tables + body))
+        body = "".join(drawing(*loaded_plot) for loaded_plot in loaded_plots(loaded))
+        sections.append(PageSection("Under load", tables + body))
     if check is not None:
-        found.append(PageSection("Checks", _tables(check.listings)))
+        sections.append(PageSection("Checks", _tables(check.listings)))
     # the first one has its place in the view
     if shots[1:]:
         body = "".join(picture(*shot) for shot in shots[1:])
-        found.append(PageSection("Pictures", f'<div class="pictures">{body}</div>'))
-    body = "".join(drawing(*each) for each in plots(gears, contacts))
-    found.append(PageSection("Plots", body))
-    found += [study_section(folder) for folder in studies]
-    found.append(PageSection("Data sheet", _tables(sheet_of(gears).listings)))
+        sections.append(PageSection("Pictures", f'<div class="pictures">{body}</div>'))
+    body = "".join(drawing(*plot) for plot in plots(gears, contacts))
+    sections.append(PageSection("Plots", body))
+    sections += [study_section(folder) for folder in studies]
+    sections.append(PageSection("Data sheet", _tables(sheet_of(gears).listings)))
     text = given_keys(gears.design) if source is None else source
-    found.append(PageSection("Design file", listing(text, "Copy the design file")))
-    found.append(PageSection("Versions", _tables([_versions()])))
-    return found
+    sections.append(PageSection("Design file", listing(text, "Copy the design file")))
+    sections.append(PageSection("Versions", _tables([_versions()])))
+    return sections
 
 
 def study_section(folder: Path) -> PageSection:
@@ -217,39 +221,41 @@ def study_section(folder: Path) -> PageSection:
 
 def plots(gears: GearSet, contacts: Mapping[int, Contact]) -> list[tuple[str, bytes]]:
     """Captions and files of the plots of a page: SVG, and PNG where there are maps, whose contours are long."""
-    found = []
+    drawings = []
     with tempfile.TemporaryDirectory() as name:
         te, path, maps = (Path(name) / file for file in ("te.svg", "path.png", "maps.png"))
-        for each in contacts.values():
-            of = f", {each.pair.name}" if len(contacts) > 1 else ""
-            rows = pictures.plots(each, te, path)
-            found.append((f"Transmission error{of}", te.read_bytes()))
+        for contact in contacts.values():
+            of = f", {contact.pair.name}" if len(contacts) > 1 else ""
+            rows = pictures.plots(contact, te, path)
+            drawings.append((f"Transmission error{of}", te.read_bytes()))
             if rows:
                 plot_flanks(path, rows, "", dpi=DPI)
-            found.append((f"Contact on the flanks{of}", path.read_bytes()))
-            if (turns := each.eccentric_turns) is not None:
-                plot_turns(path, turns, "", each.pair.output.reading.error, dpi=DPI)
-                found.append((f"Transmission error over whole turns{of}", path.read_bytes()))
+            drawings.append((f"Contact on the flanks{of}", path.read_bytes()))
+            if (turns := contact.eccentric_turns) is not None:
+                plot_turns(path, turns, "", contact.pair.output.reading.error, dpi=DPI)
+                drawings.append((f"Transmission error over whole turns{of}", path.read_bytes()))
         for member in gears.members.values():
             if is_modified(member):
                 plot_modifications(maps, member)
-                found.append((f"Modifications of the {member.name}", maps.read_bytes()))
-    return found
+                drawings.append((f"Modifications of the {member.name}", maps.read_bytes()))
+    return drawings
 
 
 def loaded_plots(loaded: Mapping[int, LoadedPictures]) -> list[tuple[str, bytes]]:
     """Captions and files of the figures of contact under torque."""
-    found = []
+    drawings = []
     with tempfile.TemporaryDirectory() as folder:
-        for each in loaded.values():
+        for under_torque in loaded.values():
             for view in LOADED_VIEWS[1:]:
                 # maps are pictures anyhow
                 file = Path(folder) / ("maps.png" if view == "loaded_flank" else "curves.svg")
-                drawn = each.picture(view, dpi=DPI, note=each.contact.pair.name if len(loaded) > 1 else "")
+                drawn = under_torque.picture(
+                    view, dpi=DPI, note=under_torque.contact.pair.name if len(loaded) > 1 else ""
+                )
                 assert isinstance(drawn, Diagram)
                 drawn.save(file)
-                found.append((drawn.title, file.read_bytes()))
-    return found
+                drawings.append((drawn.title, file.read_bytes()))
+    return drawings
 
 
 def given_keys(design: Design) -> str:
@@ -259,7 +265,7 @@ def given_keys(design: Design) -> str:
 
 def _contact_tables(contact: Contact) -> list[Listing]:
     name = contact.pair.name
-    tables = [replace(each, title=f"{each.title} of {name}") for each in contact.listings[:-1]]
+    tables = [replace(listing, title=f"{listing.title} of {name}") for listing in contact.listings[:-1]]
     return [figures(f"Figures of {name}", contact.summary), *tables]
 
 
@@ -274,4 +280,4 @@ def _versions() -> Listing:
 
 def _tables(listings: Sequence[Listing]) -> str:
     """Tables, each to be scrolled by itself, without run times."""
-    return "\n".join(f'<div class="scroll" tabindex="0">{as_html([each.timeless])}</div>' for each in listings)
+    return "\n".join(f'<div class="scroll" tabindex="0">{as_html([listing.timeless])}</div>' for listing in listings)

@@ -63,16 +63,18 @@ class Report(Result):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What to know of gears and figures, one line each."""
-        told = [each.warnings for each in (self.contact, *self.meshes)] + [each.warnings for each in self._under_load]
+        told = [mesh.warnings for mesh in (self.contact, *self.meshes)] + [
+            under_load.warnings for under_load in self._under_load
+        ]
         return tuple(dict.fromkeys(line for lines in told for line in lines))
 
     @property
     def complaints(self) -> list[str]:
         """Failures of the check and of loaded contact, one line each."""
         under_load = [
-            f"{each.pair.name}: {line}" if self.loaded_meshes else line
-            for each in self._under_load
-            for line in each.complaints
+            f"{loaded.pair.name}: {line}" if self.loaded_meshes else line
+            for loaded in self._under_load
+            for line in loaded.complaints
         ]
         return [*self.check.complaints, *under_load]
 
@@ -85,9 +87,9 @@ class Report(Result):
         meshes, *roll = self.check.listings
         files = Listing("Files", ("",), [(str(file),) for file in self.files])
         loaded = [
-            replace(table, title=f"{table.title} of {each.pair.name}") if self.loaded_meshes else table
-            for each in self._under_load
-            for table in each.overview
+            replace(table, title=f"{table.title} of {under_torque.pair.name}") if self.loaded_meshes else table
+            for under_torque in self._under_load
+            for table in under_torque.overview
         ]
         return [meshes, figures("Contact", self.contact.summary), *loaded, *roll, files]
 
@@ -98,8 +100,8 @@ class Report(Result):
     def sections(self) -> Mapping[str, Content]:
         """As those of the check, with the contact's summary, the files and the frames that their coordinates are in."""
         members = tuple(self.check.solids)
-        meshes = {each.pair.name: each.summary for each in self.meshes}
-        under_load = {each.pair.name: each.figures for each in self.loaded_meshes}
+        meshes = {mesh.pair.name: mesh.summary for mesh in self.meshes}
+        under_load = {loaded_mesh.pair.name: loaded_mesh.figures for loaded_mesh in self.loaded_meshes}
         return {
             **header(self.check.design),
             "mesh": self.check.meshes,
@@ -150,9 +152,9 @@ class RunFolder:
         """Contact and loaded contact as JSON and CSV."""
         for under in loaded.values():
             under.save(self.file("loaded.json", under.pair), timing=self.timing)
-        for each in contacts.values():
-            each.save(self.file("contact.json", each.pair), timing=self.timing)
-            each.save(self.file("contact.csv", each.pair))
+        for contact in contacts.values():
+            contact.save(self.file("contact.json", contact.pair), timing=self.timing)
+            contact.save(self.file("contact.csv", contact.pair))
 
     def write_solids(self, tolerance: float, progress: Progress) -> dict[str, Solid]:
         """All members as STL, within `tolerance` (mm)."""
@@ -169,14 +171,14 @@ class RunFolder:
     ) -> None:
         """Figures of contact, of loaded contact and of modifications."""
         progress(0.6, "plots")
-        for each in contacts.values():
+        for contact in contacts.values():
             te_file, path_file = (
-                self.file(f"{name}.png", each.pair) for name in ("transmission_error", "path_of_contact")
+                self.file(f"{name}.png", contact.pair) for name in ("transmission_error", "path_of_contact")
             )
-            rows = pictures.plots(each, te_file, path_file, self.gears.title)
+            rows = pictures.plots(contact, te_file, path_file, self.gears.title)
             if rows:
                 title = f"{self.gears.title}: contact on the flanks"
-                plot_flanks(self.file("flank.png", each.pair), rows, title)
+                plot_flanks(self.file("flank.png", contact.pair), rows, title)
         for under_load in drawn.values():
             progress(0.65, "pictures of loaded contact")
             self.files += under_load.save(self.folder, self.prefix(under_load.contact.pair))
@@ -189,12 +191,12 @@ class RunFolder:
     ) -> list[tuple[str, Image]]:
         """Pictures of teeth and gears, with `meshes` of the members; their captions and pixels, all gears first."""
         images = []
-        for each, rolled in zip(contacts.values(), (check, *check.others), strict=True):
-            patches = rolled.roll.patches(each.pair, each.pair.pinion.name)
-            scenes = pictures.all_pictures(each.pair, each.path, patches, meshes, self.gears.title)
+        for contact, rolled in zip(contacts.values(), (check, *check.others), strict=True):
+            patches = rolled.roll.patches(contact.pair, contact.pair.pinion.name)
+            scenes = pictures.all_pictures(contact.pair, contact.path, patches, meshes, self.gears.title)
             if self.several:
                 del scenes["pair.png"]
-            images += [(scene.title, render(scene, self.file(file, each.pair))) for file, scene in scenes.items()]
+            images += [(scene.title, render(scene, self.file(file, contact.pair))) for file, scene in scenes.items()]
         if self.several:
             overview = pictures.set_picture(contacts[0].pair, self.gears.placed(meshes), title=self.gears.title)
             images.append((overview.title, render(overview, self.file("pair.png"))))
@@ -227,7 +229,7 @@ def run(
     io.write_scene(placed, written.file("pair.vtm"))
     progress(0.45, "roll test")
     check = gears.checked(contacts, solids)
-    drawn = {k: LoadedPictures(each) for k, each in loaded.items()}
+    drawn = {k: LoadedPictures(under_load) for k, under_load in loaded.items()}
     written.write_plots(contacts, drawn, progress)
     skipped, images = opengl.missing_opengl_message(), list[tuple[str, Image]]()
     if skipped is None:
@@ -254,7 +256,7 @@ def _solved(
     """Contact of every mesh that differs, and under torques (Nm) where they are given, by the numbers of the pairs."""
     progress(0.05, "tooth contact")
     contacts = {k: gears.contact(pair=k) for k in gears.train.different}
-    if not all(each.path.touching.any() for each in contacts.values()):
+    if not all(contact.path.touching.any() for contact in contacts.values()):
         raise NoSolutionError(
             "contact.phi1", reason="no position in this range has contact; reduce the range or the assembly errors"
         )

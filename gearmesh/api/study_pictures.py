@@ -39,7 +39,7 @@ MANY = 20
 def study_pictures(study: Study, folder: Path) -> list[Path]:
     """Responses, sensitivities of two keys or more, histograms of many rows, the matrix of patterns of small grids."""
     name = study.design.name or study.design.kind
-    figures = [_figure(study, each) for each in study.plotted]
+    figures = [_figure(study, name_of_figure) for name_of_figure in study.plotted]
     numeric = {key: study.numbers(key) for key in study.plan.keys}
     keys = [(_labelled(study, key), values) for key, values in numeric.items() if np.isfinite(values).all()]
     made: list[Path] = []
@@ -51,7 +51,7 @@ def study_pictures(study: Study, folder: Path) -> list[Path]:
     if figures and keys:
         shape = study.plan.shape if len(keys) == len(study.plan.keys) else ()
         plot_responses(file("responses"), keys, figures, shape, f"{name}: response to {', '.join(study.plan.keys)}")
-    if len({each.key for each in study.effects}) > 1:
+    if len({effect.key for effect in study.effects}) > 1:
         plot_tornado(file("tornado"), sensitivity_bars(study), f"{name}: sensitivities")
     if figures and len(study.plan) >= MANY:
         good = "" if study.good is None else f", yield {100.0 * study.good:.4g} %"
@@ -64,29 +64,29 @@ def study_pictures(study: Study, folder: Path) -> list[Path]:
 def _figure(study: Study, name: str) -> StudyFigure:
     entry = study.nominal.entry(name)
     stem, unit = (name, "") if entry is None else (entry.figure.stem, entry.figure.unit)
-    limits = tuple(each.value for each in study.limits if each.figure == name)
+    limits = tuple(limit.value for limit in study.limits if limit.figure == name)
     return StudyFigure(name, stem, unit, study.numbers(name), limits)
 
 
 def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:
     """Of every figure that keys have effects on: swings where straight lines describe it, else shares of its variance."""
-    found: list[SwingBars | ShareBars] = []
+    bars: list[SwingBars | ShareBars] = []
     for name in study.plotted:
-        own = [each for each in study.effects if each.figure == name]
+        own = [effect for effect in study.effects if effect.figure == name]
         if own and own[0].linear:
             middle = float(np.nanmean(study.numbers(name)))
-            found.append(SwingBars(name, middle, [(each.key, each.low, each.high) for each in own]))
+            bars.append(SwingBars(name, middle, [(effect.key, effect.low, effect.high) for effect in own]))
         elif own:
             shares = [
-                (each.key, each.first, each.first_error, _number(each.total), _number(each.total_error))
-                for each in study.variance
-                if each.figure == name
+                (share.key, share.first, share.first_error, _number(share.total), _number(share.total_error))
+                for share in study.variance
+                if share.figure == name
             ]
             alone = sum(first for _, first, *_ in shares)
             hidden = shares and np.isnan(shares[0][3]) and alone < HALF
             remark = f"first order {100.0 * max(alone, 0.0):.0f} %: most of it are interactions" if hidden else ""
-            found.append(ShareBars(name, own[0].explained, shares, remark))
-    return found
+            bars.append(ShareBars(name, own[0].explained, shares, remark))
+    return bars
 
 
 def _number(value: float | None) -> float:
@@ -107,8 +107,8 @@ def _matrix(study: Study, file: Path, name: str) -> None:
     planes: dict[int, FlankPlane] = {}
     exact = study.numbers(MESH_TE).tolist() if MESH_TE in study.figures else [None] * len(given)
     cells = [
-        PatternCell(reason=each) if isinstance(each, str) else _cell(each, planes, peak_to_peak)
-        for each, peak_to_peak in zip(study.assemblies(), exact, strict=True)
+        PatternCell(reason=assembly) if isinstance(assembly, str) else _cell(assembly, planes, peak_to_peak)
+        for assembly, peak_to_peak in zip(study.assemblies(), exact, strict=True)
     ]
     down = plan.shape[1] if len(plan.shape) > 1 else 1
     axes: list[tuple[str, Sequence[object]]] = [
@@ -120,28 +120,28 @@ def _matrix(study: Study, file: Path, name: str) -> None:
     plot_matrix(file, [cells[i::down] for i in range(down)], rows, columns, title)
 
 
-def _cell(each: AssemblyContact, planes: dict[int, FlankPlane], peak_to_peak: float | None) -> PatternCell:
+def _cell(contact: AssemblyContact, planes: dict[int, FlankPlane], peak_to_peak: float | None) -> PatternCell:
     """One assembly as it is drawn; transmission errors are counted from that of the gears at its greatest advance; `peak_to_peak`,
     arcsec: of the exact mesh cycle, None where the study has not recorded it.
 
     `planes` are those of the designs so far: members only moved have the same.
     """
-    pair, frame, lead = each.pair, each.frame, each.lead
+    pair, frame, lead = contact.pair, contact.frame, contact.lead
     plane = planes.setdefault(id(frame), FlankPlane(pair.pinion, pair.flanks[0], frame.as_drawn, GRID))
-    top = float(np.nanmax(lead)) if np.isfinite(lead).any() else float(np.nanmax(each.paths.lead))
+    top = float(np.nanmax(lead)) if np.isfinite(lead).any() else float(np.nanmax(contact.paths.lead))
     rad, unit = pair.output.reading.error
-    own, gears = (pair.drive * (values - top) / rad for values in (each.paths.lead[0], np.append(lead, lead[0])))
-    curves = np.stack((np.degrees(each.paths.phi1), own)), np.stack((np.degrees(each.phase), gears))
+    own, gears = (pair.drive * (values - top) / rad for values in (contact.paths.lead[0], np.append(lead, lead[0])))
+    curves = np.stack((np.degrees(contact.paths.phi1), own)), np.stack((np.degrees(contact.phase), gears))
     mesh_te = None if peak_to_peak is None else peak_to_peak * ARCSEC / rad
-    return pattern_cell(plane, _on_pinion(each), *curves, unit, mesh_te)
+    return pattern_cell(plane, _on_pinion(contact), *curves, unit, mesh_te)
 
 
-def _on_pinion(each: AssemblyContact) -> MemberContact:
+def _on_pinion(contact: AssemblyContact) -> MemberContact:
     """Contact of one assembly as its pinion sees it, where it is inside of both flanks or on an edge in contact."""
-    paths = each.paths
+    paths = contact.paths
     surface = paths.surface[0]
-    edge = (paths.touching & ~paths.surface & carries(paths, each.pair.pitch))[0]
+    edge = (paths.touching & ~paths.surface & carries(paths, contact.pair.pitch))[0]
     point, axes = np.where((surface | edge)[:, None], paths.point[0], np.nan), paths.axes[0]
     half = np.where(surface[:, None], np.linalg.norm(axes, axis=-1), np.nan)
     major, minor = np.moveaxis(unit_vector(axes), 1, 0)
-    return MemberContact(point, cross(major, minor), major, minor, half[:, 0], half[:, 1], edge, each.lines)
+    return MemberContact(point, cross(major, minor), major, minor, half[:, 0], half[:, 1], edge, contact.lines)

@@ -40,12 +40,12 @@ def option_of(command: Callable[..., Any], argument: str) -> str:
 
 def _options(command: Callable[..., Any]) -> dict[str, str]:
     """The options of a command by its parameters."""
-    found = {}
+    options = {}
     for name, hint in get_type_hints(command, include_extras=True).items():
         (about,) = getattr(hint, "__metadata__", (None,))
         if isinstance(about, OptionInfo):
             # of an annotation typer takes the first name for the default
             names = [about.default, *(about.param_decls or ())]
-            given = [each for each in names if isinstance(each, str) and each.startswith("--")]
-            found[name] = given[0] if given else f"--{name.replace('_', '-')}"
-    return found
+            given = [name for name in names if isinstance(name, str) and name.startswith("--")]
+            options[name] = given[0] if given else f"--{name.replace('_', '-')}"
+    return options

@@ -69,12 +69,12 @@ def refuse_torque(torque: float | None) -> None:
 def torques_in_nm(text: str) -> list[float]:
     """The torques of --torque. Raises DesignError for what are none."""
     try:
-        found = [float(each) for each in text.split(",")]
+        torques = [float(part) for part in text.split(",")]
     except ValueError:
-        found = []
-    if not found or not all(0.0 < each < math.inf for each in found):
+        torques = []
+    if not torques or not all(0.0 < torque < math.inf for torque in torques):
         raise ArgumentError("torque", text, must_be="finite numbers of Nm above 0, one or, with commas, several")
-    return found
+    return torques
 
 
 def refuse_one_stream(json_file: str | None, csv_file: str | None) -> None:

@@ -57,7 +57,7 @@ class LargestErrors(Result):
 
     @property
     def headline(self) -> str:
-        return ", ".join(f"{each.key} {each.low:.4g} to {each.high:.4g}" for each in self.ranges)
+        return ", ".join(f"{range.key} {range.low:.4g} to {range.high:.4g}" for range in self.ranges)
 
     @property
     def ranges(self) -> list[KeyRange]:
@@ -78,16 +78,20 @@ class LargestErrors(Result):
             ]
             for row in self.rows
         ]
-        return [Listing(f"Largest values with which {', '.join(each.text for each in self.criteria)}", heads, rows)]
+        return [
+            Listing(
+                f"Largest values with which {', '.join(criterion.text for criterion in self.criteria)}", heads, rows
+            )
+        ]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([each.row for each in self.rows])
+        return columns([row.row for row in self.rows])
 
     @property
     def sections(self) -> Mapping[str, Content]:
         return {
             **header(self.design),
-            "criteria": [each.text for each in self.criteria],
+            "criteria": [criterion.text for criterion in self.criteria],
             "largest": self.rows,
         }
 
@@ -105,7 +109,7 @@ def largest_errors(
     reaches = dict(keys) if isinstance(keys, Mapping) else dict.fromkeys(keys, REACH)
     named = tuple(limit_of(text, None) for text in criteria)
     looked = {key: _ends(design, key, reach) for key, reach in reaches.items()}
-    work, nominal = recorded(design, (), pair, tuple(dict.fromkeys(each.figure for each in named)), torque)
+    work, nominal = recorded(design, (), pair, tuple(dict.fromkeys(limit.figure for limit in named)), torque)
     for limit in named:
         own = _number(nominal[limit.figure])
         if not limit.holds(np.array([own]))[0]:
@@ -146,7 +150,7 @@ def _of_key(
         """Of every criterion (C, N), as a part of what the design itself has."""
         new = [value for value in dict.fromkeys(values.tolist()) if value not in known]
         for value, row in zip(new, work([(value,) for value in new]), strict=True):
-            known[value] = [_number(each) for each in row[:-1]]
+            known[value] = [_number(value) for value in row[:-1]]
         table = np.array([known[value] for value in values.tolist()])
         return np.stack(
             [
@@ -156,9 +160,9 @@ def _of_key(
             ]
         )
 
-    found = largest(lambda values: rooms(values).min(axis=0), start, ends)
+    bounds = largest(lambda values: rooms(values).min(axis=0), start, ends)
     rows = []
-    for way, value, beyond in zip((-1, 1), found.values.tolist(), found.beyond.tolist(), strict=True):
+    for way, value, beyond in zip((-1, 1), bounds.values.tolist(), bounds.beyond.tolist(), strict=True):
         fails, there = None, None
         if np.isfinite(beyond):
             room = rooms(np.array([beyond]))[:, 0]

@@ -70,8 +70,8 @@ def grid(lists: Mapping[str, Sequence[Value]]) -> Plan:
     _refuse_size("vary", count)
     columns: dict[str, list[Value]] = {}
     for k, (key, values) in enumerate(lists.items()):
-        each = int(np.prod(shape[k + 1 :], dtype=int))
-        columns[key] = [value for value in values for _ in range(each)] * (count // (each * len(values)))
+        repeats = int(np.prod(shape[k + 1 :], dtype=int))
+        columns[key] = [value for value in values for _ in range(repeats)] * (count // (repeats * len(values)))
     return Plan(columns, shape, about={"grid": {key: list(values) for key, values in lists.items()}})
 
 
@@ -104,17 +104,17 @@ def _shares(keys: int, count: int, method: str, seed: int) -> Array:
     from scipy.stats import qmc
 
     rng = np.random.default_rng(seed)
-    found: Array
+    points: Array
     if method == "saltelli":
         both = qmc.Sobol(2 * keys, rng=rng).random(count)
         a, b = both[:, :keys], both[:, keys:]
-        found = np.concatenate((a, b, *(np.where(np.arange(keys) == k, b, a) for k in range(keys))))
+        points = np.concatenate((a, b, *(np.where(np.arange(keys) == k, b, a) for k in range(keys))))
     elif method == "lhs":
-        found = qmc.LatinHypercube(keys, rng=rng).random(count)
+        points = qmc.LatinHypercube(keys, rng=rng).random(count)
     else:
         # whole powers of 2 are what a Sobol sequence is balanced at: the first of them
-        found = qmc.Sobol(keys, rng=rng).random_base2(max(int(np.ceil(np.log2(count))), 0))[:count]
-    return found
+        points = qmc.Sobol(keys, rng=rng).random_base2(max(int(np.ceil(np.log2(count))), 0))[:count]
+    return points
 
 
 def _refuse_size(option: str, count: int) -> None:
@@ -136,18 +136,18 @@ class KeyReader:
         unit = self._unit(key)
         if isinstance(value, str):
             try:
-                found = float(value)
+                parsed = float(value)
             except ValueError:
                 of_length = length(value, self.design.units) if unit == "length" else None
-                found = np.nan if of_length is None else of_length
+                parsed = np.nan if of_length is None else of_length
         else:
             # whole numbers beyond those of floats are none either
             number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < MOST_NUMBER
-            found = float(value) if number else np.nan
-        if unit in ("choice", "text", "file", "flag") or not np.isfinite(found):
+            parsed = float(value) if number else np.nan
+        if unit in ("choice", "text", "file", "flag") or not np.isfinite(parsed):
             more = f", or a length with its unit, as {EXAMPLES}" if unit == "length" else ""
             raise DesignError(key, value, shown=value_text(value), must_be=f"a number{more}, to be varied over a range")
-        return found
+        return parsed
 
     def ends(self, key: str, low: str, high: str) -> tuple[float, float]:
         """Both ends of a range; the one without a unit has that of the other."""
@@ -168,7 +168,7 @@ class KeyReader:
         """The values of "low:high:count" or "a,b,c"."""
         low, *rest = text.split(":")
         if not rest:
-            return [self.value(key, each.strip()) for each in text.split(",")]
+            return [self.value(key, part.strip()) for part in text.split(",")]
         if len(rest) != 2 or not rest[1].strip().isascii() or not rest[1].strip().isdigit() or int(rest[1]) < 2:
             raise ArgumentError(
                 "vary", text, entry=key, must_be="LOW:HIGH:COUNT with 2 values at least, or a list A,B,C"

@@ -51,8 +51,8 @@ def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterat
                 if not waiting:
                     return
                 done = wait(waiting, return_when=FIRST_COMPLETED).done
-                for each in done:
-                    yield waiting.pop(each), each.result()
+                for future in done:
+                    yield waiting.pop(future), future.result()
         except BrokenProcessPool:
             raise OutputError(
                 reason="a worker process died (out of memory?); run the same command again to continue"
@@ -95,20 +95,20 @@ def on_dask(work: Work[T], chunks: Iterable[Chunk], address: str) -> Iterator[tu
     left = iter(chunks)
     with client:
         numbers: dict[Any, int] = {}
-        found = distributed.as_completed(loop=client.loop)
+        finished = distributed.as_completed(loop=client.loop)
 
         def more() -> None:
             room = max(sum(client.nthreads().values()), 1) * AHEAD - len(numbers)
             for number, rows in _some(left, room):
                 # the work is small and goes with every chunk: data that one worker holds would be lost with it
-                each = client.submit(_apply, work, rows, pure=False, retries=RETRIES)
-                numbers[each.key] = number
-                found.add(each)
+                future = client.submit(_apply, work, rows, pure=False, retries=RETRIES)
+                numbers[future.key] = number
+                finished.add(future)
 
         more()
-        for each in found:
+        for future in finished:
             try:
-                result = each.result()
+                result = future.result()
             except distributed.KilledWorker:
                 raise OutputError(
                     reason="a chunk killed several Dask workers; run the same command again to continue"
@@ -119,7 +119,7 @@ def on_dask(work: Work[T], chunks: Iterable[Chunk], address: str) -> Iterator[tu
                     address,
                     reason=f"the scheduler stopped, or it or a worker has another version of gearmesh ({_words(error)})",
                 ) from None
-            yield numbers.pop(each.key), result
+            yield numbers.pop(future.key), result
             more()
 
 

@@ -38,18 +38,18 @@ class Spread:
         from scipy import stats
 
         p = dict(zip(PARAMETERS[self.distribution], self.parameters, strict=True))
-        found: Array
+        values: Array
         if self.distribution == "normal":
-            found = stats.norm.ppf(share, p["mean"], p["sigma"])
+            values = stats.norm.ppf(share, p["mean"], p["sigma"])
         elif self.distribution == "uniform":
-            found = p["low"] + share * (p["high"] - p["low"])
+            values = p["low"] + share * (p["high"] - p["low"])
         elif self.distribution == "triangular":
             width = p["high"] - p["low"]
-            found = stats.triang.ppf(share, (p["mode"] - p["low"]) / width, p["low"], width)
+            values = stats.triang.ppf(share, (p["mode"] - p["low"]) / width, p["low"], width)
         else:
             ends = [(p[key] - p["mean"]) / p["sigma"] for key in ("low", "high")]
-            found = stats.truncnorm.ppf(share, *ends, loc=p["mean"], scale=p["sigma"])
-        return found
+            values = stats.truncnorm.ppf(share, *ends, loc=p["mean"], scale=p["sigma"])
+        return values
 
 
 def spread_of(key: str, words: list[Any], read: Reader) -> Spread:
@@ -57,22 +57,24 @@ def spread_of(key: str, words: list[Any], read: Reader) -> Spread:
     name, *values = words
     names = PARAMETERS.get(name) if isinstance(name, str) else None
     if names is None or len(values) != len(names):
-        forms = ", ".join(":".join((each, *parts)) for each, parts in PARAMETERS.items())
+        forms = ", ".join(":".join((form, *parts)) for form, parts in PARAMETERS.items())
         raise ArgumentError("tolerance", ":".join(map(str, words)), entry=key, must_be=f"one of {forms}")
-    found = dict(zip(names, (read(key, value) for value in values), strict=True))
-    _refuse_disorder(key, name, found)
-    return Spread(name, tuple(found.values()))
+    parameters = dict(zip(names, (read(key, value) for value in values), strict=True))
+    _refuse_disorder(key, name, parameters)
+    return Spread(name, tuple(parameters.values()))
 
 
-def _refuse_disorder(key: str, name: str, found: Mapping[str, float]) -> None:
-    if "sigma" in found and not 0.0 < found["sigma"] < math.inf:
-        raise ArgumentError("tolerance", entry=key, reason=f"sigma = {found['sigma']:g}: must be above 0")
-    if "low" in found and not found["low"] < found["high"]:
+def _refuse_disorder(key: str, name: str, parameters: Mapping[str, float]) -> None:
+    if "sigma" in parameters and not 0.0 < parameters["sigma"] < math.inf:
+        raise ArgumentError("tolerance", entry=key, reason=f"sigma = {parameters['sigma']:g}: must be above 0")
+    if "low" in parameters and not parameters["low"] < parameters["high"]:
         raise ArgumentError(
-            "tolerance", entry=key, reason=f"high = {found['high']:g}: must be above low, {found['low']:g}"
+            "tolerance", entry=key, reason=f"high = {parameters['high']:g}: must be above low, {parameters['low']:g}"
         )
-    if name == "triangular" and not found["low"] <= found["mode"] <= found["high"]:
-        raise ArgumentError("tolerance", entry=key, reason=f"mode = {found['mode']:g}: must be between low and high")
+    if name == "triangular" and not parameters["low"] <= parameters["mode"] <= parameters["high"]:
+        raise ArgumentError(
+            "tolerance", entry=key, reason=f"mode = {parameters['mode']:g}: must be between low and high"
+        )
 
 
 def read_spreads(path: str, read: Reader) -> dict[str, Spread]:
@@ -88,15 +90,15 @@ def read_spreads(path: str, read: Reader) -> dict[str, Spread]:
 
 
 def _tables(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Mapping[str, Any]]]:
-    found: list[tuple[str, Mapping[str, Any]]] = []
+    tables: list[tuple[str, Mapping[str, Any]]] = []
     for name, below in table.items():
         if not isinstance(below, Mapping):
             told = shown_key([*prefix.split(".")[:-1], name])
             raise ArgumentError(
                 "tolerance", below, shown=value_text(below), entry=told, must_be="a table with a distribution"
             )
-        found += [(prefix + name, below)] if "distribution" in below else _tables(below, f"{prefix}{name}.")
-    return found
+        tables += [(prefix + name, below)] if "distribution" in below else _tables(below, f"{prefix}{name}.")
+    return tables
 
 
 def _of_table(key: str, table: Mapping[str, Any], read: Reader) -> Spread:
@@ -107,10 +109,10 @@ def _of_table(key: str, table: Mapping[str, Any], read: Reader) -> Spread:
         )
     wanted = PARAMETERS[name]
     known = {"mean": 0.0, **table} if "mean" in wanted else dict(table)
-    for each in (*wanted, *known):
-        if each not in known or each not in (*wanted, "distribution"):
-            what = "missing" if each not in known else "not a parameter"
+    for parameter in (*wanted, *known):
+        if parameter not in known or parameter not in (*wanted, "distribution"):
+            what = "missing" if parameter not in known else "not a parameter"
             raise ArgumentError(
-                "tolerance", entry=told, reason=f"{shown_key([each])}: {what}; {name} has {', '.join(wanted)}"
+                "tolerance", entry=told, reason=f"{shown_key([parameter])}: {what}; {name} has {', '.join(wanted)}"
             )
-    return spread_of(key, [name, *(known[each] for each in wanted)], read)
+    return spread_of(key, [name, *(known[parameter] for parameter in wanted)], read)

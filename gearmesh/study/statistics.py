@@ -37,8 +37,8 @@ class Limit:
     def holds(self, values: Array) -> NDArray[np.bool_]:
         """Which values (N,) are on the right side; none that is not known is."""
         with np.errstate(invalid="ignore"):
-            found: NDArray[np.bool_] = self.room(values) > 0.0
-        return found
+            good: NDArray[np.bool_] = self.room(values) > 0.0
+        return good
 
 
 def limit_of(text: str, names: Sequence[str] | None) -> Limit:
@@ -87,11 +87,11 @@ def effects(keys: Mapping[str, Array], figure: str, values: Array) -> list[Effec
     left = y - y.mean() - (table[:, free] - middle) @ slope
     total = float(((y - y.mean()) ** 2).sum())
     explained = 1.0 - float((left**2).sum()) / total if total > 0.0 else 0.0
-    found = []
+    rows = []
     for k, own in enumerate(free):
         low, high = np.percentile(table[:, own], (5, 95))
         ends = y.mean() + slope[k] * (np.array([low, high]) - middle[k])
-        found.append(
+        rows.append(
             Effect(
                 list(keys)[own],
                 figure,
@@ -103,10 +103,14 @@ def effects(keys: Mapping[str, Array], figure: str, values: Array) -> list[Effec
                 explained >= LINEAR,
             )
         )
-    return sorted(found, key=lambda each: -abs(each.swing))
+    return sorted(rows, key=lambda effect: -abs(effect.swing))
 
 
 def percentiles(values: Array) -> list[float]:
     """PERCENTILES of the values that are known; NaN if none is."""
     known = values[np.isfinite(values)]
-    return [float(each) for each in np.percentile(known, PERCENTILES)] if known.size else [np.nan] * len(PERCENTILES)
+    return (
+        [float(percentile) for percentile in np.percentile(known, PERCENTILES)]
+        if known.size
+        else [np.nan] * len(PERCENTILES)
+    )

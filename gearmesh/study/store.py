@@ -114,14 +114,14 @@ class StudyStore:
         with open(self._descriptor, "rb", closefd=False) as file:
             while line := file.readline(LINE + 1):
                 number += 1
-                found = _parsed(line)
-                if found is None and not file.read(1) and len(line) <= LINE:
+                parsed = _parsed(line)
+                if parsed is None and not file.read(1) and len(line) <= LINE:
                     break
-                if found is None or not self._holds(*found):
+                if parsed is None or not self._holds(*parsed):
                     why = f"longer than {size_text(LINE)}" if len(line) > LINE else "not a finished chunk of this study"
                     mended = "delete the line to compute its rows again, or name another folder"
                     raise OutputError(self.folder / ROWS, reason=f"line {number}: {why}; {mended}")
-                self.chunks.setdefault(*found)
+                self.chunks.setdefault(*parsed)
                 good += len(line)
         os.ftruncate(self._descriptor, good)
         os.lseek(self._descriptor, good, os.SEEK_SET)
@@ -136,7 +136,7 @@ class StudyStore:
             and all(
                 isinstance(row, list) and len(row) == self._figures + 1 and isinstance(row[-1], str) for row in rows
             )
-            and all(_is_figure(each) for row in rows for each in row[:-1])
+            and all(_is_figure(figure) for row in rows for figure in row[:-1])
         )
 
     @property
@@ -155,8 +155,8 @@ def _parsed(line: bytes) -> tuple[int, Rows] | None:
     if not line.endswith(b"\n"):
         return None
     try:
-        found = json.loads(line)
-        chunk, rows = found["done"]
+        entry = json.loads(line)
+        chunk, rows = entry["done"]
         whole = type(chunk) is int and _line(chunk, rows) == line
     except (ValueError, KeyError, TypeError, RecursionError):
         return None

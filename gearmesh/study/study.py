@@ -118,16 +118,16 @@ class Study(Result):
     def effects(self) -> list[Effect]:
         """What each key does to each figure that is plotted, by straight lines, the greatest first; they rank where they fit."""
         keys = self._numeric
-        return [each for name in self.plotted for each in effects(keys, name, self.numbers(name))] if keys else []
+        return [effect for name in self.plotted for effect in effects(keys, name, self.numbers(name))] if keys else []
 
     @cached_property
     def variance(self) -> list[VarianceShare]:
         """Which share of the variance of each figure that is plotted is a key's, the greatest first, whatever the response is."""
         keys = self._numeric
         return [
-            each
+            share
             for name in self.plotted
-            for each in (variance_shares(self.plan, keys, name, self.numbers(name)) if keys else [])
+            for share in (variance_shares(self.plan, keys, name, self.numbers(name)) if keys else [])
         ]
 
     @property
@@ -143,8 +143,8 @@ class Study(Result):
             return []
         shares = self.variance
         lines = []
-        for name, share in {each.figure: each.explained for each in self.effects if not each.linear}.items():
-            told = _ranked([each for each in shares if each.figure == name])
+        for name, share in {effect.figure: effect.explained for effect in self.effects if not effect.linear}.items():
+            told = _ranked([share for share in shares if share.figure == name])
             lines.append(
                 f"{name} is not linear in the keys (R^2 = {share:.2g}, below {LINEAR:g}): its slopes do not rank the keys; {told}"
             )
@@ -153,11 +153,11 @@ class Study(Result):
     @property
     def failures(self) -> dict[str, int]:
         """Reasons, and how many rows they are of."""
-        found: dict[str, int] = {}
+        counts: dict[str, int] = {}
         for reason in self.columns["reason"]:
             if reason:
-                found[reason] = found.get(reason, 0) + 1
-        return dict(sorted(found.items(), key=lambda each: -each[1]))
+                counts[reason] = counts.get(reason, 0) + 1
+        return dict(sorted(counts.items(), key=lambda reason_and_count: -reason_and_count[1]))
 
     @property
     def headline(self) -> str:
@@ -218,7 +218,7 @@ def _ranked(shares: Sequence[VarianceShare]) -> str:
         return (
             f"use a sample of {FEWEST_ROWS} rows or more; so few rows, or an incomplete grid, do not rank them either"
         )
-    alone = sum(each.first for each in shares)
+    alone = sum(share.first for share in shares)
     if shares[0].total is None and alone < HALF:
         return (
             f"their first-order shares are {100.0 * max(alone, 0.0):.0f} % of its variance; for the interactions use the method "
@@ -302,13 +302,13 @@ def _tolerances(read: KeyReader, tolerance: Mapping[str, str] | str | PathLike[s
     if tolerance is None:
         return {}
     if isinstance(tolerance, Mapping):
-        found = {key: spread_of(key, list(text.split(":")), read.number) for key, text in tolerance.items()}
+        spreads = {key: spread_of(key, list(text.split(":")), read.number) for key, text in tolerance.items()}
     else:
-        found = read_spreads(os.fspath(tolerance), read.number)
-    for key in found:
+        spreads = read_spreads(os.fspath(tolerance), read.number)
+    for key in spreads:
         if isinstance(read.value(key, 1), int):
             raise ArgumentError("tolerance", entry=key, reason="whole numbers can be varied in a grid, not sampled")
-    return found
+    return spreads
 
 
 def _refuse_impossible(design: Design, plan: Plan) -> None:
@@ -334,7 +334,7 @@ def recorded(
     that need them or the other way round.
     """
     torques = () if torque is None else tuple(required_torques(torque))
-    tokens = [each.strip() for each in (record.split(",") if isinstance(record, str) else record)]
+    tokens = [token.strip() for token in (record.split(",") if isinstance(record, str) else record)]
     if LOAD in tokens and not torques:
         raise ArgumentError("record", entry="load", reason="needs torque, in Nm")
     allowed = (*GROUPS, *([LOAD] if torques else []))
@@ -342,7 +342,7 @@ def recorded(
     _refuse_unknown(tokens, allowed, known)
     whole = StudyWork(own_keys(design), (), pair, GROUPS, torque=torques)
     by_group: dict[str, str] = {}
-    found = Summary()
+    nominal_figures = Summary()
 
     def ask(group: str, groups: tuple[str, ...]) -> Summary:
         ((figures, reason),) = replace(whole, groups=groups).figures([()])
@@ -350,25 +350,25 @@ def recorded(
             raise NoSolutionError(reason=f"the design itself: {reason}")
         for name in figures:
             by_group.setdefault(name, group)
-        return Summary(found, figures)
+        return Summary(nominal_figures, figures)
 
     for k, group in enumerate(GROUPS):
-        found = ask(group, GROUPS[: k + 1])
+        nominal_figures = ask(group, GROUPS[: k + 1])
     if torques:
         if set(tokens) <= {*GROUPS, *by_group}:
-            told = ",".join(f"{each:g}" for each in torques)
+            told = ",".join(f"{torque:g}" for torque in torques)
             raise ArgumentError("torque", entry=told, reason="needs figures under load; record = load has them")
-        found = ask(LOAD, (GROUPS[0], LOAD))
+        nominal_figures = ask(LOAD, (GROUPS[0], LOAD))
     _refuse_unknown(tokens, allowed, by_group)
     names = tuple(name for name, group in by_group.items() if {name, group, "all"} & set(tokens))
     of = {by_group[name] for name in names}
     last = max((GROUPS.index(group) for group in of - {LOAD}), default=0)
     groups = (*GROUPS[: last + 1], *sorted(of & {LOAD}))
     length, height = map(PathFigures.key_of, ("contact_length", "contact_height"))
-    middle = found[length], found[height]
+    middle = nominal_figures[length], nominal_figures[height]
     work = replace(whole, keys=keys, groups=groups, names=names, reference=middle)
-    shifts = {each.key for each in PathShift.declared_figures()}
-    own = (entry for entry in found.entries if entry.key in names)
+    shifts = {declared_figure.key for declared_figure in PathShift.declared_figures()}
+    own = (entry for entry in nominal_figures.entries if entry.key in names)
     nominal = Summary(replace(entry, value=0.0) if entry.key in shifts else entry for entry in own)
     return work, nominal
 
@@ -408,13 +408,13 @@ def _worked(
     if workers is not None and workers < 1:
         raise ArgumentError("workers", workers, must_be="a whole number above 0")
     if scheduler is not None:
-        found = runners.on_dask(work, chunks(), scheduler)
+        results = runners.on_dask(work, chunks(), scheduler)
     else:
         worth = WORTH_LOADED if LOAD in work.groups else WORTH
         many = workers if workers is not None else (os.cpu_count() or 1) if len(left) >= worth else 1
         many = min(many, len(left))
-        found = runners.on_processes(work, chunks(), many) if many > 1 else runners.in_process(work, chunks())
-    for done, (number, rows) in enumerate(found, start=1):
+        results = runners.on_processes(work, chunks(), many) if many > 1 else runners.in_process(work, chunks())
+    for done, (number, rows) in enumerate(results, start=1):
         store.add(number, rows)
         if progress is not None:
             progress((count - len(left) + done) / count, f"study: {len(plan)} rows")

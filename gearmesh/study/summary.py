@@ -66,15 +66,18 @@ class StudySummary(Figures):
     @property
     def _ranked(self) -> list[Listing]:
         """What keys do to figures."""
-        slopes = [[each.key, each.figure, each.slope, each.swing, each.explained] for each in self.sensitivities]
+        slopes = [
+            [sensitivity.key, sensitivity.figure, sensitivity.slope, sensitivity.swing, sensitivity.explained]
+            for sensitivity in self.sensitivities
+        ]
         shares = [
             [
-                each.key,
-                each.figure,
-                *(None if v is None else rounded(v, 4) for v in (each.first, each.first_error)),
-                *(None if v is None else rounded(v, 4) for v in (each.total, each.total_error)),
+                share.key,
+                share.figure,
+                *(None if v is None else rounded(v, 4) for v in (share.first, share.first_error)),
+                *(None if v is None else rounded(v, 4) for v in (share.total, share.total_error)),
             ]
-            for each in self.variance
+            for share in self.variance
         ]
         linear = "Sensitivities (straight lines by least squares; they rank where R^2 is near 1)"
         tables = [
@@ -96,4 +99,4 @@ class StudySummary(Figures):
 
 def _read(kind: type[Row], row: Mapping[str, Any]) -> Row:
     """Figures of a row of JSON."""
-    return kind(*(row[each.key] for each in kind.declared_figures()))
+    return kind(*(row[declared_figure.key] for declared_figure in kind.declared_figures()))

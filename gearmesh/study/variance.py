@@ -52,24 +52,24 @@ def variance_shares(plan: Plan, keys: Mapping[str, Array], figure: str, values: 
     known = values[np.isfinite(values)]
     if not known.size or np.ptp(known) <= 1e-12 * np.abs(known).max():
         return []
-    found: Array | None
+    shares: Array | None
     if plan.shape:
-        found = grid_shares(values.reshape(plan.shape))
+        shares = grid_shares(values.reshape(plan.shape))
         every: tuple[str, ...] = plan.keys
     elif plan.points:
         table = values.reshape(-1, plan.points)
-        found, every = saltelli_shares(table[0], table[1], table[2:]), plan.keys
+        shares, every = saltelli_shares(table[0], table[1], table[2:]), plan.keys
     else:
         even = plan.about.get("method") == "sobol"
-        found, every = binned_shares(np.stack(list(keys.values()), axis=1), values, even), tuple(keys)
-    if found is None:
+        shares, every = binned_shares(np.stack(list(keys.values()), axis=1), values, even), tuple(keys)
+    if shares is None:
         return []
     rows = [
-        VarianceShare(key, figure, *(None if np.isnan(each) else float(each) for each in row))  # type: ignore[arg-type]
-        for key, row in zip(every, found, strict=True)
+        VarianceShare(key, figure, *(None if np.isnan(share) else float(share) for share in row))  # type: ignore[arg-type]
+        for key, row in zip(every, shares, strict=True)
         if key in keys
     ]
-    return sorted(rows, key=lambda each: -each.rank)
+    return sorted(rows, key=lambda variance_share: -variance_share.rank)
 
 
 def grid_shares(values: Array) -> Array | None:
@@ -96,12 +96,12 @@ def saltelli_shares(a: Array, b: Array, ab: Array) -> Array | None:
         return None
     middle = 0.5 * (a[known].mean() + b[known].mean())
     a, b, ab = a[known] - middle, b[known] - middle, ab[:, known] - middle
-    each = 0.5 * (a**2 + b**2)
-    variance = each.mean()
+    squares = 0.5 * (a**2 + b**2)
+    variance = squares.mean()
     columns = []
     for part in (b * (ab - a), 0.5 * (a - ab) ** 2):
         share = part.mean(axis=1) / variance
-        columns += [share, (part - share[:, None] * each).std(axis=1, ddof=1) / (variance * np.sqrt(count))]
+        columns += [share, (part - share[:, None] * squares).std(axis=1, ddof=1) / (variance * np.sqrt(count))]
     return np.stack(columns, axis=1)
 
 
@@ -122,7 +122,7 @@ def binned_shares(keys: Array, values: Array, even: bool = False) -> Array | Non
     place = keys[known].argsort(axis=0, kind="stable").argsort(axis=0, kind="stable") * bins // count
     # rows of a sequence have a pattern: groups must not
     group = np.random.default_rng(0).permutation(count) % GROUPS
-    found = np.full((keys.shape[1], 4), np.nan)
+    shares = np.full((keys.shape[1], 4), np.nan)
     for k in range(keys.shape[1]):
         cell = group * bins + place[:, k]
         table = np.stack(
@@ -131,9 +131,9 @@ def binned_shares(keys: Array, values: Array, even: bool = False) -> Array | Non
         whole = table.sum(axis=1, keepdims=True)
         (share,), (chance,) = _of_bins(whole)
         without = np.subtract(*_of_bins(whole - table))
-        found[k, 0] = share if even else share - chance
-        found[k, 1] = np.hypot(np.sqrt((GROUPS - 1) / GROUPS * ((without - without.mean()) ** 2).sum()), chance)
-    return found
+        shares[k, 0] = share if even else share - chance
+        shares[k, 1] = np.hypot(np.sqrt((GROUPS - 1) / GROUPS * ((without - without.mean()) ** 2).sum()), chance)
+    return shares
 
 
 def _of_bins(table: Array) -> tuple[Array, Array]:

@@ -47,7 +47,7 @@ class Cad(Result):
     @property
     def figures(self) -> dict[str, Summary]:
         """All figures of each part, by their keys."""
-        return {name: Summary(found, self.own[name]) for name, found in self.measured.items()}
+        return {name: Summary(part, self.own[name]) for name, part in self.measured.items()}
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -57,21 +57,23 @@ class Cad(Result):
     @property
     def headline(self) -> str:
         return "; ".join(
-            f"{name}, {found.faces} faces within {found.max_deviation:.3g} um" for name, found in self.measured.items()
+            f"{name}, {part.faces} faces within {part.max_deviation:.3g} um" for name, part in self.measured.items()
         )
 
     @property
     def description(self) -> str:
         """The header of a STEP file."""
-        largest = max(found.max_deviation for found in self.measured.values())
+        largest = max(part.max_deviation for part in self.measured.values())
         return f"{self.design.name or self.design.kind}, tooth surfaces within {largest:.3g} um of the exact ones"
 
     @property
     def listings(self) -> list[Listing]:
-        return [figures(name if len(self.figures) > 1 else "", found) for name, found in self.figures.items()]
+        return [
+            figures(name if len(self.figures) > 1 else "", part_figures) for name, part_figures in self.figures.items()
+        ]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([{"part": name, **found} for name, found in self.figures.items()])
+        return columns([{"part": name, **part_figures} for name, part_figures in self.figures.items()])
 
     @property
     def sections(self) -> Mapping[str, Content]:
@@ -119,7 +121,7 @@ def cad_of(gears: GearSet, member: str | None, tolerance: float) -> Cad:
         gears.design,
         tuple(part for part, _ in made),
         tuple(places.values()),
-        {part.name: found for part, found in made},
+        {part.name: measures for part, measures in made},
         {part.name: tool.figures for (part, _), tool in zip(made, wanted, strict=True)},
         (*gears.warnings, *(line for part in wanted for line in part.warnings)),
     )

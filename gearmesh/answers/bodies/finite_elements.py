@@ -66,7 +66,7 @@ class FiniteElements(Result):
     def suffixes(self) -> tuple[str, ...]:
         from gearmesh.fe import decks
 
-        return (*dict.fromkeys(each.suffix for each in decks.formats().values()), ".json")
+        return (*dict.fromkeys(format.suffix for format in decks.formats().values()), ".json")
 
     @property
     def headline(self) -> str:
@@ -148,8 +148,8 @@ class FiniteElementSolution(Result):
 
     @property
     def headline(self) -> str:
-        found = self.measured.contact
-        pressure = "" if found is None else f"; pressure {found.max_pressure:.5g} MPa{self._reserve}"
+        contact = self.measured.contact
+        pressure = "" if contact is None else f"; pressure {contact.max_pressure:.5g} MPa{self._reserve}"
         return f"{self.problem.headline}{pressure}"
 
     @property
@@ -299,7 +299,7 @@ def finite_element_decks_of(
     from gearmesh.io.atomic import whole_text
 
     request = _request(design, pair, members, rotation, friction)
-    places = [place(pair, each, request.torque, request.materials) for each in phi1]
+    places = [place(pair, angle, request.torque, request.materials) for angle in phi1]
     jobs = [f"position_{k:0{len(str(len(places)))}d}" for k in range(1, len(places) + 1)]
     models = []
     for k, (job, at) in enumerate(zip(jobs, places, strict=True)):
@@ -347,7 +347,7 @@ def _made(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
         needed, request = len(built.model.mesh.elements), replace(request, resolved=False)
         built = gear_model(pair, request, at, design.name or design.kind)
     mesh = built.model.mesh
-    found = ModelFigures(
+    figures = ModelFigures(
         elements=len(mesh.elements),
         element_order=2 if request.second_order else 1,
         nodes=len(mesh.nodes),
@@ -367,17 +367,17 @@ def _made(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
         facets_gap=1e3 * built.gap,
         seconds=time.perf_counter() - started,
     )
-    return FiniteElements(design, pair, request, built, found, ())
+    return FiniteElements(design, pair, request, built, figures, ())
 
 
 def _resolution(pair: GearPair, request: Request, built: GearModel) -> Resolution:
     """Elements over half the loaded ellipse of each member, across and along the tooth, and over the smaller semi-axis into it;
     how far the edges of the elements along it deviate from the flank, over the approach.
     """
-    found: dict[str, HalfAxes] = {}
+    half_axes: dict[str, HalfAxes] = {}
     inwards: dict[str, float] = {}
     if np.isnan(built.at.pressure):
-        return Resolution(found, inwards, None)
+        return Resolution(half_axes, inwards, None)
     sags = []
     for name in request.members:
         focus, grid = focus_on(pair, name, built.at), grid_of(pair, name, request, built.at)
@@ -385,12 +385,12 @@ def _resolution(pair: GearPair, request: Request, built: GearModel) -> Resolutio
         across, middle = lines, focus.s
         if lines.ndim == 2:
             across, middle = lines[:, k], focus.s + focus.slope * (grid.t[k] - focus.t)
-        found[name] = HalfAxes(_cells(across, middle, focus.half_s), _cells(grid.t, focus.t, focus.half_t))
+        half_axes[name] = HalfAxes(_cells(across, middle, focus.half_s), _cells(grid.t, focus.t, focus.half_t))
         layers = grid.lines.thickness
         inwards[name] = float(np.interp(focus.half_depth, layers, np.arange(len(layers))))
         cell = float(np.diff(grid.t)[min(k, len(grid.t) - 2)])
         sags.append(focus.bow * cell**2 / 8.0 / built.at.approach)
-    return Resolution(found, inwards, max(sags))
+    return Resolution(half_axes, inwards, max(sags))
 
 
 def _cells(places: Array, middle: float, half: float) -> float:
@@ -402,27 +402,27 @@ def _cells(places: Array, middle: float, half: float) -> float:
 def _warnings(request: Request, models: Sequence[ModelFigures]) -> list[str]:
     """What is wrong with models of a pair at one position or several, by their figures, each reported once."""
     warnings = []
-    unresolved = [each for each in models if each.coarse] if len(request.members) == 2 else []
+    unresolved = [model for model in models if model.coarse] if len(request.members) == 2 else []
     if unresolved:
         places = f" (at {len(unresolved)} of {len(models)} positions)" if len(models) > 1 else ""
         warnings.append(
             f"the model does not resolve the contact pressure{places}: {unresolved[0].coarse}{_remedy(unresolved[0])}"
         )
-    least = min(each.min_scaled_jacobian for each in models)
+    least = min(model.min_scaled_jacobian for model in models)
     if least < LEAST_JACOBIAN:
         warnings.append(f"the worst elements are badly shaped: their scaled Jacobian is {least:.3g}")
     return warnings
 
 
-def _remedy(found: ModelFigures) -> str:
+def _remedy(figures: ModelFigures) -> str:
     """Which fe.ellipse resolves the pressure, by the elements along the ellipse that this deviation needs."""
-    sag, over = found.resolution.sag, found.resolution.over
+    sag, over = figures.resolution.sag, figures.resolution.over
     if sag is None:
         return ""
-    enough = math.ceil(OVER / found.element_order)
-    if found.element_order == 1:
-        enough = max(enough, math.ceil(max(each.along for each in over.values()) * math.sqrt(sag / SAG)))
-    more = found.elements_to_resolve
+    enough = math.ceil(OVER / figures.element_order)
+    if figures.element_order == 1:
+        enough = max(enough, math.ceil(max(half_axes.along for half_axes in over.values()) * math.sqrt(sag / SAG)))
+    more = figures.elements_to_resolve
     return f"; fe.ellipse = {enough} resolves it" + (f", and so do {more} evenly spaced elements" if more else "")
 
 
@@ -453,20 +453,20 @@ def _solve(problem: FiniteElements, progress: Callable[[float, str], None] | Non
     solution = ccx.solve(problem.model, progress)
     back = problem.built.at.frame.inverse
     contacts = contact_figures(problem.model, solution)
-    found = SolutionFigures(
+    figures = SolutionFigures(
         contact=_contact_figures(problem, solution, contacts, back) if contacts else None,
         fillets={name: _fillet(problem.model, solution, name, back) for name in problem.request.members},
         iterations=solution.iterations,
         seconds=time.perf_counter() - started,
     )
-    return FiniteElementSolution(problem, solution, contacts, found)
+    return FiniteElementSolution(problem, solution, contacts, figures)
 
 
 def _contact_figures(
     problem: FiniteElements, solution: NodalSolution, contacts: list[ContactFigures], back: Rigid
 ) -> SolvedContact:
     reference = solution.references[f"{problem.pair.pinion.name}_held"]
-    worst = int(np.argmax([each.peak_pressure for each in contacts]))
+    worst = int(np.argmax([contact.peak_pressure for contact in contacts]))
     # the pair at the middle, round which the lines are fine; evenly spaced ones are alike everywhere
     leading = worst if problem.request.even else _leading(problem)
     sense = np.sign(problem.built.at.arm)
@@ -475,10 +475,10 @@ def _contact_figures(
         pressure_resolved=worst == leading and not problem.coarse,
         max_pressure_point=back.point(contacts[worst].place).tolist(),
         pressure_centre=back.point(contacts[worst].centre).tolist(),
-        contact_area=float(sum(each.area for each in contacts)),
+        contact_area=float(sum(contact.area for contact in contacts)),
         torque=1e-3 * float(sense * reference.moment[2]),
         rotation=(problem.built.preload + float(sense * reference.rotation[2])) / ARCSEC,
-        tooth_pairs=[_pair_figures(each) for each in contacts],
+        tooth_pairs=[_pair_figures(contact) for contact in contacts],
     )
 
 
@@ -486,8 +486,8 @@ def _leading(problem: FiniteElements) -> int:
     """Which of the model's contacts is that of the leading tooth pair: the one nearest to the place of contact."""
     mesh, place = problem.model.mesh, problem.built.at.frame.point(problem.built.at.path.point[0])
     away = [
-        np.linalg.norm(mesh.nodes[mesh.face_nodes(each.slave)] - place, axis=-1).min()
-        for each in problem.model.contacts
+        np.linalg.norm(mesh.nodes[mesh.face_nodes(contact.slave)] - place, axis=-1).min()
+        for contact in problem.model.contacts
     ]
     return int(np.argmin(away))
 

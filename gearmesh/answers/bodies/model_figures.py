@@ -38,7 +38,7 @@ class Resolution(Figures):
         """Why elements of first or second order so coarse do not resolve the contact pressure; empty where they do."""
         if self.sag is None:
             return "the contact is at an edge"
-        least = min(min(each.across, each.along) for each in self.over.values())
+        least = min(min(half_axes.across, half_axes.along) for half_axes in self.over.values())
         inwards, wanted = min(self.inwards.values()), resolving(second_order, 1.0)
         if least < NEARLY * wanted.over:
             return f"{least:.2g} elements over a semi-axis of the contact ellipse"

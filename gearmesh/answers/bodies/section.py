@@ -76,7 +76,7 @@ class Section(Result):
         return SectionFigures(
             z=self.cut.z,
             loops=len(self.loops),
-            curves=sum(len(each.curves) for each in self.loops),
+            curves=sum(len(loop.curves) for loop in self.loops),
             area=self.area,
             max_deviation=1e3 * self.cut.deviation,
             tolerance=1e3 * self.tolerance,
@@ -111,7 +111,7 @@ class Section(Result):
         return [figures("", self.measured)]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([LoopFigures(each.name, len(each.curves), each.area, each.material).row for each in self.loops])
+        return columns([LoopFigures(loop.name, len(loop.curves), loop.area, loop.material).row for loop in self.loops])
 
     @property
     def sections(self) -> Mapping[str, Content]:

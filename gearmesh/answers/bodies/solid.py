@@ -68,8 +68,8 @@ class Solid(Result):
     @property
     def headline(self) -> str:
         watertight = "" if self.open else ", watertight" if self.measured.watertight else ", not watertight"
-        found = self.measured
-        return f"{self.name}, {found.triangles} triangles within {found.max_deviation:.3g} um{watertight}"
+        figures = self.measured
+        return f"{self.name}, {figures.triangles} triangles within {figures.max_deviation:.3g} um{watertight}"
 
     @property
     def complaints(self) -> list[str]:
@@ -147,8 +147,8 @@ class Solids(Result):
 
     @property
     def sections(self) -> Mapping[str, Content]:
-        found = {name: part.figures for name, part in self.parts.items()}
-        return {**header(self.design), "mesh": found, "warnings": self.warnings}
+        meshes = {name: part.figures for name, part in self.parts.items()}
+        return {**header(self.design), "mesh": meshes, "warnings": self.warnings}
 
     def to_pyvista(self) -> pyvista.MultiBlock:
         """The meshes for pyvista, by their names."""
@@ -179,8 +179,8 @@ def mesh_to_pyvista(mesh: TriangleMesh) -> pyvista.PolyData:
     made.cell_data["region"] = mesh.regions
     made.cell_data["normal"] = mesh.normals
     made.field_data["region_names"] = [str(name) for name in mesh.region_names]
-    found: pyvista.PolyData = made
-    return found
+    poly_data: pyvista.PolyData = made
+    return poly_data
 
 
 def member_solid(
@@ -213,8 +213,8 @@ def member_solid(
     if not few:
         proof = prove(written, member.genus)
         watertight, volume = proof.ok, proof.volume
-    measured = max(each.largest for each in deviations(tooth).values())
-    found = SolidFigures(
+    measured = max(deviation.largest for deviation in deviations(tooth).values())
+    figures = SolidFigures(
         triangles=len(written.triangles),
         watertight=watertight,
         volume=volume,
@@ -222,7 +222,7 @@ def member_solid(
         tolerance=1e3 * tolerance,
         seconds=seconds,
     )
-    return Solid(design, mesh, found, warnings, few, extra or Summary())
+    return Solid(design, mesh, figures, warnings, few, extra or Summary())
 
 
 def solid_of(

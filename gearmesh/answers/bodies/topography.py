@@ -43,9 +43,9 @@ def flank_topography(design: Design, member: Member, flank: str, tolerance: floa
             reason="this flank has no modification",
             allowed=f"a flank with {member.name}.modifications or {member.name}.modifications_{flank}",
         )
-    found, missed = topography_of(amount, tolerance)
+    grid, missed = topography_of(amount, tolerance)
     return FlankTopography(
-        design, member.name, Side(flank), TopographyGrid(found.lengths, found.positions, found.amounts), missed
+        design, member.name, Side(flank), TopographyGrid(grid.lengths, grid.positions, grid.amounts), missed
     )
 
 
@@ -110,7 +110,7 @@ class FlankTopography(Result):
     def measured(self) -> TopographyFigures:
         """The grid of amounts, row by row, and how near it is."""
         at = np.meshgrid(self.grid.across, self.grid.z, indexing="ij")
-        across, z = (each.ravel().tolist() for each in at)
+        across, z = (coordinate.ravel().tolist() for coordinate in at)
         amounts = AmountColumns(across, z, (1e3 * np.array(self.grid.amounts)).ravel().tolist())
         return TopographyFigures(self.member, str(self.flank), 1e3 * self.missed, amounts)
 

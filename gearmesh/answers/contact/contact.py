@@ -174,8 +174,16 @@ class Contact(Result):
     def _curvatures(self) -> list[PairCurvature]:
         """Principal curvatures and directions at every position: of both flanks, and relative ones."""
         columns = [
-            [values.tolist() for values in (each.k1, each.k2, each.direction1, each.direction2)]
-            for each in path_curvatures(self.pair, self.path)
+            [
+                values.tolist()
+                for values in (
+                    path_curvature.k1,
+                    path_curvature.k2,
+                    path_curvature.direction1,
+                    path_curvature.direction2,
+                )
+            ]
+            for path_curvature in path_curvatures(self.pair, self.path)
         ]
 
         def curved(i: int) -> PairCurvature:
@@ -185,7 +193,7 @@ class Contact(Result):
         return [curved(i) for i in range(len(self.path.phi1))]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([each.flat for each in self.positions()])
+        return columns([position.flat for position in self.positions()])
 
     @property
     def sections(self) -> Mapping[str, Content]:
@@ -209,7 +217,7 @@ class Contact(Result):
         """One row per position, the columns of the JSON laid flat, empty where there is nothing; of whole turns theirs instead."""
         if self.turns is not None:
             return csv_text(TurnsDetails.of(self.turns).positions.rows)
-        return csv_text([each.flat for each in self.positions()])
+        return csv_text([position.flat for position in self.positions()])
 
     def _write(self, target: Path) -> None:
         from gearmesh.io.atomic import whole_text
@@ -224,15 +232,15 @@ class Contact(Result):
         heads += ["contact", "a mm", "b mm"]
         values = [
             [
-                rounded(each.phi1, 4),
-                rounded(each.phi2 if each.displacement is None else each.displacement, 4),
-                rounded(each.te if each.te_um is None else each.te_um, 3),
-                f"edge: {each.edge}" if each.edge else each.contact,
-                rounded(each.ellipse.a, 4),
-                rounded(each.ellipse.b, 4),
-                *(rounded(each.members[member].params[name], 4) for member, name in names),
+                rounded(position.phi1, 4),
+                rounded(position.phi2 if position.displacement is None else position.displacement, 4),
+                rounded(position.te if position.te_um is None else position.te_um, 3),
+                f"edge: {position.edge}" if position.edge else position.contact,
+                rounded(position.ellipse.a, 4),
+                rounded(position.ellipse.b, 4),
+                *(rounded(position.members[member].params[name], 4) for member, name in names),
             ]
-            for each in self._positions
+            for position in self._positions
         ]
         heads += [f"{member} {name}" for member, name in names]
         return [Listing("Contact", heads, values)]
@@ -243,12 +251,12 @@ class Contact(Result):
             return []
         values = [
             [
-                rounded(each.phi1, 4),
-                *(rounded(entry.value, n) for entry, n in zip(each.hertz.entries, _HERTZ_DIGITS, strict=True)),
+                rounded(position.phi1, 4),
+                *(rounded(entry.value, n) for entry, n in zip(position.hertz.entries, _HERTZ_DIGITS, strict=True)),
                 rounded(100.0 * share, 1),
             ]
-            for each, share in zip(self._positions, self.hertz.share.tolist(), strict=True)
-            if each.hertz is not None
+            for position, share in zip(self._positions, self.hertz.share.tolist(), strict=True)
+            if position.hertz is not None
         ]
         heads = ["phi1 deg", *(figure.key.replace("_", " ") for figure in HertzFigures.declared_figures()), "share %"]
         how = "shared" if self.summary.get("load_sharing") == SHARED else "all on this tooth pair"
@@ -374,8 +382,8 @@ def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, 
 
 
 def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> Summary:
-    found = Summary(PathSummary.of(pair, path), None if cycle is None else CycleSummary.of(cycle))
-    return Summary(found, slid_summary(pair, found))
+    figures = Summary(PathSummary.of(pair, path), None if cycle is None else CycleSummary.of(cycle))
+    return Summary(figures, slid_summary(pair, figures))
 
 
 def _less_rounding(value: float | None) -> float | None:
@@ -385,7 +393,7 @@ def _less_rounding(value: float | None) -> float | None:
 
 def _hertz(hertz: PathHertz, i: int) -> HertzFigures:
     values = hertz.peak_pressure, hertz.semi_major, hertz.semi_minor, 1e3 * hertz.approach, hertz.force
-    return HertzFigures(*(float(each[i]) for each in values))
+    return HertzFigures(*(float(value[i]) for value in values))
 
 
 def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
@@ -418,15 +426,15 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
             f"contact ratio {cycle.contact_ratio:.4g} of the flank surfaces is below 1: between two tooth pairs there is edge "
             "contact; higher teeth, a wider face or less crowning increase it"
         )
-    for each in cycle.breaks if cycle else ():
-        what = "begins" if each.beginning else "ends"
+    for place in cycle.breaks if cycle else ():
+        what = "begins" if place.beginning else "ends"
         size, why = "before that of the next pair begins", ""
         if cycle is not None and 1.0 <= total < math.inf:
             why = f": without load the contact ratio is {cycle.contact_ratio:.4g}, with conjugate flanks it would be {total:.4g}"
-        if not np.isnan(each.jump):
-            size = f"{each.jump / rad:.3g} {unit} ahead of the {'previous' if each.beginning else 'next'} pair"
+        if not np.isnan(place.jump):
+            size = f"{place.jump / rad:.3g} {unit} ahead of the {'previous' if place.beginning else 'next'} pair"
         warnings.append(
-            f"the transmission error jumps: at phi1 = {np.degrees(each.phi1):.5g} deg the surface contact of a tooth pair "
+            f"the transmission error jumps: at phi1 = {np.degrees(place.phi1):.5g} deg the surface contact of a tooth pair "
             f"{what} {size}; there is edge contact there{why}"
         )
     return warnings

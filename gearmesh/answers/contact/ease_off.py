@@ -83,7 +83,7 @@ class EaseOffMap(Result):
         ]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([each.row for each in self.rows()])
+        return columns([row.row for row in self.rows()])
 
     @property
     def sections(self) -> Mapping[str, Content]:

@@ -77,7 +77,7 @@ class CycleSummary(Figures):
             engagement_phi1=np.degrees(cycle.engagement).tolist(),
             mesh_te_peak_to_peak=cycle.peak_to_peak / ARCSEC,
             mesh_te_harmonics=[float(a) / ARCSEC for a in cycle.harmonics],
-            te_breaks_phi1=[float(np.degrees(each.phi1)) for each in cycle.breaks],
+            te_breaks_phi1=[float(np.degrees(gap.phi1)) for gap in cycle.breaks],
         )
 
 
@@ -95,11 +95,11 @@ def slid_summary(pair: GearPair, known: Summary) -> Iterator[Entry]:
         return
     yield from SlideSummary(2.0 * math.pi * pair.ratio * travel).entries
     um = 1e3 * travel * ARCSEC
-    for each in known.entries:
-        if each.figure.unit == "arcsec":
-            value = each.value
+    for entry in known.entries:
+        if entry.figure.unit == "arcsec":
+            value = entry.value
             moved = None if value is None else [um * v for v in value] if isinstance(value, list) else um * value
-            yield replace(each, figure=each.figure.in_um(), value=moved)
+            yield replace(entry, figure=entry.figure.in_um(), value=moved)
 
 
 @dataclass(frozen=True)

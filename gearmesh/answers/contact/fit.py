@@ -29,8 +29,8 @@ def fitted_cycle(pair: GearPair, followed: Engagement | None = None) -> tuple[Fi
     curve = gears_curve(flanks, pair.pitch, followed)
     if curve is None:
         return None, None
-    found = fit(pair, curve)
-    return found, mesh_cycle(flanks, pair.pitch, curve=curve, jammed=found is not None and found.jammed)
+    fits = fit(pair, curve)
+    return fits, mesh_cycle(flanks, pair.pitch, curve=curve, jammed=fits is not None and fits.jammed)
 
 
 @dataclass(frozen=True)
@@ -68,10 +68,10 @@ class FitSummary(Figures):
             *fit.normal_backlash,
             *fit.transverse_backlash,
             {
-                member.name: None if found is None else found.distance
-                for member, found in zip(pair.both, fit.clearances, strict=True)
+                member.name: None if clearance is None else clearance.distance
+                for member, clearance in zip(pair.both, fit.clearances, strict=True)
             },
-            1e3 * max((each.depth for each in fit.interference), default=0.0),
+            1e3 * max((overlap.depth for overlap in fit.interference), default=0.0),
         )
 
 
@@ -175,12 +175,12 @@ def verdict(fit: Fit | None) -> str:
 
 def _unknown(fit: Fit) -> list[str]:
     """Where in a pitch nothing touches, in words, one per side."""
-    found = []
+    lines = []
     for driving in (True, False):
         parts = [f"{np.degrees(g.begin):.4g} to {np.degrees(g.end):.4g}" for g in fit.gaps if g.driving == driving]
         if parts:
-            found.append(f"the {SIDES[driving]} flanks have no contact at phi1 = {', '.join(parts)} deg of a pitch")
-    return found
+            lines.append(f"the {SIDES[driving]} flanks have no contact at phi1 = {', '.join(parts)} deg of a pitch")
+    return lines
 
 
 def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
@@ -203,11 +203,11 @@ def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
             f"the pair is jammed: the normal backlash is {1e3 * fit.normal_backlash[0]:.4g} um "
             f"({_way(pair, fit.backlash[0])} of the {names[1]}){remedy}"
         )
-    for each in fit.interference:
+    for clash in fit.interference:
         yield (
-            f"interference: the tip of the {names[1 - each.fillet_of]} is {1e3 * each.depth:.4g} um inside the fillet of the "
-            f"{names[each.fillet_of]} when the {SIDES[each.driving]} flanks touch, at phi1 = {np.degrees(each.phi1):.5g} deg, "
-            f"{_place(each.point)}{remedy}"
+            f"interference: the tip of the {names[1 - clash.fillet_of]} is {1e3 * clash.depth:.4g} um inside the fillet of the "
+            f"{names[clash.fillet_of]} when the {SIDES[clash.driving]} flanks touch, at phi1 = {np.degrees(clash.phi1):.5g} deg, "
+            f"{_place(clash.point)}{remedy}"
         )
     for k, clearance in enumerate(fit.clearances):
         if clearance is not None and clearance.distance < -NOTHING:

@@ -39,8 +39,8 @@ class RollingContact:
     def phi2(self) -> Array:
         """Rotations (N,), rad, of the gear at its nominal ratio from the middle on."""
         k = self.middle
-        found: Array = self.path.phi2[k] + self.pair.ratio * (self.phi1 - self.path.rotation[k])
-        return found
+        phi2: Array = self.path.phi2[k] + self.pair.ratio * (self.phi1 - self.path.rotation[k])
+        return phi2
 
 
 def rolling_contact(pair: GearPair, path: ContactPath, pitches: ArrayLike = (0.0,)) -> RollingContact:

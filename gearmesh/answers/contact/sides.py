@@ -45,17 +45,17 @@ def side_contacts(
 ) -> tuple[SideContact, ...]:
     """Both sides of a pair, the driving one with its `path`, both with their engagements, if known: `engagement` and that of the
     `coast` flanks; a side without contact is left out."""
-    found = []
-    for each, driving, known in ((pair, True, engagement), (reversed_pair(pair), False, coast)):
-        flanks = solver_pair(each)
-        followed = whole_engagement(flanks, each.pitch) if known is None else known
+    contacts = []
+    for own_pair, driving, known in ((pair, True, engagement), (reversed_pair(pair), False, coast)):
+        flanks = solver_pair(own_pair)
+        followed = whole_engagement(flanks, own_pair.pitch) if known is None else known
         if followed is None or not followed.contacts.touching.any():
             continue
-        phi1 = np.linspace(*engagement_range(followed, each.pitch), POSITIONS)
+        phi1 = np.linspace(*engagement_range(followed, own_pair.pitch), POSITIONS)
         whole = contact_path(flanks, phi1, None, engagement=followed)
         own = path
         if not driving:
             phi1 = np.linspace(whole.rotation[0], whole.rotation[-1], len(path.phi1))
             own = contact_path(flanks, phi1, None, engagement=followed)
-        found.append(SideContact(each, driving, own, whole, ease_off(followed, each.pitch)))
-    return tuple(found)
+        contacts.append(SideContact(own_pair, driving, own, whole, ease_off(followed, own_pair.pitch)))
+    return tuple(contacts)

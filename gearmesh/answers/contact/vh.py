@@ -74,52 +74,52 @@ class VHCheck(Result):
         """One per side and place; a place out of reach has displacements but in `nearest`."""
         return [
             PlaceFigures(
-                side=_side(each.side),
-                place=each.place,
-                displacement=Displacement.of(each) if each.reached else NOWHERE,
-                face_share=each.asked,
-                reached=each.reached,
-                nearest=None if each.reached else NearestPlace(each.share, Displacement.of(each)),
+                side=_side(shift.side),
+                place=shift.place,
+                displacement=Displacement.of(shift) if shift.reached else NOWHERE,
+                face_share=shift.asked,
+                reached=shift.reached,
+                nearest=None if shift.reached else NearestPlace(shift.share, Displacement.of(shift)),
             )
-            for each in self.shifts
+            for shift in self.shifts
         ]
 
     @property
     def totals(self) -> list[TotalFigures]:
         """One per side: V and H from the toe's to the heel's, and their ratio; None where either is out of reach."""
-        found = []
-        for side in dict.fromkeys(each.side for each in self.shifts):
+        rows = []
+        for side in dict.fromkeys(shift.side for shift in self.shifts):
             toe, heel = (self._at(side, place) for place in ("toe", "heel"))
             if not (toe.reached and heel.reached):
-                found.append(TotalFigures(_side(side), None, None, None))
+                rows.append(TotalFigures(_side(side), None, None, None))
                 continue
             v, h = heel.v - toe.v, heel.h - toe.h
-            found.append(TotalFigures(_side(side), v, h, v / h if h else None))
-        return found
+            rows.append(TotalFigures(_side(side), v, h, v / h if h else None))
+        return rows
 
     def _at(self, side: str, place: str) -> PatternShift:
-        (found,) = (each for each in self.shifts if (each.side, each.place) == (side, place))
-        return found
+        (pattern_shift,) = (shift for shift in self.shifts if (shift.side, shift.place) == (side, place))
+        return pattern_shift
 
     @property
     def complaints(self) -> list[str]:
         """A line for every place to which the contact cannot be brought."""
         return [
-            f"pinion_{each.side}: the contact cannot be brought to the {each.place}, {each.asked:g} of the face from the toe: "
-            f"other points or edges touch first; the nearest that can be reached is {each.share:g} of the face, with "
-            f"V = {each.v:.5g}, "
-            f"H = {each.h:.5g}, J = {each.j:.5g} mm, alpha = {each.alpha:.5g} deg"
-            for each in self.shifts
-            if not each.reached
+            f"pinion_{shift.side}: the contact cannot be brought to the {shift.place}, {shift.asked:g} of the face from the toe: "
+            f"other points or edges touch first; the nearest that can be reached is {shift.share:g} of the face, with "
+            f"V = {shift.v:.5g}, "
+            f"H = {shift.h:.5g}, J = {shift.j:.5g} mm, alpha = {shift.alpha:.5g} deg"
+            for shift in self.shifts
+            if not shift.reached
         ]
 
     @property
     def headline(self) -> str:
         return ", ".join(
-            f"{each.side}: toe or heel out of reach"
-            if each.v is None
-            else f"{each.side}: total V {each.v:.4g}, H {each.h:.4g} mm"
-            for each in self.totals
+            f"{total.side}: toe or heel out of reach"
+            if total.v is None
+            else f"{total.side}: total V {total.v:.4g}, H {total.h:.4g} mm"
+            for total in self.totals
         )
 
     @property
@@ -127,16 +127,16 @@ class VHCheck(Result):
         heads = ["side", "contact at", "V mm", "H mm", "J mm", "alpha deg", "of face"]
         rows = [
             [
-                _side(each.side),
-                each.place if each.reached else f"nearest to {each.place}",
-                *(rounded(value, 5) for value in (each.v, each.h, each.j, each.alpha)),
-                rounded(each.share, 5),
+                _side(shift.side),
+                shift.place if shift.reached else f"nearest to {shift.place}",
+                *(rounded(value, 5) for value in (shift.v, shift.h, shift.j, shift.alpha)),
+                rounded(shift.share, 5),
             ]
-            for each in self.shifts
+            for shift in self.shifts
         ]
         totals = [
-            [each.side, *(None if x is None else rounded(x, 5) for x in (each.v, each.h, each.v_over_h))]
-            for each in self.totals
+            [total.side, *(None if x is None else rounded(x, 5) for x in (total.v, total.h, total.v_over_h))]
+            for total in self.totals
         ]
         return [
             Listing("V-H check: assembly.dV, dA, dG, d_delta for contact at each place", heads, rows),
@@ -144,7 +144,7 @@ class VHCheck(Result):
         ]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([each.row for each in self.rows])
+        return columns([row.row for row in self.rows])
 
     @property
     def sections(self) -> Mapping[str, Content]:

@@ -80,7 +80,7 @@ class LoadedContact(Result):
         mesh, load, at = self.mesh, self.mesh.loads[torque], (torque, position)
         own = np.flatnonzero((load.position == position) & (load.force > 0.0))
         worst = own[np.nan_to_num(load.peak[own]).argmax()]
-        te, unloaded = (float(each - mesh.unloaded[0]) for each in (mesh.te[at], mesh.unloaded[position]))
+        te, unloaded = (float(error - mesh.unloaded[0]) for error in (mesh.te[at], mesh.unloaded[position]))
         output, gear_torque = self.pair.output, float(mesh.gear_torque[at])
         return LoadedPosition(
             torque=1e-3 * float(mesh.torque[torque]),
@@ -157,10 +157,10 @@ class LoadedContact(Result):
     def tooth_pair(self) -> list[ToothPairPosition]:
         """One tooth pair over its engagement: one per torque and rotation of the pinion, counted from where the pair is at phi1
         as others are a whole number of pitches before or after; `peak_pressure` is NaN where `edge_contact` is."""
-        found = []
+        rows = []
         for torque, load in zip(self.mesh.torque, self.mesh.loads, strict=True):
             phase = self.mesh.phi1[load.position] - self.pair.pitch * load.number
-            found += [
+            rows += [
                 ToothPairPosition(
                     torque=1e-3 * float(torque),
                     phi1=float(np.degrees(phase[m]).round(12)),
@@ -174,7 +174,7 @@ class LoadedContact(Result):
                 for m in np.lexsort((phase, load.half))
                 if load.force[m] > 0.0
             ]
-        return found
+        return rows
 
     def _displaced(self, at: tuple[int, int]) -> dict[str, MemberDisplacement]:
         """Displacements of members on elastic mounts, in which the transmission error has its part."""
@@ -198,8 +198,8 @@ class LoadedContact(Result):
         np.add.at(share, (load.position, load.number - number[0]), load.moment / self.mesh.torque[torque])
         own = (self.mesh.phi1[:, None] - self.pair.pitch * number).ravel()
         order = np.argsort(own)
-        found: Array = np.interp(rotation, own[order], share.ravel()[order], 0.0, 0.0)
-        return found
+        shares: Array = np.interp(rotation, own[order], share.ravel()[order], 0.0, 0.0)
+        return shares
 
     @cached_property
     def totals(self) -> list[LoadedTotals]:
@@ -221,13 +221,13 @@ class LoadedContact(Result):
             max_pair_force=float(load.force.max()),
             mean_tangent_stiffness=1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
             c_gamma=None if self._width is None else float(mesh.tangent[torque].mean()) / self._width,
-            fillets=self._fillets(*(_most(each[torque]) for each in self._in_fillets())),
+            fillets=self._fillets(*(_most(in_fillet[torque]) for in_fillet in self._in_fillets())),
             on_edge=bool((load.on_edge & (load.force > 0.0)).any()),
             edge_contact=bool(load.edge_contact.any()),
             edge_load_share={
-                each.edge: float(each.moment.max() / mesh.torque[torque])
-                for each in edge_loads(self.pair, load, len(mesh.phi1))
-                if each.edge
+                edge_load.edge: float(edge_load.moment.max() / mesh.torque[torque])
+                for edge_load in edge_loads(self.pair, load, len(mesh.phi1))
+                if edge_load.edge
             },
         )
 
@@ -249,7 +249,7 @@ class LoadedContact(Result):
         wrong = self.mesh.status != Status.CONVERGED
         if not wrong.any():
             return []
-        torque, position = (int(each[0]) for each in np.nonzero(wrong))
+        torque, position = (int(numbers[0]) for numbers in np.nonzero(wrong))
         return [
             f"{int(wrong.sum())} of {wrong.size} positions and torques did not converge, the first at "
             f"{1e-3 * self.mesh.torque[torque]:g} Nm, phi1 = {np.degrees(self.mesh.phi1[position]):.5g} deg: their figures are "
@@ -263,8 +263,12 @@ class LoadedContact(Result):
         heads = ["Nm", "phi1 deg", "share %", "pressure MPa", *bent]
         return [
             *self.overview,
-            Listing("Positions", names, [_cells(each) for each in self.rows]),
-            Listing("One tooth pair: pressure, bending stress", heads, [_pair_cells(each) for each in self.tooth_pair]),
+            Listing("Positions", names, [_cells(row) for row in self.rows]),
+            Listing(
+                "One tooth pair: pressure, bending stress",
+                heads,
+                [_pair_cells(position) for position in self.tooth_pair],
+            ),
         ]
 
     @property
@@ -275,30 +279,32 @@ class LoadedContact(Result):
         heads = ["Nm", "te p-p arcsec", "unloaded", "pairs", "MPa", "pair N", f"{first} root", f"{second} root"]
         totals = self.totals
         edges = [
-            [each.torque, edge, rounded(100.0 * share, 2)]
-            for each in totals
-            for edge, share in each.edge_load_share.items()
+            [total.torque, edge, rounded(100.0 * share, 2)]
+            for total in totals
+            for edge, share in total.edge_load_share.items()
         ]
         return [
-            Listing(f"Over {over}", heads, [_total_cells(each) for each in totals]),
+            Listing(f"Over {over}", heads, [_total_cells(total) for total in totals]),
             Listing(
                 "Stress in the fillets, MPa",
                 _FILLETS,
-                [_fillet_cells(each, name) for each in totals for name in self.pair.members],
+                [_fillet_cells(total, name) for total in totals for name in self.pair.members],
             ),
             *([Listing("Most load next to edges", ["Nm", "edge", "% of the torque"], edges)] if edges else []),
         ]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([each.row for each in self.rows])
+        return columns([row.row for row in self.rows])
 
     def csv(self) -> str:
         """One row per torque and position, the columns of the JSON laid flat; of tooth pairs those that are loaded anywhere."""
         rows = self.rows
-        known = {each.column: dict.fromkeys(each.flat, np.nan) for row in rows for each in row.tooth_pairs}
+        known = {
+            tooth_pair.column: dict.fromkeys(tooth_pair.flat, np.nan) for row in rows for tooth_pair in row.tooth_pairs
+        }
         table = []
         for row in rows:
-            pairs = known | {each.column: each.flat for each in row.tooth_pairs}
+            pairs = known | {tooth_pair.column: tooth_pair.flat for tooth_pair in row.tooth_pairs}
             own = Entry(_TOOTH_PAIRS, {name: pairs[name] for name in sorted(known)})
             table.append(flat((*row.entries, own)))
         return csv_text(table)
@@ -371,7 +377,7 @@ def loaded_contact_of(
 
 def required_torques(torque: Sequence[float]) -> list[float]:
     """Torques, Nm. Raises DesignError unless there is one at least and all are above 0."""
-    wrong = [each for each in torque if not 0.0 < each < np.inf]
+    wrong = [value for value in torque if not 0.0 < value < np.inf]
     if wrong or not torque:
         raise ArgumentError(
             "torque", f"{wrong[0]:g}" if wrong else "[]", unit="Nm", must_be="one or more finite numbers above 0"
@@ -391,7 +397,7 @@ _TOOTH_PAIRS = Figure("", "", "", "load on each tooth pair")
 def _total_cells(total: LoadedTotals) -> list[float]:
     """A row of the table of torques."""
     run = total.torque, total.te_peak_to_peak, total.unloaded_te_peak_to_peak, total.mean_tooth_pairs
-    bent = (each.bending_stress for each in total.fillets.values())
+    bent = (fillet.bending_stress for fillet in total.fillets.values())
     return [rounded(value, 3) for value in (*run, total.max_pressure, total.max_pair_force, *bent)]
 
 
@@ -404,9 +410,9 @@ def _fillet_cells(total: LoadedTotals, member: str) -> list[Any]:
 
 def _cells(row: LoadedPosition) -> list[Any]:
     """A row of the table of positions."""
-    shares = " ".join(f"{each.name}:{100.0 * each.load_share:.0f}%" for each in row.tooth_pairs)
-    named = {each.pair: each.name for each in row.tooth_pairs}
-    edges = " ".join(each.name for each in row.tooth_pairs if each.edge_contact)
+    shares = " ".join(f"{tooth_pair.name}:{100.0 * tooth_pair.load_share:.0f}%" for tooth_pair in row.tooth_pairs)
+    named = {tooth_pair.pair: tooth_pair.name for tooth_pair in row.tooth_pairs}
+    edges = " ".join(tooth_pair.name for tooth_pair in row.tooth_pairs if tooth_pair.edge_contact)
     of = None if row.peak_pressure_pair is None else named[row.peak_pressure_pair]
     figures = row.torque, row.phi1, row.te, row.peak_pressure
     return [*(rounded(value, 3) for value in figures), of, edges or None, shares]
@@ -465,28 +471,28 @@ def _edge_warnings(pair: GearPair, mesh: LoadedMesh, least: float) -> list[str]:
     """From which torque on there is edge contact (`least`, N mm), which edges have most load at the largest torque, and the remedy;
     and where a grid is too short."""
     largest = int(mesh.torque.argmax())
-    at, found = f"at {1e-3 * mesh.torque[largest]:g} Nm", edge_loads(pair, mesh.loads[largest], len(mesh.phi1))
+    at, loads = f"at {1e-3 * mesh.torque[largest]:g} Nm", edge_loads(pair, mesh.loads[largest], len(mesh.phi1))
 
-    def share(each: EdgeLoad) -> str:
-        return f"{100.0 * each.moment.max() / mesh.torque[largest]:.2g} %"
+    def share(edge_load: EdgeLoad) -> str:
+        return f"{100.0 * edge_load.moment.max() / mesh.torque[largest]:.2g} %"
 
-    def place(each: EdgeLoad) -> str:
-        return f"(phi1 = {np.degrees(mesh.phi1[each.moment.argmax()]):.4g} deg, {each.width:.2g} mm wide)"
+    def place(edge: EdgeLoad) -> str:
+        return f"(phi1 = {np.degrees(mesh.phi1[edge.moment.argmax()]):.4g} deg, {edge.width:.2g} mm wide)"
 
     beyond = [
-        f"{at} the contact is longer than its grid, whose last cells have up to {share(each)} of the torque {place(each)}: "
+        f"{at} the contact is longer than its grid, whose last cells have up to {share(edge)} of the torque {place(edge)}: "
         "the figures there are those of a shorter contact"
-        for each in found
-        if not each.edge
+        for edge in loads
+        if not edge.edge
     ]
     begun = f" from {1e-3 * least:g} Nm on" if least > mesh.torque.min() else ""
     limitless = f"edge contact{begun}: the peak pressure is singular at the edge and is not reported"
-    edges = [each for each in found if each.edge]
+    edges = [edge for edge in loads if edge.edge]
     if not edges:
         return [limitless, *beyond]
-    wanted = dict.fromkeys(REMEDIES[name] for each in edges if (name := each.edge.rpartition("_")[2]) in REMEDIES)
+    wanted = dict.fromkeys(REMEDIES[name] for edge in edges if (name := edge.edge.rpartition("_")[2]) in REMEDIES)
     remedy = f"; {' and '.join(wanted)} would reduce it" if wanted else ""
-    most = ", ".join(f"{share(each)} at {each.edge} {place(each)}" for each in edges[:TOLD])
+    most = ", ".join(f"{share(edge)} at {edge.edge} {place(edge)}" for edge in edges[:TOLD])
     more = f", less at {len(edges) - TOLD} more" if len(edges) > TOLD else ""
     return [f"{limitless}; {at} the cells next to the edge have, of the torque, up to {most}{more}{remedy}", *beyond]
 
@@ -507,26 +513,26 @@ def _error_warning(pair: GearPair, mesh: LoadedMesh, peak_to_peak: float) -> lis
 
 
 def _warnings(pair: GearPair, mesh: LoadedMesh, unloaded: float) -> list[str]:
-    found = []
+    lines = []
     edges = [(load.sharp & (load.force > 0.0)).any() for load in mesh.loads]
     if any(edges):
         least = float(mesh.torque[np.flatnonzero(edges)].min())
-        found += _edge_warnings(pair, mesh, least)
-    found += _error_warning(pair, mesh, unloaded)
+        lines += _edge_warnings(pair, mesh, least)
+    lines += _error_warning(pair, mesh, unloaded)
     bodies = [member.name for member in pair.both if member.holes or member.keyway or member.hub]
     if bodies:
-        found.append(
+        lines.append(
             f"{' and '.join(bodies)}: the compliance of the body neglects holes, keyway and hub beyond the face"
         )
     halves = [member.name for member in pair.both if member.halves[1:]]
     if halves:
-        found.append(
+        lines.append(
             f"{' and '.join(halves)}: each half deflects as a separate solid gear, without web and gap; both rotate "
             f"by the same angle"
         )
-    found += [
+    lines += [
         f"{member.name}: modelled as an endless bar held at its back; teeth near its ends deflect more than reported"
         for member in pair.both
         if member.tooth.joint.travel is not None
     ]
-    return found
+    return lines

@@ -13,13 +13,13 @@ from gearmesh.teeth.train import GearPair
 def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:
     """Elastic mounts, by the names of the members whose stiffness the design gives; at z of it, mm, by default the middle of
     the working flank, half way up."""
-    found, in_mm = {}, design.in_mm()
+    mounts, in_mm = {}, design.in_mm()
     for member in pair.both:
         given = in_mm.mount(member.name)
         if given.stiffness is not None:
-            stiffness = [np.inf if each == RIGID else each for each in given.stiffness]
-            found[member.name] = FlexibleMount.of(stiffness, pair.middle(member) if given.z is None else given.z)
-    return found
+            stiffness = [np.inf if entry == RIGID else entry for entry in given.stiffness]
+            mounts[member.name] = FlexibleMount.of(stiffness, pair.middle(member) if given.z is None else given.z)
+    return mounts
 
 
 def held_by_rim(design: Design, pair: GearPair) -> tuple[bool, bool]:

@@ -62,10 +62,10 @@ def largest(room: Callable[[Array], Array], start: float, ends: Array) -> Larges
         halved = ~np.isfinite(share) | (k % 3 == 2)
         share = np.clip(np.where(halved, 0.5, share), 0.02, 0.98)
         middle = a + share * (b - a)
-        found = room(middle)
-        good = found > 0.0
-        low[todo], at_low[todo] = np.where(good, middle, a), np.where(good, found, fa)
-        high[todo], at_high[todo] = np.where(good, b, middle), np.where(good, fb, found)
+        room_left = room(middle)
+        good = room_left > 0.0
+        low[todo], at_low[todo] = np.where(good, middle, a), np.where(good, room_left, fa)
+        high[todo], at_high[todo] = np.where(good, b, middle), np.where(good, fb, room_left)
         # an end that stays twice counts half (Illinois)
         side = np.where(good, 1.0, -1.0)
         same = side == last_side[todo]

@@ -38,27 +38,27 @@ class LoadFigures(Figures):
     loaded_converged_positions: list[int] = figure("positions at which loaded contact converged", whole=True)
 
 
-def load_figures(found: LoadedContact) -> Summary:
+def load_figures(loaded: LoadedContact) -> Summary:
     """Figures of a loaded mesh whose positions are even in one pitch: at how many it converged, and None for all others under a
     torque with which it did not at all of them."""
-    mesh = found.mesh
+    mesh = loaded.mesh
     converged = (mesh.status == Status.CONVERGED).sum(axis=1).tolist()
-    totals, count = found.totals, len(mesh.phi1)
+    totals, count = loaded.totals, len(mesh.phi1)
 
     def sure(values: Iterable[Any]) -> list[Any]:
-        return [each if good == count else None for each, good in zip(values, converged, strict=True)]
+        return [value if good == count else None for value, good in zip(values, converged, strict=True)]
 
     def of_members(stress: Callable[[FilletFigures], float]) -> dict[str, list[float | None]]:
-        return {name: sure(stress(each.fillets[name]) for each in totals) for name in found.pair.members}
+        return {name: sure(stress(total.fillets[name]) for total in totals) for name in loaded.pair.members}
 
     return Summary(
         LoadFigures(
-            loaded_te_peak_to_peak=sure(each.te_peak_to_peak for each in totals),
-            max_pressure=sure(each.max_pressure for each in totals),
+            loaded_te_peak_to_peak=sure(total.te_peak_to_peak for total in totals),
+            max_pressure=sure(total.max_pressure for total in totals),
             root_stress=of_members(lambda own: own.root_stress),
             root_stress_30=of_members(lambda own: own.root_stress_30),
             max_pair_share=sure(
-                float((load.moment / each).max()) for load, each in zip(mesh.loads, mesh.torque, strict=True)
+                float((load.moment / torque).max()) for load, torque in zip(mesh.loads, mesh.torque, strict=True)
             ),
             loaded_edge_positions=sure(len(np.unique(load.position[load.on_edge])) for load in mesh.loads),
             mean_stiffness=sure((1e-3 * ARCSEC * mesh.stiffness.mean(axis=1)).tolist()),
@@ -80,8 +80,8 @@ def _moments(load: PairLoad, count: int) -> Array:
     """Moments, N mm, of one tooth pair, both halves of double helical gears together, one after the other as it goes through the
     mesh: what pair k does at a position is what pair 0 does k pitches before."""
     at, own = np.unique(load.position - count * load.number, return_inverse=True)
-    found: Array = np.bincount(own, load.moment, len(at)).astype(float)
-    return found
+    moments: Array = np.bincount(own, load.moment, len(at)).astype(float)
+    return moments
 
 
 def _run_out(moment: Array) -> float:

@@ -19,15 +19,15 @@ def recordable(pair: GearPair, torques: int = 0) -> dict[str, str]:
 
     Ratios of line contact are among them, whether or not the contact proves to be along lines.
     """
-    path = [each.key for kind in (PathFigures, PathShift) for each in kind.declared_figures()]
+    path = [declared_figure.key for kind in (PathFigures, PathShift) for declared_figure in kind.declared_figures()]
     own = () if pair.figures is None else pair.figures.row
     cycle = cycle_figures(pair, _cycle(), None)
     fit = cycle_figures(pair, _cycle(), _fit(pair))
     load = Summary(_load(pair, torques)).flat if torques else ()
-    found: dict[str, str] = {}
+    groups: dict[str, str] = {}
     for group, names in zip((*GROUPS, LOAD), ([*path, *own], cycle, fit, load), strict=True):
-        found |= {name: group for name in names if name not in found}
-    return found
+        groups |= {name: group for name in names if name not in groups}
+    return groups
 
 
 def _cycle() -> CycleSummary:

@@ -95,12 +95,12 @@ def surface_length(paths: AssemblyPaths) -> Array:
     known = surface.any(axis=1) & ~surface[:, 0] & ~surface[:, -1] & ~paths.line.any(axis=1)
     first, last = surface.argmax(axis=1), count - 1 - surface[:, ::-1].argmax(axis=1)
     every = np.arange(len(surface))
-    found = (last - first).astype(float)
+    steps = (last - first).astype(float)
     for end, before in ((first, np.minimum(first + 1, count - 1)), (last, np.maximum(last - 1, 0))):
         here, there = paths.inside[every, end], paths.inside[every, before]
         run = np.where(there > here, here / (there - here), np.inf).min(axis=1, initial=np.inf)
-        found += np.clip(np.where(np.isfinite(run), run, 0.5), 0.0, 1.0)
-    return np.asarray(np.where(known, step * found, np.nan))
+        steps += np.clip(np.where(np.isfinite(run), run, 0.5), 0.0, 1.0)
+    return np.asarray(np.where(known, step * steps, np.nan))
 
 
 def gears_lead(paths: AssemblyPaths, pitch: float) -> Array:
@@ -140,8 +140,8 @@ def _cubic(phi1: Array, value: Array, slope: Array, at: Array) -> Array:
     first, last = value[:, k], value[:, k + 1]
     chord = last - first
     begin, end = (np.where(np.isnan(slope[:, j]), chord, h * slope[:, j]) for j in (k, k + 1))
-    found: Array = first + t * chord + t * (1.0 - t) * ((1.0 - t) * (begin - chord) - t * (end - chord))
-    return found
+    cubic: Array = first + t * chord + t * (1.0 - t) * ((1.0 - t) * (begin - chord) - t * (end - chord))
+    return cubic
 
 
 def _means(places: Array, inside: NDArray[np.bool_]) -> Array:

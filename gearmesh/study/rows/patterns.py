@@ -36,14 +36,14 @@ class AssemblyContact:
 
 def assembly_contacts(work: StudyWork, rows: Sequence[Sequence[Any]]) -> list[AssemblyContact | str]:
     """Of each row its contact, or why there is none."""
-    found: list[AssemblyContact | str] = []
-    for each in work.paths(rows):
-        if isinstance(each, str):
-            found.append(each)
+    contacts: list[AssemblyContact | str] = []
+    for row in work.paths(rows):
+        if isinstance(row, str):
+            contacts.append(row)
             continue
-        variant, paths = each
+        variant, paths = row
         if not paths.touching.any():
-            found.append(NO_CONTACT)
+            contacts.append(NO_CONTACT)
             continue
         line = (paths.surface & paths.line)[0]
         lines: list[Array | None] = [None] * len(line)
@@ -54,5 +54,5 @@ def assembly_contacts(work: StudyWork, rows: Sequence[Sequence[Any]]) -> list[As
                 each_line = solved.lines[i]
                 lines[k] = None if each_line is None else each_line @ to_own.rotation[i].T + to_own.translation[i]
         lead = gears_lead(paths, variant.pair.pitch)[0]
-        found.append(AssemblyContact(variant.pair, variant.frame, paths, tuple(lines), lead))
-    return found
+        contacts.append(AssemblyContact(variant.pair, variant.frame, paths, tuple(lines), lead))
+    return contacts

@@ -99,7 +99,7 @@ class StudyWork:
 
     def __call__(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
         """Values of `names` of each row, None where there is none, and last the reason."""
-        return [[*(_value(found, name) for name in self.names), reason] for found, reason in self.figures(rows)]
+        return [[*(_value(figures, name) for name in self.names), reason] for figures, reason in self.figures(rows)]
 
     @property
     def chunk(self) -> int:
@@ -117,23 +117,23 @@ class StudyWork:
 
     def figures(self, rows: Sequence[Sequence[Any]]) -> list[Row]:
         """All figures of the groups, row by row; what fails is a reason."""
-        found: list[Row] = [(Summary(), "")] * len(rows)
+        results_by_row: list[Row] = [(Summary(), "")] * len(rows)
         for variant, which, errors in self._variants(rows):
             if isinstance(variant, str):
                 results: list[Row] = [(Summary(), variant)] * len(which)
             else:
                 results = self._of_variant(variant, errors)
             for k, result in zip(which, results, strict=True):
-                found[k] = result
-        return found
+                results_by_row[k] = result
+        return results_by_row
 
     def paths(self, rows: Sequence[Sequence[Any]]) -> list[tuple[Variant, AssemblyPaths] | str]:
         """Paths of contact of each row, one assembly each, with the design they are of, with its mounting; or why there is none."""
-        found: list[tuple[Variant, AssemblyPaths] | str] = [""] * len(rows)
+        by_row: list[tuple[Variant, AssemblyPaths] | str] = [""] * len(rows)
         for variant, which, errors in self._variants(rows):
             if isinstance(variant, str):
                 for k in which:
-                    found[k] = variant
+                    by_row[k] = variant
                 continue
             # half way between the positions of the rows too
             phi1 = np.linspace(variant.phi1[0], variant.phi1[-1], 2 * len(variant.phi1) - 1)
@@ -141,8 +141,8 @@ class StudyWork:
             every = assembly_paths(variant.flanks, bases, phi1)
             for m, k in enumerate(which):
                 one = {name: value[m : m + 1] for name, value in vars(every).items() if name != "phi1"}
-                found[k] = variant.standing(bases, m), AssemblyPaths(every.phi1, **one)
-        return found
+                by_row[k] = variant.standing(bases, m), AssemblyPaths(every.phi1, **one)
+        return by_row
 
     def _variants(self, rows: Sequence[Sequence[Any]]) -> Iterator[tuple[Variant | str, list[int], dict[str, Array]]]:
         """Rows of one design each: it, or why it cannot be, their numbers, and their errors (M,) by key, in the design's units."""
@@ -171,28 +171,28 @@ class StudyWork:
         columns, (length, height) = every.entries, self.reference or (math.nan, math.nan)
         rows: list[Row] = []
         for m in range(count):
-            own = [replace(each, value=float(each.value[m])) for each in columns]
+            own = [replace(column, value=float(column.value[m])) for column in columns]
             shift = PathShift(float(every.contact_length[m]) - length, float(every.contact_height[m]) - height)
-            found = Summary(own, shift, variant.pair.figures)
+            figures = Summary(own, shift, variant.pair.figures)
             reason = "" if every.converged[m] else NO_CONTACT
             if not reason and self.groups != ("path",):
                 try:
-                    found = Summary(found, self._of_assembly(variant.standing(bases, m)))
+                    figures = Summary(figures, self._of_assembly(variant.standing(bases, m)))
                 except Exception as failure:
                     reason = _reason(failure)
-            rows.append((found, reason))
+            rows.append((figures, reason))
         return rows
 
     def _of_assembly(self, variant: Variant) -> Summary:
         """Figures of the mesh cycle, of the fit and of loads, as they are asked for."""
-        cycle, found = self._of_cycle(variant) if "cycle" in self.groups else (None, Summary())
+        cycle, figures = self._of_cycle(variant) if "cycle" in self.groups else (None, Summary())
         if LOAD in self.groups:
             phi1 = variant.pair.pitch * np.arange(POSITIONS) / POSITIONS
             loaded = loaded_contact_of(
                 variant.design, variant.pair, self.torque, cycle=cycle, phi1=phi1, bodies=variant.bodies.both
             )
-            found = Summary(found, load_figures(loaded).flat)
-        return found
+            figures = Summary(figures, load_figures(loaded).flat)
+        return figures
 
     def _of_cycle(self, variant: Variant) -> tuple[Cycle | None, Summary]:
         """The mesh cycle, None where nothing touches, and its figures."""
@@ -211,10 +211,10 @@ class StudyWork:
 
 def cycle_figures(pair: GearPair, known: CycleSummary, fitted: FitSummary | None, *, jammed: bool = False) -> Summary:
     """Figures of a row about a mesh cycle and the fit of the gears: breaks by their number, lists number by number."""
-    told = (each for each in known.entries if each.value is not known.te_breaks_phi1)
+    told = (entry for entry in known.entries if entry.value is not known.te_breaks_phi1)
     breaks = BreakCount(len(known.te_breaks_phi1))
-    found = Summary(told, breaks, PathErrors(math.nan, math.nan) if jammed else None, fitted)
-    return Summary(found, slid_summary(pair, found)).flat
+    figures = Summary(told, breaks, PathErrors(math.nan, math.nan) if jammed else None, fitted)
+    return Summary(figures, slid_summary(pair, figures)).flat
 
 
 @dataclass(frozen=True)
@@ -250,7 +250,7 @@ class Variant:
 
     def standing(self, bases: tuple[Rigid, Rigid], m: int) -> Variant:
         """The same with the members mounted as in the m-th of M assemblies."""
-        pinion, gear = (Rigid(each.rotation[m], each.translation[m]) for each in bases)
+        pinion, gear = (Rigid(basis.rotation[m], basis.translation[m]) for basis in bases)
         pair = _placed(self.pair, pinion, gear)
         return replace(self, pair=pair, flanks=mounted(self.flanks, pair))
 
@@ -286,7 +286,7 @@ def _built(text: str, which: int | str) -> Variant:
     flanks = solver_pair(pair)
     if any(errors.values()):
         bases = _bases(still, train, pair, errors, {"": np.zeros(1)})
-        placed = _placed(pair, *(Rigid(each.rotation[0], each.translation[0]) for each in bases))
+        placed = _placed(pair, *(Rigid(basis.rotation[0], basis.translation[0]) for basis in bases))
         there = mounted(flanks, placed)
     else:
         there = flanks
@@ -314,7 +314,7 @@ def _bases(
 ) -> tuple[Rigid, Rigid]:
     count = len(next(iter(errors.values())))
     known = systems.system(design.kind).displacements
-    found = tuple(mount.base for mount in pair.mounts)
+    bases = tuple(mount.base for mount in pair.mounts)
     if known is not None:
         values = {}
         for key in known.keys:
@@ -322,9 +322,9 @@ def _bases(
             meant = type(design).key_at(dotted)
             factor = design.mm_per_unit if meant is not None and meant.unit == "length" else 1.0
             values[key] = factor * errors.get(dotted, np.full(count, own[dotted]))
-        found = known.bases(design.in_mm(), train, values)
+        bases = known.bases(design.in_mm(), train, values)
     first, second = (
-        Rigid(np.broadcast_to(b.rotation, (count, 3, 3)), np.broadcast_to(b.translation, (count, 3))) for b in found
+        Rigid(np.broadcast_to(b.rotation, (count, 3, 3)), np.broadcast_to(b.translation, (count, 3))) for b in bases
     )
     return first, second
 
@@ -337,9 +337,9 @@ def _placed(pair: GearPair, pinion: Rigid, gear: Rigid) -> GearPair:
     return replace(pair, pinion=first, gear=second)
 
 
-def _value(found: Summary, name: str) -> Any:
+def _value(summary: Summary, name: str) -> Any:
     """The value of a figure, None where there is none."""
-    entry = found.entry(name)
+    entry = summary.entry(name)
     value = None if entry is None else plain(entry.value)
     return int(value) if entry is not None and entry.figure.whole and value is not None else value
 

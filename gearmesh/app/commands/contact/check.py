@@ -21,10 +21,10 @@ def check(
     refuse_unwritable(json_file)
     gears = load_gears(design_file, settings)
     with working("check"):
-        found = gears.check(tolerance)
-    write_text(json_file, lambda: found.json(timing=timing))
+        answer = gears.check(tolerance)
+    write_text(json_file, lambda: answer.json(timing=timing))
     if json_file != "-":
-        show(found.listings)
-    warn(found.warnings, found.complaints)
-    if found.complaints:
+        show(answer.listings)
+    warn(answer.warnings, answer.complaints)
+    if answer.complaints:
         raise typer.Exit(NoSolutionError.exit_status)

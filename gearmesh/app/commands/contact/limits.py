@@ -32,12 +32,12 @@ def limits(
     design = parse_as_stated(files.override(files.read(design_file), settings or []))
     with working("limits"):
         try:
-            found = gm.build(design).limits(land)
+            answer = gm.build(design).limits(land)
         except DesignError as refused:
             from gearmesh.answers.limits import limits_beyond
 
-            found = limits_beyond(design, refused, land)
-    write_text(json_file, found.json)
+            answer = limits_beyond(design, refused, land)
+    write_text(json_file, answer.json)
     if json_file != "-":
-        show(found.listings)
-    warn(found.warnings)
+        show(answer.listings)
+    warn(answer.warnings)

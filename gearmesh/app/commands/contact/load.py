@@ -55,17 +55,17 @@ def load(
     gears = load_gears(design_file, settings)
     mesh = chosen_pair(gears, pair)
     with working("loaded contact") as progress:
-        found = gears.loaded(torques, positions, pair=mesh, progress=progress)
-    write_text(json_file, lambda: found.json(timing=timing))
-    write_text(csv_file, found.csv)
+        answer = gears.loaded(torques, positions, pair=mesh, progress=progress)
+    write_text(json_file, lambda: answer.json(timing=timing))
+    write_text(csv_file, answer.csv)
     if output is not None:
         with output_folder(output):
-            found.save(output / "loaded.json", timing=timing)
-            found.save(output / "loaded.csv")
+            answer.save(output / "loaded.json", timing=timing)
+            answer.save(output / "loaded.csv")
             with working("pictures"):
-                gears.save_pictures(found, output)
+                gears.save_pictures(answer, output)
     if "-" not in (json_file, csv_file):
-        show(found.listings)
-    warn(found.warnings, other_meshes(gears, mesh), found.complaints)
-    if found.complaints:
+        show(answer.listings)
+    warn(answer.warnings, other_meshes(gears, mesh), answer.complaints)
+    if answer.complaints:
         raise typer.Exit(NoSolutionError.exit_status)

@@ -131,7 +131,7 @@ def study(
 
         require_pyarrow()
     with working("study") as progress:
-        found = gears.study(
+        answer = gears.study(
             _unique("--vary", vary),
             tolerance=_tolerance(tolerance),
             sample=sample,
@@ -148,54 +148,54 @@ def study(
         )
         if output is not None:
             progress(1.0, "study: files and figures")
-            _save(gears, found, output, _has_pyarrow() if parquet is None else parquet, pictures)
-    _show(found, json_file)
+            _save(gears, answer, output, _has_pyarrow() if parquet is None else parquet, pictures)
+    _show(answer, json_file)
 
 
-def _save(gears: Gears, found: Study, folder: Path, parquet: bool, pictures: bool) -> None:
+def _save(gears: Gears, answer: Study, folder: Path, parquet: bool, pictures: bool) -> None:
     """Rows, summary and figures of a study as files."""
     with output_folder(folder):
-        found.save(folder / "study.csv")
-        found.save(folder / "study.json")
+        answer.save(folder / "study.csv")
+        answer.save(folder / "study.json")
         if parquet:
-            found.save(folder / "study.parquet")
+            answer.save(folder / "study.parquet")
         if pictures:
-            gears.save_pictures(found, folder)
+            gears.save_pictures(answer, folder)
 
 
-def _show(found: Study, json_file: str | None) -> None:
+def _show(answer: Study, json_file: str | None) -> None:
     """The tables of a study, and what is wrong with it."""
-    write_text(json_file, found.json)
+    write_text(json_file, answer.json)
     if json_file != "-":
-        show(found.listings)
-    warn(found.complaints)
-    count = found.columns["status"].count("ok")
-    if count < len(found.plan):
-        warn([f"{len(found.plan) - count} of {len(found.plan)} rows have no figures: see the column reason"])
+        show(answer.listings)
+    warn(answer.complaints)
+    count = answer.columns["status"].count("ok")
+    if count < len(answer.plan):
+        warn([f"{len(answer.plan) - count} of {len(answer.plan)} rows have no figures: see the column reason"])
 
 
 def _find(
     gears: Gears, keys: list[str], limits: list[str], torques: list[float] | None, mesh: str, json_file: str | None
 ) -> None:
-    reaches = dict(each.partition("=")[::2] for each in keys)
+    reaches = dict(text.partition("=")[::2] for text in keys)
     with working("limits") as progress:
         wanted = {key: reach or "1" for key, reach in reaches.items()}
-        found = gears.largest_errors(wanted, limits, torque=torques, pair=mesh, progress=progress)
-    write_text(json_file, found.json)
+        largest = gears.largest_errors(wanted, limits, torque=torques, pair=mesh, progress=progress)
+    write_text(json_file, largest.json)
     if json_file != "-":
-        show(found.listings)
+        show(largest.listings)
 
 
 def _unique(option: str, texts: list[str] | None) -> dict[str, str]:
     from gearmesh.study.plan import named
 
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for text in texts or ():
         key, rest = named(option, text)
-        if key in found:
+        if key in values:
             raise ArgumentError(option, entry=key, reason="is given twice")
-        found[key] = rest
-    return found
+        values[key] = rest
+    return values
 
 
 def _tolerance(texts: list[str] | None) -> dict[str, str] | str | None:

@@ -32,10 +32,10 @@ def vh(design_file: DesignFile, json_file: Json = None, settings: Set = None, mo
         raise ArgumentError("move", move, must_be="two of V, H, J, alpha, as V,H")
     gears = load_gears(design_file, settings)
     with working("V-H check"):
-        found = gears.vh((first, second))
-    write_text(json_file, found.json)
+        answer = gears.vh((first, second))
+    write_text(json_file, answer.json)
     if json_file != "-":
-        show(found.listings)
-    warn(found.warnings, found.complaints)
-    if found.complaints:
+        show(answer.listings)
+    warn(answer.warnings, answer.complaints)
+    if answer.complaints:
         raise typer.Exit(NoSolutionError.exit_status)

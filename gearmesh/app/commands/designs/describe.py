@@ -44,11 +44,11 @@ def describe(
     if what is not None and Path(what).suffix in (".toml", ".json"):
         refuse_torque(torque)
         refuse_unwritable(json_file)
-        found = _sheet(Path(what), settings, torque, member)
-        write_text(json_file, found.json)
+        sheet = _sheet(Path(what), settings, torque, member)
+        write_text(json_file, sheet.json)
         if json_file != "-":
-            show(found.listings)
-        warn(found.warnings)
+            show(sheet.listings)
+        warn(sheet.warnings)
         return
     for option, given in (("--json", json_file), ("--torque", torque), ("--member", member), ("--set", settings)):
         if given:
@@ -62,12 +62,12 @@ def _figures(word: str, json_file: str | None) -> None:
     from gearmesh.api.reference import figure_groups, figures_document
 
     refuse_unwritable(json_file)
-    found = figure_groups(word)
-    if not found:
+    groups = figure_groups(word)
+    if not groups:
         raise ArgumentError("figures", entry=word, must_be="part of the key of a figure; --figures alone lists all")
-    write_text(json_file, lambda: json_text(figures_document(found)))
+    write_text(json_file, lambda: json_text(figures_document(groups)))
     if json_file != "-":
-        show([each.listing for each in found])
+        show([group.listing for group in groups])
 
 
 def _sheet(design_file: Path, settings: list[str] | None, torque: float | None, member: str | None) -> DesignSheet:
@@ -84,12 +84,12 @@ def _kinds() -> Listing:
 
 def _keys(kind: str) -> list[Listing]:
     """Every key of a kind, and of tables that stand in several places of it."""
-    found = []
+    tables = []
     for name, lines in gm.system(kind).design.key_groups().items():
         rows = []
         for line in lines:
             allowed = ", ".join(part for part in (line.unit, line.range) if part)
             source = f" {line.source}" if line.source else ""
             rows.append((line.key, allowed, line.default, line.about + source))
-        found.append(Listing(name or f'kind = "{kind}"', ("key", "unit, allowed", "default", "what"), rows))
-    return found
+        tables.append(Listing(name or f'kind = "{kind}"', ("key", "unit, allowed", "default", "what"), rows))
+    return tables

@@ -25,9 +25,9 @@ def pin(
         refuse_unwritable(file)
     gears = load_gears(design_file, settings)
     with working("pin"):
-        found = gears.pinned()
-    found.save(output)
-    write_text(json_file, found.json)
+        pinned = gears.pinned()
+    pinned.save(output)
+    write_text(json_file, pinned.json)
     if json_file != "-":
-        show(found.listings)
+        show(pinned.listings)
     warn(gears.warnings)

@@ -19,7 +19,7 @@ def sample(
 ) -> None:
     """List the samples that come with the package, or copy one into a folder."""
     if name is None:
-        rows = [(each, samples.headline(each)) for each in samples.names()]
+        rows = [(one, samples.headline(one)) for one in samples.names()]
         show([Listing("", ("sample", "what"), rows)])
         return
     if not output.is_dir():

@@ -56,10 +56,10 @@ def settings(
         has_sheet = own.sheet is not None and own.refinish is None and not compensate
         sheet = gears.sheet(torque=torque) if has_sheet or torque is not None else None
         # a sheet without values for the design's keys has no settings: it is for `describe`
-        found = sheet if sheet is not None and sheet.values else gears.compensate(refinish)
+        filling = sheet if sheet is not None and sheet.values else gears.compensate(refinish)
     if output is not None:
-        found.save(output)
-    write_text(json_file, found.json)
+        filling.save(output)
+    write_text(json_file, filling.json)
     if json_file != "-":
-        show(found.listings)
-    warn(found.warnings)
+        show(filling.listings)
+    warn(filling.warnings)

@@ -56,7 +56,7 @@ def size(
     for file in (output, json_file):
         refuse_unwritable(file)
     with working("sizes"):
-        found = gm.size(
+        sizing = gm.size(
             ratio,
             _length("--center-distance", center_distance),
             _length("--module", module),
@@ -67,12 +67,12 @@ def size(
             tolerance=0.01 * tolerance,
             face_width=None if face_width is None else _length("--face-width", face_width),
         )
-    text = with_version(found.keys(choose))
-    write_text(json_file, found.json)
+    text = with_version(sizing.keys(choose))
+    write_text(json_file, sizing.json)
     if output is not None:
         write_text(str(output), lambda: text)
     if json_file != "-":
-        show(found.shown(most))
+        show(sizing.shown(most))
 
 
 def _length(option: str, text: str) -> float:

@@ -95,11 +95,11 @@ def fe(
     gears = gm.build(design)
     mesh = chosen_pair(gears, pair)
     members = _members(tuple(gears.train.pair(mesh).members), member, friction)
-    found: FiniteElements | FiniteElementSolution | FiniteElementDecks
+    answer: FiniteElements | FiniteElementSolution | FiniteElementDecks
     with working("finite-element model") as progress:
         chosen = None if program is None else program.value
         if len(positions) > 1 and output is not None:
-            found = gears.finite_element_decks(
+            answer = gears.finite_element_decks(
                 output,
                 positions,
                 members=members,
@@ -109,17 +109,17 @@ def fe(
                 program=chosen,
                 progress=progress,
             )
-            warnings = found.warnings
+            warnings = answer.warnings
         else:
             model = gears.finite_elements(
                 positions[0], members=members, rotation=rotation, friction=friction or 0.0, pair=mesh
             )
             if output is not None:
                 model.save(output, program=chosen)
-            found, warnings = _solved(gears, model, picture, progress) if solve else model, model.warnings
-    write_text(json_file, lambda: found.json(timing=timing))
+            answer, warnings = _solved(gears, model, picture, progress) if solve else model, model.warnings
+    write_text(json_file, lambda: answer.json(timing=timing))
     if json_file != "-":
-        show(found.listings)
+        show(answer.listings)
     warn(warnings)
 
 
@@ -136,10 +136,10 @@ def _members(names: tuple[str, ...], member: str, friction: float | None) -> tup
 
 def _solved(gears: gm.Gears, model: FiniteElements, picture: Path | None, progress: Progress) -> FiniteElementSolution:
     """A model solved by CalculiX, with a picture of it where one is asked for."""
-    found = model.solve(progress)
+    solution = model.solve(progress)
     if picture is not None:
-        gears.picture("stress", of=found).save(picture)
-    return found
+        gears.picture("stress", of=solution).save(picture)
+    return solution
 
 
 def _refuse_fe_options(

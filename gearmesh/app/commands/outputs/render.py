@@ -131,11 +131,11 @@ def render(
     told = gears.warnings
     with working("picture"):
         # how fine meshes are changes nothing that is shown
-        note = ", ".join(each for each in settings or () if not each.startswith("mesh."))
+        note = ", ".join(text for text in settings or () if not text.startswith("mesh."))
         if output is not None and torques:
-            found = gears.loaded(torques, phi1, pair=mesh)
-            gears.picture(view.value, member, of=found, size=pixels, dpi=dpi, note=note).save(output)
-            told = found.warnings
+            loaded = gears.loaded(torques, phi1, pair=mesh)
+            gears.picture(view.value, member, of=loaded, size=pixels, dpi=dpi, note=note).save(output)
+            told = loaded.warnings
         elif output is not None:
             gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note).save(output)
         if animate is not None:
@@ -153,7 +153,7 @@ def _torques(view: View, text: str | None, animate: Path | None) -> list[float]:
         raise ArgumentError("torque", reason=f"missing; the view {view} needs NM[,NM...] on the pinion")
     if animate is not None:
         raise ArgumentError("animate", animate, reason=f"is not for the view {view}")
-    found = torques_in_nm(text)
-    if view == View.loaded and len(found) > 1:
+    torques = torques_in_nm(text)
+    if view == View.loaded and len(torques) > 1:
         raise ArgumentError("torque", text, must_be="one torque for the view loaded; loaded_flank takes several")
-    return found
+    return torques

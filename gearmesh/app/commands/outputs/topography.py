@@ -41,10 +41,10 @@ def topography(
     tolerance = tolerance_in_mm(tol)
     gears = load_gears(design_file, settings)
     with working("topography"):
-        found = gears.topography(member, flank, tolerance)
+        grid = gears.topography(member, flank, tolerance)
     if output is not None:
-        found.save(output)
-    write_text(json_file, found.json)
+        grid.save(output)
+    write_text(json_file, grid.json)
     if json_file != "-":
-        show(found.listings)
+        show(grid.listings)
     warn(gears.warnings)
