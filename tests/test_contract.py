@@ -230,6 +230,44 @@ def asked(file: str, text: str, known: set[str]) -> list[tuple[int, str]]:
     return sorted(found)
 
 
+#: conditions outside of kernel and teeth that ask whether a member slides, or has one row of teeth or two: fewer than so many
+FEWER_KINDS = 10
+#: what they would ask: what joints and rows of teeth answer with nothing, and their classes
+KIND_OF_MEMBER = {
+    *("travel", "slide", "drift", "mirrored", "Prismatic", "Revolute", "SingleRow", "DoubleHelical", "SINGLE_ROW", "REVOLUTE"),
+    *("member.halves", "member.gaps", "pair.halves", "gears.halves", "pinion.halves", "gear.halves"),
+}  # fmt: skip
+
+
+def conditions(text: str) -> dict[int, str]:
+    """Conditions of a file that ask what kind of member there is, by their lines."""
+    found: dict[int, str] = {}
+    for node in ast.walk(ast.parse(text)):
+        tests = list(node.ifs) if isinstance(node, ast.comprehension) else []
+        tests += node.values if isinstance(node, ast.BoolOp) else []
+        tests += [node.test] if isinstance(node, ast.If | ast.IfExp | ast.While | ast.Assert) else []
+        tests += [node.subject] if isinstance(node, ast.Match) else []
+        for test in tests:
+            names = [ast.unparse(n).split(".") for n in ast.walk(test) if isinstance(n, ast.Name | ast.Attribute)]
+            if KIND_OF_MEMBER & {".".join(name[-k:]) for name in names for k in (1, 2)}:
+                found.setdefault(test.lineno, ast.unparse(test))
+    return found
+
+
+def test_members_answer_for_racks_and_double_helical_gears_themselves() -> None:
+    found = [
+        f"{file}:{line} asks {text}"
+        for file in FILES
+        if not file.startswith(("gearmesh/kernel/", "gearmesh/teeth/"))
+        for line, text in conditions(source(file)).items()
+    ]
+    assert 0 < len(found) < FEWER_KINDS, "\n".join(found)
+    example = "if member.mirrored is not None and a:\n    x = 1 if pair.slide is None else 2\n"
+    example += "y = [m for m in both if len(m.pinion.halves) > 1 or isinstance(m.joint, Prismatic)]\n"
+    assert list(conditions(example)) == [1, 2, 3]
+    assert not conditions("for half in member.halves:\n    x = joint.travelled(half)\n")
+
+
 def test_every_class_has_a_name_of_its_own() -> None:
     homes: dict[str, list[str]] = {}
     for file in FILES:
