@@ -14,7 +14,7 @@ class Crest:
     """Generated rounding, which touches the tip land, or chamfer: surface parameters (q, v), q across the profile.
 
     `joint` (p, q): parameters of flank and tip chamfer or rounding where they meet; `end`: parameter of the latter where the
-    land begins. `crossed`: they have been modified since the tool made them, and end where they cross.
+    land begins. `crossed`: the flank was modified since, and they end where they cross.
     """
 
     surface: Surface

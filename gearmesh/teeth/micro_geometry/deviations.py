@@ -5,23 +5,26 @@ own coordinates make it a square; over that a bicubic spline goes through all de
 points, for `Offset` asks for the amount there. So the points are moved by exactly what the grid says, along the exact normals.
 Beyond the outermost rows and columns the deviations go on straight, as the spline leaves them.
 
-The field is one of space and goes on over the joint: what the tool's tip generates is moved by it, too. There it fades, from the
-joint to the end of the fillet, where nothing is left and the root begins as cut; so it does on a rounding that the tool gives the
-tip, from the flank to the land. Flank and fillet that pass into each other smoothly have points and normals in common, which are
-moved by the same amount: they still do. Where they meet in an edge, they end where they cross.
+The field is one of space and goes on over the form point: what the tool's tip generates is moved by it, too. There it fades, from
+the form point to the end of the fillet, where nothing is left and the root begins as cut. Flank and fillet that pass into each
+other smoothly have points and normals in common, which are moved by the same amount: they still do. Where they meet in an edge,
+they end where they cross. Of a fillet that is hardly higher than nothing the way is too short: deviations begin to fade on the
+flank, at SHORTEST of its height over the root. Chamfers that the tool generates at the tip stay as cut, and meet the flank where
+they cross it.
 
-    land ___ 1                 tip_edge, undercut: found anew on the moved surfaces, as on any
-            \\
-     flank   | 1
-             |
-     joint   + 1   fillet      1 above the joint, 10 q^3 - 15 q^4 + 6 q^5 with q from 1 at the joint to 0 at the root
-              \\
-               `-- 0 ____ root
+         land
+        .-----
+         |  flank: 1
+         |
+         +  form point
+          \
+           `--.____
+       fillet: 10 q^3 - 15 q^4 + 6 q^5, q = 1 at the height of the form point, 0 at that of the root
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,20 +36,20 @@ from gearmesh.kernel.numeric.grid_spline import GridSpline
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.offset import Offset
 from gearmesh.kernel.surface.stations import TrimError, along
-from gearmesh.kernel.surface.surface import Surface, area_normal
-from gearmesh.teeth.micro_geometry.flank_field import Fade, LevelField, PlaneFunction, Quadrangle, QuadrangleSpline
+from gearmesh.kernel.surface.surface import area_normal
+from gearmesh.teeth.micro_geometry.flank_field import Fade, LevelField, Quadrangle, QuadrangleSpline
 from gearmesh.teeth.micro_geometry.modification import STEEPEST
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import Crest, ToothSide
+from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import Member
 
 #: name under which arguments are refused
 KEY = "deviations"
 #: shares of a flank beside its edges in which no points are, by default
 MARGIN = 0.1
-#: angle (rad) between normals up to which surfaces pass into each other smoothly
-SMOOTH = 1e-6
+#: part of the flank's height over which deviations fade at least, and by how much (mm) a point may miss its own for that
+SHORTEST, FADED = 0.08, 1e-9
 #: stations at which the ends of what fades are found, and points across flank and fillet at which a side is proved
 STATIONS, ACROSS = 17, 17
 
@@ -133,13 +136,19 @@ def _side(tooth: Tooth, which: Side, grid: DeviationGrid) -> ToothSide:
             reason="a linear relief gives the flank a corner, over which deviations along its normals would tear it",
             allowed="flanks with parabolic or circular reliefs",
         )
-    field = LevelField(levels, (grid.spline(levels), *_fades(tooth, which, levels)))
-    crest = side.crest
+    field = LevelField(levels, (grid.spline(levels), _fade(tooth, which, levels)))
+    reached = field.jet(grid.points + grid.values[..., None] * grid.normals).value
+    if np.abs(reached - grid.values).max() > FADED:
+        raise ArgumentError(
+            KEY,
+            reason="points are where deviations fade towards the root",
+            allowed=f"points farther from the root, as {MARGIN:g} of the flank",
+        )
     return replace(
         side,
         flank=Offset(side.flank, field),
         fillet=Offset(side.fillet, field),
-        crest=None if crest is None else _moved(crest, field, _meet_in_edge(tooth, side, crest)),
+        crest=None if side.crest is None else replace(side.crest, crossed=True),
         tabulated=True,
         generated=side.generated or side,
         crossed=side.sharp,
@@ -147,32 +156,14 @@ def _side(tooth: Tooth, which: Side, grid: DeviationGrid) -> ToothSide:
     )
 
 
-def _moved(crest: Crest, field: LevelField, crossed: bool) -> Crest:
-    return replace(crest, surface=Offset(crest.surface, field), crossed=crossed)
-
-
-def _meet_in_edge(tooth: Tooth, side: ToothSide, crest: Crest) -> bool:
-    """Whether flank and crest do not pass into each other smoothly, as with a chamfer."""
-    middle = tooth.stations([0.5])
-    first, second = (
-        along(surface, np.full_like(middle, p), middle, tooth.blank.axial)[1].n
-        for surface, p in zip((side.flank, crest.surface), crest.joint, strict=True)
-    )
-    return bool(np.linalg.norm(first - second) > SMOOTH)
-
-
-def _fades(tooth: Tooth, which: Side, levels: tuple[Level, Level]) -> Iterator[PlaneFunction]:
-    """What lets a field fade over the fillet of a side, and over a generated rounding of its tip."""
+def _fade(tooth: Tooth, which: Side, levels: tuple[Level, Level]) -> Fade:
+    """What lets a field fade over the fillet of a side, or over the part SHORTEST of the flank's height where that is more."""
     side, t = tooth.side(which), np.linspace(0.0, 1.0, STATIONS)
     stations = tooth.stations(t)
     form, tip = (levels[1].value(r) for r in tooth.flank_grid(which, [0.0, 1.0], t).points)
-
-    def at(surface: Surface, p: float) -> Array:
-        return levels[1].value(along(surface, np.full_like(stations, p), stations, levels[0])[1].r)
-
-    yield Fade.between(stations, form, at(side.fillet, side.root))
-    if side.crest is not None:
-        yield Fade.between(stations, tip, at(side.crest.surface, side.crest.end))
+    root = levels[1].value(along(side.fillet, np.full_like(stations, side.root), stations, levels[0])[1].r)
+    up = np.sign(tip - form)
+    return Fade.between(stations, root + up * np.maximum(up * (form - root), SHORTEST * np.abs(tip - form)), root)
 
 
 def _prove(tooth: Tooth, which: Side, before: ToothSide) -> None:

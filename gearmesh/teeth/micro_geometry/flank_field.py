@@ -19,7 +19,7 @@ from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.offset import FieldJet
 
 #: degree of the curves between which a field fades
-DEGREE = 4
+DEGREE = 6
 #: share of the way between them at whose end nothing is left
 LEFT_FREE = 0.05
 
