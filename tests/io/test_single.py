@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.examples import some
 from oracles.places import SAMPLES
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -146,7 +147,7 @@ VARIATIONS = (
 ONE_OF_A_KIND = ("beveloid_crossed", "circular_arc", "face_gear", "novikov", "spiral_bevel_basic", "spur")
 
 
-@pytest.mark.parametrize("sample", ONE_OF_A_KIND)
+@pytest.mark.parametrize("sample", some(ONE_OF_A_KIND, 2))
 def test_samples(tmp_path: Path, sample: str) -> None:
     """At two tolerances, without bore, and made by sharp tools where there are such."""
     for keys, tolerance in (([], 0.05), ([], 0.012), *(([key], 0.05) for key in VARIATIONS)):

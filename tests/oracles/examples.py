@@ -1,14 +1,25 @@
-"""How many examples property tests are asked: the same ones every time, or, to look for more, other ones.
+"""How many examples property tests are asked, and which designs a claim is tested on by default.
+
+Property tests are asked the same examples every time, or, to look for more, other ones:
 
     EXAMPLES=20000 python -m pytest -n 0 tests/kernel -k "twist or curvature"
 
 asks so many, drawn anew. Without it the examples follow from the test alone, so that no machine turns red by luck.
+
+A claim that is tested on many designs is tested on `some` of them by default. The others have the mark sweep, which CI runs
+after the suite:
+
+    python -m pytest -m sweep
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
+from typing import Any
 
+import numpy as np
+import pytest
 from hypothesis import HealthCheck, settings
 
 #: set by who looks for more
@@ -24,3 +35,19 @@ def examples(count: int) -> settings:
         deadline=None,
         suppress_health_check=[HealthCheck.too_slow],
     )
+
+
+def some(values: Iterable[Any], kept: int, *, whole: bool = False) -> list[Any]:
+    """Values for `parametrize`: `kept` of them, spread evenly, as they are, the others with the mark sweep.
+
+    `whole`: a tuple is the value of one argument.
+    """
+    values = list(values)
+    spread = {round(k) for k in np.linspace(0.0, len(values) - 1.0, kept)}
+    return [value if k in spread else _swept(value, whole=whole) for k, value in enumerate(values)]
+
+
+def _swept(value: Any, *, whole: bool) -> Any:
+    if hasattr(value, "marks"):
+        return pytest.param(*value.values, marks=(*value.marks, pytest.mark.sweep), id=value.id)
+    return pytest.param(*(value if isinstance(value, tuple) and not whole else (value,)), marks=pytest.mark.sweep)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
@@ -15,7 +16,7 @@ from gearmesh.study.study import recorded
 
 @pytest.mark.parametrize(
     ("sample", "torque"),
-    [("spur", [20.0, 50.0]), ("rack", None), ("spiral_bevel_basic", None), ("beveloid_crossed", None)],
+    some([("spur", [20.0, 50.0]), ("rack", None), ("spiral_bevel_basic", None), ("beveloid_crossed", None)], 2),
 )
 def test_what_rows_have_is_known_of_the_pair(sample: str, torque: list[float] | None) -> None:
     """All names that the design, solved, has, in their order; none beside them but ratios of line contact."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from oracles.built import contact_of, pair_of
+from oracles.examples import some
 from oracles.swept_cutter import along_to_cone, power_series, shift, turn
 
 import gearmesh as gm
@@ -97,7 +98,7 @@ def along_normals(side: Generated, points: Array, normals: Array, q: Array) -> A
 
 
 @pytest.mark.parametrize("hand", HANDS)
-@pytest.mark.parametrize("name", ["pinion concave", "pinion convex", "gear concave", "gear convex"])
+@pytest.mark.parametrize("name", some(["pinion concave", "pinion convex", "gear concave", "gear convex"], 2))
 def test_flanks_are_what_swept_cutters_leave(hand: str, name: str) -> None:
     """352 points: no position of the cutter is inside the tooth, and one touches it, to 1e-6 mm."""
     side = generated(

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from oracles import measuring
 from oracles.command_line import refused, run
+from oracles.examples import some
 from oracles.iso6336 import Hobbed
 
 import gearmesh as gm
@@ -142,7 +143,7 @@ UNDERCUT: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("flank", ["right", "left"])
+@pytest.mark.parametrize("flank", some(["right", "left"], 4))
 @pytest.mark.parametrize("name", UNDERCUT)
 def test_contact_ratios_of_undercut_pairs_are_those_of_the_contact_solver(name: str, flank: str) -> None:
     keys = {**UNDERCUT[name], "backlash": 0.05, "contact": {"flank": flank}}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
@@ -29,7 +30,7 @@ ADAPTED = [
 ]
 
 
-@pytest.mark.parametrize(("sample", "given", "key", "standard"), ADAPTED)
+@pytest.mark.parametrize(("sample", "given", "key", "standard"), some(ADAPTED, 5))
 def test_a_default_gives_way_and_says_so(sample: str, given: list[str], key: str, standard: float) -> None:
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml", given))
     (line,) = (line for line in gears.warnings if line.startswith(f"{key} = "))

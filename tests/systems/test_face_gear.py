@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from oracles.built import pair_of
 from oracles.curvature import undercut_indicator
+from oracles.examples import some
 from oracles.places import SAMPLES
 from scipy.optimize import root
 
@@ -82,7 +83,9 @@ def clearance(shaper: Shaper, x: Array, y: Array) -> Array:
 MEETING = [(angle, tip, 0.0) for angle in (30.0, 90.0, 110.0, 150.0) for tip in (0.0, 0.15)]
 
 
-@pytest.mark.parametrize(("angle", "tip_radius", "offset"), [*MEETING, (90.0, 0.15, 150.0), (70.0, 0.15, -60.0)])
+@pytest.mark.parametrize(
+    ("angle", "tip_radius", "offset"), some([*MEETING, (90.0, 0.15, 150.0), (70.0, 0.15, -60.0)], 4)
+)
 def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_radius: float, offset: float) -> None:
     """Points of the gear are carried through the shaper's whole motion, written out: no equation of meshing."""
     given = design(f"shaft_angle={angle}", f"shaper.tip_radius={tip_radius}", f"offset={offset}")

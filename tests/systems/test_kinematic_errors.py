@@ -12,6 +12,7 @@ from functools import cache
 import numpy as np
 import pytest
 from oracles.built import pair_of
+from oracles.examples import some
 from oracles.places import SAMPLES
 from scipy.optimize import fsolve
 
@@ -115,7 +116,7 @@ def test_keys_of_a_design_move_the_bearings_as_defined() -> None:
         np.testing.assert_allclose(a.translation, b.translation, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("pair", PAIRS, ids="-".join)
+@pytest.mark.parametrize("pair", some(PAIRS, 2, whole=True), ids="-".join)
 @pytest.mark.parametrize("key", ["dA", "dG", "dV", "d_delta"])
 def test_misalignment(pair: tuple[str, str, str], key: str) -> None:
     _, teeth, path, contact = nominal(*pair)

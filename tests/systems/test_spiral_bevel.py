@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from oracles.bevel import standard_factors
 from oracles.built import contact_of, pair_of
+from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
@@ -198,11 +199,12 @@ def sensible(rng: np.random.Generator) -> tuple[dict[str, Any], str]:
     return design, name
 
 
-def test_round_trip_of_local_synthesis_through_contact_analysis() -> None:
+@pytest.mark.parametrize("seed", some(range(5), 1))
+def test_round_trip_of_local_synthesis_through_contact_analysis(seed: int) -> None:
     """Second derivative of phi2 to what rounding leaves of it in each design; path angle and axis to fixed tolerances."""
-    rng = np.random.default_rng(23509)
+    rng = np.random.default_rng((23509, seed))
     worst = np.zeros((2, 3))
-    for k in range(200):
+    for k in range(40):
         mapping, name = sensible(rng)
         # sliding bases of tilted cutters take their teeth to be found
         tilted = int(k % 4 == 1)
