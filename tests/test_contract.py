@@ -6,9 +6,11 @@ import ast
 import json
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
+from oracles.sources import nodes
 
 import gearmesh
 
@@ -83,6 +85,9 @@ MOST_MODULES = 12
 FILES = sorted(path.relative_to(PACKAGE.parent).as_posix() for path in PACKAGE.rglob("*.py"))
 
 
+#: files are taken apart once, in one process
+pytestmark = pytest.mark.xdist_group("sources")
+
 #: what is imported from gearmesh itself: its public names
 PUBLIC = [[name] for name in gearmesh.__all__]
 
@@ -92,15 +97,17 @@ def package_of(parts: tuple[str, ...]) -> str:
     return parts[1] if len(parts) > 1 and parts[1] not in ("__init__", "__main__", "__version__") else ""
 
 
+@cache
 def imported(file: str, source: str) -> list[tuple[int, bool, str]]:
     """(line, on importing, absolute dotted name) of all imports in a file, those for types too; `from a import b` gives a.b."""
     package, found = Path(file).parts[:-1], []
-    tree = ast.parse(source)
-    inner = {id(n) for f in ast.walk(tree) if isinstance(f, ast.FunctionDef) for n in ast.walk(f)}
-    checking = {id(n) for f in ast.walk(tree) if isinstance(f, ast.If) and "TYPE_CHECKING" in ast.unparse(f.test)
+    inner = {id(n) for f in nodes(source) if isinstance(f, ast.FunctionDef) for n in ast.walk(f)}
+    checking = {id(n) for f in nodes(source) if isinstance(f, ast.If)
+                and "TYPE_CHECKING" in (getattr(f.test, "id", ""), getattr(f.test, "attr", ""))
               for n in ast.walk(f)}  # fmt: skip
-    for node in ast.walk(tree):
-        early = id(node) not in inner | checking
+    late = inner | checking
+    for node in nodes(source):
+        early = id(node) not in late
         if isinstance(node, ast.Import):
             found += [(node.lineno, early, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -139,6 +146,7 @@ def complaints(file: str, source: str) -> list[str]:
     return wrong
 
 
+@cache
 def source(file: str) -> str:
     return (PACKAGE.parent / file).read_text(encoding="utf-8")
 
@@ -194,7 +202,7 @@ def test_no_code_asks_which_tool_or_motion_made_a_surface() -> None:
         node.name
         for file in FILES
         if file.startswith(TOOLS)
-        for node in ast.walk(ast.parse(source(file)))
+        for node in nodes(source(file))
         if isinstance(node, ast.ClassDef)
     }
     example = (
@@ -214,7 +222,7 @@ def asked(file: str, text: str, known: set[str]) -> list[tuple[int, str]]:
     """(line, name) of the `known` classes that a file asks for by isinstance, issubclass, match or `type(x) is`."""
     own = {name.rpartition(".")[2] for _, _, name in imported(file, text) if name.startswith("gearmesh.")}
     found = []
-    for node in ast.walk(ast.parse(text)):
+    for node in nodes(text):
         classes: list[ast.expr] = []
         if isinstance(node, ast.Call) and ast.unparse(node.func) in ("isinstance", "issubclass"):
             classes = node.args[1:]
@@ -271,7 +279,7 @@ def test_members_answer_for_racks_and_double_helical_gears_themselves() -> None:
 def test_every_class_has_a_name_of_its_own() -> None:
     homes: dict[str, list[str]] = {}
     for file in FILES:
-        for node in ast.walk(ast.parse(source(file))):
+        for node in nodes(source(file)):
             if isinstance(node, ast.ClassDef):
                 homes.setdefault(node.name, []).append(f"{file}:{node.lineno}")
     assert {name: places for name, places in homes.items() if len(places) > 1} == {}

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from oracles.places import SAMPLES
+from oracles.sources import parsed
 
 import gearmesh as gm
 from gearmesh import samples
@@ -38,7 +39,7 @@ WHY = {"reason", "allowed", "must_be"}
 def trees() -> dict[str, ast.Module]:
     """What every file of the package says."""
     files = sorted(PACKAGE.rglob("*.py"))
-    return {str(file.relative_to(PACKAGE)): ast.parse(file.read_text(encoding="utf-8")) for file in files}
+    return {str(file.relative_to(PACKAGE)): parsed(file.read_text(encoding="utf-8")) for file in files}
 
 
 def calls() -> Iterator[tuple[str, ast.Call]]:
