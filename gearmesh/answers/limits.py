@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -154,7 +155,7 @@ class Limits(Result):
                 lines.append(line)
         return (*self.train.warnings, *lines)
 
-    @property
+    @cached_property
     def members(self) -> dict[str, MemberLimitFigures]:
         """The figures of every member, by names."""
         return {name: _figures(self.train.members[name], limits) for name, limits in self.limits.items()}

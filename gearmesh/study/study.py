@@ -165,7 +165,7 @@ class Study(Result):
         good = "" if self.good is None else f", yield {100.0 * self.good:.4g} %"
         return f"{len(self.plan)} rows over {', '.join(self.plan.keys)}, {count} with contact{good}"
 
-    @property
+    @cached_property
     def summary(self) -> StudySummary:
         """What the rows say together."""
         return StudySummary(

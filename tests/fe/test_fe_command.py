@@ -136,7 +136,7 @@ def test_default_models_resolve_the_contact_pressure(sample: str) -> None:
 def test_default_says_how_many_elements_it_would_take() -> None:
     """A line of contact that is curved takes too many; own numbers of elements stand, and so does fe.ellipse."""
     (line,) = [each for each in model_of(load(SAMPLES / "face_gear_conjugate.toml")).warnings if "resolve" in each]
-    assert re.search(r"fe.ellipse = \d+ resolves it, and so do \d{6} evenly spaced elements", line)
+    assert re.search(r"fe.ellipse = \d+ resolves it, and so do \d{6} elements with the default spacing", line)
     own = model_of(load(SAMPLES / "spur.toml", ["fe.flank=24", "fe.teeth=1"]))
     assert "2.9 elements over a semi-axis" in own.coarse
 

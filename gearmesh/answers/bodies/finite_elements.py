@@ -423,7 +423,9 @@ def _remedy(figures: ModelFigures) -> str:
     if figures.element_order == 1:
         enough = max(enough, math.ceil(max(half_axes.along for half_axes in over.values()) * math.sqrt(sag / SAG)))
     more = figures.elements_to_resolve
-    return f"; fe.ellipse = {enough} resolves it" + (f", and so do {more} evenly spaced elements" if more else "")
+    return f"; fe.ellipse = {enough} resolves it" + (
+        f", and so do {more} elements with the default spacing" if more else ""
+    )
 
 
 def _left_out(pair: GearPair, request: Request) -> list[str]:
