@@ -5,7 +5,7 @@
     design = gm.load("helical.toml", ["contact.delta=0.005"])    a design file; any key can be set anew
     gears = gm.build(design)                                      exact teeth of all members, nothing else yet
     gears.contact()                                               path, transmission error, ellipses, mesh cycle
-    gears.loaded([50, 100])                                       load sharing, loaded transmission error, root stress
+    gears.loaded_contact([50, 100])                               load sharing, loaded transmission error, root stress
     gears.solid("pinion", tolerance=0.01).save("pinion.stl")      watertight, within 0.01 mm, measured
     gears.cad().save("pair.step")                                 CAD solids, placed as they mesh
     gears.section("pinion").save("pinion.dxf")                    the section across the axis, as arcs and splines

@@ -46,7 +46,7 @@ def defaults(table: type[Table], prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 def derived(path: Path) -> dict[str, Any]:
     """What a sample leaves out and its gears are built of."""
-    return {key: rounded(value) for key, value in gm.build(gm.load(path)).pinned().added.items() if key not in ASIDE}
+    return {key: rounded(value) for key, value in gm.build(gm.load(path)).pin().added.items() if key not in ASIDE}
 
 
 def rounded(value: Any) -> Any:

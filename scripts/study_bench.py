@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import tables
 
 import gearmesh as gm
-from gearmesh.study.rows.work import _built
+from gearmesh.study.rows.work import _build
 
 ROOT = Path(__file__).parents[1]
 BEVEL = ROOT / "samples" / "spiral_bevel_basic.toml"
@@ -145,7 +145,7 @@ def loads() -> list[dict[str, Any]]:
         took = []
         for count in (1, 1 + rows):
             # a design that is known already is not built again
-            _built.cache_clear()
+            _build.cache_clear()
             gears = gm.build(gm.load(BEVEL))
             took.append(timed(what, count, partial(gears.study, sample=count, **more)))
         each = (took[1]["cpu"] - took[0]["cpu"]) / rows

@@ -11,7 +11,7 @@ import numpy as np
 from gearmesh.answers.bodies.solid import Solid
 from gearmesh.answers.contact.fit import UNMET
 from gearmesh.answers.result import Result, columns, header
-from gearmesh.answers.tables import Listing, plain, timed
+from gearmesh.answers.tables import Listing, plain, run_time_keys
 from gearmesh.check.members import roll_teeth
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.contact.fit.fit import NOTHING, Fit
@@ -193,7 +193,9 @@ class Check(Result):
             for verdict in self.verdicts
         ]
         return [
-            Listing("Meshes against exact surfaces", ["", *keys], rows, timed(next(iter(self.meshes.values())))),
+            Listing(
+                "Meshes against exact surfaces", ["", *keys], rows, run_time_keys(next(iter(self.meshes.values())))
+            ),
             *self.roll.listings,
             *(
                 replace(listing, title=f"{listing.title}: {' and '.join(other.mesh)}")
@@ -243,14 +245,14 @@ def roll_test(
         )
     rows, smooth = list[RollRow](), smooth_under(pair, path)
     for k, contact in zip(chosen, contacts, strict=True):
-        turned = _turned(path, k, contact.phi2, pair.output, "flanks")
+        turned = _rotation_row(path, k, contact.phi2, pair.output, "flanks")
         within = bool(path.kind[k] == "point") and not contact.cut_by_edge and bool(smooth[k])
         rows.append(_with_ellipse(turned, contact, path, k) if within else turned)
     filleted = spread(np.flatnonzero(path.touching & (path.part > 0)), positions)
     if filleted.size:
         whole = roll_teeth(pair, path.rotation[filleted], guess_phi2=path.phi2[filleted])
         for k, touch in zip(filleted, whole, strict=True):
-            rows.append(_turned(path, k, np.nan if touch is None else touch.phi2, pair.output, "whole teeth"))
+            rows.append(_rotation_row(path, k, np.nan if touch is None else touch.phi2, pair.output, "whole teeth"))
     compared, mount = np.concatenate((chosen, filleted)), pair.gear.mount
     arms = np.abs(dot(path.normal[compared], mount.velocity(path.point[compared])))
     limits = (FACETS * tolerance / arms / pair.output.reading.error[0]).tolist()
@@ -258,12 +260,10 @@ def roll_test(
     return RollTest(rows, contacts, tuple(_rolled_verdicts(rows, rolled, limits)))
 
 
-def _turned(path: ContactPath, k: int, phi2: float, output: Joint, rolled: str) -> RollRow:
+def _rotation_row(path: ContactPath, k: int, phi2: float, output: Joint, rolled: str) -> RollRow:
     """Error of the gear's rotation against the path at its k-th position; and what was rolled."""
     off = float(phi2 - path.phi2[k])
-    return RollRow(
-        float(np.degrees(path.phi1[k])), rolled, off / ARCSEC, output.travelled(1e3 * off), None, None, None, None
-    )
+    return RollRow(float(np.degrees(path.phi1[k])), rolled, off / ARCSEC, output.way(1e3 * off), None, None, None, None)
 
 
 def _with_ellipse(row: RollRow, rolled: RollContact, path: ContactPath, k: int) -> RollRow:
@@ -283,14 +283,14 @@ def _rolled_verdicts(
     """The largest difference of each kind that was compared, over all positions."""
     kinds: dict[str, list[tuple[float, float]]] = {}
     for row, te_limit, contact in zip(rows, te_limits, contacts, strict=True):
-        for what, value, limit in _compared(row, te_limit, contact):
+        for what, value, limit in _comparisons(row, te_limit, contact):
             kinds.setdefault(what, []).append((value, limit))
     for what, values in kinds.items():
         value, limit = max(values, key=lambda pair: float(np.nan_to_num(pair[0] / pair[1], nan=np.inf)))
         yield Verdict(f"roll: {what}", value, limit, bool(value <= limit))
 
 
-def _compared(row: RollRow, te_limit: float, contact: RollContact | None) -> Iterator[tuple[str, float, float]]:
+def _comparisons(row: RollRow, te_limit: float, contact: RollContact | None) -> Iterator[tuple[str, float, float]]:
     """What is compared at a position, its error, and the limit of that."""
     yield RollRow.key_of("te_difference" if row.along is None else "along"), abs(row.difference), te_limit
     if row.a_ratio is None or row.b_ratio is None or contact is None:

@@ -117,7 +117,7 @@ class GearSet:
     def __dir__(self) -> list[str]:
         return [name for name in super().__dir__() if not name.startswith("_")]
 
-    def placed(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, TriangleMesh]:
+    def place(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, TriangleMesh]:
         """Meshes of the members, in their own frames, where they mesh at phi1 = 0 (fixed frame)."""
         return {name: meshes[name].move(place) for name, place in self.places.items()}
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.answers.result import Result, columns, header
-from gearmesh.answers.tables import Listing, figures, plain, rounded
+from gearmesh.answers.tables import Listing, figures, plain, round_to
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
 from gearmesh.figures import Content, Entry, Figures, Summary, figure
@@ -167,7 +167,7 @@ class Limits(Result):
         for name, data in self.members.items():
             place = f"{_coordinate(self.train.members[name])} mm"
             single, tips = data.single, data.columns
-            tables.append(figures(name.capitalize(), Summary(replace(e, value=_rounded(e.value)) for e in single)))
+            tables.append(figures(name.capitalize(), Summary(replace(e, value=_round(e.value)) for e in single)))
             sides = {key: side.table for key, side in data.sides.items()}
             rows = [
                 [station, key, *values]
@@ -219,16 +219,16 @@ def limits_beyond(design: Design, refused: DesignError, land: float = 0.0) -> Li
     return limits_of(whole, replace(train, warnings=(beyond, *train.warnings)), land)
 
 
-def _rounded(value: Any) -> Any:
+def _round(value: Any) -> Any:
     """A value for people: what is zero but for rounding reads as zero."""
     value = plain(value)
-    return rounded(value, DIGITS) if isinstance(value, float) else value
+    return round_to(value, DIGITS) if isinstance(value, float) else value
 
 
 def _rows(stations: Array, columns: Iterable[NDArray[Any]]) -> Iterator[list[Any]]:
     """Rows of a table by stations."""
     for values in zip(stations, *columns, strict=True):
-        yield [_rounded(value) for value in values]
+        yield [_round(value) for value in values]
 
 
 def _heads(columns: Iterable[str]) -> list[str]:

@@ -56,7 +56,7 @@ class Pinned(Result):
         whole_text(target, design_text(self.design, target.parent, left_out))
 
 
-def pinned(stated: Design, design: Design, pairs: tuple[GearPair, ...]) -> Pinned:
+def pin(stated: Design, design: Design, pairs: tuple[GearPair, ...]) -> Pinned:
     """The pinned `design` of one as it was stated, and the `pairs` built of it.
 
     Positions left out are those of the engagement of a pair; of several pairs, or where none meets, they are left out again.

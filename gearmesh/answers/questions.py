@@ -41,8 +41,8 @@ class SolvedGears(GearSet):
         """Tooth contact of a pair: the path of one tooth pair at `phi1` (P,), deg, and the whole mesh cycle.
 
         Without `phi1` at the design's positions; with a `torque` (Nm) on the pinion also the Hertz pressure along the path, all
-        load on the one tooth pair or, for `load_sharing`, the share of it that `loaded` gives the pair; without `cycle` the path
-        alone. With `turns` also the transmission error over whole turns of eccentric members, until the same teeth meet again.
+        load on the one tooth pair or, for `load_sharing`, the share of it that `loaded_contact` gives the pair; without `cycle` the
+        path alone. With `turns` also the transmission error over whole turns of eccentric members, until the same teeth meet again.
         `pair`: its number, or its members as "sun-planet_1".
         """
         from gearmesh.answers.contact.contact import contact_of
@@ -68,7 +68,7 @@ class SolvedGears(GearSet):
             turns=turns,
         )
 
-    def loaded(
+    def loaded_contact(
         self,
         torque: ArrayLike,
         phi1: ArrayLike | None = None,
@@ -106,7 +106,7 @@ class SolvedGears(GearSet):
             mounts=mounts,
         )
 
-    def checked(self, contacts: Mapping[int, Contact], solids: dict[str, Solid]) -> Check:
+    def check_solved(self, contacts: Mapping[int, Contact], solids: dict[str, Solid]) -> Check:
         """The check of solved contacts, by the numbers of their pairs, and of solids by the names of their members."""
         from gearmesh.answers.check import Check, roll_test
 
@@ -135,7 +135,7 @@ def loaded_meshes(
     pinion of the first, and with its solved contact; other meshes have the torque that is transmitted to their pinions: idlers,
     such as planets, take up none of it.
 
-    Raises DesignError and NoSolutionError as `SolvedGears.loaded`.
+    Raises DesignError and NoSolutionError as `SolvedGears.loaded_contact`.
     """
     first, asked = gears.pairs[0], np.atleast_1d(np.asarray(torque, dtype=float))
     handed: dict[str, float] = {first.pinion.name: 1.0}
@@ -146,10 +146,10 @@ def loaded_meshes(
     for done, k in enumerate(different):
         pair, part = gears.pairs[k], handed[gears.pairs[k].pinion.name]
 
-        def told(share: float, doing: str, done: int = done) -> None:
+        def report(share: float, doing: str, done: int = done) -> None:
             progress((done + share) / len(different), doing)
 
-        under_load = gears.loaded(part * asked, pair=k, progress=told, contact=contacts[k])
+        under_load = gears.loaded_contact(part * asked, pair=k, progress=report, contact=contacts[k])
         if len(different) > 1:
             under_load = replace(
                 under_load, warnings=(*gears.warnings, *_of_mesh(pair, under_load.warnings, gears.warnings))

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh import __version__
-from gearmesh.answers.tables import Listing, aligned, as_html, json_text, plain
+from gearmesh.answers.tables import Listing, align, as_html, json_text, plain
 from gearmesh.design.core import Design
 from gearmesh.errors import OutputError
 from gearmesh.figures import Content, Figures, Summary, as_rows, figure
@@ -53,15 +53,15 @@ class Result(ABC):
         """What the document has: figures, and the messages beside them."""
 
     @property
-    def spent(self) -> RunTime | None:
+    def run_time(self) -> RunTime | None:
         """How long all of it took, where the figures do not say it."""
         return None
 
     def document(self) -> dict[str, Any]:
         """The answer as `--json` writes it: run times under the key "timing" alone, all else the same from run to run."""
         kept, times = times_apart(self.sections)
-        if self.spent is not None:
-            times |= self.spent.row
+        if self.run_time is not None:
+            times |= self.run_time.row
         table: dict[str, Any] = plain({**kept, "timing": times} if times else kept)
         return table
 
@@ -97,7 +97,7 @@ class Result(ABC):
         return f"<{type(self).__name__}: {self.headline}>"
 
     def __str__(self) -> str:
-        return "\n".join(aligned(listing) for listing in self.listings).rstrip("\n")
+        return "\n".join(align(listing) for listing in self.listings).rstrip("\n")
 
     def _repr_html_(self) -> str:
         return as_html(self.listings)
@@ -123,7 +123,7 @@ def times_apart(table: Figures | Mapping[str, Content]) -> tuple[dict[str, Any],
     """A table, its figures as rows, without its run times, and these."""
     kept: dict[str, Any] = {}
     times: dict[str, Any] = {}
-    for key, value, timed in _named(table):
+    for key, value, timed in _entries(table):
         if timed:
             times[key] = value
         elif isinstance(value, Mapping) or (isinstance(value, Figures) and value.known):
@@ -141,7 +141,7 @@ def _timeless(value: Content) -> Any:
     return times_apart(value)[0] if isinstance(value, Figures) and value.known else as_rows(value)
 
 
-def _named(table: Figures | Mapping[str, Content]) -> Iterator[tuple[str, Any, bool]]:
+def _entries(table: Figures | Mapping[str, Content]) -> Iterator[tuple[str, Any, bool]]:
     """Keys and values of a table, and whether they are run times."""
     if isinstance(table, Figures | Summary):
         yield from ((entry.key, entry.known, entry.figure.timing) for entry in table.entries)

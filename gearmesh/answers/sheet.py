@@ -28,14 +28,14 @@ class Filling(Result):
         return (".json", ".toml")
 
     @abstractmethod
-    def applied(self) -> Design:
+    def apply(self) -> Design:
         """The design with the values given."""
 
     def _write(self, target: Path) -> None:
         from gearmesh.design.files import design_text
         from gearmesh.io.atomic import whole_text
 
-        whole_text(target, design_text(self.applied(), target.parent))
+        whole_text(target, design_text(self.apply(), target.parent))
 
 
 @dataclass(frozen=True, repr=False)
@@ -75,7 +75,7 @@ class DesignSheet(Filling):
             for table in self.tables
         }
 
-    def applied(self) -> Design:
+    def apply(self) -> Design:
         """The design with all the values given."""
         return self.design.with_values({**self.values, **dict.fromkeys(self.replaced)})
 
@@ -134,7 +134,7 @@ class Compensation(Filling):
     def sections(self) -> Mapping[str, Content]:
         return {**header(self.design), "settings": self.rows}
 
-    def applied(self) -> Design:
+    def apply(self) -> Design:
         """The design with the settings of after."""
         return self.design.with_values({setting.key: setting.after for setting in self.settings})
 

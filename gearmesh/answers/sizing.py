@@ -97,9 +97,9 @@ class Sizing(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        return self.shown(len(self.candidates))
+        return self.first_pairs(len(self.candidates))
 
-    def shown(self, most: int) -> list[Listing]:
+    def first_pairs(self, most: int) -> list[Listing]:
         """The first pairs, at most so many, as a table."""
         heads = ("", "z1", "z2", "beta", "x1", "x2", "eps_a", "eps_b", "zeta", "s_an", "")
         rows = [

@@ -53,15 +53,15 @@ def figures(title: str, values: Figures | Summary) -> Listing:
     for key, value in flat(values.entries).items():
         value = plain(value)
         rows.append((key, ", ".join(map(cell, value)) if isinstance(value, list) else value))
-    return Listing(title, ("", ""), rows, timed(values))
+    return Listing(title, ("", ""), rows, run_time_keys(values))
 
 
-def timed(values: Figures | Summary) -> frozenset[str]:
+def run_time_keys(values: Figures | Summary) -> frozenset[str]:
     """Keys of those that are run times."""
     return frozenset(entry.key for entry in values.entries if entry.figure.timing)
 
 
-def aligned(listing: Listing, width: int = WIDTH) -> str:
+def align(listing: Listing, width: int = WIDTH) -> str:
     """A table as plain text: title, headings, then rows, columns at least two blanks apart.
 
     Where it is wider than `width`, columns of words are wrapped, and columns of numbers continue in further blocks below, each
@@ -71,7 +71,7 @@ def aligned(listing: Listing, width: int = WIDTH) -> str:
     columns = list(zip(*table, strict=True))
     numeric = listing.numeric
     key = max((len(word) for text in columns[0] for word in text.split()), default=0) if columns else 0
-    widths = _folded([max(map(len, column)) for column in columns], key, numeric, width)
+    widths = _fold([max(map(len, column)) for column in columns], key, numeric, width)
     blocks = _blocks(widths, width)
     text = [listing.title + "\n"] if listing.title else []
     for number, block in enumerate(blocks):
@@ -82,7 +82,7 @@ def aligned(listing: Listing, width: int = WIDTH) -> str:
     return "".join(text)
 
 
-def _folded(widths: list[int], key: int, numeric: list[bool], width: int) -> list[int]:
+def _fold(widths: list[int], key: int, numeric: list[bool], width: int) -> list[int]:
     """Widths of columns with those of words made narrower until all fit, or none can be; the first stays `key` wide."""
     widths = list(widths)
     while sum(widths) + GAP * (len(widths) - 1) > width:
@@ -166,6 +166,6 @@ def csv_text(rows: Sequence[Mapping[str, Any]]) -> str:
     return csv_table.csv_text(head, ([plain(row[name]) for name in head] for row in rows))
 
 
-def rounded(value: float, digits: int) -> float:
+def round_to(value: float, digits: int) -> float:
     """A number for people, without -0."""
     return round(value, digits) + 0.0

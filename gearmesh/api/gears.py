@@ -227,7 +227,7 @@ class Gears(SolvedGears):
         """
         solids = {name: self.solid(name, tolerance) for name in self.members}
         chosen = self.train.different if pair is None else (pair,)
-        return self.checked({k: self.contact(pair=k) for k in chosen}, solids)
+        return self.check_solved({k: self.contact(pair=k) for k in chosen}, solids)
 
     def roll(self, contact: Contact) -> RollTest:
         """The roll test of the meshed flanks at positions of a solved contact."""
@@ -259,11 +259,11 @@ class Gears(SolvedGears):
             raise ArgumentError("torque", torque, reason="forces need both members; leave member out")
         return member_sheet_of(self, member)
 
-    def pinned(self) -> Pinned:
+    def pin(self) -> Pinned:
         """The design with every default and derived value given: it builds the same gears in later versions, to 1e-12 mm."""
-        from gearmesh.answers.pinned import pinned
+        from gearmesh.answers.pinned import pin
 
-        return pinned(self.design, systems.pin(self.design, self.train), self.pairs)
+        return pin(self.design, systems.pin(self.design, self.train), self.pairs)
 
     def compensate(self, refinish: str | None = None) -> Compensation:
         """Settings that compensate the assembly errors of the design, of the member to `refinish` where the kind leaves the choice.
@@ -397,12 +397,12 @@ class Gears(SolvedGears):
         Raises DesignError for what cannot be varied, NoSolutionError where the design itself has no contact, OutputError for a
         folder with another study.
         """
-        from gearmesh.study.study import plan_of, recorded, studied
+        from gearmesh.study.study import plan_of, run_study, work_and_nominal
 
         plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed)
         torques = None if torque is None else np.atleast_1d(np.asarray(torque, dtype=float)).tolist()
-        work, nominal = recorded(self.design, plan.keys, pair, record, torques)
-        return studied(self.design, plan, work, nominal, limits, folder, workers, scheduler, progress)
+        work, nominal = work_and_nominal(self.design, plan.keys, pair, record, torques)
+        return run_study(self.design, plan, work, nominal, limits, folder, workers, scheduler, progress)
 
     def largest_errors(
         self,
@@ -448,7 +448,7 @@ class Gears(SolvedGears):
         contacts = {k: self.contact(pair=k) for k in self.train.different}
         verdicts = None
         if check:
-            verdicts = self.checked(contacts, {name: self.solid(name) for name in self.members})
+            verdicts = self.check_solved(contacts, {name: self.solid(name) for name in self.members})
         return report_page(
             self,
             contacts,

@@ -39,7 +39,7 @@ class FigureGroup:
 def figure_groups(word: str = "") -> list[FigureGroup]:
     """All declared figures whose key contains a `word`, by answers; nothing is solved."""
     kinds = sorted(declaring(), key=lambda kind: (_rank(kind.__module__), kind.__module__))
-    groups = (FigureGroup(_first_line(kind), _named(kind, word)) for kind in kinds)
+    groups = (FigureGroup(_first_line(kind), _figures_with(kind, word)) for kind in kinds)
     return [group for group in groups if group.figures]
 
 
@@ -72,6 +72,6 @@ def _first_line(kind: type[Figures]) -> str:
     return (kind.__doc__ or kind.__name__).splitlines()[0].removesuffix(".")
 
 
-def _named(kind: type[Figures], word: str) -> tuple[Figure, ...]:
+def _figures_with(kind: type[Figures], word: str) -> tuple[Figure, ...]:
     """Its own figures whose key contains a word; those that consist of figures of another kind are listed there."""
     return tuple(known for known in kind.declared_figures() if known.key and word in known.key)

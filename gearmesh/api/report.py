@@ -105,15 +105,15 @@ def report_page(
     meshes = {member.member.name: member.whole for member in members}
     first = contacts[0]
     if len(gears.pairs) > 1:
-        overview = pictures.set_picture(first.pair, gears.placed(meshes), PICTURE_SIZE)
+        overview = pictures.set_picture(first.pair, gears.place(meshes), PICTURE_SIZE)
     else:
         overview = pictures.pair_picture(first.pair, meshes, first.path, PICTURE_SIZE)
     skipped = opengl.missing_opengl_message()
     if images is None:
-        images = [] if skipped else _drawn(gears, contacts, members, overview)
+        images = [] if skipped else _draw(gears, contacts, members, overview)
     checks = {} if check is None else dict(zip(contacts, (check, *check.others), strict=True))
     loads = {} if loaded is None else dict(loaded)
-    staged = [_staged(gears.train, contact, checks.get(k), loads.get(k)) for k, contact in contacts.items()]
+    staged = [_stage(gears.train, contact, checks.get(k), loads.get(k)) for k, contact in contacts.items()]
     data = stage(gears.train, members, staged, overview.camera)
     shots = [(caption, _jpeg(image)) for caption, image in images]
     sections = _sections(gears, contacts, check, shots, source, studies, loads)
@@ -132,13 +132,13 @@ def report_page(
     return ReportPage(gears.title, html, warnings, skipped)
 
 
-def _staged(train: Train, contact: Contact, check: Check | None, loaded: LoadedPictures | None = None) -> StagedPair:
+def _stage(train: Train, contact: Contact, check: Check | None, loaded: LoadedPictures | None = None) -> StagedPair:
     """A pair for the view, its contact at as many positions as the slider wants, those without contact left out."""
     patches = {} if check is None else {name: check.roll.patches(contact.pair, name) for name in contact.pair.members}
     return StagedPair(staged_contact(train, contact), patches, None if loaded is None else loaded.pattern)
 
 
-def _drawn(
+def _draw(
     gears: GearSet, contacts: Mapping[int, Contact], members: Sequence[StagedMember], overview: Any
 ) -> list[tuple[str, Image]]:
     """All gears in mesh, then the members' teeth with their contact."""

@@ -198,7 +198,7 @@ class RunFolder:
                 del scenes["pair.png"]
             images += [(scene.title, render(scene, self.file(file, contact.pair))) for file, scene in scenes.items()]
         if self.several:
-            overview = pictures.set_picture(contacts[0].pair, self.gears.placed(meshes), title=self.gears.title)
+            overview = pictures.set_picture(contacts[0].pair, self.gears.place(meshes), title=self.gears.title)
             images.append((overview.title, render(overview, self.file("pair.png"))))
         return images[-1:] + images[:-1]
 
@@ -220,15 +220,15 @@ def run(
     where no position has contact.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    stale, written = _listed(folder), RunFolder(gears, folder, timing)
-    contacts, loaded = _solved(gears, torque, progress)
+    stale, written = _listed_files(folder), RunFolder(gears, folder, timing)
+    contacts, loaded = _solve(gears, torque, progress)
     written.write_answers(contacts, loaded)
     solids = written.write_solids(tolerance, progress)
     meshes, contact = {name: solid.mesh for name, solid in solids.items()}, contacts[0]
-    placed = gears.placed(meshes) if written.several else pictures.in_mesh(contact.pair, meshes, contact.path)
+    placed = gears.place(meshes) if written.several else pictures.in_mesh(contact.pair, meshes, contact.path)
     io.write_scene(placed, written.file("pair.vtm"))
     progress(0.45, "roll test")
-    check = gears.checked(contacts, solids)
+    check = gears.check_solved(contacts, solids)
     drawn = {k: LoadedPictures(under_load) for k, under_load in loaded.items()}
     written.write_plots(contacts, drawn, progress)
     skipped, images = opengl.missing_opengl_message(), list[tuple[str, Image]]()
@@ -250,7 +250,7 @@ def run(
     return report
 
 
-def _solved(
+def _solve(
     gears: SolvedGears, torque: ArrayLike | None, progress: Progress
 ) -> tuple[dict[int, Contact], dict[int, LoadedContact]]:
     """Contact of every mesh that differs, and under torques (Nm) where they are given, by the numbers of the pairs."""
@@ -267,7 +267,7 @@ def _solved(
     )
 
 
-def _listed(folder: Path) -> set[str]:
+def _listed_files(folder: Path) -> set[str]:
     """Names of the files in the folder that the report of an earlier run lists."""
     try:
         names = read_json(folder / REPORT, LARGEST, error=OutputError)["files"]

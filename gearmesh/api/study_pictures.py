@@ -39,9 +39,9 @@ MANY = 20
 def study_pictures(study: Study, folder: Path) -> list[Path]:
     """Responses, sensitivities of two keys or more, histograms of many rows, the matrix of patterns of small grids."""
     name = study.design.name or study.design.kind
-    figures = [_figure(study, name_of_figure) for name_of_figure in study.plotted]
+    figures = [_figure(study, name_of_figure) for name_of_figure in study.plotted_figures]
     numeric = {key: study.numbers(key) for key in study.plan.keys}
-    keys = [(_labelled(study, key), values) for key, values in numeric.items() if np.isfinite(values).all()]
+    keys = [(_label(study, key), values) for key, values in numeric.items() if np.isfinite(values).all()]
     made: list[Path] = []
 
     def file(stem: str) -> Path:
@@ -71,7 +71,7 @@ def _figure(study: Study, name: str) -> StudyFigure:
 def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:
     """Of every figure that keys have effects on: swings where straight lines describe it, else shares of its variance."""
     bars: list[SwingBars | ShareBars] = []
-    for name in study.plotted:
+    for name in study.plotted_figures:
         own = [effect for effect in study.effects if effect.figure == name]
         if own and own[0].linear:
             middle = float(np.nanmean(study.numbers(name)))
@@ -93,7 +93,7 @@ def _number(value: float | None) -> float:
     return np.nan if value is None else value
 
 
-def _labelled(study: Study, key: str) -> str:
+def _label(study: Study, key: str) -> str:
     """A key with its unit."""
     known = type(study.design).key_at(key)
     unit = "" if known is None else {"length": study.design.units, "angle": "deg"}.get(known.unit, "")
@@ -112,7 +112,7 @@ def _matrix(study: Study, file: Path, name: str) -> None:
     ]
     down = plan.shape[1] if len(plan.shape) > 1 else 1
     axes: list[tuple[str, Sequence[object]]] = [
-        (_labelled(study, key), [row[k] for row in values])
+        (_label(study, key), [row[k] for row in values])
         for k, (key, values) in enumerate(zip(plan.keys, (given[::down], given[:down]), strict=False))
     ]
     columns, rows = (*axes, ("", [""]))[:2]

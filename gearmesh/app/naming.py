@@ -18,7 +18,7 @@ def naming_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """A command whose refusals of arguments name its options."""
 
     @functools.wraps(command)
-    def named(*arguments: Any, **options: Any) -> Any:
+    def run(*arguments: Any, **options: Any) -> Any:
         try:
             return command(*arguments, **options)
         except GearmeshError as failure:
@@ -26,7 +26,7 @@ def naming_options(command: Callable[..., Any]) -> Callable[..., Any]:
                 raise
             raise failure.rename(option_of(command, failure.key)) from failure
 
-    return named
+    return run
 
 
 def option_of(command: Callable[..., Any], argument: str) -> str:

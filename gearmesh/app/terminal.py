@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gearmesh import lengths
-from gearmesh.answers.tables import Listing, aligned
+from gearmesh.answers.tables import Listing, align
 from gearmesh.errors import ArgumentError, NoSolutionError, OutputError, Status
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def show(listings: Iterable[Listing]) -> None:
         if terminal:
             _show_ruled(listing)
         else:
-            sys.stdout.write(("\n" if index else "") + aligned(listing))
+            sys.stdout.write(("\n" if index else "") + align(listing))
 
 
 def _show_ruled(listing: Listing) -> None:

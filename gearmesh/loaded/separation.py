@@ -120,7 +120,7 @@ class NearPairs:
             points = np.where(self._of_half(k, points), image.point(points), points)
         return points
 
-    def directed(self, vectors: Array) -> Array:
+    def turn(self, vectors: Array) -> Array:
         """Vectors (M, ..., 3) as they are, those of the other half too."""
         for k, image in enumerate(self.images[1:], 1):
             vectors = np.where(self._of_half(k, vectors), image.vector(vectors), vectors)

@@ -356,7 +356,7 @@ class _Problem:
         full = (count, self.most, *cells)
         on, gap = self._slots(grid.on), self._slots(grid.gap)
         if supports is not None:
-            for k, wrench_rows in enumerate(supports.wrenches(near.in_place(grid.middle), near.directed(grid.normal))):
+            for k, wrench_rows in enumerate(supports.wrenches(near.in_place(grid.middle), near.turn(grid.normal))):
                 wrench = self._slots(wrench_rows).reshape(count, -1, 6)
                 smooth += wrench @ supports.compliance[k] @ wrench.swapaxes(1, 2)
                 # as far as members have been moved, gaps have it already
@@ -462,7 +462,7 @@ class _Problem:
         """By how much (P, 2, 6), mm and rad, the pressures displace both members in their mounts."""
         assert self.supports is not None
         displacements = np.zeros((len(self.near.phi1), 2, 6))
-        points, normals = self.near.in_place(self.grid.middle), self.near.directed(self.grid.normal)
+        points, normals = self.near.in_place(self.grid.middle), self.near.turn(self.grid.normal)
         for k, wrench in enumerate(self.supports.wrenches(points, normals)):
             force = np.einsum("mxi,mx->mi", wrench, self.line)
             np.add.at(displacements[:, k], self.near.position, force @ self.supports.compliance[k])

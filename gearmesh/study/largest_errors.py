@@ -19,7 +19,7 @@ from gearmesh.study.plan import KeyReader
 from gearmesh.study.rows.largest import largest
 from gearmesh.study.rows.work import StudyWork, displacing_keys, own_keys
 from gearmesh.study.statistics import Limit, limit_of
-from gearmesh.study.study import recorded
+from gearmesh.study.study import work_and_nominal
 from gearmesh.systems.designs import parse
 
 #: how far is looked, in the unit of a key, where nobody says
@@ -109,7 +109,7 @@ def largest_errors(
     reaches = dict(keys) if isinstance(keys, Mapping) else dict.fromkeys(keys, REACH)
     named = tuple(limit_of(text, None) for text in criteria)
     looked = {key: _ends(design, key, reach) for key, reach in reaches.items()}
-    work, nominal = recorded(design, (), pair, tuple(dict.fromkeys(limit.figure for limit in named)), torque)
+    work, nominal = work_and_nominal(design, (), pair, tuple(dict.fromkeys(limit.figure for limit in named)), torque)
     for limit in named:
         own = _number(nominal[limit.figure])
         if not limit.holds(np.array([own]))[0]:

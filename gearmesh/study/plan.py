@@ -75,7 +75,7 @@ def grid(lists: Mapping[str, Sequence[Value]]) -> Plan:
     return Plan(columns, shape, about={"grid": {key: list(values) for key, values in lists.items()}})
 
 
-def sampled(spreads: Mapping[str, Spread], count: int, method: str = "lhs", seed: int = 0) -> Plan:
+def sample_plan(spreads: Mapping[str, Spread], count: int, method: str = "lhs", seed: int = 0) -> Plan:
     """`count` samples of spreads, of a Saltelli sample so many points. Raises DesignError for another method than METHODS."""
     if method not in METHODS:
         raise ArgumentError("method", method, must_be=f"one of {', '.join(METHODS)}")
@@ -162,7 +162,7 @@ class KeyReader:
             return text in ("true", True)
         if unit in ("choice", "text", "file"):
             return str(text)
-        return self._counted(key, self.number(key, text))
+        return self._whole_number(key, self.number(key, text))
 
     def values(self, key: str, text: str) -> list[Value]:
         """The values of "low:high:count" or "a,b,c"."""
@@ -176,7 +176,7 @@ class KeyReader:
         first, last = self.ends(key, low, rest[0])
         _refuse_size("vary", int(rest[1]))
         steps = np.linspace(first, last, int(rest[1]))
-        return [self._counted(key, float(f"{value:.{DIGITS}g}") + 0.0) for value in steps.tolist()]
+        return [self._whole_number(key, float(f"{value:.{DIGITS}g}") + 0.0) for value in steps.tolist()]
 
     def range(self, key: str, text: str) -> Spread:
         """The even spread of "low:high", of which samples are taken."""
@@ -188,7 +188,7 @@ class KeyReader:
             raise ArgumentError("vary", text, entry=key, reason="whole numbers can be varied in a grid, not sampled")
         return Spread("uniform", ends)
 
-    def _counted(self, key: str, value: float) -> float | int:
+    def _whole_number(self, key: str, value: float) -> float | int:
         if self._unit(key) != "count":
             return value
         if value != round(value):
@@ -210,7 +210,7 @@ class KeyReader:
         return known.unit
 
 
-def named(option: str, text: str) -> tuple[str, str]:
+def key_and_value(option: str, text: str) -> tuple[str, str]:
     """Key and the rest of "key=...". Raises DesignError for another text."""
     key, equals, rest = text.partition("=")
     if not equals or not key.strip() or not rest.strip():

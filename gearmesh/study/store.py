@@ -43,7 +43,7 @@ class StudyStore:
         self._file: int | None = None
 
     @contextmanager
-    def opened(self) -> Iterator[StudyStore]:
+    def open(self) -> Iterator[StudyStore]:
         """The store, with what is done already read; nobody else may open it meanwhile.
 
         Raises OutputError for a folder that holds another plan, is in use or cannot be written.
@@ -114,7 +114,7 @@ class StudyStore:
         with open(self._descriptor, "rb", closefd=False) as file:
             while line := file.readline(LINE + 1):
                 number += 1
-                parsed = _parsed(line)
+                parsed = _parse(line)
                 if parsed is None and not file.read(1) and len(line) <= LINE:
                     break
                 if parsed is None or not self._holds(*parsed):
@@ -150,7 +150,7 @@ def _line(chunk: int, rows: Rows) -> bytes:
     return f'{{"done":{text},"crc":{zlib.crc32(text.encode())}}}\n'.encode()
 
 
-def _parsed(line: bytes) -> tuple[int, Rows] | None:
+def _parse(line: bytes) -> tuple[int, Rows] | None:
     """Chunk and rows of a line; None for a torn one."""
     if not line.endswith(b"\n"):
         return None

@@ -23,7 +23,7 @@ from gearmesh.design.shown import nearest
 from gearmesh.errors import ArgumentError, NoSolutionError, OutputError
 from gearmesh.figures import Content, Summary
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.study.plan import KeyReader, Plan, Value, grid, sampled
+from gearmesh.study.plan import KeyReader, Plan, Value, grid, sample_plan
 from gearmesh.study.rows.names import recordable
 from gearmesh.study.rows.path_figures import PathFigures, PathShift
 from gearmesh.study.rows.patterns import AssemblyContact, assembly_contacts
@@ -101,7 +101,7 @@ class Study(Result):
         return np.array([v if isinstance(v, int | float) else np.nan for v in self.columns[name]], dtype=float)
 
     @property
-    def plotted(self) -> list[str]:
+    def plotted_figures(self) -> list[str]:
         """Figures that the plots show: those of limits first."""
         wanted = dict.fromkeys([*(limit.figure for limit in self.limits), *MAIN, *self.figures])
         many = [name for name in wanted if name in self.figures and np.isfinite(self.numbers(name)).any()]
@@ -118,7 +118,11 @@ class Study(Result):
     def effects(self) -> list[Effect]:
         """What each key does to each figure that is plotted, by straight lines, the greatest first; they rank where they fit."""
         keys = self._numeric
-        return [effect for name in self.plotted for effect in effects(keys, name, self.numbers(name))] if keys else []
+        return (
+            [effect for name in self.plotted_figures for effect in effects(keys, name, self.numbers(name))]
+            if keys
+            else []
+        )
 
     @cached_property
     def variance(self) -> list[VarianceShare]:
@@ -126,7 +130,7 @@ class Study(Result):
         keys = self._numeric
         return [
             share
-            for name in self.plotted
+            for name in self.plotted_figures
             for share in (variance_shares(self.plan, keys, name, self.numbers(name)) if keys else [])
         ]
 
@@ -144,7 +148,7 @@ class Study(Result):
         shares = self.variance
         lines = []
         for name, share in {effect.figure: effect.explained for effect in self.effects if not effect.linear}.items():
-            told = _ranked([share for share in shares if share.figure == name])
+            told = _ranking([share for share in shares if share.figure == name])
             lines.append(
                 f"{name} is not linear in the keys (R^2 = {share:.2g}, below {LINEAR:g}): its slopes do not rank the keys; {told}"
             )
@@ -175,7 +179,7 @@ class Study(Result):
             nominal=self.nominal,
             percentiles={
                 name: dict(zip(map(str, PERCENTILES), percentiles(self.numbers(name)), strict=True))
-                for name in dict.fromkeys([*self.plotted, *self.figures])
+                for name in dict.fromkeys([*self.plotted_figures, *self.figures])
             },
             sensitivities=self.effects,
             variance=self.variance,
@@ -212,7 +216,7 @@ class Study(Result):
         return assembly_contacts(self.work, self.plan.rows(0, len(self.plan)))
 
 
-def _ranked(shares: Sequence[VarianceShare]) -> str:
+def _ranking(shares: Sequence[VarianceShare]) -> str:
     """What shares of a figure's variance say of the order of keys."""
     if not shares:
         return (
@@ -227,7 +231,7 @@ def _ranked(shares: Sequence[VarianceShare]) -> str:
     return "use their shares of its variance"
 
 
-def studied(
+def run_study(
     design: Design,
     plan: Plan,
     work: StudyWork,
@@ -252,8 +256,8 @@ def studied(
         **({"torque_nm": work.torque} if work.torque else {}),
     }
     store = StudyStore(None if folder is None else Path(folder), json.loads(json.dumps(spec, default=str)))
-    with store.opened():
-        _worked(store, plan, work, workers, scheduler, progress)
+    with store.open():
+        _work(store, plan, work, workers, scheduler, progress)
     return Study(design, plan, _columns(plan, work, store), nominal, wanted, work)
 
 
@@ -287,7 +291,7 @@ def plan_of(
             spreads[key] = spread
         if not spreads:
             raise ArgumentError("sample", reason="needs vary (KEY=LOW:HIGH) or tolerance to draw from")
-        plan = sampled(spreads, sample, method, seed)
+        plan = sample_plan(spreads, sample, method, seed)
     _refuse_impossible(design, plan)
     return plan
 
@@ -321,7 +325,7 @@ def _refuse_impossible(design: Design, plan: Plan) -> None:
             parse(with_keys(own, [(key, value)]))
 
 
-def recorded(
+def work_and_nominal(
     design: Design,
     keys: tuple[str, ...],
     pair: int | str,
@@ -386,7 +390,7 @@ def _refuse_unknown(tokens: Sequence[str], allowed: Sequence[str], names: Iterab
             )
 
 
-def _worked(
+def _work(
     store: StudyStore,
     plan: Plan,
     work: StudyWork,

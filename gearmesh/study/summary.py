@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from gearmesh.answers.tables import Listing, rounded
+from gearmesh.answers.tables import Listing, round_to
 from gearmesh.figures import Figures, figure
 from gearmesh.study.statistics import PERCENTILES, Effect
 from gearmesh.study.variance import VarianceShare
@@ -58,13 +58,13 @@ class StudySummary(Figures):
         reasons = list(self.failures.items())[:REASONS]
         return [
             Listing(f"Study: {self.headline}", heads, rows),
-            *self._ranked,
+            *self._rankings,
             *([self._yield] if self.limits else []),
             *([Listing("Rows without figures", ["reason", "rows"], reasons)] if reasons else []),
         ]
 
     @property
-    def _ranked(self) -> list[Listing]:
+    def _rankings(self) -> list[Listing]:
         """What keys do to figures."""
         slopes = [
             [sensitivity.key, sensitivity.figure, sensitivity.slope, sensitivity.swing, sensitivity.explained]
@@ -74,8 +74,8 @@ class StudySummary(Figures):
             [
                 share.key,
                 share.figure,
-                *(None if v is None else rounded(v, 4) for v in (share.first, share.first_error)),
-                *(None if v is None else rounded(v, 4) for v in (share.total, share.total_error)),
+                *(None if v is None else round_to(v, 4) for v in (share.first, share.first_error)),
+                *(None if v is None else round_to(v, 4) for v in (share.total, share.total_error)),
             ]
             for share in self.variance
         ]

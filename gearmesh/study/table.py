@@ -24,7 +24,7 @@ def write_csv(path: Path, columns: Mapping[str, list[Any]]) -> None:
 def write_parquet(path: Path, columns: Mapping[str, list[Any]]) -> None:
     """Raises OutputError where pyarrow is not installed."""
     pyarrow, parquet = require_pyarrow()
-    arrays = {name: pyarrow.array(list(map(_known, values)), type=_type(values)) for name, values in columns.items()}
+    arrays = {name: pyarrow.array(list(map(_finite, values)), type=_type(values)) for name, values in columns.items()}
     with whole_file(path) as temporary:
         parquet.write_table(pyarrow.table(arrays), temporary)
 
@@ -41,7 +41,7 @@ def require_pyarrow() -> tuple[Any, Any]:
     return pyarrow, parquet
 
 
-def _known(value: Any) -> Any:
+def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

@@ -123,7 +123,7 @@ class Member:
         return (*BODY_REGIONS, *(RARE_REGIONS if rare else ()), *(GAP_REGIONS if self.gaps else ()))
 
     @property
-    def repeated(self) -> tuple[Region, ...]:
+    def repeated_regions(self) -> tuple[Region, ...]:
         """Regions of the tooth that look alike on every tooth: of a bar all but the root, which goes on beyond the last."""
         regions = self.tooth.regions
         return (

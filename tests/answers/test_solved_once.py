@@ -29,7 +29,7 @@ def test_both_sides_of_a_contact_are_followed_once(monkeypatch: pytest.MonkeyPat
 
 
 def test_rows_of_loaded_contact_are_made_once() -> None:
-    found = gm.build(gm.load(SAMPLES / "spur.toml")).loaded(100.0, [0.0])
+    found = gm.build(gm.load(SAMPLES / "spur.toml")).loaded_contact(100.0, [0.0])
     assert found.rows is found.figures.positions
     assert found.totals is found.figures.totals
     assert found.tooth_pair is found.figures.tooth_pair

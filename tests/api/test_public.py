@@ -111,7 +111,7 @@ def gears() -> gm.Gears:
 ANSWERS: dict[str, Callable[[gm.Gears], Any]] = {
     "contact": lambda gears: gears.contact(torque=10.0),
     "a few positions": lambda gears: gears.contact([0.0, 1.0], cycle=False),
-    "loaded": lambda gears: gears.loaded([5.0, 20.0], [0.0, 3.0]),
+    "loaded": lambda gears: gears.loaded_contact([5.0, 20.0], [0.0, 3.0]),
     "solid": lambda gears: gears.solid("pinion"),
     "two teeth": lambda gears: gears.solid("gear", teeth=2),
     "solids": lambda gears: gears.solids(),
@@ -168,7 +168,7 @@ def test_answers_speak_for_themselves_and_save(name: str, gears: gm.Gears, tmp_p
         file = answer.save(tmp_path / f"saved{suffix}")
         assert file.stat().st_size > 0
         if suffix == ".toml":
-            assert gm.load(file) == answer.applied().with_values({"gearmesh": gm.__version__})
+            assert gm.load(file) == answer.apply().with_values({"gearmesh": gm.__version__})
     with pytest.raises(gm.OutputError, match=r"suffix"):
         answer.save(tmp_path / "saved.xyz")
 

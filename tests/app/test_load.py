@@ -47,7 +47,7 @@ def drawn(_: LoadedPictures, folder: Path, before: str = "") -> tuple[Path, ...]
 @cache
 def loaded() -> LoadedContact:
     """The answer of the API to what the command is asked below."""
-    return gm.build(gm.load(SPUR)).loaded([50.0, 200.0], [0.0, 3.0])
+    return gm.build(gm.load(SPUR)).loaded_contact([50.0, 200.0], [0.0, 3.0])
 
 
 def test_the_command_says_what_the_api_does(tmp_path: Path) -> None:
@@ -130,7 +130,7 @@ def test_edges_are_named_with_their_loads() -> None:
     even = loaded().totals[0].edge_load_share
     assert even["gear_toe"] == pytest.approx(even["gear_heel"], rel=1e-4)
     assert 1 / 40 < even["gear_toe"] < 2 / 40
-    tilted = gm.build(gm.load(SPUR, ["assembly.gamma_v=0.05"])).loaded(50.0, [0.0])
+    tilted = gm.build(gm.load(SPUR, ["assembly.gamma_v=0.05"])).loaded_contact(50.0, [0.0])
     (load,) = tilted.mesh.loads
     force = load.pressure.sum(axis=2)
     (gear,) = (member for member in tilted.pair.both if member.name == "gear")
@@ -150,7 +150,7 @@ def test_edges_are_named_with_their_loads() -> None:
     assert any("the contact is longer than its grid" in line for line in tilted.warnings) == far
     # next to a tip that some cells reach and others, the middle among them, do not, nothing is beyond a grid
     gears = gm.build(gm.load(SPUR))
-    near_tip = gears.loaded(100.0, [gears.contact().summary["engagement_phi1_deg"][1] - 0.15])
+    near_tip = gears.loaded_contact(100.0, [gears.contact().summary["engagement_phi1_deg"][1] - 0.15])
     assert next(iter(near_tip.totals[0].edge_load_share)) == "pinion_tip"
     assert not any("longer than its grid" in line for line in near_tip.warnings)
 
@@ -159,7 +159,7 @@ def test_the_mean_of_tooth_pairs_that_carry() -> None:
     """Of spur gears that give way little it is their contact ratio, to a position more or less."""
     gears = gm.build(gm.load(SPUR))
     phi1 = np.degrees(gears.pairs[0].pitch) * np.arange(7) / 7
-    found = gears.loaded(1.0, phi1)
+    found = gears.loaded_contact(1.0, phi1)
     (total,) = found.totals
     assert total.tooth_pairs == [1, 2]
     assert total.mean_tooth_pairs == pytest.approx(gears.contact().summary["contact_ratio"], abs=1 / 7)
@@ -195,7 +195,7 @@ def test_pressures_go_with_the_share_of_the_load(sample: str, kind: str, power: 
     assert shared.summary["load_sharing"] == "load sharing by loaded contact"
     shares = np.array([row.load_share for row in shared.positions()])
     np.testing.assert_allclose(np.nansum(shares.reshape(3, 7), axis=1), 1.0, atol=1e-9)
-    row = gears.loaded(20.0, [2 / 7 * pitch]).rows[0]
+    row = gears.loaded_contact(20.0, [2 / 7 * pitch]).rows[0]
     for each in row.tooth_pairs:
         assert shares.reshape(3, 7)[1, 3 - each.pair] == pytest.approx(each.load_share, abs=1e-6)
     touching = alone.path.kind == kind
@@ -250,7 +250,7 @@ def test_there_is_one_transmission_error_without_load(monkeypatch: pytest.Monkey
     monkeypatch.setattr(loaded_diagrams, "save_figure", lambda figure, file: kept.append(figure))
     gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", ["contact.phi1.count=3"]))
     exact = gears.contact().summary["mesh_te_peak_to_peak_arcsec"]
-    found = gears.loaded([10.0, 20.0, 30.0])
+    found = gears.loaded_contact([10.0, 20.0, 30.0])
     gears.picture("loaded_te", of=found).save("a.svg")
     assert np.ptp([row.unloaded_te for row in found.rows]) < 0.99 * exact
     told = [each.unloaded_te_peak_to_peak for each in found.totals]

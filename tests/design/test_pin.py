@@ -66,7 +66,7 @@ def absent(table: type[Table], mapping: dict[str, Any], prefix: str = "") -> Ite
 
 def pinned(gears: gm.Gears, folder: Path) -> Path:
     file = folder / "pinned.toml"
-    gears.pinned().save(file)
+    gears.pin().save(file)
     return file
 
 
@@ -83,7 +83,7 @@ def test_pinned_samples_build_the_same_gears_and_hold_every_default(path: Path, 
     assert not left
     np.testing.assert_allclose(places(gm.build(design).train), places(gears.train), rtol=0, atol=SAME)
     # what is pinned has nothing left to pin
-    again = gm.build(design).pinned()
+    again = gm.build(design).pin()
     assert set(again.added) <= {"gear.cutter.ratio_of_roll"}, again.added
 
 
@@ -178,13 +178,13 @@ def test_positions_that_are_left_out_are_pinned_by_the_engagement(
     assert not {"contact.phi1.start", "contact.phi1.stop"} & dict(gears.design.own()).keys()
     before = gears.contact(cycle=False).path.phi1
     file = pinned(gears, tmp_path)
-    ends = np.radians([gears.pinned().added[f"contact.phi1.{end}"] for end in ("start", "stop")])
+    ends = np.radians([gears.pin().added[f"contact.phi1.{end}"] for end in ("start", "stop")])
     np.testing.assert_allclose(before[[0, -1]], ends, rtol=0, atol=SAME)
     monkeypatch.setattr("gearmesh.answers.contact.contact.engagement_range", lambda *_: (-9.0, 9.0))
     same = gm.build(gm.load(file))
     np.testing.assert_allclose(same.contact(cycle=False).path.phi1, before, rtol=0, atol=SAME)
     planetary = gm.build(gm.load(SAMPLES / "planetary.toml"))
-    assert not any(key.startswith("contact.phi1.st") for key in planetary.pinned().added)
+    assert not any(key.startswith("contact.phi1.st") for key in planetary.pin().added)
     assert gm.build(gm.load(pinned(planetary, tmp_path))).design.sets("contact.phi1.start") is False
 
 

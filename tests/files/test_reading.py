@@ -46,7 +46,7 @@ def plan(path: Path) -> object:
     folder = path.parent / "study"
     folder.mkdir()
     os.rename(path, folder / "plan.json")
-    with StudyStore(folder, PLAN).opened() as store:
+    with StudyStore(folder, PLAN).open() as store:
         return store.chunks
 
 
@@ -139,13 +139,13 @@ def line(done: object) -> bytes:
 @pytest.fixture
 def kept(tmp_path: Path) -> Path:
     """A study of which the first chunk is done."""
-    with StudyStore(tmp_path, PLAN).opened() as store:
+    with StudyStore(tmp_path, PLAN).open() as store:
         store.add(0, CHUNK)
     return tmp_path
 
 
 def chunks(folder: Path) -> dict[int, list[list[object]]]:
-    with StudyStore(folder, PLAN).opened() as store:
+    with StudyStore(folder, PLAN).open() as store:
         return store.chunks
 
 

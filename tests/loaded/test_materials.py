@@ -23,7 +23,7 @@ def test_each_member_is_of_its_own_material(monkeypatch: pytest.MonkeyPatch) -> 
     deck = own.finite_elements().model.materials
     assert deck == {"pinion": Material(2e5, 0.3), "gear": Material(3000.0, 0.4)}
     monkeypatch.setattr("gearmesh.loaded.sharing.flank_compliance", few_elements)
-    turned = [gears.loaded(2, [0.0]).rows[0].rotation for gears in (steel, own)]
+    turned = [gears.loaded_contact(2, [0.0]).rows[0].rotation for gears in (steel, own)]
     # the gear gives way 69 times as much as of steel, the pinion a little more
     assert 20.0 < turned[1] / turned[0] < 69.0
 

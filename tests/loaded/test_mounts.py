@@ -123,14 +123,14 @@ def test_the_answer_tells_displacements_and_refuses_what_is_no_mount(monkeypatch
     monkeypatch.setattr("gearmesh.loaded.sharing.flank_compliance", few_elements)
     gears = gm.build(gm.load(SAMPLES / "spur.toml"))
     mount = FlexibleMount.of(np.diag([2e4, 2e4, 1e9, 1e12, 1e12, 1e12]))
-    (row,) = gears.loaded(100, [0.0], mounts={"gear": mount}).rows
+    (row,) = gears.loaded_contact(100, [0.0], mounts={"gear": mount}).rows
     assert np.linalg.norm(row.displacements["gear"].displacement) == pytest.approx(1e3 * FORCE / 2e4, rel=1e-3)
     assert "pinion" not in row.displacements
     # vectors have their axis before the unit
     assert "gear_displacement_x_um" in row.flat
     assert "pinion_displacement_x_um" not in row.flat
     with pytest.raises(DesignError, match="mounts = sun: must be pinion or gear"):
-        gears.loaded(100, [0.0], mounts={"sun": FlexibleMount.of([INF] * 6)})
+        gears.loaded_contact(100, [0.0], mounts={"sun": FlexibleMount.of([INF] * 6)})
     with pytest.raises(DesignError, match=r"stiffness = -1: entry 2 of 6; must be above 0, or inf for rigid"):
         FlexibleMount.of([1, -1, 1, 1, 1, 1])
     with pytest.raises(DesignError, match="stiffness: must be symmetric and positive definite"):
@@ -151,14 +151,14 @@ def test_a_design_says_how_its_members_are_held(monkeypatch: pytest.MonkeyPatch)
         "pinion": FlexibleMount.of([INF, INF, INF, 1e7, 1e7, INF], 40.0),
         "gear": FlexibleMount.of([2e4, 3e4, 1e9, INF, INF, INF]),
     }
-    found = held.loaded(100, [0.0])
-    assert found.figures == plain.loaded(100, [0.0], mounts=mounts).figures
+    found = held.loaded_contact(100, [0.0])
+    assert found.figures == plain.loaded_contact(100, [0.0], mounts=mounts).figures
     stiff = {"gear": FlexibleMount.of([INF] * 6)}
-    (row,) = held.loaded(100, [0.0], mounts=stiff).rows
-    (same,) = plain.loaded(100, [0.0], mounts={**mounts, **stiff}).rows
+    (row,) = held.loaded_contact(100, [0.0], mounts=stiff).rows
+    (same,) = plain.loaded_contact(100, [0.0], mounts={**mounts, **stiff}).rows
     assert row.displacements == same.displacements
     assert "gear" not in row.displacements
-    middle = gm.build(gm.load(SAMPLES / "spur.toml", keys[:1])).loaded(100, [0.0])
+    middle = gm.build(gm.load(SAMPLES / "spur.toml", keys[:1])).loaded_contact(100, [0.0])
     assert abs(mean_station(middle.mesh)) < 1e-3 < 5.0 < mean_station(found.mesh)
     bevel = gm.build(
         gm.load(SAMPLES / "spiral_bevel_basic.toml", ["gear.mount.stiffness=[1e5, 1e5, 1e5, inf, inf, inf]"])
@@ -190,7 +190,7 @@ def test_bodies_are_held_by_the_rim_where_the_design_says_so(monkeypatch: pytest
 
     monkeypatch.setattr("gearmesh.loaded.sharing.flank_compliance", few)
     design = gm.load(SAMPLES / "spur.toml", ["gear.mount.held=rim"])
-    found = gm.build(design).loaded(100, [0.0])
+    found = gm.build(design).loaded_contact(100, [0.0])
     pinion, gear = found.pair.both
     assert asked[pinion.tooth.teeth] is None
     body = gear.tooth.sections(np.array([0.5]))
@@ -200,7 +200,7 @@ def test_bodies_are_held_by_the_rim_where_the_design_says_so(monkeypatch: pytest
         )
     )
     assert asked[gear.tooth.teeth] == pytest.approx(1.2 * depth, rel=1e-9)
-    whole = gm.build(gm.load(SAMPLES / "spur.toml")).loaded(100, [0.0])
+    whole = gm.build(gm.load(SAMPLES / "spur.toml")).loaded_contact(100, [0.0])
     assert 0.75 * whole.mesh.rotation[0, 0] < found.mesh.rotation[0, 0] < 0.97 * whole.mesh.rotation[0, 0]
     planets = gm.build(gm.load(SAMPLES / "planetary.toml", ["planet.mount.held=rim"]))
     assert [held_by_rim(planets.design, pair) for pair in planets.pairs[::3]] == [(False, True), (True, False)]

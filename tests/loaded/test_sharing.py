@@ -183,7 +183,7 @@ def test_of_equal_planets_one_carries_the_torque(monkeypatch: pytest.MonkeyPatch
     said: list[tuple[str, ...]] = []
     monkeypatch.setattr("gearmesh.answers.load.loaded.loaded_contact_of", lambda *given, **_: said.append(given[3]))
     for sample, pair in (("planetary", 0), ("planetary", "planet_2-ring"), ("spur", 0)):
-        gm.build(gm.load(SAMPLES / f"{sample}.toml")).loaded(5.0, pair=pair)
+        gm.build(gm.load(SAMPLES / f"{sample}.toml")).loaded_contact(5.0, pair=pair)
     first, second, none = ([line for line in each if "equally loaded" in line] for each in said)
     assert first == ["sun-planet_1 is one of 3 equally loaded meshes: the torque is that of this mesh alone"]
     assert second == ["planet_2-ring is one of 3 equally loaded meshes: the torque is that of this mesh alone"]
@@ -318,7 +318,7 @@ def test_the_answer_says_who_carries() -> None:
 )
 def test_what_cannot_be_loaded_is_said(sample: str, torque: object, words: str) -> None:
     with pytest.raises(DesignError, match=words):
-        gm.build(gm.load(SAMPLES / f"{sample}.toml")).loaded(torque)
+        gm.build(gm.load(SAMPLES / f"{sample}.toml")).loaded_contact(torque)
 
 
 def test_eccentric_members_are_refused() -> None:
@@ -326,7 +326,7 @@ def test_eccentric_members_are_refused() -> None:
     with pytest.raises(
         DesignError, match="the gear is eccentric, so every tooth pair is loaded differently; loaded contact needs"
     ):
-        gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", keys)).loaded(5.0)
+        gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", keys)).loaded_contact(5.0)
 
 
 def test_both_halves_of_a_double_helical_pair_carry_alike() -> None:

@@ -100,11 +100,11 @@ def test_two_processes_do_not_work_on_one_study(whole: Path) -> None:
     from gearmesh.study.store import StudyStore
 
     plan = json.loads((whole / "plan.json").read_text())
-    with StudyStore(whole, plan).opened() as store:
+    with StudyStore(whole, plan).open() as store:
         assert sorted(store.chunks) == list(range(8))
         with (
             pytest.raises(OutputError, match="another process is working on this study"),
-            StudyStore(whole, plan).opened(),
+            StudyStore(whole, plan).open(),
         ):
             pass
 

@@ -10,7 +10,7 @@ from oracles.places import SAMPLES
 from scipy import stats
 
 from gearmesh.errors import DesignError
-from gearmesh.study.plan import KeyReader, grid, named, sampled
+from gearmesh.study.plan import KeyReader, grid, key_and_value, sample_plan
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
 from gearmesh.systems.designs import load
 
@@ -52,17 +52,21 @@ def test_samples_have_the_distributions_asked_for(method: str) -> None:
         "d": Spread("truncated", (0.0, 1.0, -1.0, 2.0)),
     }
     known = stats.norm(0.3, 0.02), stats.uniform(-1, 3), stats.triang(0.25), stats.truncnorm(-1, 2)
-    plan = sampled(spreads, 1000, method, seed=5)
+    plan = sample_plan(spreads, 1000, method, seed=5)
     for column, law in zip(plan.columns.values(), known, strict=True):
         # at random 1.63 / sqrt(N) is exceeded once in a hundred times
         assert stats.kstest(column, law.cdf).statistic < (0.052 if method == "random" else 0.006)
     table = np.array(list(plan.columns.values()))
     assert np.abs(np.corrcoef(table) - np.eye(4)).max() < 0.12
-    assert sampled(spreads, 1000, method, seed=5).digest == plan.digest != sampled(spreads, 1000, method, seed=6).digest
+    assert (
+        sample_plan(spreads, 1000, method, seed=5).digest
+        == plan.digest
+        != sample_plan(spreads, 1000, method, seed=6).digest
+    )
 
 
 def test_a_latin_hypercube_has_one_row_in_every_layer() -> None:
-    plan = sampled({"a": Spread("uniform", (0.0, 1.0)), "b": Spread("uniform", (0.0, 1.0))}, 40)
+    plan = sample_plan({"a": Spread("uniform", (0.0, 1.0)), "b": Spread("uniform", (0.0, 1.0))}, 40)
     for column in plan.columns.values():
         assert sorted(np.floor(40.0 * np.array(column)).astype(int).tolist()) == list(range(40))
 
@@ -94,10 +98,10 @@ def test_tolerances_come_from_a_file(tmp_path: Path) -> None:
         (lambda: spread_of("x", ["normal", "0"], READ.number), "must be one of normal:mean:sigma"),
         (lambda: spread_of("assembly.dV", ["normal", "0", "0"], READ.number), "sigma = 0: must be above 0"),
         (lambda: spread_of("assembly.dV", ["uniform", "1", "0"], READ.number), "high = 0: must be above low, 1"),
-        (lambda: sampled({"a": Spread("uniform", (0, 1))}, 3, "monte"), "method = monte: must be one of lhs"),
-        (lambda: sampled({"a": Spread("uniform", (0, 1))}, 0), "sample = 0"),
+        (lambda: sample_plan({"a": Spread("uniform", (0, 1))}, 3, "monte"), "method = monte: must be one of lhs"),
+        (lambda: sample_plan({"a": Spread("uniform", (0, 1))}, 0), "sample = 0"),
         (lambda: grid({"a": [0.0] * 10_000, "b": [0.0] * 10_000}), "100000000 rows; allowed is up to"),
-        (lambda: named("--vary", "assembly.dV"), "must look like dotted.key="),
+        (lambda: key_and_value("--vary", "assembly.dV"), "must look like dotted.key="),
     ],
 )
 def test_what_cannot_be_varied_is_refused_in_one_line(make: object, words: str) -> None:

@@ -22,7 +22,7 @@ from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_complia
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.study.rows.load_figures import POSITIONS, load_figures, loaded_contact_ratio
-from gearmesh.study.rows.work import _built
+from gearmesh.study.rows.work import _build
 from gearmesh.teeth.train import GearPair
 
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
@@ -46,7 +46,7 @@ def bodies(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         return first, second
 
     monkeypatch.setattr(loaded, "compliances", few)
-    _built.cache_clear()
+    _build.cache_clear()
     return asked
 
 
@@ -59,7 +59,7 @@ def test_a_row_is_what_the_design_has_under_these_torques(bodies: list[str]) -> 
     assert set(study.columns["status"]) == {"ok"}
     alone = gm.build(gm.load(SPUR, [*own, "assembly.gamma_v=0.02"]))
     phi1 = np.degrees(alone.pairs[0].pitch) * np.arange(POSITIONS) / POSITIONS
-    found = alone.loaded([10.0, 40.0], phi1)
+    found = alone.loaded_contact([10.0, 40.0], phi1)
     for k, total in enumerate([each.row for each in found.totals], start=1):
         row = {name: values[1] for name, values in study.columns.items()}
         assert row[f"loaded_te_peak_to_peak_{k}_arcsec"] == pytest.approx(total["te_peak_to_peak_arcsec"], rel=1e-6)

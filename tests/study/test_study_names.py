@@ -11,7 +11,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.study.rows.names import recordable
 from gearmesh.study.rows.work import StudyWork
-from gearmesh.study.study import recorded
+from gearmesh.study.study import work_and_nominal
 
 
 @pytest.mark.parametrize(
@@ -21,7 +21,7 @@ from gearmesh.study.study import recorded
 def test_what_rows_have_is_known_of_the_pair(sample: str, torque: list[float] | None) -> None:
     """All names that the design, solved, has, in their order; none beside them but ratios of line contact."""
     design = gm.load(SAMPLES / f"{sample}.toml", ["contact.phi1.count=5"])
-    work, _ = recorded(design, (), 0, "all", torque)
+    work, _ = work_and_nominal(design, (), 0, "all", torque)
     known = recordable(gm.build(design).pairs[0], len(torque or ()))
     assert len(work.names) > 30
     assert [name for name in known if name in work.names] == list(work.names)

@@ -16,7 +16,7 @@ from gearmesh.api.report import study_section
 from gearmesh.api.study_pictures import sensitivity_bars
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.study.plan import Plan, grid, sampled
+from gearmesh.study.plan import Plan, grid, sample_plan
 from gearmesh.study.spreads import Spread
 from gearmesh.study.statistics import effects
 from gearmesh.study.variance import variance_shares
@@ -40,7 +40,7 @@ def ishigami(plan: Plan) -> tuple[dict[str, Array], Array]:
 
 
 def test_a_saltelli_sample_finds_both_orders() -> None:
-    plan = sampled(CUBE, 2048, "saltelli", 1)
+    plan = sample_plan(CUBE, 2048, "saltelli", 1)
     assert len(plan) == 2048 * 5
     keys, values = ishigami(plan)
     found = variance_shares(plan, keys, "y", values)
@@ -55,7 +55,7 @@ def test_a_saltelli_sample_finds_both_orders() -> None:
 
 
 def test_it_is_what_scipy_finds() -> None:
-    plan = sampled(CUBE, 256, "saltelli", 5)
+    plan = sample_plan(CUBE, 256, "saltelli", 5)
     keys, values = ishigami(plan)
     table = values.reshape(-1, 1, 256)
     wanted = sobol_indices(func={"f_A": table[0], "f_B": table[1], "f_AB": table[2:]}, n=256)
@@ -77,7 +77,7 @@ def test_bins_find_the_first_order_within_their_errors(method: str) -> None:
     """Over 30 draws as many are within one and two standard errors as ought to be, or more: sequences have smaller errors."""
     off = []
     for seed in range(30):
-        plan = sampled(CUBE, 512, method, seed)
+        plan = sample_plan(CUBE, 512, method, seed)
         keys, values = ishigami(plan)
         for each in variance_shares(plan, keys, "y", values):
             assert each.total is None
@@ -104,11 +104,12 @@ def test_a_grid_has_its_own_shares_exactly() -> None:
 
 def test_what_a_saltelli_sample_needs() -> None:
     with pytest.raises(DesignError, match=r"^sample = 100: must be a power of 2 with the method saltelli"):
-        sampled(CUBE, 100, "saltelli")
+        sample_plan(CUBE, 100, "saltelli")
     assert (
-        variance_shares(sampled(CUBE, 4, "saltelli"), {key: np.zeros(20) for key in KEYS}, "y", np.arange(20.0)) == []
+        variance_shares(sample_plan(CUBE, 4, "saltelli"), {key: np.zeros(20) for key in KEYS}, "y", np.arange(20.0))
+        == []
     )
-    assert variance_shares(sampled(CUBE, 30), {key: np.zeros(30) for key in KEYS}, "y", np.arange(30.0)) == []
+    assert variance_shares(sample_plan(CUBE, 30), {key: np.zeros(30) for key in KEYS}, "y", np.arange(30.0)) == []
 
 
 def test_figures_that_are_not_linear_are_ranked_by_shares(tmp_path: Path) -> None:

@@ -90,4 +90,4 @@ def test_compensating_settings_keep_the_backlash() -> None:
     assert {"pinion.concave.index_angle", "pinion.convex.index_angle"} <= {row.key for row in found.rows}
     asked = backlash_of(design)
     assert abs(backlash_of(bent) - asked) > 0.05
-    assert backlash_of(found.applied()) == pytest.approx(asked, abs=2e-3)
+    assert backlash_of(found.apply()) == pytest.approx(asked, abs=2e-3)

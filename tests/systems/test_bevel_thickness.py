@@ -39,10 +39,10 @@ def test_built_teeth_are_as_thick_as_asked(design: Design) -> None:
     # both are measured within 1e-10 mm of the pitch cone, and rounded to 1e-9 in the sheet
     assert measured(gears) == pytest.approx(list(asked.values()), abs=2e-9)
     # a sheet in its place asks for the same teeth, by the point width; and so does a pinned design, by the index too
-    again = gears.sheet().applied()
+    again = gears.sheet().apply()
     assert again.sets("pinion.thickness")
     assert again.sets("gear.cutter.point_width")
-    pinned = gears.pinned().design
+    pinned = gears.pin().design
     assert not pinned.sets("pinion.thickness")
     assert pinned.sets("pinion.convex.index_angle")
     for other in (again, pinned):
@@ -65,7 +65,7 @@ def test_compensation_keeps_the_backlash_by_the_thickness() -> None:
     found = gm.build(design.with_values({"assembly.dA": 0.1, "assembly.dV": 0.05})).compensate()
     (row,) = (row.row for row in found.rows if "index" in row.key or "thickness" in row.key)
     assert row["key"] == "pinion.thickness"
-    kept, before = (gm.build(each).contact().summary["backlash_normal_min_mm"] for each in (found.applied(), design))
+    kept, before = (gm.build(each).contact().summary["backlash_normal_min_mm"] for each in (found.apply(), design))
     assert kept == pytest.approx(before, abs=2e-3)
     assert abs(row["value_after"] - row["value_before"]) > 0.01
 

@@ -316,7 +316,7 @@ def test_compensation_gives_the_contact_back(more: dict[str, Any]) -> None:
     errors = {key: value for key, value in ERRORS.items() if not key.startswith("pinion")}
     design = gm.parse({**HYPOID, **more})
     bent = gm.build(design.with_values({f"assembly.{key}": value for key, value in errors.items()}))
-    pairs = [gm.build(design), bent, gm.build(bent.compensate().applied())]
+    pairs = [gm.build(design), bent, gm.build(bent.compensate().apply())]
     place = analyse(pairs[0].pairs[0], np.zeros(1)).params2[0]
     before, misaligned, mended = (around(gears.pairs[0], place) for gears in pairs)
     # path and ellipse at the mean point are those asked for: what is left is rounding of the solvers
@@ -336,7 +336,7 @@ def test_settings_given_as_they_were_derived_are_the_same_pair(more: dict[str, A
     inches = {"units": "inch", "module": 0.18, "offset": 1.3 if more else 1.0, "backlash": 0.004}
     design = gm.parse({**HYPOID, **more, **inches, "contact": {"phi1": {"start": -10, "stop": 10, "count": 5}}})
     gears = gm.build(design)
-    given = gm.parse(tomllib.loads(gm.toml(gears.sheet().applied().resolve())))
+    given = gm.parse(tomllib.loads(gm.toml(gears.sheet().apply().resolve())))
     assert not any(value != value for _, value in given.own())
     paths = [each.contact(cycle=False).path for each in (gears, gm.build(given))]
     np.testing.assert_allclose(paths[1].te, paths[0].te, rtol=0.0, atol=1e-3 * ARCSEC)

@@ -263,7 +263,7 @@ def test_settings_compensate_the_shaft_angle_on_the_exact_contact(geometry: int,
     assert 1.8 < np.log2(apart[0] / apart[1]) < 2.2
     straight, spoilt, mended = (
         solved(solver_pair(pair_of(each)), phi1).phi2
-        for each in (bent.with_values({"assembly.d_delta": 0.0}), bent, found.applied())
+        for each in (bent.with_values({"assembly.d_delta": 0.0}), bent, found.apply())
     )
     for error in (np.take, np.diff):
         before, after = (error(each - straight, *([1] if error is np.take else [])) for each in (spoilt, mended))

@@ -321,7 +321,7 @@ def path_at_mean(design: Any, name: str, gear_point: Array) -> tuple[float, Arra
 def test_compensation_restores_path_and_transmission_error(name: str) -> None:
     errors = [f"contact.side=pinion_{name}", "assembly.dV=0.05", "assembly.dA=-0.04", "assembly.d_delta=0.03"]
     aligned, misaligned = load(STRAIGHT, errors[:1]), load(STRAIGHT, errors)
-    compensated = gm.build(misaligned).compensate().applied()
+    compensated = gm.build(misaligned).compensate().apply()
     point = contact_path(solver_pair(pair_of(aligned)), np.zeros(1), edges=False).point2[0]
     wanted, spoilt, restored = (path_at_mean(d, name, point) for d in (aligned, misaligned, compensated))
     assert abs(spoilt[0] / wanted[0] - 1.0) > 0.004

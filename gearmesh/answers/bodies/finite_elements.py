@@ -24,7 +24,7 @@ from gearmesh.answers.bodies.model_figures import (
 )
 from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.result import Result, RunTime, columns, header
-from gearmesh.answers.tables import Listing, cell, figures, rounded
+from gearmesh.answers.tables import Listing, cell, figures, round_to
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError, OutputError
 from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, gear_model, grid_of
@@ -166,15 +166,15 @@ class FiniteElementSolution(Result):
     @property
     def listings(self) -> list[Listing]:
         pairs = [pair.row for pair in self._tooth_pairs]
-        rows = [[k, *(rounded(value, 3) for value in pair.values())] for k, pair in enumerate(pairs, 1)]
+        rows = [[k, *(round_to(value, 3) for value in pair.values())] for k, pair in enumerate(pairs, 1)]
         tables = [Listing("Tooth pairs", ["pair", *pairs[0]], rows)] if pairs else []
         return [
             *self.problem.listings,
             *tables,
-            figures("Solution", Summary(map(self._reserved, self.figures.entries))),
+            figures("Solution", Summary(map(self._with_reserve, self.figures.entries))),
         ]
 
-    def _reserved(self, entry: Entry) -> Entry:
+    def _with_reserve(self, entry: Entry) -> Entry:
         """A figure as a table has it: of an unresolved pressure also why it is."""
         peak = entry.key == SolvedContact.key_of("max_pressure")
         return replace(entry, value=f"{cell(entry.value)}{self._reserve}") if peak and self.reserve else entry
@@ -209,8 +209,8 @@ class FiniteElementDecks(Result):
         rows = [
             [
                 row.deck,
-                *(rounded(value, 3) for value in (model.phi1, model.elements, model.min_scaled_jacobian)),
-                *(rounded(value, 3) for value in (model.normal_force, model.hertz_p0)),
+                *(round_to(value, 3) for value in (model.phi1, model.elements, model.min_scaled_jacobian)),
+                *(round_to(value, 3) for value in (model.normal_force, model.hertz_p0)),
                 "yes" if row.pressure_resolved else "no",
             ]
             for row, model in ((row, row.model) for row in self.rows)
@@ -226,7 +226,7 @@ class FiniteElementDecks(Result):
         return {**header(self.design), "positions": self.rows}
 
     @property
-    def spent(self) -> RunTime:
+    def run_time(self) -> RunTime:
         """How long all decks took."""
         return RunTime(sum(row.model.seconds for row in self.rows))
 
@@ -275,8 +275,8 @@ def finite_elements_of(
     Raises DesignError for a design that cannot be modelled, NoSolutionError where no teeth touch.
     """
     request = _request(design, pair, members, rotation, friction)
-    made = _made(design, pair, request, place(pair, phi1, request.torque, request.materials))
-    return replace(made, warnings=(*warnings, *_left_out(pair, request), *_warnings(request, [made.measured])))
+    made = _make(design, pair, request, place(pair, phi1, request.torque, request.materials))
+    return replace(made, warnings=(*warnings, *_omissions(pair, request), *_warnings(request, [made.measured])))
 
 
 def finite_element_decks_of(
@@ -304,7 +304,7 @@ def finite_element_decks_of(
     models = []
     for k, (job, at) in enumerate(zip(jobs, places, strict=True)):
         progress(k / len(jobs), f"{job}.inp")
-        made = _made(design, pair, request, at)
+        made = _make(design, pair, request, at)
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -318,7 +318,9 @@ def finite_element_decks_of(
         DeckFigures(f"{job}.inp", float(np.degrees(asked)), not model.coarse, model)
         for job, asked, model in zip(jobs, phi1, models, strict=True)
     ]
-    return FiniteElementDecks(design, folder, rows, (*warnings, *_left_out(pair, request), *_warnings(request, models)))
+    return FiniteElementDecks(
+        design, folder, rows, (*warnings, *_omissions(pair, request), *_warnings(request, models))
+    )
 
 
 def _script(jobs: Sequence[str], program: str | None) -> str:
@@ -339,7 +341,7 @@ def _request(
     return request
 
 
-def _made(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> FiniteElements:
+def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> FiniteElements:
     """The model of a placed pair, without warnings."""
     started = time.perf_counter()
     built, needed = gear_model(pair, request, at, design.name or design.kind), None
@@ -428,7 +430,7 @@ def _remedy(figures: ModelFigures) -> str:
     )
 
 
-def _left_out(pair: GearPair, request: Request) -> list[str]:
+def _omissions(pair: GearPair, request: Request) -> list[str]:
     """Parts of the bodies that the model does not have, reported once."""
     parts: dict[str, list[str]] = {}
     for name in request.members:

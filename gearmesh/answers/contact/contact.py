@@ -29,7 +29,7 @@ from gearmesh.answers.contact.sides import SideContact, side_contacts
 from gearmesh.answers.contact.turns import TurnsDetails, TurnsSummary, turns_listing, turns_warnings
 from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.result import Result, columns, header
-from gearmesh.answers.tables import Listing, csv_text, figures, rounded
+from gearmesh.answers.tables import Listing, csv_text, figures, round_to
 from gearmesh.contact.engagement.cycle import Cycle, engagement_range
 from gearmesh.contact.engagement.ease_off import ease_off
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
@@ -138,7 +138,7 @@ class Contact(Result):
         regions = list(zip(*(region.tolist() for region in path.regions), strict=True))
         curved, output = self._curvatures(), self.pair.output
 
-        led = None if self.neighbours is None else output.travelled(self.neighbours)
+        led = None if self.neighbours is None else output.way(self.neighbours)
 
         def optional(values: Array | None, factor: float, i: int) -> float | None:
             return None if values is None else float(values[i]) * factor
@@ -149,8 +149,8 @@ class Contact(Result):
                 phi2=phi2[i],
                 te=float(path.te[i]) / ARCSEC,
                 # to 1e-12 mm: what is less is rounding
-                displacement=_less_rounding(output.travelled(float(path.phi2[i]))),
-                te_um=output.travelled(1e3 * float(path.te[i])),
+                displacement=_less_rounding(output.way(float(path.phi2[i]))),
+                te_um=output.way(1e3 * float(path.te[i])),
                 contact=str(path.kind[i]),
                 edge=str(path.edge[i]) or None,
                 regions=dict(zip(own, (region or None for region in regions[i]), strict=True)),
@@ -186,11 +186,11 @@ class Contact(Result):
             for path_curvature in path_curvatures(self.pair, self.path)
         ]
 
-        def curved(i: int) -> PairCurvature:
+        def curvatures_at(i: int) -> PairCurvature:
             *own, relative = (CurvatureFigures(*(part[i] for part in column)) for column in columns)
             return PairCurvature(dict(zip(self.params, own, strict=True)), relative)
 
-        return [curved(i) for i in range(len(self.path.phi1))]
+        return [curvatures_at(i) for i in range(len(self.path.phi1))]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([position.flat for position in self.positions()])
@@ -232,13 +232,13 @@ class Contact(Result):
         heads += ["contact", "a mm", "b mm"]
         values = [
             [
-                rounded(position.phi1, 4),
-                rounded(position.phi2 if position.displacement is None else position.displacement, 4),
-                rounded(position.te if position.te_um is None else position.te_um, 3),
+                round_to(position.phi1, 4),
+                round_to(position.phi2 if position.displacement is None else position.displacement, 4),
+                round_to(position.te if position.te_um is None else position.te_um, 3),
                 f"edge: {position.edge}" if position.edge else position.contact,
-                rounded(position.ellipse.a, 4),
-                rounded(position.ellipse.b, 4),
-                *(rounded(position.members[member].params[name], 4) for member, name in names),
+                round_to(position.ellipse.a, 4),
+                round_to(position.ellipse.b, 4),
+                *(round_to(position.members[member].params[name], 4) for member, name in names),
             ]
             for position in self._positions
         ]
@@ -251,9 +251,9 @@ class Contact(Result):
             return []
         values = [
             [
-                rounded(position.phi1, 4),
-                *(rounded(entry.value, n) for entry, n in zip(position.hertz.entries, _HERTZ_DIGITS, strict=True)),
-                rounded(100.0 * share, 1),
+                round_to(position.phi1, 4),
+                *(round_to(entry.value, n) for entry, n in zip(position.hertz.entries, _HERTZ_DIGITS, strict=True)),
+                round_to(100.0 * share, 1),
             ]
             for position, share in zip(self._positions, self.hertz.share.tolist(), strict=True)
             if position.hertz is not None
@@ -268,7 +268,7 @@ class Contact(Result):
         if self.first_order is None:
             return []
         rows = [
-            [rounded(float(np.degrees(phi1)), 4), rounded(te / ARCSEC, 3), rounded(closed / ARCSEC, 3)]
+            [round_to(float(np.degrees(phi1)), 4), round_to(te / ARCSEC, 3), round_to(closed / ARCSEC, 3)]
             for phi1, te, closed in zip(self.path.phi1, self.path.te, self.first_order, strict=True)
         ]
         return [Listing("Transmission error by the solver and, of first order, in closed form", _CLOSED_HEADS, rows)]
@@ -354,7 +354,7 @@ def contact_of(
         pair,
         path,
         {
-            member.name: _named(member, params)
+            member.name: _named_parameters(member, params)
             for member, params in zip(pair.both, (path.params1, path.params2), strict=True)
         },
         summary,
@@ -450,7 +450,7 @@ def total_ratio(pair: GearPair, cycle: Cycle) -> float:
     return max(cycle.contact_ratio, float(np.ptp(met)) / pair.pitch if met.size else 0.0)
 
 
-def _named(member: Member, params: Array) -> list[dict[str, float]]:
+def _named_parameters(member: Member, params: Array) -> list[dict[str, float]]:
     named = member.source_parameters(params[:, 0], params[:, 1])
     return [dict(zip(named, map(float, row), strict=True)) for row in zip(*named.values(), strict=True)]
 

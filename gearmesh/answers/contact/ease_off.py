@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.result import Result, columns, header
-from gearmesh.answers.tables import Listing, rounded
+from gearmesh.answers.tables import Listing, round_to
 from gearmesh.contact.engagement.ease_off import EaseOff, ease_off
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.flanks import solver_pair
@@ -62,7 +62,7 @@ class EaseOffMap(Result):
         um = 1e3 * self.map.distance[::-3, ::4]
         heads = ["ease-off um", *(f"{k}" for k in np.linspace(0.0, 1.0, um.shape[1]).round(2))]
         s = np.linspace(1.0, 0.0, um.shape[0]).round(2)
-        rows = [[float(share), *(rounded(float(value), 3) for value in row)] for share, row in zip(s, um, strict=True)]
+        rows = [[float(share), *(round_to(float(value), 3) for value in row)] for share, row in zip(s, um, strict=True)]
         return [
             Listing(f"Ease-off of the {self.pair.pinion.name}, joint (0) to tip (1), toe (0) to heel (1)", heads, rows)
         ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.answers.tables import Listing, rounded
+from gearmesh.answers.tables import Listing, round_to
 from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.figures import Figures, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC
@@ -95,8 +95,8 @@ def turns_listing(turns: FullTurns) -> Listing:
         [
             wave.of,
             wave.per_turn,
-            rounded(wave.amplitude, 4),
-            rounded(wave.crest_phi1, 2),
+            round_to(wave.amplitude, 4),
+            round_to(wave.crest_phi1, 2),
             _or_none(wave.closed_form_amplitude, 4),
             _or_none(wave.closed_form_crest_phi1, 2),
         ]
@@ -118,11 +118,11 @@ def turns_warnings(turns: FullTurns) -> tuple[str, ...]:
 
 
 def _or_none(value: float | None, digits: int) -> float:
-    return math.nan if value is None else rounded(value, digits)
+    return math.nan if value is None else round_to(value, digits)
 
 
 def _waves(turns: FullTurns) -> list[WaveFigures]:
-    def known(value: float) -> float | None:
+    def finite(value: float) -> float | None:
         return None if math.isnan(value) else value
 
     return [
@@ -131,8 +131,8 @@ def _waves(turns: FullTurns) -> list[WaveFigures]:
             wave.per_turn,
             wave.amplitude / ARCSEC,
             math.degrees(wave.crest),
-            known(wave.closed_amplitude / ARCSEC),
-            known(math.degrees(wave.closed_crest)),
+            finite(wave.closed_amplitude / ARCSEC),
+            finite(math.degrees(wave.closed_crest)),
         )
         for wave in turns.waves
     ]

@@ -8,7 +8,7 @@ from typing import Any
 
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
-from gearmesh.answers.tables import Listing, rounded
+from gearmesh.answers.tables import Listing, round_to
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Content, Figures, figure
@@ -129,13 +129,13 @@ class VHCheck(Result):
             [
                 _side(shift.side),
                 shift.place if shift.reached else f"nearest to {shift.place}",
-                *(rounded(value, 5) for value in (shift.v, shift.h, shift.j, shift.alpha)),
-                rounded(shift.share, 5),
+                *(round_to(value, 5) for value in (shift.v, shift.h, shift.j, shift.alpha)),
+                round_to(shift.share, 5),
             ]
             for shift in self.shifts
         ]
         totals = [
-            [total.side, *(None if x is None else rounded(x, 5) for x in (total.v, total.h, total.v_over_h))]
+            [total.side, *(None if x is None else round_to(x, 5) for x in (total.v, total.h, total.v_over_h))]
             for total in self.totals
         ]
         return [

@@ -25,7 +25,7 @@ from gearmesh.answers.load.figures import (
 from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.load.mounting import held_by_rim, mounts_of
 from gearmesh.answers.result import Result, RunTime, columns, header
-from gearmesh.answers.tables import Listing, csv_text, rounded
+from gearmesh.answers.tables import Listing, csv_text, round_to
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, Status
@@ -89,8 +89,8 @@ class LoadedContact(Result):
             unloaded_te=unloaded / ARCSEC,
             rotation=float(mesh.rotation[at]) / ARCSEC,
             gear_torque=1e-3 * gear_torque,
-            te_um=output.travelled(1e3 * te),
-            unloaded_te_um=output.travelled(1e3 * unloaded),
+            te_um=output.way(1e3 * te),
+            unloaded_te_um=output.way(1e3 * unloaded),
             gear_force=output.force(gear_torque),
             stiffness=1e-3 * float(mesh.stiffness[at]) * ARCSEC,
             tangent_stiffness=1e-3 * float(mesh.tangent[at]) * ARCSEC,
@@ -107,7 +107,7 @@ class LoadedContact(Result):
                 mesh.contact_stress[at],
             ),
             root_stress_point={name: mesh.root_place[at][n].tolist() for n, name in enumerate(self.pair.members)},
-            displacements=self._displaced(at),
+            displacements=self._displacements(at),
             tooth_pairs=tuple(self._tooth_pair(torque, m) for m in own),
             residual=float(mesh.residual[at]),
             status=Status(int(mesh.status[at])).name.lower(),
@@ -176,7 +176,7 @@ class LoadedContact(Result):
             ]
         return rows
 
-    def _displaced(self, at: tuple[int, int]) -> dict[str, MemberDisplacement]:
+    def _displacements(self, at: tuple[int, int]) -> dict[str, MemberDisplacement]:
         """Displacements of members on elastic mounts, in which the transmission error has its part."""
         return {
             name: MemberDisplacement(
@@ -279,7 +279,7 @@ class LoadedContact(Result):
         heads = ["Nm", "te p-p arcsec", "unloaded", "pairs", "MPa", "pair N", f"{first} root", f"{second} root"]
         totals = self.totals
         edges = [
-            [total.torque, edge, rounded(100.0 * share, 2)]
+            [total.torque, edge, round_to(100.0 * share, 2)]
             for total in totals
             for edge, share in total.edge_load_share.items()
         ]
@@ -324,7 +324,7 @@ class LoadedContact(Result):
         return {**header(self.design), "warnings": self.warnings, **Summary(self.figures)}
 
     @property
-    def spent(self) -> RunTime:
+    def run_time(self) -> RunTime:
         """How long all of it took."""
         return RunTime(self.seconds)
 
@@ -398,14 +398,14 @@ def _total_cells(total: LoadedTotals) -> list[float]:
     """A row of the table of torques."""
     run = total.torque, total.te_peak_to_peak, total.unloaded_te_peak_to_peak, total.mean_tooth_pairs
     bent = (fillet.bending_stress for fillet in total.fillets.values())
-    return [rounded(value, 3) for value in (*run, total.max_pressure, total.max_pair_force, *bent)]
+    return [round_to(value, 3) for value in (*run, total.max_pressure, total.max_pair_force, *bent)]
 
 
 def _fillet_cells(total: LoadedTotals, member: str) -> list[Any]:
     """A row of the table of stresses in fillets."""
     own = total.fillets[member]
     figures = own.bending_stress, own.error, own.root_stress, own.contact_stress
-    return [total.torque, member, *(rounded(value, 3) for value in figures)]
+    return [total.torque, member, *(round_to(value, 3) for value in figures)]
 
 
 def _cells(row: LoadedPosition) -> list[Any]:
@@ -415,15 +415,15 @@ def _cells(row: LoadedPosition) -> list[Any]:
     edges = " ".join(tooth_pair.name for tooth_pair in row.tooth_pairs if tooth_pair.edge_contact)
     of = None if row.peak_pressure_pair is None else named[row.peak_pressure_pair]
     figures = row.torque, row.phi1, row.te, row.peak_pressure
-    return [*(rounded(value, 3) for value in figures), of, edges or None, shares]
+    return [*(round_to(value, 3) for value in figures), of, edges or None, shares]
 
 
 def _pair_cells(row: ToothPairPosition) -> list[Any]:
     """A row of the table of one tooth pair."""
-    pressure = "edge" if row.edge_contact else rounded(row.peak_pressure, 3)
-    share = f"{rounded(100.0 * row.load_share, 2)}{stroke(row.half)}"
-    bending = (rounded(value, 3) for value in row.bending_stress.values())
-    return [row.torque, rounded(row.phi1, 4), share, pressure, *bending]
+    pressure = "edge" if row.edge_contact else round_to(row.peak_pressure, 3)
+    share = f"{round_to(100.0 * row.load_share, 2)}{stroke(row.half)}"
+    bending = (round_to(value, 3) for value in row.bending_stress.values())
+    return [row.torque, round_to(row.phi1, 4), share, pressure, *bending]
 
 
 #: columns of the table of stresses in fillets
@@ -508,7 +508,7 @@ def _error_warning(pair: GearPair, mesh: LoadedMesh, peak_to_peak: float) -> lis
         return []
     return [
         f"at {1e-3 * mesh.torque[worst]:g} Nm the transmission error is {swings[worst]:.3g} arcsec peak to peak, without load "
-        f"{rounded(unloaded, 3):g}: reliefs or a crowning as deep as the deflection of the teeth would reduce it"
+        f"{round_to(unloaded, 3):g}: reliefs or a crowning as deep as the deflection of the teeth would reduce it"
     ]
 
 

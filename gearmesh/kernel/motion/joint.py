@@ -50,7 +50,7 @@ class Joint(Protocol):
     def reading(self) -> Reading:
         """Units that its motion is read in."""
 
-    def travelled(self, angle: Quantity) -> Quantity | None:
+    def way(self, angle: Quantity) -> Quantity | None:
         """Way, mm, in an angle; None where points turn."""
 
     def force(self, torque: Quantity) -> Quantity | None:
@@ -133,7 +133,7 @@ class Revolute:
     def reading(self) -> Reading:
         return Reading("phi2", (np.pi / 180.0, "deg"), (ARCSEC, "arcsec"))
 
-    def travelled(self, angle: Quantity) -> None:
+    def way(self, angle: Quantity) -> None:
         return None
 
     def force(self, torque: Quantity) -> None:
@@ -223,7 +223,7 @@ class Prismatic:
     def reading(self) -> Reading:
         return Reading("displacement", (1.0 / self.travel, "mm"), (1e-3 / self.travel, "um"))
 
-    def travelled(self, angle: Quantity) -> Quantity:
+    def way(self, angle: Quantity) -> Quantity:
         return self.travel * angle
 
     def force(self, torque: Quantity) -> Quantity:

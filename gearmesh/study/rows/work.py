@@ -158,7 +158,7 @@ class StudyWork:
             }
             variant: Variant | str
             try:
-                variant = _built(json.dumps(own, sort_keys=True), self.pair)
+                variant = _build(json.dumps(own, sort_keys=True), self.pair)
             except Exception as failure:  # whatever is wrong with one design is a row, not the end of the study
                 variant = _reason(failure)
             yield variant, which, errors if errors else {"": np.zeros(len(which))}
@@ -251,8 +251,8 @@ class Variant:
     def standing(self, bases: tuple[Rigid, Rigid], m: int) -> Variant:
         """The same with the members mounted as in the m-th of M assemblies."""
         pinion, gear = (Rigid(basis.rotation[m], basis.translation[m]) for basis in bases)
-        pair = _placed(self.pair, pinion, gear)
-        return replace(self, pair=pair, flanks=mounted(self.flanks, pair))
+        pair = _place(self.pair, pinion, gear)
+        return replace(self, pair=pair, flanks=remount(self.flanks, pair))
 
 
 def displacing_keys(kind: str) -> tuple[str, ...]:
@@ -266,14 +266,14 @@ def own_keys(design: Design) -> Mapping[str, Any]:
     return with_keys({}, design.own())
 
 
-def mounted(flanks: Pair, pair: GearPair) -> Pair:
+def remount(flanks: Pair, pair: GearPair) -> Pair:
     """The flanks of a pair in other places."""
     first, second = (flank.remount(mount) for flank, mount in zip(flanks.flanks, pair.mounts, strict=True))
     return replace(flanks, pinion=first, gear=second)
 
 
 @lru_cache(maxsize=KEPT)
-def _built(text: str, which: int | str) -> Variant:
+def _build(text: str, which: int | str) -> Variant:
     """The design of a JSON text, built. Raises DesignError, and NoSolutionError where the flanks never meet."""
     own = json.loads(text)
     keys = displacing_keys(own["kind"])
@@ -286,8 +286,8 @@ def _built(text: str, which: int | str) -> Variant:
     flanks = solver_pair(pair)
     if any(errors.values()):
         bases = _bases(still, train, pair, errors, {"": np.zeros(1)})
-        placed = _placed(pair, *(Rigid(basis.rotation[0], basis.translation[0]) for basis in bases))
-        there = mounted(flanks, placed)
+        placed = _place(pair, *(Rigid(basis.rotation[0], basis.translation[0]) for basis in bases))
+        there = remount(flanks, placed)
     else:
         there = flanks
     phi1 = _positions(design, pair, there)
@@ -329,7 +329,7 @@ def _bases(
     return first, second
 
 
-def _placed(pair: GearPair, pinion: Rigid, gear: Rigid) -> GearPair:
+def _place(pair: GearPair, pinion: Rigid, gear: Rigid) -> GearPair:
     first, second = (
         replace(member, mount=replace(member.mount, base=base))
         for member, base in zip(pair.both, (pinion, gear), strict=True)

@@ -69,7 +69,7 @@ class StagedMember:
         plain = whole
         if member.keyway is not None or member.holes is not None:
             plain = gear_solid(replace(member, keyway=None, holes=None), tolerance, tooth)
-        regions = member.repeated
+        regions = member.repeated_regions
         repeated = np.isin(plain.regions, [plain.region_names.index(name) for name in regions])
         first = np.flatnonzero(repeated)[: int(repeated.sum()) // member.tooth.teeth]
         return StagedMember(

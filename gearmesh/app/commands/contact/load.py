@@ -55,7 +55,7 @@ def load(
     gears = load_gears(design_file, settings)
     mesh = chosen_pair(gears, pair)
     with working("loaded contact") as progress:
-        answer = gears.loaded(torques, positions, pair=mesh, progress=progress)
+        answer = gears.loaded_contact(torques, positions, pair=mesh, progress=progress)
     write_text(json_file, lambda: answer.json(timing=timing))
     write_text(csv_file, answer.csv)
     if output is not None:

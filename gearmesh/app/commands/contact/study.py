@@ -187,11 +187,11 @@ def _find(
 
 
 def _unique(option: str, texts: list[str] | None) -> dict[str, str]:
-    from gearmesh.study.plan import named
+    from gearmesh.study.plan import key_and_value
 
     values: dict[str, str] = {}
     for text in texts or ():
-        key, rest = named(option, text)
+        key, rest = key_and_value(option, text)
         if key in values:
             raise ArgumentError(option, entry=key, reason="is given twice")
         values[key] = rest

@@ -25,7 +25,7 @@ def pin(
         refuse_unwritable(file)
     gears = load_gears(design_file, settings)
     with working("pin"):
-        pinned = gears.pinned()
+        pinned = gears.pin()
     pinned.save(output)
     write_text(json_file, pinned.json)
     if json_file != "-":

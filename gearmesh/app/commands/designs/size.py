@@ -72,7 +72,7 @@ def size(
     if output is not None:
         write_text(str(output), lambda: text)
     if json_file != "-":
-        show(sizing.shown(most))
+        show(sizing.first_pairs(most))
 
 
 def _length(option: str, text: str) -> float:

@@ -116,7 +116,7 @@ def fe(
             )
             if output is not None:
                 model.save(output, program=chosen)
-            answer, warnings = _solved(gears, model, picture, progress) if solve else model, model.warnings
+            answer, warnings = _solve(gears, model, picture, progress) if solve else model, model.warnings
     write_text(json_file, lambda: answer.json(timing=timing))
     if json_file != "-":
         show(answer.listings)
@@ -134,7 +134,7 @@ def _members(names: tuple[str, ...], member: str, friction: float | None) -> tup
     return None if member == BOTH else (member,)
 
 
-def _solved(gears: gm.Gears, model: FiniteElements, picture: Path | None, progress: Progress) -> FiniteElementSolution:
+def _solve(gears: gm.Gears, model: FiniteElements, picture: Path | None, progress: Progress) -> FiniteElementSolution:
     """A model solved by CalculiX, with a picture of it where one is asked for."""
     solution = model.solve(progress)
     if picture is not None:

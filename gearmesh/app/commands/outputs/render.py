@@ -133,7 +133,7 @@ def render(
         # how fine meshes are changes nothing that is shown
         note = ", ".join(text for text in settings or () if not text.startswith("mesh."))
         if output is not None and torques:
-            loaded = gears.loaded(torques, phi1, pair=mesh)
+            loaded = gears.loaded_contact(torques, phi1, pair=mesh)
             gears.picture(view.value, member, of=loaded, size=pixels, dpi=dpi, note=note).save(output)
             told = loaded.warnings
         elif output is not None:
