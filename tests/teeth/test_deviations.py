@@ -23,6 +23,7 @@ from gearmesh.teeth.micro_geometry.screw_involute import AmountJet, ScrewInvolut
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
 from gearmesh.teeth.section import Grid
 from gearmesh.teeth.tooth import Tooth
+from gearmesh.view.diagrams.modification_diagrams import is_modified
 
 SAMPLES = Path(gm.__file__).parents[1] / "samples"
 CORPUS = Path(__file__).parents[1] / "corpus"
@@ -270,6 +271,13 @@ def test_what_is_no_grid_of_deviations_is_refused() -> None:
         gears.with_deviations("pinion", "concave", flat)
     with pytest.raises(DesignError, match="linear relief"):
         sample("spur_relieved", "pinion.modifications.tip_relief.shape=linear").with_deviations("pinion", "right", flat)
+
+
+def test_diagrams_of_modifications_are_of_both_flanks_or_none() -> None:
+    gears = sample("spur_relieved")
+    real = gears.with_deviations("pinion", "right", np.full((2, 2), 0.001))
+    assert [is_modified(each.member("pinion")) for each in (gears, real)] == [True, False]
+    assert is_modified(real.member("gear"))
 
 
 def test_pairs_are_alike_if_both_or_neither_have_the_member() -> None:

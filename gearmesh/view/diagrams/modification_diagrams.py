@@ -52,9 +52,11 @@ def flank_map(member: Member, which: Side, count: int = MAP) -> FlankMap:
 
 
 def is_modified(member: Member) -> bool:
-    """Whether a member has flanks whose micro-geometry can be drawn."""
-    flanks = (member.tooth.side(side).flank for side in Side)
-    return any(isinstance(flank, ScrewInvolute) and flank.amount is not None for flank in flanks)
+    """Whether a member has flanks whose micro-geometry can be drawn: both known by their amounts, not by deviations, one of them
+    modified."""
+    flanks = [member.tooth.side(side).flank for side in Side]
+    involutes = [flank for flank in flanks if isinstance(flank, ScrewInvolute)]
+    return len(involutes) == len(flanks) and any(flank.amount is not None for flank in involutes)
 
 
 def plot_modifications(file: Path | str, member: Member) -> None:
