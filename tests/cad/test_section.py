@@ -250,7 +250,7 @@ def test_dxf_files_are_sound_and_hold_the_curves(tmp_path: Path) -> None:
         (
             "spur",
             "pinion -o a.stl --section 2",
-            "--section = 2: must be left out for .stl; sections go into .dxf, .svg",
+            "--section = 2: must be left out for .stl; formats of sections are .dxf, .svg",
         ),
         ("spur", "pinion -o a.svg --section high", "--section = high: must be a length"),
         (

@@ -243,7 +243,10 @@ def test_a_gap_between_the_pairs_is_a_break_as_well() -> None:
     (broken,) = result.cycle.breaks
     assert result.cycle.contact_ratio < 1.0
     assert np.isnan(broken.jump)
-    assert any("the surface contact of a pair ends before the next pair's begins" in line for line in result.warnings)
+    assert any(
+        "the surface contact of a tooth pair ends before that of the next pair begins" in line
+        for line in result.warnings
+    )
 
 
 # ---- teeth

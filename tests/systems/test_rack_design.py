@@ -295,7 +295,7 @@ def test_a_racks_tip_in_the_pinions_fillet_is_warned_of_and_free_with_the_addend
     long = {"addendum": 1.1}
     (line,) = rack(pinion={"tool_tip_radius": 0.38}, rack=long).sheet().warnings
     found = re.fullmatch(
-        r"pinion: the rack's tip reaches .* \(interference\); it meets flank alone with rack\.addendum smaller by at least (.*)",
+        r"pinion: interference: the rack's tip reaches .*; it clears the fillet with rack\.addendum smaller by at least (.*)",
         line,
     )
     assert found is not None

@@ -342,4 +342,4 @@ def test_the_command_refuses() -> None:
     status, _, said = run("limits", SAMPLES / "spur.toml", "--set", "pinion.addendum=1.9")
     assert status == 0
     assert "pointed" in said
-    assert "the limits shown are those without pinion.addendum" in said
+    assert "the limits shown are for the design without pinion.addendum" in said

@@ -149,7 +149,7 @@ def test_what_is_no_picture_is_said(loaded: LoadedContact) -> None:
         LoadedPictures(loaded).picture(member="hub")
     with pytest.raises(DesignError, match="torque = 3 Nm: must be one of 2, 10, 30"):
         LoadedPictures(loaded).picture("loaded", torque=3.0)
-    with pytest.raises(DesignError, match="torque = 2 Nm: loaded_te is a figure of all torques"):
+    with pytest.raises(DesignError, match="torque = 2 Nm: loaded_te shows all torques"):
         LoadedPictures(loaded).picture("loaded_te", torque=2.0)
 
 
@@ -162,9 +162,9 @@ def test_render_draws_loaded_contact(loaded: LoadedContact, tmp_path: Path, monk
     assert (tmp_path / "a.svg").read_text().startswith("<?xml")
     assert asked == [(([2.0, 10.0], None), {"pair": "pinion-gear"})]
     to = ("render", CROSSED, "-o", "a.png")
-    assert refused(*to, "--view", "loaded_te").startswith("--torque: missing; the view loaded_te wants NM[,NM...]")
-    assert refused(*to, "--torque", "3").startswith("--torque = 3: is of the views loaded, loaded_flank")
-    assert refused(*to, "--view", "loaded", "--torque", "3,4").startswith("--torque = 3,4: must be one number for")
+    assert refused(*to, "--view", "loaded_te").startswith("--torque: missing; the view loaded_te needs NM[,NM...]")
+    assert refused(*to, "--torque", "3").startswith("--torque = 3: is for the views loaded, loaded_flank")
+    assert refused(*to, "--view", "loaded", "--torque", "3,4").startswith("--torque = 3,4: must be one torque for")
     assert refused(*to, "--view", "loaded", "--torque", "0").startswith("--torque = 0: must be finite numbers of Nm")
     assert refused(*to, "--view", "loaded", "--torque", "3", "--animate", "a.gif").startswith(
         "--animate = a.gif: is not"
