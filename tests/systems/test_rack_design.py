@@ -304,7 +304,7 @@ def test_a_racks_tip_in_the_pinions_fillet_is_warned_of_and_free_with_the_addend
     # the pinion's tip in the rack's fillet
     pinion = {"teeth": 60, "addendum": 1.2}
     lines = rack(pinion=pinion, rack={"tool_tip_radius": 0.39}).sheet().warnings
-    (line,) = (each for each in lines if each.startswith("rack: the pinion's tip"))
+    (line,) = (each for each in lines if each.startswith("rack: interference: the pinion's tip"))
     diameter = float(re.findall(r"pinion\.tip_diameter at most ([\d.]+) mm", line)[0])
     clear = rack(pinion={"teeth": 60, "tip_diameter": diameter}, rack={"tool_tip_radius": 0.39}).sheet().warnings
     assert not any("interference" in each for each in clear)
