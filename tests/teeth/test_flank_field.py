@@ -7,7 +7,7 @@ import pytest
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.grid_spline import GridSpline
-from gearmesh.kernel.surface.levels import ConeLevel, CurveLevel, PlaneLevel
+from gearmesh.kernel.surface.levels import ConeLevel, Level, PlaneLevel
 from gearmesh.teeth.micro_geometry.flank_field import Fade, LevelField, Quadrangle, QuadrangleSpline
 
 pytestmark = pytest.mark.quick
@@ -36,8 +36,8 @@ def space(axial: ConeLevel | PlaneLevel, x: Array, y: Array) -> Array:
     return np.stack((rho * np.cos(around), rho * np.sin(around), z), axis=-1)
 
 
-def across(axial: ConeLevel | PlaneLevel) -> ConeLevel:
-    return CurveLevel.across_stations(axial)
+def across(axial: ConeLevel | PlaneLevel) -> Level:
+    return ConeLevel(0.5 * np.pi).across(axial)
 
 
 @pytest.mark.parametrize("name", STATIONS)
