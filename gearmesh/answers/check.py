@@ -14,6 +14,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, plain, run_time_keys
 from gearmesh.check.members import roll_teeth
 from gearmesh.check.roll import RollContact, roll
+from gearmesh.check.windings import turns
 from gearmesh.contact.fit.fit import NOTHING, Fit
 from gearmesh.contact.flanks import smooth_under
 from gearmesh.contact.path import ContactPath
@@ -239,9 +240,15 @@ def roll_test(
     chosen = spread(inside if inside.size else np.flatnonzero(path.touching & (path.part == 0)), positions)
     contacts: tuple[RollContact, ...] = ()
     if chosen.size:
-        pinion, gear = flank_meshes(pair, tolerance)
         contacts = roll(
-            pinion, gear, pair.mounts, pair.ratio, path.rotation[chosen], pair.drive, pair.delta, path.phi2[chosen]
+            *flank_meshes(pair, tolerance),
+            pair.mounts,
+            pair.ratio,
+            path.rotation[chosen],
+            pair.drive,
+            pair.delta,
+            path.phi2[chosen],
+            turns(pair.pinion.tooth),
         )
     rows, smooth = list[RollRow](), smooth_under(pair, path)
     for k, contact in zip(chosen, contacts, strict=True):

@@ -13,9 +13,9 @@ facets are. A structured grid of exact points is met as the bicubic spline throu
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, TypeAlias
+from typing import Protocol, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -260,6 +260,9 @@ class HeightFlank(Protocol):
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
         """The flank as a height field; of several hits the highest (`side` +1) or the lowest (-1) counts."""
 
+    def between(self, low: float, high: float) -> Self | None:
+        """The part of it between two z (mm), and a little more; None where there is none."""
+
 
 def as_flank(source: TriangleMesh | Array | HeightFlank) -> HeightFlank:
     """A flank from a triangle mesh, from a structured grid of exact points (I, J, 3), or as it is."""
@@ -292,6 +295,11 @@ class MeshFlank:
         _, edge, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
         alone = np.flatnonzero(count[edge.ravel()] == 1)
         return np.stack((alone // 3, alone % 3), axis=-1)
+
+    def between(self, low: float, high: float) -> Self | None:
+        z = self.corners[..., 2]
+        inside = (z.max(axis=1) >= low) & (z.min(axis=1) <= high)
+        return replace(self, corners=self.corners[inside]) if inside.any() else None
 
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
         return MeshField(chart, own_to_chart.point(self.corners), side, self)
@@ -484,6 +492,16 @@ class GridFlank:
         shape = self.grid.shape[:2]
         return self.jet(np.stack(np.unravel_index(np.arange(shape[0] * shape[1]), shape), axis=-1).astype(float))
 
+    def between(self, low: float, high: float) -> Self | None:
+        z = self.grid[..., 2]
+        inside = np.flatnonzero((z.max(axis=0) >= low) & (z.min(axis=0) <= high))
+        if not inside.size:
+            return None
+        # a cell more, and as many lines as a spline needs
+        first, last = max(int(inside[0]) - 1, 0), min(int(inside[-1]) + 1, z.shape[1] - 1)
+        first = max(min(first, last - 3), 0)
+        return replace(self, grid=self.grid[:, first : max(last, first + 3) + 1])
+
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
         return GridField(chart, self, own_to_chart, side)
 
@@ -599,6 +617,10 @@ class PatchedFlank:
     @property
     def points(self) -> Array:
         return np.concatenate([patch.points for patch in self.patches])
+
+    def between(self, low: float, high: float) -> Self | None:
+        parts = tuple(part for patch in self.patches if (part := patch.between(low, high)) is not None)
+        return replace(self, patches=parts) if parts else None
 
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
         return PatchedField(tuple(patch.over(chart, own_to_chart, side) for patch in self.patches), side)

@@ -15,16 +15,18 @@ in themselves (within the eccentricity of a gear that has one). A pinion's tip d
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearmesh.check.heightfield import Field, GridFlank, HeightFlank, PatchedFlank, along
+from gearmesh.check.heightfield import Field, GridFlank, PatchedFlank, along
 from gearmesh.check.roll import arcs_over
-from gearmesh.check.touch import FirstTouch, first_touch
+from gearmesh.check.touch import first_touch
+from gearmesh.check.windings import WOUND, WoundTouch, in_mesh, middle, turns, windings
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.mount import Mount
@@ -129,20 +131,33 @@ def _rotations(pair: GearPair, phi1: ArrayLike, guess_phi2: ArrayLike | None) ->
 class Half:
     """A half of a tooth, own frame: its grids and the region that each is of."""
 
-    flank: HeightFlank
+    flank: PatchedFlank
     regions: tuple[Region, ...]
+
+    @property
+    def points(self) -> Array:
+        return self.flank.points
+
+    def between(self, low: float, high: float) -> Self | None:
+        """The part of it between two z (mm), and a little more; None where there is none."""
+        parts = [(part, region) for patch, region in zip(self.flank.patches, self.regions, strict=True)
+                 if (part := patch.between(low, high)) is not None]  # fmt: skip
+        if not parts:
+            return None
+        return replace(self, flank=PatchedFlank(tuple(p for p, _ in parts)), regions=tuple(r for _, r in parts))
 
 
 @dataclass(frozen=True)
 class _RolledSide:
-    """One side of all teeth: `drive` +-1 the sense in which the gear is pushed, `pinion` the pinion's half tooth.
+    """One side of all teeth: `drive` +-1 the sense in which the gear is pushed, `pinion` the pinion's half tooth, in pieces of less
+    than a turn.
 
     `gear_arcs(k)`: the gear's half tooth that the pinion's tooth k meets, gear not turned, over circles about its axis.
     """
 
     pair: GearPair
     drive: int
-    pinion: Half
+    pinion: tuple[Half, ...]
     gear: Half
     gear_arcs: Callable[[int], Field]
 
@@ -164,13 +179,16 @@ class _RolledSide:
             own_to_base = mount.own_to_turning @ mount.joint.to(turn)
             return arcs_over(halves[1].flank, own_to_base, drive * mount.sign, side=-1.0, joint=mount.joint)
 
-        return _RolledSide(pair, drive, *halves, gear_arcs)
+        return _RolledSide(pair, drive, windings(halves[0], turns(pair.pinion.tooth)), halves[1], gear_arcs)
 
     def at(self, phi1: float, guess: float) -> tuple[ToothTouch | None, dict[int, float]]:
         """First touch of all pairs in reach, and phi2 of every one."""
         first: ToothTouch | None = None
         all_pairs: dict[int, float] = {}
-        for way in _outwards(round(phi1 / self.pair.pitch), self.pair.pinion.tooth.teeth):
+        start = round(phi1 / self.pair.pitch)
+        if len(self.pinion) > 1 and (nearest := self.touch(start, phi1, guess, anywhere=True)) is not None:
+            guess = nearest.phi2
+        for way in _outwards(start, self._reach):
             met = bool(all_pairs)
             for k in way:
                 touch = self.touch(k, phi1, guess)
@@ -185,29 +203,40 @@ class _RolledSide:
                     break
         return first, all_pairs
 
+    @property
+    def _reach(self) -> int:
+        """Pairs that are looked at on either side: no tooth of the pinion twice, but for those that go round their axis."""
+        return MOST_PITCHES if len(self.pinion) > 1 else min(MOST_PITCHES, (self.pair.pinion.tooth.teeth - 1) // 2)
+
     def alone(self, phi1: Array, guess: Array) -> tuple[ToothTouch | None, ...]:
         """First touch of tooth pair 0 alone at every phi1 (P,)."""
-        return tuple(self.touch(0, a, g) for a, g in zip(phi1.tolist(), guess.tolist(), strict=True))
+        return tuple(self.touch(0, a, g, anywhere=True) for a, g in zip(phi1.tolist(), guess.tolist(), strict=True))
 
-    def touch(self, k: int, phi1: float, guess: float) -> ToothTouch | None:
-        """First touch of tooth pair k alone."""
+    def touch(self, k: int, phi1: float, guess: float, *, anywhere: bool = False) -> ToothTouch | None:
+        """First touch of tooth pair k alone; of a thread the winding next to phi2 = `guess`, or the nearest `anywhere`."""
         first, second = self.pair.mounts
         pinion_turn = Rigid.about_z(-first.sign * k * self.pair.pitch)
         pinion_to_base = second.base.inverse @ first.at(phi1) @ pinion_turn
         sense = self.drive * second.sign
-        arcs = arcs_over(self.pinion.flank, pinion_to_base, sense, side=1.0, joint=second.joint)
-        first_contact = first_touch(arcs, self.gear_arcs(k), along(second.joint, sense, 0.0))
-        return None if first_contact is None else self._place(first_contact, k, second, guess)
+        touches = []
+        for piece in self.pinion:
+            arcs = arcs_over(piece.flank, pinion_to_base, sense, side=1.0, joint=second.joint)
+            first_contact = first_touch(arcs, self.gear_arcs(k), along(second.joint, sense, 0.0))
+            if first_contact is not None:
+                phi2 = second.joint.nearest(second.zero + self.drive * first_contact.turn, guess)
+                aside = abs(float(pinion_to_base.inverse.point(first_contact.point)[2]) - middle(piece))
+                touches.append(WoundTouch(piece, first_contact, phi2, aside))
+        best = in_mesh(touches, guess, self.pair.ratio, self.drive, anywhere=anywhere)
+        return None if best is None else self._place(best, k, second)
 
-    def _place(self, first_contact: FirstTouch, k: int, mount: Mount, guess: float) -> ToothTouch:
-        phi2 = mount.joint.nearest(mount.zero + self.drive * first_contact.turn, guess)
-        regions = self.pinion.regions[first_contact.parts[0]], self.gear.regions[first_contact.parts[1]]
-        return ToothTouch(phi2, k, regions, first_contact.on_rims, mount.base.point(first_contact.point))
+    def _place(self, best: WoundTouch[Half], k: int, mount: Mount) -> ToothTouch:
+        first_contact = best.touch
+        regions = best.piece.regions[first_contact.parts[0]], self.gear.regions[first_contact.parts[1]]
+        return ToothTouch(best.phi2, k, regions, first_contact.on_rims, mount.base.point(first_contact.point))
 
 
-def _outwards(start: int, teeth: int) -> Iterator[range]:
-    """Pairs from the one nominally in mesh on, one way and then the other, no tooth of the pinion twice."""
-    most = min(MOST_PITCHES, (teeth - 1) // 2)
+def _outwards(start: int, most: int) -> Iterator[range]:
+    """Pairs from the one nominally in mesh on, one way and then the other, so many at most."""
     yield range(start, start + most + 1)
     yield range(start - 1, start - most - 1, -1)
 
@@ -271,4 +300,6 @@ def root_clearance(pair: GearPair, phi1: float, phi2: float, cells: int = HALF_C
 def _spans(tooth: Tooth, cells: int) -> list[Array]:
     """Stations t of grids from toe to heel, one for each part between corners of the form point of flank and fillet."""
     ends = np.concatenate(([0.0], tooth.breaks, [1.0]))
+    # as many for every turn of a thread
+    cells = round(cells * count) if (count := turns(tooth)) >= WOUND else cells
     return [np.linspace(a, b, max(FEWEST_CELLS, int(np.ceil(cells * (b - a)))) + 1) for a, b in pairwise(ends) if b > a]

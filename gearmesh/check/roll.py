@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from gearmesh.check.heightfield import Field, HeightFlank, Rays, along, as_flank
 from gearmesh.check.touch import first_touch
+from gearmesh.check.windings import WoundTouch, in_mesh, middle, windings
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.motion.rigid import Rigid
@@ -79,6 +80,7 @@ def roll(
     drive: int,
     delta: float = DELTA,
     guess_phi2: ArrayLike | None = None,
+    turns: float = 0.0,
 ) -> tuple[RollContact, ...]:
     """Roll two flanks against each other at pinion rotations phi1 (P,), rad.
 
@@ -86,7 +88,8 @@ def roll(
     grids of exact points (I, J, 3). `drive` +1: the pinion pushes the gear towards larger phi2, and phi2 is the
     smallest at which nothing penetrates; -1: towards smaller phi2, and it is the largest. `delta` in mm. Whole turns
     are added to phi2 to bring it next to `guess_phi2` (P,) or (); without it the first position is within half a turn
-    of 0, and each following one near its predecessor by the nominal `ratio` d phi2 / d phi1.
+    of 0, and each following one near its predecessor by the nominal `ratio` d phi2 / d phi1. `turns`: how often the pinion's
+    flank goes round its axis: of a thread the winding next to that phi2 counts.
     Raises DesignError for a drive other than +-1 or a delta that is not positive.
     """
     if drive not in (1, -1):
@@ -98,6 +101,7 @@ def roll(
     guesses = None if guess_phi2 is None else np.broadcast_to(np.asarray(guess_phi2, dtype=float), angles.shape)
 
     gear_arcs = arcs_over(gear, mounts[1].own_to_turning, drive * mounts[1].sign, side=-1.0, joint=mounts[1].joint)
+    pieces = windings(pinion, turns)
     contacts: list[RollContact] = []
     for i, angle in enumerate(angles):
         if guesses is not None:
@@ -106,15 +110,16 @@ def roll(
             guess = contacts[-1].phi2 + ratio * (angle - contacts[-1].phi1)
         else:
             guess = 0.0
-        contacts.append(_roll_once(pinion, gear, gear_arcs, mounts, float(angle), drive, delta, guess))
+        contacts.append(_roll_once(pieces, gear, gear_arcs, mounts, ratio, float(angle), drive, delta, guess))
     return tuple(contacts)
 
 
 def _roll_once(
-    pinion: HeightFlank,
+    pieces: tuple[HeightFlank, ...],
     gear: HeightFlank,
     gear_arcs: Field,
     mounts: tuple[Mount, Mount],
+    ratio: float,
     phi1: float,
     drive: int,
     delta: float,
@@ -125,12 +130,16 @@ def _roll_once(
     base_to_fixed = mounts[1].base
     pinion_to_base = base_to_fixed.inverse @ mounts[0].at(phi1)
     sense, joint = drive * mounts[1].sign, mounts[1].joint
-    touch = first_touch(
-        arcs_over(pinion, pinion_to_base, sense, side=1.0, joint=joint), gear_arcs, along(joint, sense, 0.0)
-    )
-    if touch is None:
+    touches = []
+    for piece in pieces:
+        arcs = arcs_over(piece, pinion_to_base, sense, side=1.0, joint=joint)
+        if (first := first_touch(arcs, gear_arcs, along(joint, sense, 0.0))) is not None:
+            aside = abs(float(pinion_to_base.inverse.point(first.point)[2]) - middle(piece))
+            touches.append(WoundTouch(piece, first, joint.nearest(mounts[1].zero + drive * first.turn, guess), aside))
+    best = in_mesh(touches, guess, ratio, drive, anywhere=True)
+    if best is None:
         return _nowhere(phi1)
-    phi2 = joint.nearest(mounts[1].zero + drive * touch.turn, guess)
+    pinion, touch, phi2 = best.piece, best.touch, best.phi2
 
     gear_to_base = joint.to(sense * touch.turn) @ mounts[1].own_to_turning
     normal = unit(touch.pinion_normal + gear_to_base.vector(touch.gear_normal))

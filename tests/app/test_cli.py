@@ -404,7 +404,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
         ("tca SAMPLE --json nowhere/a.json", "cannot write nowhere/a.json: the folder nowhere does not exist"),
         ("tca SAMPLE --csv .", "cannot write .: it is a folder"),
         ("tca SAMPLE --torque 0", "--torque = 0: must be a finite number of Nm above 0"),
-        ("tca SAMPLE --set pinion.teeth=2", "pinion.teeth = 2: must be a whole number from 3 to 10000"),
+        ("tca SAMPLE --set pinion.teeth=0", "pinion.teeth = 0: must be a whole number from 1 to 10000"),
         ("tca SAMPLE --set pinion.teeth", '--set "pinion.teeth": must look like dotted.key=value'),
         ("solid SAMPLE -o a.stl", "Missing option '--member'"),
         ("solid SAMPLE --member hub -o a.stl", "--member = hub: must be one of pinion, gear, both, worm"),

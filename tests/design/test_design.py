@@ -275,7 +275,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("strange key", set_in(BEVELOID, "gear.qqqq", 3), "gear.qqqq: unknown key; known here: teeth, bore, face_width"),
     ("key of two lines", set_in(BEVELOID, "gear.a\nb", 3), 'gear."a\\nb": unknown key; known here: teeth'),
     ("text for number", set_in(BEVELOID, "module", "five"), 'module = "five": must be a length in mm from'),
-    ("nan", set_in(BEVELOID, "gear.helix_angle", math.nan), "gear.helix_angle = NaN: must be an angle in deg from -60"),
+    ("nan", set_in(BEVELOID, "gear.helix_angle", math.nan), "gear.helix_angle = NaN: must be an angle in deg from -88"),
     (
         "infinity",
         set_in(BEVELOID, "assembly.dx", math.inf),
@@ -284,10 +284,10 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     (
         "negative teeth",
         set_in(BEVELOID, "pinion.teeth", -24),
-        "pinion.teeth = -24: must be a whole number from 3 to",
+        "pinion.teeth = -24: must be a whole number from 1 to",
     ),
-    ("no teeth", set_in(BEVELOID, "pinion.teeth", 0), "pinion.teeth = 0: must be a whole number from 3 to 10000"),
-    ("half a tooth", set_in(BEVELOID, "pinion.teeth", 24.5), "pinion.teeth = 24.5: must be a whole number from 3"),
+    ("no teeth", set_in(BEVELOID, "pinion.teeth", 0), "pinion.teeth = 0: must be a whole number from 1 to 10000"),
+    ("half a tooth", set_in(BEVELOID, "pinion.teeth", 24.5), "pinion.teeth = 24.5: must be a whole number from 1"),
     ("no module", set_in(BEVELOID, "module", 0), "module = 0: must be a length in mm from 0.001 to 10000"),
     (
         "angle",
@@ -481,4 +481,4 @@ def test_ranges_hold_for_lengths_with_units_and_other_keys_have_none() -> None:
             f'{key} = "{text}": must'
         )
     assert refusal(lambda: parse(set_in(BEVELOID, "pressure_angle", "20mm"))).endswith("deg from 1 to 45")
-    assert refusal(lambda: parse(set_in(BEVELOID, "pinion.teeth", "20mm"))).endswith("from 3 to 10000")
+    assert refusal(lambda: parse(set_in(BEVELOID, "pinion.teeth", "20mm"))).endswith("from 1 to 10000")

@@ -259,8 +259,11 @@ def hex_mesh(
     fillet_left_k of the k-th of the teeth (from 1), root, land, edge (if broken), rim (inner face), bore (the same where the
     rim reaches it), toe, heel, and of fewer than all teeth cut_right and cut_left. Element sets: tooth_k.
 
-    Raises TrimError for a tooth that cannot be trimmed, DesignError for a rim that does not fit.
+    Raises TrimError for a tooth that cannot be trimmed, DesignError for a rim that does not fit, and a member of one tooth.
     """
+    if tooth.teeth < 2:
+        reason = "hexahedra of a tooth end between it and its neighbours"
+        raise DesignError("teeth", tooth.teeth, reason=reason, allowed="at least 2")
     grid = on_breaks(tooth, grid)
     fine = halve(grid) if second_order else grid
     sections = tooth.sections(fine.t)

@@ -28,11 +28,12 @@ class BeveloidMember(MemberTable, Modified):
 
     replaces: ClassVar = (("tip_diameter", "addendum"), ("root_diameter", "dedendum"))
 
+    teeth: Annotated[int, Key("count", "number of teeth; one is a thread", low=1, high=10000)]
     cone_angle: Annotated[
         float, Key("angle", "cone angle delta of the pitch plane", low=-60, high=60, source="[LT02] Fig. 2")
     ] = 0.0
     helix_angle: Annotated[
-        float, Key("angle", "helix angle beta, positive right-handed", low=-60, high=60, source="[LT02] Fig. 2")
+        float, Key("angle", "helix angle beta, positive right-handed", low=-88, high=88, source="[LT02] Fig. 2")
     ] = 0.0
     profile_shift: Annotated[float, Key("coefficient", "profile shift at mid face", low=-5, high=5)] = 0.0
     addendum: Annotated[
