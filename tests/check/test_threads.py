@@ -51,10 +51,10 @@ def test_a_thread_drives_its_wheel_uniformly_and_the_roll_test_agrees() -> None:
     # facets of 10 um are coarse for the ellipse, not for the gear's rotation
     (verdict,) = (verdict for verdict in found.verdicts if "te_difference" in verdict.what)
     assert verdict.ok
-    # a thread winds on: without a turn that is expected, a tooth farther
+    # the next winding, where the gear is expected a tooth farther: it touches behind the end of its surface contact
     (other,) = roll_teeth(pair, path.phi1[6:7], cells=40, guess_phi2=path.phi2[6:7] + 2.0 * np.pi / 30.0)
     assert other is not None
-    assert abs(other.phi2 - path.phi2[6] - 2.0 * np.pi / 30.0) < 1e-3
+    assert 0.0 < abs(other.phi2 - path.phi2[6] - 2.0 * np.pi / 30.0) < 0.01
 
 
 def test_finite_elements_need_neighbours() -> None:
