@@ -17,6 +17,7 @@ from typing import Generic, Protocol, Self, TypeVar
 import numpy as np
 
 from gearmesh.check.touch import FirstTouch
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.tooth import Tooth
 
@@ -53,10 +54,9 @@ class WoundTouch(Generic[T]):
 
 def turns(tooth: Tooth) -> float:
     """How often a tooth goes round its axis along the face; 0 for what slides."""
-    if tooth.joint.travel is not None:
-        return 0.0
     angles = tooth.joint.running(tooth.even.right.tip_angle)
-    return float(abs(angles[-1] - angles[0]) / (2.0 * np.pi))
+    spin = np.linalg.norm(tooth.joint.spin(Rigid.identity()))
+    return float(spin * abs(angles[-1] - angles[0]) / (2.0 * np.pi))
 
 
 def windings(flank: W, count: float) -> tuple[W, ...]:
