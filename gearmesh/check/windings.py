@@ -87,10 +87,10 @@ def in_mesh(
     every = list(touches)
     if len(every) > 1:
         half = np.pi * abs(ratio)
-        near = min((each.phi2 for each in every), key=lambda phi2: abs(phi2 - guess))
+        near = min((touch.phi2 for touch in every), key=lambda phi2: abs(phi2 - guess))
         centre = near if anywhere and abs(near - guess) >= half else guess
-        every = [each for each in every if abs(each.phi2 - centre) < half]
+        every = [touch for touch in every if abs(touch.phi2 - centre) < half]
     if not every:
         return None
-    most = max(drive * each.phi2 for each in every)
-    return min((each for each in every if drive * each.phi2 >= most - SAME), key=lambda each: each.aside)
+    most = max(drive * touch.phi2 for touch in every)
+    return min((touch for touch in every if drive * touch.phi2 >= most - SAME), key=lambda touch: touch.aside)

@@ -58,7 +58,7 @@ def test_a_ladder_fills_the_rectangle(rows: list[int], toe: list[int], heel: lis
 
     level = t + shear * s
     plain = Ladder.of(lines, below, above, level, miss)
-    for ladder in (plain, plain.turned(miss)):
+    for ladder in (plain, plain.flip(miss)):
         triangles, strip = ladder.triangles()
         assert (areas(s, t, triangles) > 0.0).all()
         assert areas(s, t, triangles).sum() == pytest.approx(1.0, abs=1e-12)
@@ -91,6 +91,6 @@ def test_rungs_are_turned_to_the_nearer_side() -> None:
         by_s, by_t = (np.diff(each[edges], axis=1)[:, 0] for each in (s, t))
         return np.maximum(-by_s * by_t, 0.0)
 
-    ladder = Ladder.of(lines, below, above, t, rising).turned(rising)
+    ladder = Ladder.of(lines, below, above, t, rising).flip(rising)
     places, _ = ladder.rungs()
     assert rising(np.stack((ladder.a[places[:, 0]], ladder.b[places[:, 1]]), axis=1)).max() == 0.0

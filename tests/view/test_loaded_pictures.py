@@ -157,7 +157,7 @@ def test_what_is_no_picture_is_said(loaded: LoadedContact) -> None:
 def test_render_draws_loaded_contact(loaded: LoadedContact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     asked: list[Any] = []
-    monkeypatch.setattr(gm.Gears, "loaded", lambda self, *args, **more: asked.append((args, more)) or loaded)
+    monkeypatch.setattr(gm.Gears, "loaded_contact", lambda self, *args, **more: asked.append((args, more)) or loaded)
     assert run("render", CROSSED, "-o", "a.svg", "--view", "loaded_te", "--torque", "2,10")[0] == 0
     assert (tmp_path / "a.svg").read_text().startswith("<?xml")
     assert asked == [(([2.0, 10.0], None), {"pair": "pinion-gear"})]
