@@ -1,7 +1,7 @@
 """A mesh under torque: load sharing of the tooth pairs, pressures, and rotation of the gears against the unloaded ones.
 
 At every position of the pinion the gaps of all near tooth pairs (`separation`), the compliance of both members (`compliance`), the
-local contact compliance of both flanks (`dents`) and the torque make one problem of contact (`complementarity`). The rotation
+local contact compliance of both flanks and the torque make one problem of contact (`complementarity`). The rotation
 theta is that of the pinion against the held gear; the gear stays behind by theta N1/N2, which adds to the transmission error.
 """
 
@@ -20,7 +20,7 @@ from gearmesh.errors import ArgumentError, Status
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.complementarity import pressures, tangent_stiffness
 from gearmesh.loaded.compliance.compliance import COARSER, FlankCompliance, flank_compliance, rim_depth
-from gearmesh.loaded.compliance.contact_compliance import Dents
+from gearmesh.loaded.compliance.contact_compliance import ContactCompliance
 from gearmesh.loaded.compliance.half_space import rectangle_influence
 from gearmesh.loaded.compliance.threads import one_thread
 from gearmesh.loaded.mounts import FlexibleMount, Supports
@@ -349,7 +349,7 @@ class _Problem:
         self.grid = separation(near, torque / self.lever, contact_modulus(*materials), cells, widen, part)
         grid = self.grid
         ends = np.stack([[self._slots(distances, np.inf) for distances in of_body] for of_body in grid.ends])
-        dents = Dents.of(self._slots(grid.dx, 1.0), self._slots(grid.dy, 1.0), cells, materials, ends)
+        local = ContactCompliance.of(self._slots(grid.dx, 1.0), self._slots(grid.dy, 1.0), cells, materials, ends)
         self.area = self._slots(grid.dx * grid.dy)
         self.shares = [body.shares(places) for body, places in zip(bodies, grid.places, strict=True)]
         smooth = self._smooth()
@@ -367,7 +367,7 @@ class _Problem:
         def displace(p: Array, which: NDArray[np.intp]) -> Array:
             p = p.reshape(-1, *full[1:])
             line = (p.sum(axis=3) * self.area[which][:, :, None]).reshape(len(p), -1, 1)
-            total: Array = dents.under(p, which) + (smooth[which] @ line).reshape(*p.shape[:3], 1)
+            total: Array = local.under(p, which) + (smooth[which] @ line).reshape(*p.shape[:3], 1)
             return total.reshape(len(p), -1)
 
         eta = (np.arange(cells[1]) + 0.5) * 2.0 / cells[1] - 1.0

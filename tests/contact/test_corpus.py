@@ -10,7 +10,7 @@ from oracles.built import pair_of
 
 import gearmesh as gm
 from gearmesh.check.members import roll_flanks, roll_members
-from gearmesh.contact.conditions.settle import Contacts, Trial, settle
+from gearmesh.contact.conditions.settle import Contacts, Trial, refine_candidates
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch.first_touch import first_touch
@@ -174,7 +174,7 @@ def test_no_contact_leads_where_it_is_followed_to(file: Path) -> None:
         x = own.x[node] + (phi1[node + step] - phi1[node])[:, None] * engagement.rates[node]
         for number, part in enumerate(flanks.parts):
             some = own.part[node] == number
-            settle(part, phi1, Trial.of(node[some] + step, x[some], own.edges[node[some]]), there, number)
+            refine_candidates(part, phi1, Trial.of(node[some] + step, x[some], own.edges[node[some]]), there, number)
         ahead.append(there.lead - own.lead)
     assert np.isfinite(ahead).sum() > len(phi1)
     assert np.max(ahead) < 0.01 * ARCSEC

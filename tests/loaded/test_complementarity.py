@@ -9,7 +9,7 @@ from gearmesh.contact.hertz import STEEL, contact_modulus, point_contact
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.complementarity import pressures
-from gearmesh.loaded.compliance.contact_compliance import Dents
+from gearmesh.loaded.compliance.contact_compliance import ContactCompliance
 from gearmesh.loaded.compliance.half_space import rectangle_influence
 
 pytestmark = pytest.mark.quick
@@ -26,11 +26,11 @@ def test_ellipses_of_hertz(cells: tuple[int, int], tolerance: float) -> None:
     x, y = (1.2 * half[:, None] * part for half, part in zip((hertz.semi_major, hertz.semi_minor), share, strict=True))
     gap = 0.5 * (kappa[:, None] * x**2)[:, :, None] + 0.5 * (other[:, None] * y**2)[:, None]
     dx, dy = x[:, 1] - x[:, 0], y[:, 1] - y[:, 0]
-    dents = Dents.of(dx[:, None], dy[:, None], cells, (STEEL, STEEL))
+    local = ContactCompliance.of(dx[:, None], dy[:, None], cells, (STEEL, STEEL))
     flat = (3, -1)
     ones, lever = np.ones_like(gap).reshape(flat), 10.0
     found = pressures(
-        lambda p, which: dents.under(p.reshape(-1, 1, *cells), which).reshape(len(p), -1),
+        lambda p, which: local.under(p.reshape(-1, 1, *cells), which).reshape(len(p), -1),
         gap.reshape(flat),
         lever * ones,
         ones * (dx * dy)[:, None],
@@ -50,7 +50,9 @@ def test_dents_are_sums_over_rectangles() -> None:
     """The convolution against every cell on every other."""
     rng = np.random.default_rng(3)
     pressure, dx, dy = rng.random((2, 5, 7)), np.array([0.2, 0.05]), np.array([0.03, 0.4])
-    found = Dents.of(dx[:, None], dy[:, None], (5, 7), (STEEL, STEEL)).under(pressure[:, None], np.arange(2))[:, 0]
+    found = ContactCompliance.of(dx[:, None], dy[:, None], (5, 7), (STEEL, STEEL)).under(
+        pressure[:, None], np.arange(2)
+    )[:, 0]
     i, j = (each.ravel() for each in np.meshgrid(np.arange(5), np.arange(7), indexing="ij"))
     for k in range(2):
         apart = (i[:, None] - i) * dx[k], (j[:, None] - j) * dy[k]
@@ -63,9 +65,9 @@ def test_dents_of_grids_of_which_some_are_not_pressed() -> None:
     rng = np.random.default_rng(4)
     pressure, dx, dy = rng.random((2, 3, 5, 7)), rng.uniform(0.02, 0.4, (2, 3)), rng.uniform(0.02, 0.4, (2, 3))
     pressure[0, 1] = pressure[1, 0] = pressure[1, 2] = 0.0
-    found = Dents.of(dx, dy, (5, 7), (STEEL, STEEL)).under(pressure[::-1], np.array([1, 0]))[::-1]
+    found = ContactCompliance.of(dx, dy, (5, 7), (STEEL, STEEL)).under(pressure[::-1], np.array([1, 0]))[::-1]
     for k in np.ndindex(2, 3):
-        alone = Dents.of(dx[k][None, None], dy[k][None, None], (5, 7), (STEEL, STEEL))
+        alone = ContactCompliance.of(dx[k][None, None], dy[k][None, None], (5, 7), (STEEL, STEEL))
         wanted = alone.under(pressure[k][None, None], np.arange(1))[0, 0]
         np.testing.assert_allclose(found[k], wanted, rtol=1e-12, atol=0.0)
 

@@ -1,4 +1,4 @@
-"""Free end faces against elements, and the sums that make dents of them."""
+"""Free end faces against elements, and the sums that make the contact compliance of them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import assemble
-from gearmesh.loaded.compliance.contact_compliance import Dents
+from gearmesh.loaded.compliance.contact_compliance import ContactCompliance
 from gearmesh.loaded.compliance.half_space import rectangle_influence
 from gearmesh.loaded.compliance.incompatible_modes import unknowns
 from gearmesh.loaded.compliance.layers import LayeredStiffness
@@ -72,7 +72,9 @@ def test_dents_beside_ends_are_sums_over_images() -> None:
     ends = np.array([[0.4, np.inf], [np.inf, 0.0]])[..., None, None]
     sizes = np.full((1, 1), dx), np.full((1, 1), dy)
     found, without = (
-        Dents.of(*sizes, shape, (steel, other), each).under(pressure, np.zeros(1, dtype=np.intp))[0, 0].ravel()
+        ContactCompliance.of(*sizes, shape, (steel, other), each)
+        .under(pressure, np.zeros(1, dtype=np.intp))[0, 0]
+        .ravel()
         for each in (ends, None)
     )
     i, j = (each.ravel() for each in np.meshgrid(*map(np.arange, shape), indexing="ij"))

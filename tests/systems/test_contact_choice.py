@@ -12,7 +12,7 @@ from oracles.examples import some
 import gearmesh as gm
 from gearmesh.check.members import roll_members
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.systems.spiral_bevel.synthesis.contact_preview import Prospects
+from gearmesh.systems.spiral_bevel.synthesis.contact_preview import ContactPreviews
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 
@@ -55,7 +55,7 @@ def test_pairs_hand_over_as_asked(name: str, side: str) -> None:
 def test_a_prospect_is_the_contact_of_the_teeth() -> None:
     design = pair("14/49", "concave")
     own = design.in_mm()
-    path = Prospects(own, basic_blank(own), "concave").of(bevel_teeth(own).choices["concave"])
+    path = ContactPreviews(own, basic_blank(own), "concave").of(bevel_teeth(own).choices["concave"])
     assert path is not None
     cycle = gm.build(design).contact().cycle
     assert cycle is not None
@@ -94,11 +94,11 @@ def test_modified_roll_comes_where_nothing_else_helps() -> None:
         {**data, "face_width": 4.942, "pinion": {"teeth": 8}, "gear": {"teeth": 12}, "hand": "right"}
     ).in_mm()
     bent = bevel_teeth(steep).choices["concave"]
-    path = Prospects(steep, basic_blank(steep), "concave").of(bent)
+    path = ContactPreviews(steep, basic_blank(steep), "concave").of(bent)
     assert any(bent.roll)
     assert path is not None
     assert path.at_change == pytest.approx(10.0 * ARCSEC, rel=0.06)
     # without it the parabola is bent so much that pairs do not hand over at all
-    straight = Prospects(steep, basic_blank(steep), "concave").of(replace(bent, roll=(0.0, 0.0, 0.0)))
+    straight = ContactPreviews(steep, basic_blank(steep), "concave").of(replace(bent, roll=(0.0, 0.0, 0.0)))
     assert straight is not None
     assert abs(straight.orders[3]) > 3.0 * abs(path.orders[3])

@@ -130,7 +130,9 @@ class Trial:
         )
 
 
-def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: int, *, edges: bool = True) -> None:
+def refine_candidates(
+    pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: int, *, edges: bool = True
+) -> None:
     """Solve for all places of part `number`, go on to edges that they lie beyond, if `edges` count, and keep what is ahead.
 
     The trials record afterwards what became of them, not of those that came of them.

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.settle import Contacts, Trial, leads_of, settle, solve
+from gearmesh.contact.conditions.settle import Contacts, Trial, leads_of, refine_candidates, solve
 from gearmesh.contact.first_touch.field import Outlook, outlook
 from gearmesh.contact.first_touch.first_touch import first_touch, touches
 from gearmesh.contact.first_touch.search import UNSEEN
@@ -128,7 +128,7 @@ class Engagement:
         with np.errstate(all="ignore"):
             place, ends = np.tile(two, 2), np.concatenate((left[two], left[two] + 1))
             start = np.concatenate((self._interpolate(phi1[known], left[known]), self._predict(phi1[place], ends)))
-            self._settle(phi1, np.concatenate((known, place)), start, np.concatenate((left[known], ends)), contacts)
+            self._refine(phi1, np.concatenate((known, place)), start, np.concatenate((left[known], ends)), contacts)
         rest = ~contacts.touching
         if checked and two.size:
             seen = tooth_outlook(self.pair, phi1[two]).best
@@ -150,7 +150,7 @@ class Engagement:
         contacts.line[:] = True
         return contacts
 
-    def _settle(
+    def _refine(
         self, phi1: Array, position: NDArray[np.intp], start: Array, node: NDArray[np.intp], contacts: Contacts
     ) -> None:
         """Solve at positions (M,) from starts (M, 5) for what touches at nodes (M,)."""
@@ -159,7 +159,7 @@ class Engagement:
             own = own[self.contacts.edges[node[own], 0] < CORNER]
             trial = Trial.of(position[own], start[own], self.contacts.edges[node[own]])
             trial.line = self.contacts.line[node[own]]
-            settle(part, phi1, trial, contacts, number)
+            refine_candidates(part, phi1, trial, contacts, number)
 
     def _predict(self, phi1: Array, node: NDArray[np.intp]) -> Array:
         """Unknowns (M, 5) by the tangents at nodes (M,)."""
@@ -202,7 +202,7 @@ def follow(pair: Pair, phi1: Array) -> Engagement:
             break
         before = contacts.lead.copy()
         with np.errstate(all="ignore"):
-            engagement._settle(phi1, at[own], engagement._predict(phi1[at[own]], node[own]), node[own], contacts)
+            engagement._refine(phi1, at[own], engagement._predict(phi1[at[own]], node[own]), node[own], contacts)
         better = np.flatnonzero((contacts.part == 0) & (contacts.lead > flanks.lead))
         flanks.put(better, contacts.at(better))
         if not (contacts.lead > before + UNSEEN).any():

@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.settle import Contacts, Trial, settle
+from gearmesh.contact.conditions.settle import Contacts, Trial, refine_candidates
 from gearmesh.contact.engagement.cycle import engagement_range
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.first_touch.first_touch import first_touch
@@ -261,7 +261,7 @@ class _Turns:
                 own = np.flatnonzero(at.part == number)
                 trial = Trial.of(position[own], at.x[own], at.edges[own])
                 trial.line = at.line[own]
-                settle(pair, phi1, trial, contacts, number)
+                refine_candidates(pair, phi1, trial, contacts, number)
         return contacts
 
     def _anew(self, tooth: NDArray[np.intp], place: NDArray[np.intp], phi2: Array) -> Contacts:

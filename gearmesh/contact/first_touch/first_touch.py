@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.settle import Contacts, Trial, leads_of, settle
+from gearmesh.contact.conditions.settle import Contacts, Trial, leads_of, refine_candidates
 from gearmesh.contact.first_touch.field import INTERIOR, Candidates, candidates, sharpen
 from gearmesh.contact.first_touch.search import UNSEEN, meeting_points, refine_missed
 from gearmesh.contact.pair import NUMBERED, Pair
@@ -42,12 +42,12 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
                 worth &= (places.edges == INTERIOR).all(axis=1)
             trial = Trial.of(places.position[worth], places.x[worth], places.edges[worth])
             trial.most = places.most[worth]
-            settle(part, phi1, trial, contacts, number, edges=edges)
+            refine_candidates(part, phi1, trial, contacts, number, edges=edges)
             lost = _lost_candidates(part, phi1, trial, contacts)
             if lost.size:
                 sharp = sharpen(part, phi1, trial.position[lost], trial.start[lost])
                 again = Trial.of(trial.position[lost], sharp, trial.edges[lost])
-                settle(part, phi1, again, contacts, number, edges=edges)
+                refine_candidates(part, phi1, again, contacts, number, edges=edges)
             missed = np.flatnonzero((places.best > contacts.lead + UNSEEN) & (places.top >= 0))
             if edges and missed.size:
                 missed = _confirm_missed(part, phi1, missed, places, contacts)
@@ -74,7 +74,7 @@ def _on_finer_grid(
     """Positions at which a sample is ahead that was not solved for: on a finer grid, on which candidates are
     refined."""
     fine = candidates(pair, phi1, only=missed, finer=True)
-    settle(pair, phi1, Trial.of(fine.position, fine.x, fine.edges), contacts, number)
+    refine_candidates(pair, phi1, Trial.of(fine.position, fine.x, fine.edges), contacts, number)
     # only nodes of the coarse grid are on the very ends of flanks, and only nodes are sure to be on both: where lines of the grid
     # cross an edge of the gear is a guess
     nodes = np.flatnonzero(~np.isin(coarse.edges[:, 0], OF_GEAR))

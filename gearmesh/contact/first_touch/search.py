@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.settle import EDGE_SLACK, Contacts, Trial, leads_of, margins, settle
+from gearmesh.contact.conditions.settle import EDGE_SLACK, Contacts, Trial, leads_of, margins, refine_candidates
 from gearmesh.contact.pair import CORNER, Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
@@ -43,7 +43,7 @@ def refine_missed(
     edges[:, 0] = np.repeat(numbers, len(position))
     again = Trial.of(np.tile(position, len(numbers)), np.tile(x, (len(numbers), 1)), edges)
     contacts.lead[position] -= SUMMIT
-    settle(pair, phi1, again, contacts, number)
+    refine_candidates(pair, phi1, again, contacts, number)
     kept = position[contacts.edges[position, 0] == CORNER]
     contacts.lead[kept] += SUMMIT
 

@@ -19,7 +19,7 @@ of that at the middle:
 
     compliance = C(gear) - L(held at the middle) - u(half-space, at the middle) + u(half-space, at the flank)
 
-The last term belongs to the contact's own grid (`dents`); all others are smooth and are kept here. The third is
+The last term belongs to the contact's own grid (`contact_compliance`); all others are smooth and are kept here. The third is
 transferred from the middle to the flank by the elements themselves, so that the sum does not depend on where the middle is taken.
 
 Finite-element models have a few teeth only, whose cut faces are held. The same condensed sectors in a row, the first and last cut
@@ -235,11 +235,11 @@ def held_teeth(
     if teeth % 2 == 0 or not 0 < teeth < tooth.teeth:
         raise DesignError("teeth", teeth, must_be=f"an odd number below {tooth.teeth}, what the gear has")
     sector = Sector.of(tooth, side, material, cells, rim)
-    body, dents = Condensed.of(sector), _dents(sector, sector.inwards)
+    body, local = Condensed.of(sector), _contact_compliance(sector, sector.inwards)
     cuts = _held_cuts(body.stiffness, body.loads, sector.turn, teeth)
     of_teeth = tuple(
         FlankCompliance(**vars(sector.fillet_stress(tooth, stress)), normals=sector.normals, smooth=smooth)
-        for smooth, stress in (body.responses(of_each, dents) for of_each in cuts)
+        for smooth, stress in (body.responses(of_each, local) for of_each in cuts)
     )
     return HeldTeeth(**vars(of_teeth[teeth // 2]), of_teeth=of_teeth)
 
@@ -269,7 +269,9 @@ def _ring_responses(sector: Sector, teeth: int, reach: int, depth: int | None) -
         condensed = Condensed.of(sector)
         cuts = _cuts(condensed.stiffness, condensed.loads, sector.turn, teeth, reach)
         count = sector.flank.size
-        responses = condensed.responses(cuts, np.zeros((count, count)) if depth is None else _dents(sector, depth))
+        responses = condensed.responses(
+            cuts, np.zeros((count, count)) if depth is None else _contact_compliance(sector, depth)
+        )
         for response in responses:
             response.setflags(write=False)
         # members are asked for side by side
@@ -430,14 +432,14 @@ class Condensed:
         """What unit forces on the flank's nodes put on the cuts (2 c, n)."""
         return self.asked[:, : self.inner.shape[1]]
 
-    def responses(self, cuts: Array, dents: Array) -> tuple[Array, Array]:
+    def responses(self, cuts: Array, local: Array) -> tuple[Array, Array]:
         """`smooth` and `stress` of the body in which both cuts of the sectors -N .. N move by `cuts` (2 N + 1, 2 c, n) under unit
-        forces on sector 0; `dents` (n, n) are added."""
+        forces on sector 0; `local` (n, n) are added."""
         count, reach = self.inner.shape[1], len(cuts) // 2
         asked = self.asked.T @ cuts
         asked[reach] += self.inner
         smooth = asked[:, :count]
-        smooth[reach] += dents
+        smooth[reach] += local
         smooth[reach] = 0.5 * (smooth[reach] + smooth[reach].T)
         return smooth, asked[:, count:].reshape(2 * reach + 1, len(self.sector.fillet), 6, count)
 
@@ -504,7 +506,7 @@ def _rotate(columns: Array, by: Array) -> Array:
     return turned.reshape(len(columns), -1)
 
 
-def _dents(sector: Sector, depth: int) -> Array:
+def _contact_compliance(sector: Sector, depth: int) -> Array:
     """What has to be added (n, n), mm/N, to responses of the gear to remove the local compliance of its elements: - L - u of the
     middle."""
     mesh, steps = sector.mesh, sector.layers - 1

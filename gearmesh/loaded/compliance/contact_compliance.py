@@ -1,4 +1,4 @@
-"""Dents of bodies under pressures on a grid of cells: Love's rectangle on half-spaces, and free end faces beside the grid.
+"""Contact compliance under pressures on a grid of cells: Love's rectangle on half-spaces, and free end faces beside the grid.
 
 end face                          end face       Along x every cell moves every other by a number of its own, as end
    |  dist  +--+--+--+--+--+  dist   |           faces, at right angles to x, lie at fixed places. Along y only the
@@ -22,7 +22,7 @@ from gearmesh.loaded.compliance.quarter_space import POWERS, release
 
 
 @dataclass(frozen=True)
-class Dents:
+class ContactCompliance:
     """Grids (B, K, X, Y) of cells; `waves` (B, K, F, X, X): along waves across, F of a row of `padded` cells, displacements, mm, of
     both bodies in rows X (first index) under 1 MPa on rows X (second)."""
 
@@ -32,7 +32,7 @@ class Dents:
     @staticmethod
     def of(
         dx: Array, dy: Array, shape: tuple[int, int], materials: tuple[Material, Material], ends: Array | None = None
-    ) -> Dents:
+    ) -> ContactCompliance:
         """Of cells dx by dy (...,), mm, on two bodies; `ends` (2, 2, ...), mm: how far from the least and the greatest x of
         the grid (second index) either body (first) has a free end face, inf or None: nowhere near."""
         x, y = shape
@@ -56,7 +56,7 @@ class Dents:
                     waves_of_rows.reshape(-1, *waves_of_rows.shape[-3:])[near] += (
                         added[..., ::-1, ::-1] if which else added
                     )
-        return Dents(padded, waves_of_rows)
+        return ContactCompliance(padded, waves_of_rows)
 
     def under(self, pressure: Array, which: NDArray[np.intp]) -> Array:
         """Displacements (B, K, X, Y), mm, under pressures (B, K, X, Y), MPa, on grids `which` (B,) of the first axis."""

@@ -2,7 +2,7 @@
 
 Local synthesis gives what is asked at one point, to second order. Whether teeth hand over smoothly is decided over a pitch and
 more: surface contact has to last that long, and as long before the mean point, where the parabola has its vertex, as after it.
-Of `Prospects`, the paths of contact of what may be asked,
+Of `ContactPreviews`, the paths of contact of what may be asked,
 
 1. directions are tried, from across the profile on ever more lengthwise, until a path is long enough;
 2. the mean point goes where the path has its middle, and the path where the flank has its own;
@@ -22,7 +22,7 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.spiral_bevel.design import ORDERS, SYNTHESISED
 from gearmesh.systems.spiral_bevel.machine.pair import SIDES
-from gearmesh.systems.spiral_bevel.synthesis.contact_preview import Prospect, Prospects
+from gearmesh.systems.spiral_bevel.synthesis.contact_preview import ContactPreview, ContactPreviews
 from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_choice
 from gearmesh.systems.spiral_bevel.synthesis.settings import ContactChoice, contact_asked
 
@@ -70,7 +70,7 @@ def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Co
     free = {stem for stem in named if not design.sets(f"{key}.{stem}")}
     if not any(design.sets(f"{key}.modified_roll_c{k}") for k in range(2, ORDERS + 1)):
         free.add("roll")
-    return _Search(Prospects(design, blank, name), frozenset(free)).best(first)
+    return _Search(ContactPreviews(design, blank, name), frozenset(free)).best(first)
 
 
 def chooses(design: FaceMilledDesign, name: str) -> bool:
@@ -86,7 +86,7 @@ def chooses(design: FaceMilledDesign, name: str) -> bool:
 class _Search:
     """The search for one side of a pinion; `free`: what it may choose."""
 
-    prospects: Prospects
+    previews: ContactPreviews
     free: frozenset[str]
 
     def best(self, first: ContactChoice) -> ContactChoice:
@@ -97,7 +97,7 @@ class _Search:
             if sum(most) >= 1.0 or (rolled and most[1] >= 0.0):
                 break
             for direction in self._directions(first):
-                if self.prospects.count >= MOST[rolled]:
+                if self.previews.count >= MOST[rolled]:
                     break
                 for choice, path in self._ellipses(direction, rolled=rolled):
                     good = self._good(path)
@@ -107,11 +107,11 @@ class _Search:
                     break
         return best
 
-    def _good(self, path: Prospect) -> tuple[float, float]:
+    def _good(self, path: ContactPreview) -> tuple[float, float]:
         """How long a path is, 1 where it is long enough, and by how much other places touch before it and its parabola is missed,
         0 where all is as asked for."""
-        missed = abs(path.at_change / self.prospects.wanted_lag - 1.0) if self._scales else 0.0
-        ahead = float(np.clip(self.prospects.apart(path) + AHEAD, -1.0, 0.0))
+        missed = abs(path.at_change / self.previews.wanted_lag - 1.0) if self._scales else 0.0
+        ahead = float(np.clip(self.previews.apart(path) + AHEAD, -1.0, 0.0))
         return (
             min(path.shorter / ENOUGH_ASIDE, 1.0),
             ahead - (1.0 if np.isnan(missed) else float(np.clip(missed - MISSED, 0.0, 1.0))),
@@ -119,7 +119,7 @@ class _Search:
 
     @property
     def _scales(self) -> bool:
-        return "ratio_derivative" in self.free and self.prospects.wanted_lag > 0.0
+        return "ratio_derivative" in self.free and self.previews.wanted_lag > 0.0
 
     def _directions(self, first: ContactChoice) -> Iterator[ContactChoice]:
         """Choices whose paths are long enough in all, then the others."""
@@ -129,7 +129,7 @@ class _Search:
         short = []
         for angle in ANGLES:
             choice = replace(first, asked=replace(first.asked, path_angle=float(np.radians(angle))))
-            path = self.prospects.of(choice)
+            path = self.previews.of(choice)
             if path is None:
                 continue
             if path.end - path.begin >= ENOUGH:
@@ -138,7 +138,7 @@ class _Search:
                 short.append((path.begin - path.end, choice))
         yield from (choice for _, choice in sorted(short, key=lambda shortage: shortage[0]))
 
-    def _ellipses(self, choice: ContactChoice, *, rolled: bool) -> Iterator[tuple[ContactChoice, Prospect]]:
+    def _ellipses(self, choice: ContactChoice, *, rolled: bool) -> Iterator[tuple[ContactChoice, ContactPreview]]:
         """A choice of direction with ever shorter ellipses, and their paths."""
         whole, least = choice.asked.semi_major_axis, -np.inf
         for share in SHORTER if "semi_major_axis" in self.free else (1.0,):
@@ -147,7 +147,7 @@ class _Search:
             if refined is None:
                 continue
             choice, path = refined
-            apart = self.prospects.apart(path)
+            apart = self.previews.apart(path)
             # what a shorter ellipse makes worse is none of the ellipse's
             if apart < least:
                 return
@@ -156,33 +156,33 @@ class _Search:
                 return
             least = apart
 
-    def _refine(self, choice: ContactChoice, *, rolled: bool) -> tuple[ContactChoice, Prospect] | None:
+    def _refine(self, choice: ContactChoice, *, rolled: bool) -> tuple[ContactChoice, ContactPreview] | None:
         """The choice centred and with the parabola asked for, and its path; None where it has none."""
-        path = self.prospects.of(choice)
+        path = self.previews.of(choice)
         for _ in range(ROUNDS):
             if path is None:
                 return None
             better = self._scale(self._centre(choice, path), path)
             if rolled:
                 better = self._roll(better, path)
-            preview = None if better == choice else self.prospects.of(better)
+            preview = None if better == choice else self.previews.of(better)
             if preview is None:
                 break
             choice, path = better, preview
         return None if path is None else (choice, path)
 
-    def _centre(self, choice: ContactChoice, path: Prospect) -> ContactChoice:
+    def _centre(self, choice: ContactChoice, path: ContactPreview) -> ContactChoice:
         """The choice with its mean point in the middle of the path, and the path in the middle of the flank."""
         if abs(path.begin + path.end) < 2.0 * CENTRED:
             return choice
         middle = path.at(0.5 * (path.begin + path.end))
         way = path.at(path.end) - path.at(path.begin)
-        aside = np.array([-way[1], way[0]]) / max(float(np.hypot(*way)), 1e-9 * self.prospects.blank.mean_depth)
+        aside = np.array([-way[1], way[0]]) / max(float(np.hypot(*way)), 1e-9 * self.previews.blank.mean_depth)
         return self._move(choice, middle - path.at(0.0) - (middle @ aside) * aside)
 
     def _move(self, choice: ContactChoice, step: Array) -> ContactChoice:
         """The mean point moved by `step` (2,), mm, as far as it is free and near the middle."""
-        blank = self.prospects.blank
+        blank = self.previews.blank
         along, height = FARTHEST[0] * blank.gear.face_width, FARTHEST[1] * blank.mean_working_depth
         if "mean_shift" in self.free:
             choice = replace(choice, along=float(np.clip(choice.along + step[0], -along, along)))
@@ -190,26 +190,22 @@ class _Search:
             choice = replace(choice, height=float(np.clip(choice.height + step[1], -height, height)))
         return choice
 
-    def _scale(self, choice: ContactChoice, path: Prospect) -> ContactChoice:
+    def _scale(self, choice: ContactChoice, path: ContactPreview) -> ContactChoice:
         """The choice with the parabola that lags by what was asked at the change of teeth."""
-        if (
-            not self._scales
-            or not path.at_change > 0.0
-            or abs(path.at_change / self.prospects.wanted_lag - 1.0) < CLOSE
-        ):
+        if not self._scales or not path.at_change > 0.0 or abs(path.at_change / self.previews.wanted_lag - 1.0) < CLOSE:
             return choice
-        share = float(np.clip(self.prospects.wanted_lag / path.at_change, 0.5, 2.0))
+        share = float(np.clip(self.previews.wanted_lag / path.at_change, 0.5, 2.0))
         return replace(choice, asked=replace(choice.asked, ratio_derivative=share * choice.asked.ratio_derivative))
 
-    def _roll(self, choice: ContactChoice, path: Prospect) -> ContactChoice:
+    def _roll(self, choice: ContactChoice, path: ContactPreview) -> ContactChoice:
         """The choice with modified roll that takes the orders from the third to the fifth out of its lag.
 
         A blank that lags by c q^n / m when the cradle has turned by q has a flank that is so much behind where q generated it,
         which is in contact about q / m from the mean point.
         """
-        blank = self.prospects.blank
+        blank = self.previews.blank
         roll = path.pinion.settings.ratio_of_roll
         per_pitch, ratio = roll * 2.0 * np.pi / blank.pinion.teeth, blank.pinion.teeth / blank.gear.teeth
-        changes = SIDES[self.prospects.name] * path.orders[3:6] * roll / (ratio * per_pitch ** np.array([3, 4, 5]))
+        changes = SIDES[self.previews.name] * path.orders[3:6] * roll / (ratio * per_pitch ** np.array([3, 4, 5]))
         third, fourth, fifth = np.clip(np.array(choice.roll) + changes, -MOST_ROLL, MOST_ROLL).tolist()
         return replace(choice, roll=(third, fourth, fifth))

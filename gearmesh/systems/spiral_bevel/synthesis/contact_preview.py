@@ -1,4 +1,4 @@
-"""Prospects of a bevel pair: the path of contact that a choice of what is asked of local synthesis has, and what else touches.
+"""Contact preview of a bevel pair: the path of contact that a choice for local synthesis has, and what else touches.
 
 Of untrimmed flanks as they are cut; what bounds the teeth is asked of the blank. A path is followed from the mean point either way.
 """
@@ -52,7 +52,7 @@ _NO_GRID = np.zeros((1, 1, 2))
 
 
 @dataclass(frozen=True)
-class Prospect:
+class ContactPreview:
     """A path of contact at phi (K,), pitches of the pinion from the mean point, ascending: `lag` (K,) of the gear, rad; `place`
     (K, 2) on the gear's flank: mm along the face from its middle and up from the middle of the working depth; surface contact from
     `begin` to `end`, pitches. Of the `pinion`, which has the `mean` point."""
@@ -104,20 +104,20 @@ class Prospect:
 
 
 @dataclass(frozen=True)
-class Prospects:
-    """Prospects of the pinion's side `name` of a design in mm."""
+class ContactPreviews:
+    """ContactPreviews of the pinion's side `name` of a design in mm."""
 
     design: FaceMilledDesign
     blank: BevelBlank
     name: str
 
-    def of(self, choice: ContactChoice) -> Prospect | None:
+    def of(self, choice: ContactChoice) -> ContactPreview | None:
         """The path of contact of a choice, None where no pinion gives it."""
         if choice not in self._cache:
             self._cache[choice] = self._of(choice)
         return self._cache[choice]
 
-    def _of(self, choice: ContactChoice) -> Prospect | None:
+    def _of(self, choice: ContactChoice) -> ContactPreview | None:
         try:
             mean = mean_point(self.design, self.blank, self._gear, self._base, choice)
             return self._follow(pinion_side(self.design, self.blank, self.name, mean), mean)
@@ -125,7 +125,7 @@ class Prospects:
             return None
 
     @cached_property
-    def _cache(self) -> dict[ContactChoice, Prospect | None]:
+    def _cache(self) -> dict[ContactChoice, ContactPreview | None]:
         return {}
 
     @property
@@ -138,7 +138,7 @@ class Prospects:
         """Lag (rad) asked for at the change of teeth."""
         return self.design.pinion.side(self.name).te_at_change * ARCSEC
 
-    def apart(self, path: Prospect) -> float:
+    def apart(self, path: ContactPreview) -> float:
         """By how much the flanks are apart where they are least of all beyond what the gears lag; parts of the lag asked for.
 
         Of points of the gear's flank that stand, at the ratio of the teeth, where they are points of contact: how far the gear
@@ -229,7 +229,7 @@ class Prospects:
     def _pitch(self) -> float:
         return 2.0 * np.pi / self.blank.pinion.teeth
 
-    def _follow(self, pinion: Generated, mean: MeanPoint) -> Prospect:
+    def _follow(self, pinion: Generated, mean: MeanPoint) -> ContactPreview:
         """The path of a pinion's side as cut, from the mean point on."""
         blank, sense = self.blank, float(HANDS[self.design.hand])
         own, mate = blank.pinion.stations, blank.gear.stations
@@ -252,7 +252,7 @@ class Prospects:
         above = self._gear.settings.tip_cone().value(r[1]) - blank.clearance
         up = 0.5 * (above + blank.gear.tip.value(r[1]))
         place = np.stack((mate.value(r[1]) - blank.gear.mean_cone_distance, up), axis=-1)
-        return Prospect(phi, lag, place, begin, end, pinion, mean)
+        return ContactPreview(phi, lag, place, begin, end, pinion, mean)
 
     @staticmethod
     def _margins(own: MemberBlank, side: Generated, r: Array, p: Array) -> tuple[Array, ...]:
