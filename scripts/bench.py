@@ -36,9 +36,9 @@ from gearmesh.kernel.surface.curvature import gaussian_curvature, shape_operator
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.system import worm
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLETS, FLANKS
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import Member
 from gearmesh.view.diagrams.plots import CostRun, plot_cost
 
 ROOT = Path(__file__).parent.parent

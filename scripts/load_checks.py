@@ -31,7 +31,7 @@ from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.loaded.compliance.compliance import CELLS, HeldTeeth, held_teeth
 from gearmesh.loaded.sharing import LoadedMesh, beside, inside, loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 Row = dict[str, Any]
 ROOT = Path(__file__).parents[1]

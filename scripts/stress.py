@@ -36,8 +36,8 @@ import gearmesh as gm
 from gearmesh.check.members import FLANK_CELLS, HALF_CELLS, MemberRoll, ToothTouch, roll_flanks, roll_members
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.train import GearPair
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "tests"))

@@ -23,8 +23,8 @@ from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot, spread
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import FLANKS
-from gearmesh.teeth.train import GearPair
 
 #: facet tolerance (mm) of the flanks that the roll test turns against each other, and over the height of teeth so large that this
 #: is more

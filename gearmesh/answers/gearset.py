@@ -14,7 +14,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.lengths import Length, tolerance_in_mm
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems import system as systems
-from gearmesh.teeth.train import GearPair, Member, Train
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
 
 class PartsAlone(Mapping[str, systems.ToolPart]):
@@ -66,7 +66,7 @@ class GearSet:
     Nothing is computed before it is asked for.
     """
 
-    def __init__(self, design: Design, train: Train | None = None) -> None:
+    def __init__(self, design: Design, train: GearTrain | None = None) -> None:
         """Without the `train` of the design it is built when it is asked for, and members that do not need each other are built one
         without the other."""
         self._design, self._train = design, train
@@ -77,7 +77,7 @@ class GearSet:
         return self._design
 
     @property
-    def train(self) -> Train:
+    def train(self) -> GearTrain:
         """All members and the pairs that mesh. Raises as `build` where it is still to be built."""
         if self._train is None:
             self._design = systems.complete_design(self._design)

@@ -18,8 +18,8 @@ from gearmesh.figures import Content, Entry, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.system import build_without_one
+from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.limits import MemberLimits, SideLimits, member_limits
-from gearmesh.teeth.train import Member, Train
 
 #: decimals of the tables, mm
 DIGITS = 5
@@ -110,7 +110,7 @@ class Limits(Result):
     """Undercut and pointing of all members, by their names; `land` (mm) is the smallest top land that was allowed."""
 
     design: Design
-    train: Train
+    train: GearTrain
     land: float
     limits: dict[str, MemberLimits]
 
@@ -198,7 +198,7 @@ class Limits(Result):
         }
 
 
-def limits_of(design: Design, train: Train, land: float = 0.0) -> Limits:
+def limits_of(design: Design, train: GearTrain, land: float = 0.0) -> Limits:
     """Limits of all members of a gear set; `land` in the design's modules is the smallest top land."""
     sized = design.in_mm()
     least = land * sized.given_module

@@ -12,7 +12,7 @@ from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
 from gearmesh.figures import Content
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 
 @dataclass(frozen=True, repr=False)

@@ -13,7 +13,7 @@ from gearmesh.answers.gearset import GearSet
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import Progress, silent
 from gearmesh.systems import system as systems
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 if TYPE_CHECKING:
     from gearmesh.answers.bodies.solid import Solid

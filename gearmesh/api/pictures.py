@@ -20,8 +20,8 @@ from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.study.study import Study
 from gearmesh.systems.system import ToolPart
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.generation.tool_in_place import tool_in_place
-from gearmesh.teeth.train import GearPair
 from gearmesh.view import pictures
 from gearmesh.view.diagrams.flank_diagrams import plot_flanks
 from gearmesh.view.diagrams.plots import plot_transmission_error

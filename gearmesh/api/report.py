@@ -29,7 +29,7 @@ from gearmesh.errors import NoSolutionError, OutputArgumentError, OutputError
 from gearmesh.files.reading import MIB, file_bytes, read_json
 from gearmesh.io.atomic import whole_text
 from gearmesh.study.summary import StudySummary
-from gearmesh.teeth.train import Train
+from gearmesh.teeth.gear_train import GearTrain
 from gearmesh.view import opengl, pictures
 from gearmesh.view.diagrams.flank_diagrams import plot_flanks
 from gearmesh.view.diagrams.modification_diagrams import is_modified, plot_modifications
@@ -132,7 +132,7 @@ def report_page(
     return ReportPage(gears.title, html, warnings, skipped)
 
 
-def _stage(train: Train, contact: Contact, check: Check | None, loaded: LoadedPictures | None = None) -> StagedPair:
+def _stage(train: GearTrain, contact: Contact, check: Check | None, loaded: LoadedPictures | None = None) -> StagedPair:
     """A pair for the view, its contact at as many positions as the slider wants, those without contact left out."""
     patches = {} if check is None else {name: check.roll.patches(contact.pair, name) for name in contact.pair.members}
     return StagedPair(staged_contact(train, contact), patches, None if loaded is None else loaded.pattern)

@@ -25,7 +25,7 @@ from gearmesh.files.reading import MIB, is_file, read_json
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
 from gearmesh.systems.system import system
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view import opengl, pictures
 from gearmesh.view.diagrams.flank_diagrams import plot_flanks
 from gearmesh.view.diagrams.modification_diagrams import is_modified, plot_modifications

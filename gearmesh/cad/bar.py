@@ -21,8 +21,8 @@ from gearmesh.cad.occ import PRECISION, edge, face, point, straight2d, straight_
 from gearmesh.cad.solid_part import whole_part
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.kernel.numeric.algebra import Array, unit
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLETS, Region
-from gearmesh.teeth.train import Member
 
 #: s along a link at which its distance from what is drawn is measured
 SAMPLES = np.linspace(0.0, 1.0, 17)

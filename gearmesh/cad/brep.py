@@ -22,10 +22,10 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.teeth.blank.halves import HalfGear
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import Member
 
 #: largest deviation (mm) if none is asked for
 TOLERANCE = 1e-4

@@ -23,10 +23,10 @@ from gearmesh.cad.nodes import MOST, STEP, by_interval, plan, samples
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLETS, Region
 from gearmesh.teeth.section import BottomLink, DrawnLink, GeneratedLink, Sections
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import Member
 
 #: degree of the splines: what DXF readers and SVG take
 DEGREE = 3

@@ -23,8 +23,8 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import Body, end_regions
 from gearmesh.teeth.blank.halves import HalfEnd
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.train import Member
 
 #: relative error of a face's share of the volume
 QUADRATURE = 1e-8

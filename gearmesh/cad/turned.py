@@ -29,7 +29,7 @@ from gearmesh.cad.occ import (
 )
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.train import Drilling, Slot
+from gearmesh.teeth.gear_train import Drilling, Slot
 
 #: a trace is refined until it is this close (mm) to its curve, each span of which is cut at most into so many
 TRACED, FINEST = 1e-8, 8

@@ -38,7 +38,7 @@ BATCH, MORE = 64, 4
 REACHES = (0, 1, 2, 3)
 STEPS = np.array([0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64])
 #: distances (mm) that differ by no more are the same
-SETTLED = 1e-9
+TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def _facets_to_surface(patch: PatchMesh) -> float:
             foot = nearest(surface, q[which], *uv[which].T)
             away = _length(q[which] - foot.jet.r)
             distance = np.fmin(bound[which], away)
-            lost = np.flatnonzero((distance > least) & ~(foot.converged & (away <= distance + SETTLED)))
+            lost = np.flatnonzero((distance > least) & ~(foot.converged & (away <= distance + TOLERANCE)))
             if lost.size:
                 distance[lost] = np.fmin(distance[lost], _beside(patch, q[which[lost]], t[which[lost]]))
             return distance

@@ -29,10 +29,10 @@ from gearmesh.check.touch import first_touch
 from gearmesh.check.windings import WOUND, WoundTouch, in_mesh, middle, turns, windings
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import GearPair
 
 #: cells of the grids along a flank's profile and face: doubling them moves phi2 by less than 0.005 arcsec (tests)
 FLANK_CELLS, HALF_CELLS = 80, 40

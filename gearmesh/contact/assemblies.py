@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.settle import Contacts
+from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.engagement import rates
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.pair import Pair, within

@@ -20,10 +20,10 @@ from gearmesh.kernel.surface.levels import ConeLevel, Level, Shifted
 from gearmesh.kernel.surface.nearest import tangential
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
 from gearmesh.teeth.section import Link, breaks
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import GearPair, Member
 
 #: points of the grid across a flank, and across a fillet
 ROWS, FILLET_ROWS = 13, 13

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.lines import trace
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.settle import Contacts
+from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.engagement import Engagement, follow
 from gearmesh.contact.first_touch.first_touch import first_touch, touches
 from gearmesh.contact.pair import Pair, edge_name

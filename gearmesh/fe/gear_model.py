@@ -17,8 +17,8 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, plane_cross, unit
 from gearmesh.mesh.hexahedra.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HexMesh, join
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair
 
 #: overclosure that a model under a torque starts with, over the approach by Hertz. CalculiX makes contact elements only where
 #: faces overlap, so that flanks that just touch at a point have none, and a pinion free to turn is singular. From 0.3 to 1

@@ -14,9 +14,9 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hexahedra import Focus
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import GearPair
 
 #: step in s and t of the difference quotients that give the directions of the flank's lines
 STEP = 1e-4

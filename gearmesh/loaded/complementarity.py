@@ -24,7 +24,7 @@ from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import Array
 
 #: change of pressures in a step over all of them at which an answer counts as found
-SETTLED = 1e-7
+TOLERANCE = 1e-7
 #: residual over the largest displacement above which an answer does not count as found
 EXACT = 1e-4
 #: steps at most; 40 to 150 are usual
@@ -108,7 +108,7 @@ def pressures(
         if bent.any():
             u[active[bent]] = moved(new[bent], active[bent])
         change = (a * np.abs(new - own)).sum(axis=1) / (a * new).sum(axis=1)
-        met = (change < SETTLED) & ~overlap.any(axis=1) & ~lost
+        met = (change < TOLERANCE) & ~overlap.any(axis=1) & ~lost
         status[active[met]] = Status.CONVERGED
         active = active[~met]
     u = moved(p, every)

@@ -9,7 +9,7 @@ import numpy as np
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.sharing import PairLoad, inside
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 #: cells away from an edge up to which the end of a grid is at it
 NEXT = 2.0

@@ -25,8 +25,8 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross
 from gearmesh.lengths import Length, in_mm
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.train import GearPair
 
 
 @dataclass(frozen=True)

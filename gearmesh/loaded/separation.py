@@ -36,8 +36,8 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.kernel.surface.curvature import contact_ellipse, principal, relative_curvature, tangent_basis
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.train import GearPair
 
 T = TypeVar("T", ContactPath, Jet)
 

@@ -26,8 +26,8 @@ from gearmesh.loaded.compliance.threads import one_thread
 from gearmesh.loaded.mounts import FlexibleMount, Supports
 from gearmesh.loaded.root_stress import Pressed, RootStress, root_stress
 from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
+from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair, Member
 
 #: stations at which it is seen over how many pitches a flank reaches
 STATIONS = 33
@@ -218,8 +218,8 @@ def loaded_mesh(
         )
         loads.append(problem.loads())
         gear_torque[k] = problem.gear_torque()
-        tangent[k], settled = problem.tangent_stiffness()
-        status[k] = np.where(settled == Status.CONVERGED, status[k], settled)
+        tangent[k], tangent_status = problem.tangent_stiffness()
+        status[k] = np.where(tangent_status == Status.CONVERGED, status[k], tangent_status)
         roots, both = loads[-1].roots, np.arange(2)
         bent, largest, touched = (
             (roots.worst(values, moved.position, len(phi1)), both)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
-from gearmesh.mesh.ladder import Ladder, Miss
+from gearmesh.mesh.strip_triangulation import Miss, StripTriangulation
 from gearmesh.mesh.tessellate import Welded
 from gearmesh.teeth.blank.body import Body, end_regions
 from gearmesh.teeth.region import BODY_REGIONS, GAP_REGIONS, RARE_REGIONS
@@ -173,12 +173,12 @@ def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
     angle = np.unwrap(np.arctan2(polygon[:, 1], polygon[:, 0]))
     none: Index = np.zeros(0, dtype=np.int64)
     numbers = np.arange(len(polygon))
-    plain = Ladder.of([numbers[outer:][::-1], numbers[:outer]], [none], [none], angle, miss)
-    settled = plain
+    plain = StripTriangulation.of([numbers[outer:][::-1], numbers[:outer]], [none], [none], angle, miss)
+    turned = plain
     for _ in range(TURNS):
-        settled = settled.flip(miss)
-    for ladder in (settled, plain):
-        triangles, _ = ladder.triangles()
+        turned = turned.flip(miss)
+    for triangulation in (turned, plain):
+        triangles, _ = triangulation.triangles()
         (x, y), (u, v) = (np.moveaxis(polygon[triangles[:, k]] - polygon[triangles[:, 0]], -1, 0) for k in (1, 2))
         if (x * v > y * u).all():
             return triangles

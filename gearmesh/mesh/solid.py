@@ -22,8 +22,8 @@ from gearmesh.mesh.row import row_mesh
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import Member, Slot
 from gearmesh.teeth.region import FILLETS, FLANKS, Region
-from gearmesh.teeth.train import Member, Slot
 
 #: sides of a hole beside the axis: so many or a multiple
 AROUND = 8

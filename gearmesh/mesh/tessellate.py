@@ -1,11 +1,11 @@
 """Triangulated teeth to a stated tolerance: the largest distance between facets and exact surface, in mm.
 
 Every link of the section chain (see `tooth`) has lines of constant s from toe to heel, as many as it needs, and strips of
-triangles between them (see `ladder`), whose diagonals run along the sections or across the lines, whichever takes fewer (see
-`forms`). At toe and heel the chords are the edges of the end faces: there it is the distance from the section curve itself
-that counts, which is larger than that from the surface where end face and surface meet at an acute angle (on a worm's
-thread more than twice as large), so section curves have nodes between the lines where they need them. What the second forms
-predict is then measured between the vertices and mended where the prediction was too bold.
+triangles between them (see `strip_triangulation`), whose diagonals run along the sections or across the lines, whichever
+takes fewer (see `forms`). At toe and heel the chords are the edges of the end faces: there it is the distance from the
+section curve itself that counts, which is larger than that from the surface where end face and surface meet at an acute angle
+(on a worm's thread more than twice as large), so section curves have nodes between the lines where they need them. What the
+second forms predict is then measured between the vertices and mended where the prediction was too bold.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.mesh.forms import Forms, LinkPlan, cheapest
-from gearmesh.mesh.ladder import Ladder
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
+from gearmesh.mesh.strip_triangulation import StripTriangulation
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.section import GeneratedLink, Link, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
@@ -196,10 +196,10 @@ def _mesh(
     sizes = np.cumsum([lines.size, *(inner.size for pieces in between for inner in pieces)])
     inner = [np.arange(low, high) for low, high in pairwise(sizes)]
     level = _level(plan.level, nodes.s, nodes.t)
-    ladder = Ladder.of(list(lines), inner[: count - 1], inner[count - 1 :], level, nodes.miss)
+    triangulation = StripTriangulation.of(list(lines), inner[: count - 1], inner[count - 1 :], level, nodes.miss)
     on_break = np.isin(nodes.t, tooth.face_breaks)
-    ladder = ladder.flip(nodes.miss, np.where(on_break, nodes.t, 0.0))
-    triangles, strip = ladder.triangles()
+    triangulation = triangulation.flip(nodes.miss, np.where(on_break, nodes.t, 0.0))
+    triangles, strip = triangulation.triangles()
     low, high = np.moveaxis(np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]], axis=-1), -1, 0)
     numbers, side = np.unique(low * nodes.s.size + high, return_inverse=True)
     edges = np.stack(np.divmod(numbers, nodes.s.size), axis=-1)

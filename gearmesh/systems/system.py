@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from gearmesh.design.core import Design
     from gearmesh.kernel.motion.rigid import Rigid
     from gearmesh.kernel.numeric.algebra import Array
+    from gearmesh.teeth.gear_train import GearTrain, Member
     from gearmesh.teeth.tooth import Tooth
-    from gearmesh.teeth.train import Member, Train
 
 D = TypeVar("D", bound="Design")
 T = TypeVar("T")
@@ -109,7 +109,7 @@ class Displacements(Generic[D]):
     """
 
     keys: tuple[str, ...]
-    bases: Callable[[D, Train, Mapping[str, Array]], tuple[Rigid, Rigid]]
+    bases: Callable[[D, GearTrain, Mapping[str, Array]], tuple[Rigid, Rigid]]
 
 
 @dataclass(frozen=True)
@@ -130,20 +130,20 @@ class System(Generic[D]):
 
     kind: str
     design: type[D]
-    build: Callable[[D], Train]
+    build: Callable[[D], GearTrain]
     members: Mapping[str, Callable[[D], ToolPart]] = field(default_factory=dict)
     tried: Callable[[D], object] | None = None
     derive: Callable[[D], dict[str, float]] | None = None
     worm: Callable[[D], ToolPart] | None = None
-    sheet: Callable[[D, Train], Sheet] | None = None
+    sheet: Callable[[D, GearTrain], Sheet] | None = None
     member_sheet: Callable[[D, str], tuple[SheetTable, ...]] | None = None
     forces: Callable[[D, float], SheetTable] | None = None
     compensate: Callable[[D], list[Setting]] | None = None
     refinish: Callable[[D, str], list[Setting]] | None = None
-    vh: Callable[[D, Train, tuple[str, str]], list[PatternShift]] | None = None
+    vh: Callable[[D, GearTrain, tuple[str, str]], list[PatternShift]] | None = None
     first_order: Callable[[D], FirstOrder | None] | None = None
     displacements: Displacements[D] | None = None
-    pinned: Callable[[D, Train], dict[str, Any]] | None = None
+    pinned: Callable[[D, GearTrain], dict[str, Any]] | None = None
 
 
 #: kinds of the systems that come with gearmesh, and the folders beside this file that hold them
@@ -202,13 +202,13 @@ def _fill(design: D) -> D:
     return design if derive is None or design.complete else design.fill(derive(design))
 
 
-def _train(design: Design) -> Train:
+def _train(design: Design) -> GearTrain:
     own = _fill(design).in_mm()
-    train: Train = system(own.kind).build(own)
+    train: GearTrain = system(own.kind).build(own)
     return _eccentric(own, train)
 
 
-def _eccentric(design: Design, train: Train) -> Train:
+def _eccentric(design: Design, train: GearTrain) -> GearTrain:
     """A gear set with the teeth of its members off their axes, as the table `assembly` of a design in mm says."""
     from gearmesh.design.runout import runout
 
@@ -228,7 +228,7 @@ def _try_build(design: Design) -> object:
     return own.build(_fill(design).in_mm()) if own.tried is None else own.tried(design.in_mm())
 
 
-def build(design: Design) -> Train:
+def build(design: Design) -> GearTrain:
     """The gear set of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
     whole = complete_design(design)
     train = _refused_by_name(whole, _train)
@@ -246,23 +246,23 @@ def member(design: Design, name: str) -> ToolPart:
 
 
 def _refused_by_name(design: D, make: Callable[[D], T], tried: Callable[[D], object] | None = None) -> T:
-    """What is made of a design; a refusal names the key that the design sets (see `blame`), looked for by what is `tried`."""
+    """What is made of a design; a refusal names the key that the design sets (see `diagnosis`), looked for by what is `tried`."""
     try:
         return make(design)
     except FileError:
         raise
     except (DesignError, NoSolutionError) as failure:
-        from gearmesh.systems.blame import diagnose
+        from gearmesh.systems.diagnosis import diagnose
 
         raise diagnose(design, failure, tried or _try_build) from failure
 
 
-def build_without_one(design: D) -> tuple[D, Train, str] | None:
+def build_without_one(design: D) -> tuple[D, GearTrain, str] | None:
     """For a design that is refused: the design, complete, the gear set that it has without one of its keys, and that key.
 
     None where leaving out a single one mends nothing.
     """
-    from gearmesh.systems.blame import without_one
+    from gearmesh.systems.diagnosis import without_one
 
     mended = without_one(design, _train)
     if mended is None:
@@ -281,7 +281,7 @@ def _of_small_teeth(design: Design) -> tuple[str, ...]:
     return (f"contact.delta = {delta:.4g} mm: the default, instead of {DELTA:g} mm because the teeth are small",)
 
 
-def pin(design: D, train: Train) -> D:
+def pin(design: D, train: GearTrain) -> D:
     """A design with everything given that its gear set was built of, so that no default has a part in it any more."""
     from gearmesh.systems.common.pinned import body_values
 

@@ -20,8 +20,8 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.levels import Level, station_normal
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Member
 
 #: points of the outline along each edge
 EDGE = 41

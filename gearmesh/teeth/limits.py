@@ -31,10 +31,10 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import LandLevel, Level, station_normal
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.teeth.train import Member
 from gearmesh.teeth.undercut import cut_off, regularity
 from gearmesh.tools.description import HeightZero
 

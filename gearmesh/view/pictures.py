@@ -18,10 +18,10 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.generation.contact_lines import tool_contact
 from gearmesh.teeth.generation.tool_in_place import ToolInPlace
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair
 from gearmesh.view.diagrams import plots as plotting
 from gearmesh.view.diagrams.flank_diagrams import (
     ContactPanel,

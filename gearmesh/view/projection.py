@@ -8,8 +8,8 @@ from scipy.spatial import cKDTree
 from gearmesh.contact.flanks import contact_flank
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.nearest import nearest
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Member
 from gearmesh.view.scene import Project
 
 #: start points of projections onto a flank

@@ -11,8 +11,8 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, spread, unit
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import FLANKS
-from gearmesh.teeth.train import GearPair
 from gearmesh.view.on_tooth import (
     closest_gap,
     contact_lines,

@@ -13,10 +13,10 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.errors import GearmeshError
-from gearmesh.systems import blame
+from gearmesh.systems import diagnosis
 from gearmesh.systems.spiral_bevel.synthesis import teeth_choice
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Member
 
 #: all settings of both members given
 GIVEN = SAMPLES / "spiral_bevel_abdullah_straight.toml"
@@ -106,7 +106,7 @@ def test_a_member_with_settings_of_its_own_needs_no_mate_that_can_be_cut(
     assert not gears.solid(name, 0.05).complaints
     assert gears.cad(name).parts[0].name == name
     # that the pair and the other member are refused is asked here, not why
-    monkeypatch.setattr(blame, "MOST_EFFORT", 0.0)
+    monkeypatch.setattr(diagnosis, "MOST_EFFORT", 0.0)
     for refused in (lambda: gm.build(gm.load(GIVEN, [mate])), lambda: gears.pairs, lambda: gears.members[other]):
         with pytest.raises(GearmeshError, match=other):
             refused()

@@ -20,8 +20,8 @@ from gearmesh.cad.section import PlaneArc, PlaneCurve, PlaneLine, PlaneSpline, m
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.train import Member
 
 #: case -> sample, changes, member, share of the face: keyway and rounded edges, undercut and chamfers at the toe's end face, no
 #: bore, a ground root that is no arc of the blank's

@@ -33,9 +33,9 @@ from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
 from gearmesh.teeth.blank.body import end_regions
+from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import BODY_REGIONS, Region
 from gearmesh.teeth.section import breaks
-from gearmesh.teeth.train import GearPair, Member
 
 KEYED = [
     "pinion.teeth=14",

@@ -16,8 +16,8 @@ from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import FILLETS, FLANKS, Region, Side
-from gearmesh.teeth.train import GearPair
 
 CELLS = 20
 

@@ -21,7 +21,7 @@ from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]

@@ -17,8 +17,8 @@ from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.systems.designs import load
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair
 
 ARCS = Arcs(1.0, 0.0)
 

@@ -10,7 +10,7 @@ from oracles.built import pair_of
 
 import gearmesh as gm
 from gearmesh.check.members import roll_flanks, roll_members
-from gearmesh.contact.conditions.settle import Contacts, Trial, refine_candidates
+from gearmesh.contact.conditions.refinement import Contacts, Trial, refine_candidates
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch.first_touch import first_touch

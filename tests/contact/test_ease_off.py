@@ -13,7 +13,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.check.heightfield import Arcs, GridFlank
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 
 def turn_of_first_touch(pair: GearPair, field: object, sense: float, point: np.ndarray, phi1: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, rotation_about
 from gearmesh.systems.designs import load
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 #: designs whose contact was once on a wrong branch, missed, or none: keys, positions in pitches
 HARD = {

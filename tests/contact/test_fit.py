@@ -28,7 +28,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 BEVEL = {

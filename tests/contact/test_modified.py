@@ -16,8 +16,8 @@ from gearmesh.contact.flanks import separation_curvatures, solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.designs import parse
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
-from gearmesh.teeth.train import GearPair
 
 #: largest error of a transmission error, mm: rounding of what is solved to 1e-11 mm
 ROUNDING = 1e-9

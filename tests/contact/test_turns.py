@@ -18,8 +18,8 @@ from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.systems.designs import load
 from gearmesh.systems.system import kinds, system
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.train import GearPair
 
 SPUR = ("spur", "pinion.teeth=16", "gear.teeth=24", "assembly.center_distance=60")
 #: the pattern of both members repeats with a turn of the gear

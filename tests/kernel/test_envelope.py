@@ -21,8 +21,8 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import in_plane, principal, shape_operator, tangent_basis
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.systems.designs import load
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.train import GearPair
 from gearmesh.tools.rack import Arc, Line, RackSurface
 
 RADIUS = 60.0

@@ -24,8 +24,8 @@ from gearmesh.loaded.compliance.incompatible_modes import corner_stresses, elast
 from gearmesh.loaded.compliance.sector_grid import crowd
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.systems.designs import parse
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair
 
 
 @lru_cache

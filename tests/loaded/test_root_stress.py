@@ -22,7 +22,7 @@ from gearmesh.loaded.compliance.incompatible_modes import corner_stresses, unkno
 from gearmesh.loaded.compliance.sector_grid import crowd, sector_grid
 from gearmesh.loaded.root_stress import LEFT, OWN, Pressed
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, whole_rim
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 #: places of the load on the flank: the elements next to it do not reach a large fillet, but one that is small beside them
 HEIGHT, LOW, HIGH = 0.55, 0.3, 0.8

@@ -26,9 +26,9 @@ from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, rim_o
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh, join
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
+from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import GearPair, Member
 
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 COARSE = Cells(flank=5, fillet=4, thickness=2, rim=2, face=7)

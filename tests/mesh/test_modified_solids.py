@@ -19,10 +19,10 @@ from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.designs import parse
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.modified import TrueFlank
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.train import Member
 
 FIELDS: dict[str, Any] = {
     "tip_relief": {"amount": "20um", "start_roll_length": 13.0},

@@ -8,7 +8,7 @@ import gearmesh as gm
 from gearmesh.answers.bodies.finite_elements import FiniteElements
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.design.core import Design
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 
 def pair_of(design: Design) -> GearPair:

@@ -14,11 +14,11 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.teeth.train import GearPair, Member, Train
 from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.shaper import Shaper
 
@@ -77,7 +77,7 @@ def internal_gears(**changes: float) -> gm.Gears:
         ratio=PINION / RING,
         delta=design.contact.delta,
     )
-    return gm.Gears(design, Train("internal", (pair,)))
+    return gm.Gears(design, GearTrain("internal", (pair,)))
 
 
 def _named(p: Array, v: Array) -> dict[str, Array]:

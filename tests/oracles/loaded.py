@@ -14,7 +14,7 @@ from gearmesh.contact.hertz import STEEL
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 

@@ -11,11 +11,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Member
 
 #: largest residual of a measurement, mm and rad, and steps that it may take
-SETTLED, STEPS = 1e-11, 60
+TOLERANCE, STEPS = 1e-11, 60
 
 
 def flank(member: Member, side: Side, tooth: float, p: float, v: float) -> tuple[Array, Array]:
@@ -27,7 +27,7 @@ def flank(member: Member, side: Side, tooth: float, p: float, v: float) -> tuple
     return turn @ jet.r, turn @ jet.n
 
 
-def settled(equations: Callable[[Array], Array], start: Array) -> Array:
+def solved(equations: Callable[[Array], Array], start: Array) -> Array:
     """The root of as many equations as there are (least norm where some unknown is free), by Gauss-Newton."""
     x = np.array(start, dtype=float)
     for _ in range(STEPS):
@@ -38,7 +38,7 @@ def settled(equations: Callable[[Array], Array], start: Array) -> Array:
         x = x + change * min(1.0, 5.0 / max(1e-300, float(np.abs(change).max())))
         if np.abs(change).max() < 1e-13:
             break
-    assert np.abs(equations(x)).max() < SETTLED, np.abs(equations(x)).max()
+    assert np.abs(equations(x)).max() < TOLERANCE, np.abs(equations(x)).max()
     return x
 
 
@@ -62,7 +62,7 @@ def span(member: Member, count: int) -> float:
         r1, n1, r2, n2 = both(x)
         return np.concatenate((n1 + n2, np.cross(r1 - r2, n1) / np.linalg.norm(r1 - r2)))
 
-    r1, n1, r2, _ = both(settled(equations, _start(member, Side.RIGHT, Side.LEFT)))
+    r1, n1, r2, _ = both(solved(equations, _start(member, Side.RIGHT, Side.LEFT)))
     return float((r1 - r2) @ n1)
 
 
@@ -78,7 +78,7 @@ def ball(member: Member, diameter: float, z: float = 0.0) -> tuple[Array, Array]
         first, second, _ = centres(x)
         return np.append(first - second, first[2] - z)
 
-    first, _, touch = centres(settled(equations, _start(member, Side.LEFT, Side.RIGHT)))
+    first, _, touch = centres(solved(equations, _start(member, Side.LEFT, Side.RIGHT)))
     return first, touch
 
 
@@ -115,7 +115,7 @@ def constant_chord(member: Member, radius: float) -> tuple[float, float]:
             r, n = flank(member, side, 0.0, *x[:2])
             return r + x[2] * n - middle_of_tooth
 
-        feet.append(flank(member, side, 0.0, *settled(equations, start)[:2])[0])
+        feet.append(flank(member, side, 0.0, *solved(equations, start)[:2])[0])
     return float(np.linalg.norm(feet[0] - feet[1])), float(feet[0][0])
 
 
@@ -134,7 +134,7 @@ def chord(member: Member, radius: float) -> tuple[float, float]:
             [np.hypot(*r1[:2]) - radius, np.hypot(*r2[:2]) - radius, across @ along1 / radius, across @ along2 / radius]
         )
 
-    r1, _, r2, _ = both(settled(equations, _start(member, Side.RIGHT, Side.LEFT)))
+    r1, _, r2, _ = both(solved(equations, _start(member, Side.RIGHT, Side.LEFT)))
     return float(np.linalg.norm(r1 - r2)), float(0.5 * (r1 + r2)[0])
 
 
@@ -147,7 +147,7 @@ def arc(member: Member, radius: float) -> float:
             r, _ = flank(member, side, 0.0, *x)
             return np.array([np.hypot(*r[:2]) - radius, r[2]])
 
-        r, _ = flank(member, side, 0.0, *settled(equations, middle(member, side)))
+        r, _ = flank(member, side, 0.0, *solved(equations, middle(member, side)))
         angles.append(np.arctan2(r[1], r[0]))
     return float(radius * abs(angles[0] - angles[1]))
 

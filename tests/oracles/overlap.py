@@ -13,7 +13,7 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 
 @dataclass(frozen=True)

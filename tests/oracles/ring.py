@@ -11,10 +11,10 @@ from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.teeth.train import Member
 from gearmesh.tools.description import ToolDescription
 
 #: teeth, radii of tip, root and rim, half the face width, mm

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.gear_train import GearTrain
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.train import Train
 
 REGIONS = (
     Region.ROOT,
@@ -18,7 +18,7 @@ REGIONS = (
 )
 
 
-def places(train: Train, mounts: bool = True) -> Array:
+def places(train: GearTrain, mounts: bool = True) -> Array:
     """Points (N, 3), mm, of all members in their own frames; with `mounts`, rotations and translations of these at two
     rotations."""
     found = []

@@ -23,7 +23,7 @@ from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.study.rows.load_figures import POSITIONS, load_figures, loaded_contact_ratio
 from gearmesh.study.rows.work import _build
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
 SPUR = SAMPLES / "spur_relieved.toml"

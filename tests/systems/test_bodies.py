@@ -17,8 +17,8 @@ from gearmesh.cad.brep import exact_volume
 from gearmesh.cad.section import member_section
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.bodies.parallel_keys import keyway_in_hub
+from gearmesh.teeth.gear_train import Drilling, Member
 from gearmesh.teeth.region import BODY_REGIONS
-from gearmesh.teeth.train import Drilling, Member
 
 #: Ganter, technical information "DIN 6885 keyway, key details", extract page 1: bores, width, depth in the hub, mm
 GANTER = (

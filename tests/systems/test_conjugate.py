@@ -17,7 +17,7 @@ from gearmesh.kernel.surface.curvature import principal, relative_curvature, sha
 from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.conjugate.build import conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.conjugate.geometry import ConjugateGeometry
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 CASES = [
     (geometry, hand, side)

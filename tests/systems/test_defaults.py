@@ -10,8 +10,8 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import FILLETS, Side
-from gearmesh.teeth.train import GearPair
 
 # sample, what is set, the key whose default gives way, its standard value
 ADAPTED = [

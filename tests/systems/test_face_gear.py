@@ -21,9 +21,9 @@ from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.face_gear.build import middle, shaped_gear
 from gearmesh.systems.face_gear.limits import ShapedGear
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.limits import pointed_station, undercut_station
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import GearPair
 from gearmesh.tools.shaper import Shaper
 
 ARCSEC = np.degrees(1.0) * 3600.0

@@ -20,8 +20,8 @@ from gearmesh.systems import system
 from gearmesh.systems.designs import load
 from gearmesh.systems.face_gear.grinding import Grinding
 from gearmesh.systems.face_gear.worm_thread import grinding_of
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.train import Member
 
 KAPPA, THETA = np.radians(np.linspace(4.0, 50.0, 6))[:, None], np.linspace(0.2, 0.65, 5)
 
@@ -163,8 +163,8 @@ def test_root_of_a_single_thread_is_more_than_half_a_turn_wide_at_its_ends() -> 
     assert width[1] < 120.0
 
 
-def test_root_of_the_worm_takes_one_strip_whose_rungs_are_its_rulings() -> None:
-    """Its width varies over four turns: rungs that followed slopes taken straight between samples missed it by 860 um."""
+def test_root_of_the_worm_takes_one_strip_whose_diagonals_are_its_rulings() -> None:
+    """Its width varies over four turns: diagonals that followed slopes taken straight between samples missed it by 860 um."""
     tooth = system.worm(load(SAMPLES / "face_gear.toml")).member.tooth
     root = tessellate(tooth, 0.02, (Region.ROOT,))
     (patch,) = root.patches

@@ -29,7 +29,7 @@ from gearmesh.systems.spiral_bevel.synthesis.settings import (
     mean_point,
     pinion_side,
 )
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 HYPOID: dict[str, Any] = {
     "kind": "hypoid",

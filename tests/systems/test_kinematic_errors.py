@@ -34,8 +34,8 @@ from gearmesh.systems.spiral_bevel.errors.kinematic_errors import (
     harmonics,
     parallel_axes_eccentricity,
 )
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.train import GearPair
 
 PHI1 = np.radians([-3.0, 0.0, 2.0])
 SIZES = np.array([0.04, 0.02, 0.01])

@@ -21,11 +21,11 @@ from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.systems import system
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.teeth.train import GearPair, Member, Train
 from gearmesh.tools.rack import Arc, Line, RackSurface
 
 ALPHA, ADDENDUM, DEDENDUM = np.radians(20.0), 1.0, 1.25
@@ -68,14 +68,14 @@ def member(name: str, spec: MemberTable, module: float) -> Member:
     return Member(name, tooth, lambda p, v: {"p": p, "z": v})
 
 
-def build(design: SharpRackDesign) -> Train:
+def build(design: SharpRackDesign) -> GearTrain:
     module, flank = design.given_module, Side(design.contact.flank)
     pinion, gear = member("pinion", design.pinion, module), member("gear", design.gear, module)
     apart = np.array([0.5 * module * (design.pinion.teeth + design.gear.teeth), 0.0, 0.0])
     ratio = design.pinion.teeth / design.gear.teeth
     pinion = replace(pinion, mount=Mount(Rigid.identity(), sign=-1.0))
     gear = replace(gear, mount=Mount(Rigid(np.eye(3), apart)))
-    return Train(design.kind, (GearPair(pinion, gear, (flank, flank), flank.sign, ratio, design.contact.delta),))
+    return GearTrain(design.kind, (GearPair(pinion, gear, (flank, flank), flank.sign, ratio, design.contact.delta),))
 
 
 @pytest.fixture

@@ -24,8 +24,8 @@ from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross, dot, unit
 from gearmesh.kernel.surface.meridian import Meridian
 from gearmesh.kernel.surface.surface import Jet, PlacedSurface
 from gearmesh.systems.designs import load, parse
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.worm import Worm

@@ -23,9 +23,9 @@ from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions, rack_member, rack_mount, rack_pair
 from gearmesh.systems.system import complete_design
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import FLANKS, Side
-from gearmesh.teeth.train import GearPair
 
 #: helix angle (deg), hand and profile shift of the pinion; working flank; how far (mm) the rack stands off; the rack itself
 CASES: dict[str, Any] = {

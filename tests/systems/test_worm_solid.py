@@ -317,7 +317,7 @@ def _run(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> tuple[in
 
 
 def test_worm_of_a_design_is_lean() -> None:
-    """Rungs cross the thread, whose sections run along it; facets face where the exact surface does, none is folded over."""
+    """Diagonals cross the thread, whose sections run along it; facets face where the exact surface does, none is folded over."""
     member = part_of_design(load(NOVIKOV, [])).member
     mesh = tessellate(member.tooth, 0.01)
     assert max(each.largest for each in deviations(mesh).values()) <= 0.01

@@ -23,8 +23,8 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.systems.designs import load
 from gearmesh.systems.face_gear.build import shaped_gear
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.limits import fewest_teeth, member_limits, pitch_height, pointed_station, undercut_station
-from gearmesh.teeth.train import Member
 from gearmesh.tools.rack import Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 

@@ -27,9 +27,9 @@ from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.tip_edge import TipEdge
+from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.limits import member_limits
 from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.train import GearPair, Member
 
 #: half of the face width, angle of conical ends from planes across the axis (rad), tolerance of meshes, mm
 HALF, ANGLE, TOLERANCE = 25.0, 0.3, 5e-3

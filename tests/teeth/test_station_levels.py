@@ -22,10 +22,10 @@ from gearmesh.mesh.tessellate import tessellate
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.tip_edge import TipEdge
+from gearmesh.teeth.gear_train import Boss, Member, Slot
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.teeth.train import Boss, Member, Slot
 from gearmesh.tools.description import ToolDescription
 
 TEETH, INNER, OUTER = 24, 30.0, 38.0

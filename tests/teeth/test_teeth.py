@@ -20,8 +20,8 @@ from gearmesh.kernel.numeric.algebra import dot
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.designs import load
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Member
 
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 #: an undercut pinion at a centre distance without backlash

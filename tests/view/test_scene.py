@@ -17,9 +17,9 @@ from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, dot, rotation_about, unit
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair, Member
 from gearmesh.view import opengl
 from gearmesh.view.diagrams import plots
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level

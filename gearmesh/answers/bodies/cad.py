@@ -15,7 +15,7 @@ from gearmesh.cad.step import SUFFIXES, require_occ
 from gearmesh.design.core import Design
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.teeth.train import Member
+from gearmesh.teeth.gear_train import Member
 
 if TYPE_CHECKING:
     from gearmesh.cad.step import Part

@@ -36,7 +36,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 if TYPE_CHECKING:
     import pyvista

@@ -16,7 +16,7 @@ from gearmesh.design.core import Design
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.train import Member
+from gearmesh.teeth.gear_train import Member
 
 if TYPE_CHECKING:
     import pyvista

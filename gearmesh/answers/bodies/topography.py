@@ -15,11 +15,11 @@ from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, topography_text
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.modification import Modification
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.micro_geometry.topography_knots import topography_of
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Member
 
 #: how far (mm) what the file says may be from the flank, where that is not said
 TOLERANCE = 1e-5

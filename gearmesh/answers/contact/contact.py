@@ -44,7 +44,7 @@ from gearmesh.errors import ArgumentError, DesignError, NoSolutionError, Status
 from gearmesh.figures import Content, Summary
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.systems.system import FirstOrder
-from gearmesh.teeth.train import GearPair, Member
+from gearmesh.teeth.gear_train import GearPair, Member
 
 #: shares (P,) of a torque along a path, from its mesh cycle, and what is to be said of them
 Shares = Callable[[ContactPath, Cycle | None], tuple[Array, list[str]]]

@@ -17,7 +17,7 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.design.core import Design
 from gearmesh.errors import NoSolutionError
 from gearmesh.figures import Content, Figures, figure
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 
 def ease_off_of(design: Design, pair: GearPair, engagement: Engagement | None = None) -> EaseOffMap:

@@ -13,7 +13,7 @@ from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ContactPath
 from gearmesh.figures import Entry, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from gearmesh.contact.fit.freeing import direction, freeing_shift
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.figures import Figures, figure
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 #: the flanks that drive, and the others
 SIDES = {True: "driving", False: "coast"}

@@ -14,7 +14,7 @@ from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 #: neighbouring tooth pairs that are looked for, either way
 NEIGHBOURS = 4

@@ -14,7 +14,7 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 #: positions of a whole engagement
 POSITIONS = 41

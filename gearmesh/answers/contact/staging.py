@@ -14,7 +14,7 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.train import GearPair, Train
+from gearmesh.teeth.gear_train import GearPair, GearTrain
 
 #: positions of the slider
 POSITIONS = 61
@@ -46,7 +46,7 @@ class StagedContact:
     gaps: FlankGaps
 
 
-def staged_contact(train: Train, contact: Contact) -> StagedContact:
+def staged_contact(train: GearTrain, contact: Contact) -> StagedContact:
     """A solved contact at as many positions as the slider has, those without contact left out."""
     pair, known = contact.pair, contact.path.phi1[contact.path.touching]
     flanks = solver_pair(pair)

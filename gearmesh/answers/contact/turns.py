@@ -11,7 +11,7 @@ from gearmesh.answers.tables import Listing, round_to
 from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.figures import Figures, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh, whole_cycle
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 #: positions in a pitch
 POSITIONS = 21

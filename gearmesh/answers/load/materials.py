@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gearmesh.contact.hertz import Material
 from gearmesh.design.core import Design
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 
 def materials_of(design: Design, pair: GearPair) -> tuple[Material, Material]:

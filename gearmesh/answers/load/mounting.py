@@ -7,7 +7,7 @@ import numpy as np
 from gearmesh.design.core import Design
 from gearmesh.design.keys import RIGID
 from gearmesh.loaded.mounts import FlexibleMount
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 
 def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:

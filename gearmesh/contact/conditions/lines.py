@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Bound, Conditions
-from gearmesh.contact.conditions.settle import EDGE_SLACK, RCOND, at_positions, margins
+from gearmesh.contact.conditions.refinement import EDGE_SLACK, RCOND, at_positions, margins
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement
-from gearmesh.contact.engagement.events import SETTLED, root_between
+from gearmesh.contact.engagement.events import TOLERANCE, root_between
 from gearmesh.contact.engagement.lead import PairLead
 from gearmesh.contact.engagement.surface_contact import SurfaceContact, surface_contact
 from gearmesh.kernel.numeric.algebra import Array
@@ -56,10 +56,10 @@ class MeshArc:
 
 class MeshCurve:
     """The transmission advance of the gears, from the engagement of one tooth pair and the pinion's pitch (rad); where pairs
-    change over is found to `settled` (rad), of which the advances there know no more than the product with their slopes."""
+    change over is found to `tolerance` (rad), of which the advances there know no more than the product with their slopes."""
 
-    def __init__(self, engagement: Engagement, pitch: float, settled: float = SETTLED) -> None:
-        self.engagement, self.pair, self.pitch, self.settled = engagement, engagement.pair, pitch, settled
+    def __init__(self, engagement: Engagement, pitch: float, tolerance: float = TOLERANCE) -> None:
+        self.engagement, self.pair, self.pitch, self.tolerance = engagement, engagement.pair, pitch, tolerance
         self.contacts, self.phi1 = engagement.contacts, engagement.phi1
 
     @cached_property
@@ -155,7 +155,7 @@ class MeshCurve:
             together = (np.abs(apart) < TOGETHER) & ~(np.abs(parting) > LEVEL)
             return np.where(together, TOGETHER, apart), np.where(together, np.nan, parting)
 
-        return root_between(behind, low, high, self.settled)
+        return root_between(behind, low, high, self.tolerance)
 
     @cached_property
     def marks(self) -> tuple[Array, Array]:

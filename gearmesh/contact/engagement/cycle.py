@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gearmesh.contact.conditions.settle import Contacts
+from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.curve import HARMONICS, MeshCurve
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.pair import Pair

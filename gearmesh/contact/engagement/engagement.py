@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.settle import Contacts, Trial, leads_of, refine_candidates, solve
+from gearmesh.contact.conditions.refinement import Contacts, Trial, leads_of, refine_candidates, solve
 from gearmesh.contact.first_touch.field import Outlook, outlook
 from gearmesh.contact.first_touch.first_touch import first_touch, touches
 from gearmesh.contact.first_touch.search import UNSEEN

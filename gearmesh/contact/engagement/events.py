@@ -18,7 +18,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 
 #: steps after which a root between two ends is as good as it gets; rad that it need not be closer; parts of a bracket, and places
 #: about the secant's root, in brackets
-STEPS, SETTLED, PARTS = 60, 1e-12, 16
+STEPS, TOLERANCE, PARTS = 60, 1e-12, 16
 NEAR = np.array([-1e-2, -1e-3, -1e-4, -1e-6, 0.0, 1e-6, 1e-4, 1e-3, 1e-2])
 
 
@@ -54,10 +54,10 @@ def reaches(pair: Pair, conditions: Conditions, edge: NDArray[np.intp], x: Array
 
 
 def root_between(
-    value: Callable[[Array], tuple[Array, Array]], low: float, high: float, settled: float = SETTLED
+    value: Callable[[Array], tuple[Array, Array]], low: float, high: float, tolerance: float = TOLERANCE
 ) -> float:
-    """Root (rad), to `settled` or better, between `low` and `high` of a function that gives values (N,) and slopes (N,) and changes
-    its sign there.
+    """Root (rad), to `tolerance` or better, between `low` and `high` of a function that gives values (N,) and slopes (N,) and
+    changes its sign there.
 
     Newton within the bracket as long as it gains a digit a step; where it does not, or there is no slope, many places are taken at
     once, most of them about the secant's root, for many cost little more than one.
@@ -75,12 +75,12 @@ def root_between(
         else:
             high, ends = places[0], np.array([ends[0], f[0]])
         k = int(np.abs(f).argmin())
-        if abs(f[k]) <= 1e-15 or high - low <= settled:
+        if abs(f[k]) <= 1e-15 or high - low <= tolerance:
             return float(places[k])
         with np.errstate(all="ignore"):
             following = places[k] - f[k] / slope[k]
         if low <= following <= high and abs(f[k]) < 0.1 * last:
-            if abs(following - places[k]) <= settled:
+            if abs(following - places[k]) <= tolerance:
                 return float(following)
             places = np.array([following])
         else:

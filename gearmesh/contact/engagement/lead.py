@@ -14,7 +14,7 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.settle import Contacts
+from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.engagement import Engagement, rates
 from gearmesh.contact.pair import CORNER
 from gearmesh.kernel.numeric.algebra import Array

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.lines import STEEP, directions, on_edges, trace
 from gearmesh.contact.conditions.meshing import Bound, Conditions
-from gearmesh.contact.conditions.settle import EDGE_SLACK, EQUAL, Contacts, leads_of, margins
+from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, leads_of, margins
 from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.engagement.events import Events, reaches
 from gearmesh.contact.first_touch.first_touch import first_touch

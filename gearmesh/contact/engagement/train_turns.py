@@ -6,7 +6,7 @@ import numpy as np
 
 from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.train import GearPair, Train
+from gearmesh.teeth.gear_train import GearPair, GearTrain
 
 #: rounds in which the rotation of a driving member is found from that of the driven one: what the transmission error moves in
 #: one round is its change over itself, below 1e-6 of it
@@ -28,7 +28,7 @@ def leading_turns(pair: GearPair, phi1: Array, around: int = 1) -> tuple[Array, 
     return rotation[k] + none, phi2[k] + none
 
 
-def train_turns(train: Train, pair: GearPair, rotation: Array, phi2: Array) -> dict[str, Array]:
+def train_turns(train: GearTrain, pair: GearPair, rotation: Array, phi2: Array) -> dict[str, Array]:
     """Rotations (N,), rad, of all members when the members of one `pair` are at `rotation` and `phi2` (N,)."""
     turns = {pair.pinion.name: rotation, pair.gear.name: phi2}
     waiting = [other for other in train.pairs if other is not pair]

@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.settle import Contacts, Trial, refine_candidates
+from gearmesh.contact.conditions.refinement import Contacts, Trial, refine_candidates
 from gearmesh.contact.engagement.cycle import engagement_range
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.first_touch.first_touch import first_touch
@@ -27,8 +27,8 @@ from gearmesh.contact.pair import CORNER, Pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.train import GearPair, Member
 
 #: positions in a pitch; fewer, down to LEAST, where they come to more than PLENTY in all; more pitches than MOST are refused
 PER_PITCH, LEAST, PLENTY, MOST = 12, 6, 8_000, 10_000
@@ -37,7 +37,7 @@ BEYOND = 1.5
 #: by how much a tooth pair may fall behind without eccentricity and yet carry with it, in what eccentricities turn the gear by
 BEHIND = 3.0
 #: rounds in which the gear's own displacement is found, and the change of phi2 (rad) that ends them
-ROUNDS, SETTLED = 6, 1e-11
+ROUNDS, TOLERANCE = 6, 1e-11
 #: positions solved at once, and those that are solved over the whole of both flanks to be sure
 CHUNK, CHECKED = 4_000, 96
 #: steps to either side from which a place may take another kind of contact
@@ -246,7 +246,7 @@ class _Turns:
         for _ in range(ROUNDS):
             now = self._refine(self._displace(tooth, place, before), self._phi1(place), position, at)
             contacts.put(part, now)
-            on = now.touching & (now.edges[:, 0] < CORNER) & ~(np.abs(now.x[:, 4] - before) <= SETTLED)
+            on = now.touching & (now.edges[:, 0] < CORNER) & ~(np.abs(now.x[:, 4] - before) <= TOLERANCE)
             if not on.any():
                 break
             part, tooth, place, at = part[on], tooth[on], place[on], now.at(np.flatnonzero(on))

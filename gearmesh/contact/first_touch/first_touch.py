@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.settle import Contacts, Trial, leads_of, refine_candidates
+from gearmesh.contact.conditions.refinement import Contacts, Trial, leads_of, refine_candidates
 from gearmesh.contact.first_touch.field import INTERIOR, Candidates, candidates, sharpen
 from gearmesh.contact.first_touch.search import UNSEEN, meeting_points, refine_missed
 from gearmesh.contact.pair import NUMBERED, Pair

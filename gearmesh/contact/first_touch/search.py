@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.settle import EDGE_SLACK, Contacts, Trial, leads_of, margins, refine_candidates
+from gearmesh.contact.conditions.refinement import EDGE_SLACK, Contacts, Trial, leads_of, margins, refine_candidates
 from gearmesh.contact.pair import CORNER, Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot

@@ -15,8 +15,8 @@ import numpy as np
 
 from gearmesh.contact.first_touch.spline_table import SplineTable
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import EDGES, Region
-from gearmesh.teeth.train import GearPair
 
 #: rotations phi1 of the pinion (N,), rad -> those of the gear
 Turns = Callable[[Array], Array]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.settle import Contacts
+from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.curve import LEVEL, MeshCurve
 from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
@@ -25,8 +25,8 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair
 
 #: advance (rad) of a fillet over the flanks from which on it counts as interference (0.05 arcsec)
 AHEAD = 2.5e-7

@@ -28,7 +28,7 @@ from gearmesh.contact.fit.fit import (
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 #: apart by less (mm) are axes that meet
 APART = 1e-6

@@ -34,7 +34,7 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 #: steps by which the amount is found at most: each squares the error, so that 3 do for amounts of micro-geometry
 STEPS = 12
 #: a step (mm) after which nothing is left
-SETTLED = 1e-13
+TOLERANCE = 1e-13
 
 
 @dataclass(frozen=True)
@@ -87,9 +87,9 @@ class Offset:
             at = self.field.jet(base.r + a[..., None] * base.n)
             step = (at.value - a) / (1.0 - dot(at.gradient, base.n))
             a = a + step
-            if not (np.abs(step) > SETTLED).any():
+            if not (np.abs(step) > TOLERANCE).any():
                 return a, at
-        return np.where(np.abs(step) > SETTLED, np.nan, a), at
+        return np.where(np.abs(step) > TOLERANCE, np.nan, a), at
 
 
 def _carry(along: Array, n: Array, rate: Array, g: Array) -> Array:

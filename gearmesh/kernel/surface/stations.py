@@ -14,7 +14,7 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 #: rows of a grid whose solution starts the others'
 START_ROWS = 7
 #: Newton steps at most, and the distance from the station (of 1 mm and more, relative) that counts as none
-ITERATIONS, SETTLED = 40, 1e-9
+ITERATIONS, TOLERANCE = 40, 1e-9
 #: steps of the whole batch before what has not converged goes on alone, and steps that must halve a point's distance
 TOGETHER, STALE = 8, 8
 
@@ -58,7 +58,7 @@ def follow(surface: Surface, p: Array, stations: Array, axial: Level, start: Arr
     v = np.broadcast_to(np.asarray(start, dtype=float), p.shape)
     scale = 1.0 + float(np.abs(stations).max(initial=0.0))
     v, jet, miss, iterations = _newton_steps(surface, p, stations, axial, v, (scale, TOGETHER))
-    left = ~(np.abs(miss) <= SETTLED * scale)
+    left = ~(np.abs(miss) <= TOLERANCE * scale)
     if left.any() and iterations == TOGETHER:
         v[left], _, _, more = _newton_steps(
             surface, p[left], stations[left], axial, v[left], (scale, ITERATIONS - TOGETHER)
@@ -67,7 +67,7 @@ def follow(surface: Surface, p: Array, stations: Array, axial: Level, start: Arr
         miss = axial.value(jet.r) - stations
     residual = np.abs(miss)
     status = np.where(np.isfinite(residual), int(Status.MAX_ITERATIONS), int(Status.NOT_FINITE))
-    status = np.where(residual <= SETTLED * scale, int(Status.CONVERGED), status)
+    status = np.where(residual <= TOLERANCE * scale, int(Status.CONVERGED), status)
     return Followed(v, status, residual, iterations, jet)
 
 
@@ -88,7 +88,7 @@ def _newton_steps(
         miss = axial.value(jet.r) - stations
         if iterations % STALE == 0:
             size = np.abs(miss)
-            v = np.where((size > SETTLED * scale) & (size > 0.5 * past), np.nan, v)
+            v = np.where((size > TOLERANCE * scale) & (size > 0.5 * past), np.nan, v)
             past = size
         outside = ~np.isfinite(miss) & ~np.isnan(v)
         if outside.any():
@@ -97,7 +97,7 @@ def _newton_steps(
             continue
         largest = float(np.fmax.reduce(np.abs(miss).ravel(), initial=0.0))
         # to rounding, which for a cutter much larger than the gear is that of the cutter
-        if largest <= 4e-15 * scale or 0.5 * last < largest <= SETTLED * scale:
+        if largest <= 4e-15 * scale or 0.5 * last < largest <= TOLERANCE * scale:
             return v, jet, miss, iterations
         last = largest
         with np.errstate(all="ignore"):

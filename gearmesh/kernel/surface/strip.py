@@ -14,7 +14,7 @@ from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.kernel.surface.surface import Jet
 
 #: degree of the curves' polynomials, and what its last coefficients may be, of the largest coordinate
-DEGREE, SETTLED = 24, 1e-12
+DEGREE, TOLERANCE = 24, 1e-12
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Strip:
             fitted = [Chebyshev.fit(nodes, coordinate, DEGREE, domain=[-half, half]) for coordinate in (angle, length)]
             scale = np.abs(length).max() + rho.max()
             rest = [np.abs(series.coef[-2:]).max() for series in fitted]
-            if not (rest[0] < SETTLED and rest[1] < SETTLED * scale):
+            if not (rest[0] < TOLERANCE and rest[1] < TOLERANCE * scale):
                 raise ValueError("no smooth curve along the face")
             curves.append((fitted[0], fitted[1]))
         return Strip(axial, middle, (curves[0], curves[1]))

@@ -11,7 +11,7 @@ from gearmesh.figures import Summary
 from gearmesh.study.rows.load_figures import LoadFigures
 from gearmesh.study.rows.path_figures import PathFigures, PathShift
 from gearmesh.study.rows.work import GROUPS, LOAD, cycle_figures
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 
 def recordable(pair: GearPair, torques: int = 0) -> dict[str, str]:

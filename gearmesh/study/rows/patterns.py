@@ -14,7 +14,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.rows.path_figures import PHASES, gears_lead
 from gearmesh.study.rows.work import NO_CONTACT, StudyWork
 from gearmesh.teeth.flank_frame import FlankFrame
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ from gearmesh.study.rows.path_figures import PathShift, path_figures
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
 from gearmesh.teeth.flank_frame import FlankFrame
-from gearmesh.teeth.train import GearPair, Train
+from gearmesh.teeth.gear_train import GearPair, GearTrain
 
 #: each needs what those before it do
 GROUPS = ("path", "cycle", "fit")
@@ -236,7 +236,7 @@ class Variant:
     the design itself has, by key, in its own units; `phi1` (P,), rad, of the rows."""
 
     design: Design
-    train: Train
+    train: GearTrain
     pair: GearPair
     flanks: Pair
     frame: FlankFrame
@@ -310,7 +310,7 @@ def _positions(design: Design, pair: GearPair, flanks: Pair) -> Array:
 
 
 def _bases(
-    design: Design, train: Train, pair: GearPair, own: Mapping[str, float], errors: Mapping[str, Array]
+    design: Design, train: GearTrain, pair: GearPair, own: Mapping[str, float], errors: Mapping[str, Array]
 ) -> tuple[Rigid, Rigid]:
     count = len(next(iter(errors.values())))
     known = systems.system(design.kind).displacements

@@ -25,9 +25,9 @@ from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.system import Displacements
+from gearmesh.teeth.gear_train import GearPair, GearTrain, SourceParameters
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair, SourceParameters, Train
 from gearmesh.tools.rack import Line
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ STEEPEST = 1.5
 PARALLEL = 1.0 - 1e-14
 
 
-def build(design: BeveloidDesign) -> Train:
+def build(design: BeveloidDesign) -> GearTrain:
     """The pair of a beveloid design (in mm).
 
     Raises DesignError for teeth that cannot exist (see `rack_member.member`), and for a centre distance given on
@@ -66,7 +66,7 @@ def build(design: BeveloidDesign) -> Train:
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    return Train(design.kind, (pair,), _warnings(design))
+    return GearTrain(design.kind, (pair,), _warnings(design))
 
 
 def _warnings(design: BeveloidDesign) -> tuple[str, ...]:
@@ -140,7 +140,7 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
     return Mount(base, sign=-1.0 if errors.turned_over else 1.0)
 
 
-def _displaced_bases(design: BeveloidDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _displaced_bases(design: BeveloidDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     over = Rigid(rotation_about("x", np.pi if design.assembly.turned_over else 0.0), np.zeros(3))
     offset = Rigid(tilts(errors["gamma_h"], errors["gamma_v"]), shifts(errors["dx"], errors["dy"], errors["dz"]))
@@ -193,7 +193,7 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
     return np.array([given, 0.0, origin[2]])
 
 
-def pinned_values(design: BeveloidDesign, train: Train) -> dict[str, float]:
+def pinned_values(design: BeveloidDesign, train: GearTrain) -> dict[str, float]:
     """The distance of parallel axes of a complete design in mm, which its build derives where it is left out."""
     without = design.assembly.model_copy(update=dict.fromkeys(DISPLACEMENTS.keys, 0.0))
     first, second = (mount.base for mount in build(design.model_copy(update={"assembly": without})).pairs[0].mounts)

@@ -26,9 +26,9 @@ from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.system import Displacements
+from gearmesh.teeth.gear_train import GearPair, GearTrain, SourceParameters
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair, SourceParameters, Train
 from gearmesh.tools.rack import Arc, RackSurface
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 LOOSE = 0.1
 
 
-def build(design: CircularArcDesign) -> Train:
+def build(design: CircularArcDesign) -> GearTrain:
     """The pair of a circular-arc design (in mm).
 
     Raises DesignError for racks whose arcs cannot join and for teeth that cannot exist
@@ -75,7 +75,7 @@ def build(design: CircularArcDesign) -> Train:
     )
     why = "the cutter's tooth has room for no other"
     standards = {f"{name}.fillet_radius": (standard, why) for name, standard in FILLETS.items()}
-    return Train(design.kind, (pair,), (*unusual_defaults(design, standards), *_loose(design)))
+    return GearTrain(design.kind, (pair,), (*unusual_defaults(design, standards), *_loose(design)))
 
 
 def _loose(design: CircularArcDesign) -> tuple[str, ...]:
@@ -108,7 +108,7 @@ def _mounts(design: CircularArcDesign) -> dict[str, Mount]:
     }
 
 
-def _displaced_bases(design: CircularArcDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _displaced_bases(design: CircularArcDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     tilt = rotation_about("x", -np.radians(errors["dgamma"]))
     moved = gear.translation + shifts(errors["dC"], 0.0, 0.0)

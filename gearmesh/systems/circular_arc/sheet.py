@@ -13,17 +13,17 @@ from gearmesh.systems.system import Sheet, SheetTable, complete_design
 
 if TYPE_CHECKING:
     from gearmesh.systems.circular_arc.design import CircularArcDesign
-    from gearmesh.teeth.train import Train
+    from gearmesh.teeth.gear_train import GearTrain
 
 
-def contact_sheet(design: CircularArcDesign, train: Train) -> Sheet:
+def contact_sheet(design: CircularArcDesign, train: GearTrain) -> Sheet:
     """The sheet of a design and the gear set built of it; what that of any system has is part of it."""
     own = complete_design(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
     return Sheet((derived, _contact_table(own, train), *plain), {})
 
 
-def _contact_table(design: CircularArcDesign, train: Train) -> SheetTable:
+def _contact_table(design: CircularArcDesign, train: GearTrain) -> SheetTable:
     """theta by the formulas and on the exact contact at phi1 = 0, None where there is none; lengths in mm."""
     change, delta = design.assembly.dC, setting_change(design)
     racks, moved = contact_angle(design), contact_angle(design, change)

@@ -13,6 +13,7 @@ from gearmesh.design.topography_file import TopographyGrid, read_topography
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry import modification as fields
 from gearmesh.teeth.micro_geometry.modification import (
     STEEPEST,
@@ -27,7 +28,6 @@ from gearmesh.teeth.micro_geometry.modified import TrueFlank, modified_side
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.teeth.train import Member
 
 #: points, across and along a flank, at which that is proved
 SAMPLES = 33

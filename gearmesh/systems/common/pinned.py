@@ -9,13 +9,13 @@ from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
     from gearmesh.design.core import Design, MemberMount
-    from gearmesh.teeth.train import GearPair, Member, Train
+    from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
 #: values by dotted key, lengths in mm; None takes a key away that others replace
 Values = dict[str, Any]
 
 
-def body_values(design: Design, train: Train) -> Values:
+def body_values(design: Design, train: GearTrain) -> Values:
     """Bores, keyways, webs and holes of the members as they are built, and the density, of a complete design in mm."""
     values_given: Values = {"material.density": design.material.density or DENSITY}
     for name, member in train.members.items():

@@ -11,11 +11,11 @@ from gearmesh.design.core import Design
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.system import Sheet, SheetTable
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.train import GearPair, Member, Train
 
 
-def plain_sheet(design: Design, train: Train) -> Sheet:
+def plain_sheet(design: Design, train: GearTrain) -> Sheet:
     """What the geometry of any gear system says: keys that were derived, diameters of the members, axes of the pairs."""
     derived = tuple((key, "", value) for key, value in design.in_mm().derived_keys())
     members = _beside([_at_mid_face(member) for member in train.members.values()])

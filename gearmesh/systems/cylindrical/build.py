@@ -32,9 +32,9 @@ from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.geometry.shifts import addendum
 from gearmesh.systems.system import Displacements
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair, Member, Train
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 THICKER = 0.01
 
 
-def build(design: CylindricalDesign) -> Train:
+def build(design: CylindricalDesign) -> GearTrain:
     """The pair of a cylindrical design (in mm).
 
     Raises DesignError naming key, value and limit: no working pressure angle, teeth or cutters that cannot exist.
@@ -65,7 +65,7 @@ def build(design: CylindricalDesign) -> Train:
         delta=design.contact.delta,
     )
     said = (HALF,) if whole.double_helical else ()
-    return Train(design.kind, (pair,), (*warnings_of(design, geometry), *said))
+    return GearTrain(design.kind, (pair,), (*warnings_of(design, geometry), *said))
 
 
 def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -> Member:
@@ -107,7 +107,7 @@ def _mounts(design: CylindricalDesign, geometry: PairProportions) -> tuple[Mount
     return Mount(Rigid.identity(), sign=-1.0), Mount(offset @ Rigid(tilt, np.zeros(3)), sign=-1.0 if inside else 1.0)
 
 
-def _displaced_bases(design: CylindricalDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _displaced_bases(design: CylindricalDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     moved = gear.translation + shifts(errors["dx"], errors["dy"], errors["dz"])
     return pinion, Rigid(tilts(errors["gamma_h"], errors["gamma_v"]) @ gear.rotation, moved)

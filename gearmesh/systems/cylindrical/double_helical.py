@@ -15,8 +15,8 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.halves import DoubleHelical
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.train import Member
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values
     from gearmesh.systems.cylindrical.design import CylindricalDesign
     from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
-    from gearmesh.teeth.train import Member, Train
+    from gearmesh.teeth.gear_train import GearTrain, Member
 
 
-def pair_values(design: CylindricalDesign, train: Train) -> Values:
+def pair_values(design: CylindricalDesign, train: GearTrain) -> Values:
     """Of a complete design in mm and the gear set built of it."""
     own = half_of(design)
     pair = proportions(own)

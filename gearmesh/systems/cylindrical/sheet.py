@@ -28,14 +28,14 @@ from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.geometry.root import CriticalSection, critical_section, lever
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
+from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.train import Member, Train
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
 
 
-def data_sheet(design: CylindricalDesign, train: Train) -> Sheet:
+def data_sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
     """The sheet of a cylindrical design and the gear set built of it; what that of any system has is part of it."""
     own = complete_design(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables

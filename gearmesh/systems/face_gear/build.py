@@ -38,11 +38,11 @@ from gearmesh.systems.face_gear.pinion_root import clear_root, unlike_standard
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
-from gearmesh.teeth.train import GearPair, Member, Train
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Line, RackSurface
 from gearmesh.tools.shaper import Shaper
@@ -58,7 +58,7 @@ STRAIGHT = 1e-9
 TIP_RADIUS, ROOM = 0.2, 0.8
 
 
-def build(design: FaceGearDesign) -> Train:
+def build(design: FaceGearDesign) -> GearTrain:
     """The pair of a face gear design (in mm).
 
     Raises DesignError naming key, value and limit: radii beyond undercut or pointing, shaper or teeth that cannot exist.
@@ -76,7 +76,7 @@ def build(design: FaceGearDesign) -> Train:
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    return Train(design.kind, (pair,), _warnings(design, shaped))
+    return GearTrain(design.kind, (pair,), _warnings(design, shaped))
 
 
 def shaped_gear(design: FaceGearDesign) -> ShapedGear:
@@ -323,7 +323,7 @@ def _mounts(design: FaceGearDesign, shaped: ShapedGear, place: float) -> tuple[M
     )
 
 
-def _displaced_bases(design: FaceGearDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _displaced_bases(design: FaceGearDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     # about the common perpendicular, which is y
     opened = Rigid(rotation_about("y", np.radians(errors["d_gamma"])), np.zeros(3))

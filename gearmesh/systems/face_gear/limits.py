@@ -36,7 +36,7 @@ NEAREST = 1e-4
 #: rounds from the plane to the cone parallel to the shaper's axis: each gains about two digits
 ROUNDS = 20
 #: relative change of a distance that is rounding: rounds after it change nothing
-SETTLED = 4e-16
+TOLERANCE = 4e-16
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ class ShapedGear:
             # along the edge x is all but constant, and y = (r_b - x cos(kappa)) / sin(kappa)
             slide = (x - self.shaper.base_radius * np.cos(kappa)) / np.sin(kappa) ** 2 * self._opening(kappa, z)
             before, z = z, np.maximum(z - (rho - radii) * rho / (outward * s + across * slide), nearest)
-            if not (np.abs(z - before) > SETTLED * z).any():
+            if not (np.abs(z - before) > TOLERANCE * z).any():
                 break
         return self.point(self.theta_at_height(height, z), z)
 

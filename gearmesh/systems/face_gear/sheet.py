@@ -18,10 +18,10 @@ from gearmesh.systems.system import Sheet, SheetTable
 
 if TYPE_CHECKING:
     from gearmesh.systems.face_gear.design import FaceGearDesign
-    from gearmesh.teeth.train import Train
+    from gearmesh.teeth.gear_train import GearTrain
 
 
-def data_sheet(design: FaceGearDesign, train: Train) -> Sheet:
+def data_sheet(design: FaceGearDesign, train: GearTrain) -> Sheet:
     """Derived keys, members and axes as of every system, then axodes and lines of contact."""
     given = design.in_mm()
     plain, shaped = plain_sheet(design, train), shaped_gear(given)

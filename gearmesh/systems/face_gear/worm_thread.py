@@ -41,9 +41,9 @@ from gearmesh.systems.face_gear.grinding import Grinding
 from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Crest, ToothSide
-from gearmesh.teeth.train import Member, Train
 from gearmesh.tools.description import ToolDescription
 from gearmesh.tools.rack import Reversed
 from gearmesh.tools.shaper_worm import ShaperWorm
@@ -260,7 +260,7 @@ def _make(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
     return grinding, grinding_worm(grinding.worm, tip, reach, spec.length, spec.bore)
 
 
-def pinned_values(design: FaceGearDesign, train: Train) -> dict[str, float]:
+def pinned_values(design: FaceGearDesign, train: GearTrain) -> dict[str, float]:
     """Length and bore of the worm of a complete design in mm and the gear set built of it; nothing where there is none."""
     try:
         part = _make(design, train.pairs[0].gear.tooth)[1]

@@ -31,10 +31,10 @@ from gearmesh.systems.common.racks.rack_member import ROOT, Roll, ToothMaking, m
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
 from gearmesh.systems.system import Displacements, ToolPart
+from gearmesh.teeth.gear_train import GearPair, GearTrain, SourceParameters
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth_side import Bottom
-from gearmesh.teeth.train import GearPair, SourceParameters, Train
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.worm import Worm
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 BEYOND = 0.6
 
 
-def build(design: ParabolicHelicalDesign) -> Train:
+def build(design: ParabolicHelicalDesign) -> GearTrain:
     """The pair of a `novikov` or `modified_involute` design (in mm).
 
     Raises DesignError for racks and teeth that cannot exist (see `rack_tooth.round_tips`, `rack_member.member`) and for
@@ -81,7 +81,7 @@ def build(design: ParabolicHelicalDesign) -> Train:
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    return Train(design.kind, (pair,), unusual_defaults(design, design.standards()))
+    return GearTrain(design.kind, (pair,), unusual_defaults(design, design.standards()))
 
 
 def _specs(design: ParabolicHelicalDesign) -> dict[str, ParabolicMember]:
@@ -182,7 +182,7 @@ def worm_part(design: ParabolicHelicalDesign) -> ToolPart:
     return grinding_worm(tool, racks, touching, design.worm.length, design.worm.bore)
 
 
-def pinned_values(design: ParabolicHelicalDesign, train: Train) -> dict[str, float]:
+def pinned_values(design: ParabolicHelicalDesign, train: GearTrain) -> dict[str, float]:
     """Position of the disk of a complete design in mm; length and bore of the worm, where there can be one as a part."""
     values = {}
     if design.pinion.crowning == "disk":
@@ -221,7 +221,9 @@ def _mounts(design: ParabolicHelicalDesign, rolls: dict[str, Roll]) -> dict[str,
     }
 
 
-def _displaced_bases(design: ParabolicHelicalDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _displaced_bases(
+    design: ParabolicHelicalDesign, train: GearTrain, errors: Mapping[str, Array]
+) -> tuple[Rigid, Rigid]:
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     tilt = rotation_about("x", -_hand(design) * np.radians(errors["d_gamma"]))
     return pinion, Rigid(tilt @ gear.rotation, gear.translation + shifts(errors["dE"], 0.0, 0.0))

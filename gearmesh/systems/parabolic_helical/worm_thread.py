@@ -36,9 +36,9 @@ from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Crest, ToothSide
-from gearmesh.teeth.train import Member
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, RackSurface
 from gearmesh.tools.worm import Worm

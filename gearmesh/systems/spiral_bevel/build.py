@@ -19,14 +19,14 @@ from gearmesh.systems.spiral_bevel.synthesis.settings import (
 )
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth, closing_teeth, gear_alone, pinion_alone
 from gearmesh.systems.system import ToolPart
-from gearmesh.teeth.train import Train
+from gearmesh.teeth.gear_train import GearTrain
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
     from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, CutAlone
 
 
-def build(design: FaceMilledDesign) -> Train:
+def build(design: FaceMilledDesign) -> GearTrain:
     """The pair of a spiral bevel design (in mm).
 
     Raises DesignError for blanks and teeth that cannot exist, NoSolutionError where no pinion gives the contact asked for.

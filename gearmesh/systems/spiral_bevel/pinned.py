@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values
     from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
-    from gearmesh.teeth.train import Train
+    from gearmesh.teeth.gear_train import GearTrain
 
 
-def settings_values(design: FaceMilledDesign, train: Train) -> Values:
+def settings_values(design: FaceMilledDesign, train: GearTrain) -> Values:
     """Of a complete design in mm and the gear set built of it."""
     sheet, made = settings_sheet(design, train), bevel_teeth(design)
     blank, given = made.cut.blank, made.proportions
@@ -60,7 +60,7 @@ def _one_machine(values: Values) -> Values:
     }
 
 
-def conjugate_values(design: ConjugateDesign, train: Train) -> Values:
+def conjugate_values(design: ConjugateDesign, train: GearTrain) -> Values:
     """Of a complete conjugate design in mm and the gear set built of it: the face width, and edge radii as they fit."""
     toe, heel = train.members["gear"].tooth.blank.extent
     values: Values = {"face_width": heel - toe}

@@ -37,12 +37,12 @@ from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.offset import Offset
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import area_normal
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.flank_field import Fade, LevelField, Quadrangle, QuadrangleSpline
 from gearmesh.teeth.micro_geometry.modification import STEEPEST
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.teeth.train import Member
 
 #: name under which arguments are refused
 KEY = "deviations"

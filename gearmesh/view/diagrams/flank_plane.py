@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.flank_frame import FlankFrame
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Member
 from gearmesh.view.on_tooth import ellipses_on_surface, union_level
 from gearmesh.view.projection import flank_projection
 from gearmesh.view.scene import MemberContact, Project

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Member
 from gearmesh.view.diagrams.plots import save_figure
 from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.loaded.sharing import LoadedMesh, inside
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 #: phases farther apart, in pitches, are not joined; nor are contacts that run in directions with less than this cosine between them
 STEP, ALIKE = 0.15, 0.8

@@ -14,7 +14,7 @@ from scipy.ndimage import map_coordinates
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.sharing import LoadedMesh, whole_cycle
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view.diagrams.flank_diagrams import draw_outline, flank_window, is_long, name_edges
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.diagrams.plots import save_figure

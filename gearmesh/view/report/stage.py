@@ -18,7 +18,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.train import GearPair, Member, Train
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.view.load.footprints import Footprints
 from gearmesh.view.load.loaded_diagrams import FAINTEST, PRESSURE, LoadedPattern, cycle_curves
 from gearmesh.view.on_tooth import closest_gap, lift_grid, union_level
@@ -77,7 +77,9 @@ class StagedMember:
         )
 
 
-def stage(train: Train, members: Sequence[StagedMember], pairs: Sequence[StagedPair], camera: Camera) -> dict[str, Any]:
+def stage(
+    train: GearTrain, members: Sequence[StagedMember], pairs: Sequence[StagedPair], camera: Camera
+) -> dict[str, Any]:
     """The data of the view; members that look alike share their meshes."""
     shapes: list[dict[str, Any]] = []
     shown = []
@@ -128,7 +130,7 @@ def _member(member: Member, shape: int, reach: float) -> dict[str, Any]:
     }
 
 
-def _pair(train: Train, staged: StagedPair, names: list[str]) -> dict[str, Any]:
+def _pair(train: GearTrain, staged: StagedPair, names: list[str]) -> dict[str, Any]:
     pair, path, turns = staged.pair, staged.contact.path, staged.contact.turns
     rad, unit = pair.output.reading.error
     return {
@@ -171,7 +173,7 @@ def _load_data(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
     }
 
 
-def _to_shown(train: Train, pair: GearPair, name: str) -> Rigid:
+def _to_shown(train: GearTrain, pair: GearPair, name: str) -> Rigid:
     """A member's own frame as a pair counts it, in that of the member as it is drawn: in sets they are whole pitches apart."""
     return train.members[name].mount.base.inverse @ pair.members[name].mount.base
 

@@ -10,7 +10,7 @@ from gearmesh.errors import DesignError
 from gearmesh.systems.common.bodies.parallel_keys import LARGEST, SMALLEST, keyway_in_hub
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.teeth.blank.body import Body, Disc
-from gearmesh.teeth.train import Boss, Drilling, Slot
+from gearmesh.teeth.gear_train import Boss, Drilling, Slot
 
 if TYPE_CHECKING:
     from gearmesh.design.core import GearBody, Holes, Keyway

@@ -27,9 +27,9 @@ from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.tip_edge import TipEdge
+from gearmesh.teeth.gear_train import Member, SourceParameters
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, Crest, ToothSide
-from gearmesh.teeth.train import Member, SourceParameters
 from gearmesh.tools.description import ToolDescription
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import RackSurface

@@ -30,10 +30,10 @@ from gearmesh.systems.cylindrical.design import RIM
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.teeth.train import Member
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.shaper import Shaper

@@ -14,8 +14,8 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import Drilling, Member, Slot
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import Drilling, Member, Slot
 
 #: nodes of Gauss's rule on a link of a section (volumes agree with `Tooth.volume` to 3e-11), along the face and over a keyway
 ORDER, STATIONS, ACROSS = 32, 7, 32

@@ -22,9 +22,9 @@ from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
 from gearmesh.systems.cylindrical.geometry.nominal import wanted_backlash
 from gearmesh.systems.cylindrical.parts import completed_pair, in_words, is_given, nest, rename, shared_keys
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
+from gearmesh.teeth.gear_train import GearPair, GearTrain
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair, Train
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
@@ -106,7 +106,7 @@ def derived_values(design: PlanetaryDesign) -> dict[str, float]:
     return closed.still_open(design, values)
 
 
-def build(design: PlanetaryDesign) -> Train:
+def build(design: PlanetaryDesign) -> GearTrain:
     """The set of a planetary design (in mm): sun, planets and ring, in mesh with each other.
 
     Raises DesignError naming key, value and limit: teeth that cannot exist, planets that cannot be assembled or collide.
@@ -152,7 +152,7 @@ def build(design: PlanetaryDesign) -> Train:
             *(rename(line, {"pinion": PLANET, "gear": RING}) for line in pairs.warnings_of(both.outer, outer)),
         ]
     )
-    return Train(design.kind, tuple(made), tuple(warnings), (*[0] * len(angles), *[len(angles)] * len(angles)))
+    return GearTrain(design.kind, tuple(made), tuple(warnings), (*[0] * len(angles), *[len(angles)] * len(angles)))
 
 
 def _facing(angle: float, teeth: int) -> Rigid:

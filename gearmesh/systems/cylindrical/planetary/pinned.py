@@ -12,10 +12,10 @@ from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
 if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values
     from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
-    from gearmesh.teeth.train import Train
+    from gearmesh.teeth.gear_train import GearTrain
 
 
-def planetary_values(design: PlanetaryDesign, train: Train) -> Values:
+def planetary_values(design: PlanetaryDesign, train: GearTrain) -> Values:
     """Of a complete design in mm and the gear set built of it."""
     both = meshes(design)
     inner, outer = proportions(both.inner), proportions(both.outer)

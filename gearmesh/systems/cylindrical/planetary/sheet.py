@@ -16,14 +16,14 @@ from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
 from gearmesh.systems.cylindrical.sheet import SheetPair, pair_tables
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
+from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.train import Member, Train
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 
 
-def planetary_sheet(design: PlanetaryDesign, train: Train) -> Sheet:
+def planetary_sheet(design: PlanetaryDesign, train: GearTrain) -> Sheet:
     """The sheet of a planetary design and the gear set built of it; what that of any system has is part of it."""
     own = complete_design(design).in_mm()
     both_meshes = meshes(own)

@@ -19,9 +19,9 @@ from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import rack_member, rack_mount, rack_pair
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions
+from gearmesh.teeth.gear_train import GearTrain
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Train
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.rack.design import RackDesign
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 TOLD = 0.02
 
 
-def build(design: RackDesign) -> Train:
+def build(design: RackDesign) -> GearTrain:
     """Pinion and rack of a design (in mm).
 
     Raises DesignError naming key, value and limit: teeth, cutters or bars that cannot exist.
@@ -46,7 +46,7 @@ def build(design: RackDesign) -> Train:
         flank,
         design.contact.delta,
     )
-    return Train(design.kind, (pair,), _warnings(design, geometry))
+    return GearTrain(design.kind, (pair,), _warnings(design, geometry))
 
 
 def _errors(design: RackDesign) -> Rigid:

@@ -28,11 +28,11 @@ from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_t
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.teeth.train import GearPair, Member
 from gearmesh.tools.description import HeightZero, ToolDescription
 from gearmesh.tools.rack import Line, RackSurface
 

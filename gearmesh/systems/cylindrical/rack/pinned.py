@@ -11,10 +11,10 @@ from gearmesh.systems.cylindrical.rack.proportions import rack_proportions
 if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values
     from gearmesh.systems.cylindrical.rack.design import RackDesign
-    from gearmesh.teeth.train import Train
+    from gearmesh.teeth.gear_train import GearTrain
 
 
-def rack_values(design: RackDesign, train: Train) -> Values:
+def rack_values(design: RackDesign, train: GearTrain) -> Values:
     """Of a complete design in mm and the gear set built of it."""
     geometry = rack_proportions(design)
     return {

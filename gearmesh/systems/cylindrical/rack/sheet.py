@@ -27,8 +27,8 @@ from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
 from gearmesh.systems.cylindrical.sheet import SheetPair, member_tables
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
+from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.train import Member, Train
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.rack.design import RackDesign
@@ -76,7 +76,7 @@ def rack_flank(rack: Member) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def rack_sheet(design: RackDesign, train: Train) -> Sheet:
+def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
     """The sheet of a design of pinion and rack and the gear set built of it."""
     own = complete_design(design).in_mm()
     geometry = rack_proportions(own)

@@ -26,8 +26,8 @@ from gearmesh.systems.spiral_bevel.machine.pair import (
     thinning,
 )
 from gearmesh.systems.spiral_bevel.synthesis.settings import or_else
+from gearmesh.teeth.gear_train import GearTrain
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Train
 from gearmesh.tools.head_cutter import Blade
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 FLATTEST = 1000.0
 
 
-def build(design: ConjugateDesign) -> Train:
+def build(design: ConjugateDesign) -> GearTrain:
     """The pair of a conjugate design (in mm). Raises DesignError for blanks and teeth that cannot exist."""
     blank = conjugate_blank(design)
     pinion, gear = {}, {}

@@ -13,8 +13,8 @@ from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.system import Displacements
 
 if TYPE_CHECKING:
+    from gearmesh.teeth.gear_train import GearTrain
     from gearmesh.teeth.mount import Mount
-    from gearmesh.teeth.train import Train
 
 
 def displaced_bases(mounts: tuple[Mount, Mount], errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
@@ -33,7 +33,7 @@ def displaced_bases(mounts: tuple[Mount, Mount], errors: Mapping[str, Array]) ->
     return Rigid(still, pinion.translation + moved), Rigid(opened, np.zeros(3)) @ gear @ along
 
 
-def _bases(design: Any, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _bases(design: Any, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     return displaced_bases(train.pairs[0].mounts, errors)
 
 

@@ -16,7 +16,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.spiral_bevel.errors.kinematic_errors import NominalContact
 from gearmesh.systems.spiral_bevel.machine.pair import without_errors
 from gearmesh.systems.system import FirstOrder
-from gearmesh.teeth.train import Train
+from gearmesh.teeth.gear_train import GearTrain
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import BevelDesign
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 B = TypeVar("B", bound="BevelDesign")
 
 
-def first_order(design: B, build: Callable[[B], Train]) -> FirstOrder | None:
+def first_order(design: B, build: Callable[[B], GearTrain]) -> FirstOrder | None:
     """The closed form for a design in mm that `build` builds; None where it has no errors."""
     errors = design.assembly
     # directions without lengths are no errors

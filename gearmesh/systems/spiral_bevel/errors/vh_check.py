@@ -36,8 +36,8 @@ from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES
 from gearmesh.systems.spiral_bevel.sheet.tooth_measures import on_flank
 from gearmesh.systems.spiral_bevel.synthesis.settings import meshing_turns
 from gearmesh.systems.system import PatternShift
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair, Member, Train
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import BevelDesign
@@ -72,7 +72,7 @@ class HalfwayLevel:
 
 
 def vh_check(
-    design: BevelDesign, train: Train, clearance: float, moved: tuple[str, str] = ("V", "H")
+    design: BevelDesign, train: GearTrain, clearance: float, moved: tuple[str, str] = ("V", "H")
 ) -> list[PatternShift]:
     """Displacements `moved`, two of MOVES, for both sides of the pinion and all PLACES, of a design in mm; `clearance`: between its
     tips and roots, mm.

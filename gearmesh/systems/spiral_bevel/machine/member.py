@@ -18,9 +18,9 @@ from gearmesh.systems.spiral_bevel.blank.root import bottom, root_cone
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import Member
 
 if TYPE_CHECKING:
     from gearmesh.design.core import GearBody

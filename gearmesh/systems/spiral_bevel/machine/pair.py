@@ -17,10 +17,10 @@ from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.blank.blank import BasicData, BevelBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.member import ALLOWED, bevel_member
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.limits import lost_heights
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair, Member, Train
 from gearmesh.tools.head_cutter import INSIDE, OUTSIDE
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def member_of(design: BevelDesign, blank: BevelBlank, name: str, sides: Sides, p
     return CutMember(member, lost_heights(member.tooth))
 
 
-def bevel_pair(design: BevelDesign, cut: CutSides, pinion: CutMember, gear: CutMember) -> Train:
+def bevel_pair(design: BevelDesign, cut: CutSides, pinion: CutMember, gear: CutMember) -> GearTrain:
     """The pair of a design (in mm) whose members are made of the sides that are cut."""
     name, blank, (places, turns) = design.contact.pinion_side, cut.blank, (cut.places, cut.turns)
     mate = MATES[name]
@@ -105,7 +105,7 @@ def bevel_pair(design: BevelDesign, cut: CutSides, pinion: CutMember, gear: CutM
         delta=design.contact.delta,
     )
     # the gear first: what is wrong with it would show on the pinion as well
-    return Train(
+    return GearTrain(
         design.kind, (pair,), (*blank.warnings, *undercut_warnings(gear, blank), *undercut_warnings(pinion, blank))
     )
 

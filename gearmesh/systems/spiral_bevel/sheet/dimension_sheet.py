@@ -20,8 +20,8 @@ from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.sheet.contact_ratios import contact_ratios
 from gearmesh.systems.spiral_bevel.sheet.tooth_measures import ToothMeasures
 from gearmesh.systems.system import SheetTable
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Member
 from gearmesh.tools.head_cutter import Blade
 
 MEMBERS = ("pinion", "gear")

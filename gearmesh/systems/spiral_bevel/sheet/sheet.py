@@ -29,16 +29,16 @@ from gearmesh.systems.spiral_bevel.sheet.tooth_measures import width_across
 from gearmesh.systems.spiral_bevel.synthesis.settings import mean_point, offset_data
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.systems.system import Sheet, SheetTable
+from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import Member, Train
 from gearmesh.tools.rack import at_height
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 
-def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
+def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
     """The sheet of a spiral bevel design and the gear set built of it, lengths in the design's units, angles in deg.
 
     Raises DesignError for blanks that cannot exist, NoSolutionError where local synthesis has none.

@@ -62,7 +62,7 @@ ROLL_FROM, ROLL_LEAST = 0.03, 3e-4
 ROLL = (2, 3)
 #: change of the sum of squares, of itself, at which least squares stop, and evaluations at most: to begin with, with modified roll,
 #: and to turn the flank clear. What settings do together leaves a long curved valley, on the floor of which little is to be had
-SETTLED, FEW, MANY = 1e-2, 12, 30
+TOLERANCE, FEW, MANY = 1e-2, 12, 30
 #: Newton steps to the point of the pinion on a conjugate's normal, from the last one and at first, and how far from it (mean normal
 #: modules) they may end
 STEPS, FIRST_STEPS, REACHED = 2, 6, 1e-3
@@ -236,7 +236,7 @@ class _Fit:
         with np.errstate(all="ignore"):
             if not np.isfinite(residual(zero)).all():
                 raise self._nothing()
-            fit = least_squares(residual, zero, derivatives, ftol=SETTLED, xtol=None, gtol=None, max_nfev=evaluations)
+            fit = least_squares(residual, zero, derivatives, ftol=TOLERANCE, xtol=None, gtol=None, max_nfev=evaluations)
             reached = trial_at(fit.x)[1]
         away, *five = self._polynomial @ reached
         grids = np.full((2, *self.used.shape), np.nan)

@@ -1,4 +1,4 @@
-"""Ladders of triangles between lines: every one fills the rectangle of the (s, t) plane, whatever its levels and corners."""
+"""Triangulations of strips between lines: every one fills the rectangle of the (s, t) plane, whatever its levels and corners."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.ladder import Index, Ladder
+from gearmesh.mesh.strip_triangulation import Index, StripTriangulation
 
 #: so much do levels rise from s = 0 to 1
 SHEARS = (-3.0, -0.4, -0.01, 0.0, 0.01, 0.4, 3.0)
@@ -48,7 +48,7 @@ def areas(s: Array, t: Array, triangles: Index) -> Array:
         ([9, 4, 2, 30], [5, 1, 0], [0, 2, 3]),
     ],
 )
-def test_a_ladder_fills_the_rectangle(rows: list[int], toe: list[int], heel: list[int], shear: float) -> None:
+def test_a_triangulation_fills_the_rectangle(rows: list[int], toe: list[int], heel: list[int], shear: float) -> None:
     lines, below, above, s, t = nodes(rows, toe, heel)
     random = np.random.default_rng(7)
 
@@ -57,9 +57,9 @@ def test_a_ladder_fills_the_rectangle(rows: list[int], toe: list[int], heel: lis
         return found
 
     level = t + shear * s
-    plain = Ladder.of(lines, below, above, level, miss)
-    for ladder in (plain, plain.flip(miss)):
-        triangles, strip = ladder.triangles()
+    plain = StripTriangulation.of(lines, below, above, level, miss)
+    for triangulation in (plain, plain.flip(miss)):
+        triangles, strip = triangulation.triangles()
         assert (areas(s, t, triangles) > 0.0).all()
         assert areas(s, t, triangles).sum() == pytest.approx(1.0, abs=1e-12)
         # as many as the border of every strip demands, and every node is used
@@ -73,17 +73,17 @@ def test_a_ladder_fills_the_rectangle(rows: list[int], toe: list[int], heel: lis
         assert counts.max() <= 2
 
 
-def test_rungs_follow_the_levels() -> None:
-    """Between lines of evenly spaced nodes no rung crosses more than a row, however steep the levels are."""
+def test_diagonals_follow_the_levels() -> None:
+    """Between lines of evenly spaced nodes no diagonal crosses more than a row, however steep the levels are."""
     lines, below, above, s, t = nodes([41, 41, 41], [3, 3], [3, 3])
     level = t + 0.2 * s
-    ladder = Ladder.of(lines, below, above, level, lambda edges: np.zeros(len(edges)))
-    places, _ = ladder.rungs()
-    assert np.abs(level[ladder.a[places[:, 0]]] - level[ladder.b[places[:, 1]]]).max() < 1.5 / 40.0
-    assert np.abs(t[ladder.a[places[:, 0]]] - t[ladder.b[places[:, 1]]]).max() > 0.09
+    triangulation = StripTriangulation.of(lines, below, above, level, lambda edges: np.zeros(len(edges)))
+    places, _ = triangulation.diagonals()
+    assert np.abs(level[triangulation.a[places[:, 0]]] - level[triangulation.b[places[:, 1]]]).max() < 1.5 / 40.0
+    assert np.abs(t[triangulation.a[places[:, 0]]] - t[triangulation.b[places[:, 1]]]).max() > 0.09
 
 
-def test_rungs_are_turned_to_the_nearer_side() -> None:
+def test_diagonals_are_turned_to_the_nearer_side() -> None:
     lines, below, above, s, t = nodes([6, 6, 6], [0, 0], [0, 0])
 
     def rising(edges: Index) -> Array:
@@ -91,6 +91,6 @@ def test_rungs_are_turned_to_the_nearer_side() -> None:
         by_s, by_t = (np.diff(each[edges], axis=1)[:, 0] for each in (s, t))
         return np.maximum(-by_s * by_t, 0.0)
 
-    ladder = Ladder.of(lines, below, above, t, rising).flip(rising)
-    places, _ = ladder.rungs()
-    assert rising(np.stack((ladder.a[places[:, 0]], ladder.b[places[:, 1]]), axis=1)).max() == 0.0
+    triangulation = StripTriangulation.of(lines, below, above, t, rising).flip(rising)
+    places, _ = triangulation.diagonals()
+    assert rising(np.stack((triangulation.a[places[:, 0]], triangulation.b[places[:, 1]]), axis=1)).max() == 0.0

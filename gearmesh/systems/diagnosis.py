@@ -77,7 +77,7 @@ def diagnose(design: Design, failure: GearmeshError, build: Build) -> GearmeshEr
     else:
         return failure if trials.effort.spent else _together(design, failure, own)
     first, *others = [_refusal_of(design, bound) for bound in trials.refine(intervals)]
-    made = BlamedInVainError if isinstance(failure, NoSolutionError) else BlamedError
+    made = DiagnosedNoSolutionError if isinstance(failure, NoSolutionError) else DiagnosedError
     return made(first, tuple(others), failure, whole=noticed is None)
 
 
@@ -136,7 +136,7 @@ def without_one(design: D, build: Build) -> tuple[D, str] | None:
     return None
 
 
-class _Blamed(GearmeshError):
+class _Diagnosis(GearmeshError):
     """A refusal that names the key which the design sets: as its own fields with a bound of it that was tried, `others` of which
     each mends it as well, and what was `noticed`; unless it is `whole` another refusal then follows."""
 
@@ -162,11 +162,11 @@ class _Blamed(GearmeshError):
         return f"{bounds}, with the other keys unchanged{rest}: {told}"
 
 
-class BlamedError(_Blamed, DesignError):
+class DiagnosedError(_Diagnosis, DesignError):
     """Of a design that cannot be used."""
 
 
-class BlamedInVainError(_Blamed, NoSolutionError):
+class DiagnosedNoSolutionError(_Diagnosis, NoSolutionError):
     """Of a design without a solution."""
 
 

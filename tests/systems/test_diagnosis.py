@@ -12,11 +12,11 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.errors import DesignError, GearmeshError
 from gearmesh.kernel.numeric.effort import Effort
-from gearmesh.systems import blame
+from gearmesh.systems import diagnosis
 from gearmesh.systems.system import system
 
 # what is set, and the key and the side of the bound that the refusal begins with; none of them names what was noticed
-BLAMED = [
+REFUSED = [
     ("spur", ["pressure_angle=40"], "pressure_angle", "at most"),
     ("novikov", ["rack_parameter=2.1"], "rack_parameter", "at most"),
     ("circular_arc", ["center_distance=8.77"], "center_distance", "at least"),
@@ -30,7 +30,7 @@ BLAMED = [
 
 
 @pytest.mark.parametrize(
-    ("sample", "given", "key", "side"), some(BLAMED, 4), ids=[f"{row[0]}-{row[1][0]}" for row in BLAMED]
+    ("sample", "given", "key", "side"), some(REFUSED, 4), ids=[f"{row[0]}-{row[1][0]}" for row in REFUSED]
 )
 def test_the_key_that_the_design_sets_is_named_with_a_true_bound(
     sample: str, given: list[str], key: str, side: str, monkeypatch: pytest.MonkeyPatch
@@ -44,7 +44,7 @@ def test_the_key_that_the_design_sets_is_named_with_a_true_bound(
     gm.build(gm.load(file, [*given, f"{key}={bound}"]))
     # a little beyond it, where the key is not looked for again
     beyond = bound * (1.005 if side == "at most" else 0.995)
-    monkeypatch.setattr(blame, "MOST_EFFORT", 0.0)
+    monkeypatch.setattr(diagnosis, "MOST_EFFORT", 0.0)
     with pytest.raises(GearmeshError):
         gm.build(gm.load(file, [*given, f"{key}={beyond}"]))
 
@@ -160,7 +160,7 @@ def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: py
         spent.append(allowed)
         return Effort(allowed)
 
-    monkeypatch.setattr(blame, "Effort", effort)
+    monkeypatch.setattr(diagnosis, "Effort", effort)
     with pytest.raises(GearmeshError) as refused:
         gm.load(file, [given])
     found = re.match(
@@ -171,9 +171,9 @@ def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: py
     assert 48.0 < float(found[1]) < float(found[2]) < 50.0
     gm.load(file, [f"pinion.convex.blade_angle={found[1]}"])
     # no clock decides: the same effort is the same message, and none is the refusal as it was noticed
-    assert spent[0] == blame.MOST_EFFORT
+    assert spent[0] == diagnosis.MOST_EFFORT
     assert 1 < len(spent) < 10
-    monkeypatch.setattr(blame, "MOST_EFFORT", 0.0)
+    monkeypatch.setattr(diagnosis, "MOST_EFFORT", 0.0)
     with pytest.raises(GearmeshError, match=r"^pinion: the fillets of neighbouring teeth overlap"):
         gm.load(file, [f"pinion.convex.blade_angle={found[2]}"])
     with pytest.raises(GearmeshError, match=r"^pinion: the fillets of neighbouring teeth overlap"):
@@ -195,7 +195,7 @@ def test_of_an_unusual_offset_one_that_works_is_named(module: float) -> None:
     with pytest.raises(GearmeshError) as refused:
         tried(offset)
     design = own.design(module=module, offset=offset, pinion={"teeth": 11}, gear={"teeth": 22})
-    line = str(blame.diagnose(design, refused.value, own.tried))
+    line = str(diagnosis.diagnose(design, refused.value, own.tried))
     found = re.match(
         rf"offset = {offset:.7g} mm: allowed is at most (?:about )?([\d.]+) mm, .*with the other keys unchanged", line
     )

@@ -236,7 +236,7 @@ class GearPair:
 
 
 @dataclass(frozen=True)
-class Train:
+class GearTrain:
     """What every further step starts from: all members by their names, and the pairs that mesh.
 
     `warnings`: what the design's owner should know of the geometry, one line each; `alike`: for every pair the number of the first
@@ -258,7 +258,7 @@ class Train:
         """Every member once, in the order of the pairs."""
         return {member.name: member for pair in self.pairs for member in pair.both}
 
-    def with_member(self, member: Member) -> Train:
+    def with_member(self, member: Member) -> GearTrain:
         """The same gear set with another member of that name in all its pairs. Of pairs that were alike those with it stay so."""
 
         def instead(old: Member) -> Member:

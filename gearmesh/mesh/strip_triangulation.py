@@ -36,7 +36,7 @@ GAIN = 1e-12
 
 
 @dataclass(frozen=True)
-class Ladder:
+class StripTriangulation:
     """All strips of a link, one after the other.
 
     `a`, `b`: nodes of both chains, without the corners `start` and `end` (S,) at which they meet; `first` (S, 2): where a strip's
@@ -52,7 +52,9 @@ class Ladder:
     strip: Index
 
     @staticmethod
-    def of(lines: Sequence[Index], toe: Sequence[Index], heel: Sequence[Index], level: Array, miss: Miss) -> Ladder:
+    def of(
+        lines: Sequence[Index], toe: Sequence[Index], heel: Sequence[Index], level: Array, miss: Miss
+    ) -> StripTriangulation:
         """Lines of nodes from toe to heel (S + 1), and the nodes between them at toe and heel (S), by their `level` (N,)."""
         strips = list(zip(lines[:-1], lines[1:], toe, heel, strict=True))
         chains = [_chains(strip, *ends) for strip, ends in zip(strips, _corners(strips, level, miss), strict=True)]
@@ -63,7 +65,7 @@ class Ladder:
             steps.append(order < len(of_a))
             strip.append(np.full(len(order), k))
         counts = np.array([[len(chain) for chain in pair] for *_, pair in chains])
-        return Ladder(
+        return StripTriangulation(
             np.concatenate([pair[0] for *_, pair in chains]),
             np.concatenate([pair[1] for *_, pair in chains]),
             np.array([start for start, _, _ in chains]),
@@ -73,7 +75,7 @@ class Ladder:
             np.concatenate(strip),
         )
 
-    def rungs(self) -> tuple[Index, Index]:
+    def diagonals(self) -> tuple[Index, Index]:
         """Places (S + K, 2) in a and b of all diagonals, those of a strip in order, and the strip of each."""
         strip = np.concatenate((np.arange(len(self.start)), self.strip))
         order = np.argsort(strip, kind="stable")
@@ -85,7 +87,7 @@ class Ladder:
 
     def triangles(self) -> tuple[Index, Index]:
         """Triangles (S + K + S, 3), counterclockwise in the (s, t) plane, and the strip of each, strips in order."""
-        places, strip = self.rungs()
+        places, strip = self.diagonals()
         a, b = self.a[places[:, 0]], self.b[places[:, 1]]
         inner = strip[1:] == strip[:-1]
         following = np.where(places[1:, 0] > places[:-1, 0], a[1:], b[1:])
@@ -103,7 +105,7 @@ class Ladder:
         order = np.argsort(owner, kind="stable")
         return made[order], owner[order]
 
-    def flip(self, miss: Miss, held: Array | None = None) -> Ladder:
+    def flip(self, miss: Miss, held: Array | None = None) -> StripTriangulation:
         """The triangulation with diagonals turned where that brings them nearer to the surface, but for those between nodes that
         are `held` (N,) by the same number, 0 for none.
 
@@ -117,12 +119,12 @@ class Ladder:
     def _gaining(self, miss: Miss, held: Array) -> Index:
         """Steps that better change places with the next one, no two of them neighbours."""
         at = np.flatnonzero((self.strip[1:] == self.strip[:-1]) & (self.steps[1:] != self.steps[:-1]))
-        places, _ = self.rungs()
+        places, _ = self.diagonals()
         # the diagonal after step k is the one that it shares with step k + 1; a strip has one diagonal before its first step
         here = places[at + self.strip[at] + 1]
         other = here + np.where(self.steps[at], -1, 1)[:, None] * np.array([1, -1])
         gain = np.zeros(len(self.steps) + 1)
-        both = [np.stack((self.a[rung[:, 0]], self.b[rung[:, 1]]), axis=1) for rung in (here, other)]
+        both = [np.stack((self.a[diagonal[:, 0]], self.b[diagonal[:, 1]]), axis=1) for diagonal in (here, other)]
         first, second = held[both[0]].T
         gain[at] = np.where((first == second) & (first > 0.0), 0.0, miss(both[0]) - miss(both[1]))
         best = (gain > GAIN) & (gain > np.append(gain[1:], 0.0)) & (gain >= np.concatenate(([0.0], gain[:-1])))
@@ -138,7 +140,7 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
 
     Where levels rise across the strip both, where they fall neither; where they do neither as the nearer diagonals do.
     """
-    rungs = [
+    diagonals = [
         (
             (left[1], np.append(toe, right[0])[0]),
             (np.append(left[0], toe)[-1], right[1]),
@@ -147,7 +149,7 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
         )
         for left, right, toe, heel in strips
     ]
-    from_left, from_right, to_right, to_left = miss(np.array(rungs).reshape(-1, 2)).reshape(-1, 4).T
+    from_left, from_right, to_right, to_left = miss(np.array(diagonals).reshape(-1, 2)).reshape(-1, 4).T
     starts, ends = from_left <= from_right, to_right <= to_left
     corners = []
     for k, (left, right, *_) in enumerate(strips):
