@@ -25,6 +25,7 @@ CYCLES = sorted((Path(__file__).parents[1] / "corpus").glob("cycle_*.toml"))
 PEAKS = sorted((Path(__file__).parents[1] / "corpus").glob("peak_*.toml"))
 NODES = sorted((Path(__file__).parents[1] / "corpus").glob("nodes_*.toml"))
 SHEETS = sorted((Path(__file__).parents[1] / "corpus").glob("sheet_*.toml"))
+OVERLAPS = sorted((Path(__file__).parents[1] / "corpus").glob("overlap_*.toml"))
 BACKLASHES = sorted((Path(__file__).parents[1] / "corpus").glob("backlash_*.toml"))
 
 
@@ -213,3 +214,15 @@ def test_the_pair_that_carried_on_takes_over_and_not_one_that_only_comes_to_carr
     assert cycle is not None
     assert cycle.peak_to_peak < 1e-6 * ARCSEC
     assert np.ptp(cycle.curve.lead(np.linspace(0.0, pair.pitch, 200))) < 1e-6 * ARCSEC
+
+
+@pytest.mark.parametrize("file", OVERLAPS, ids=lambda file: file.stem)
+def test_the_overlap_ratio_of_few_teeth_is_the_closed_form(file: Path) -> None:
+    """b sin(beta) / (pi m_n) of the narrower face [ISO 21771]: such teeth go far round their axis along it."""
+    design = load(file)
+    cycle = mesh_cycle(solver_pair(pair := pair_of(design)), pair.pitch)
+    assert cycle is not None
+    face = min(design.pinion.face_width, design.gear.face_width)
+    overlap = face * np.sin(np.radians(abs(design.pinion.helix_angle))) / (np.pi * design.module)
+    assert cycle.overlap_ratio == pytest.approx(overlap, abs=1e-9)
+    assert cycle.transverse_ratio + cycle.overlap_ratio == pytest.approx(cycle.contact_ratio, abs=1e-12)

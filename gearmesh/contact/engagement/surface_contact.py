@@ -26,12 +26,14 @@ from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 ROUNDS, SPLIT = 11, 8
 #: stations at which a line is looked at, and how often ever finer about the best
 STATIONS, FINER = 33, 6
+#: shares of the way along an edge, from one end of the face to the other
+DOUBLED = 0.5 ** np.arange(6, -1, -1)
 
 
 @dataclass(frozen=True)
 class SurfaceContact:
     """phi1 (rad) at which the surface contact of pair 0 begins and ends, NaN where there is none; `overlap` (rad): of a line of
-    contact the part of that by which one end of the face is behind the other, NaN for points."""
+    contact the part of that by which one end of the face is behind the other, NaN for points and where that is not known."""
 
     begin: float
     end: float
@@ -104,7 +106,7 @@ class _Ends:
         overlap = np.nan
         if bool(c.line[run].all()):
             overlaps = [abs(other - own) for own, other in (begin, end) if np.isfinite(other)]
-            overlap = float(np.mean(overlaps)) if overlaps else 0.0
+            overlap = float(np.mean(overlaps)) if overlaps else np.nan
         return SurfaceContact(begin[0], end[0], overlap)
 
     def _sides(self, end: _End) -> tuple[Array, Array]:
@@ -227,16 +229,37 @@ class _Ends:
         own_end, lead = float(event.phi1[last]), leads_of(pair, event.phi1, event.x, np.arange(len(first)))[last]
         if not self._between(own_end, end) and not self._goes_on(own_end, float(lead), end):
             return None
-        # the other end of the edge, from there: what is on the face at the last node is far from it
-        faces = np.flatnonzero(first == first[last])
-        start = np.repeat(event.x[[last]], faces.size, axis=0)
-        start[:, [1, 3]] = np.concatenate([meets[other[k]] for k in faces])[:, [1, 3]]
-        whole = replace(whole.repeat(faces), phi1=np.full(faces.size, own_end))
-        there = reaches(pair, whole, first[faces], start)
-        ends = np.flatnonzero(self._on_flanks(there))
-        if not self._apart(there, ends):
-            return own_end, np.nan
-        return own_end, float(there.phi1[ends[(there.phi1[ends] * end.step).argmin()]])
+        return own_end, self._other_end(whole.repeat(np.array([last])), int(first[last]), event, int(last), end)
+
+    def _other_end(self, at: Conditions, edge: int, event: Events, own: int, end: _End) -> float:
+        """phi1 (rad) at which the line of contact meets the same edge at the other end of the face, NaN where it does not; from
+        event `own`, with conditions `at` (1,).
+
+        Along the edge in steps that double, each begun where the last two lead, which a screw motion makes exact: of few teeth,
+        that wind far round their axis, the other end is too far off for one step.
+        """
+        pair = self.pair
+        begin = np.append(event.x[own], event.phi1[own])
+        jets = replace(at, phi1=begin[5:]).touch(begin[None, :5], np.zeros(1, dtype=np.intp)).own
+        away = {
+            k: float(bound.level.value(jets[bound.member].r)[0])
+            for k, bound in enumerate(pair.bounds)
+            if k in pair.ends and bound is not None and not along_face(k)
+        }
+        faces = [k for k, value in away.items() if abs(value) > STEEP * pair.length]
+        count, distance = len(faces), np.array([away[k] for k in faces])
+        y, reached = np.tile(begin, (count, 1)), np.full(count, True)
+        there = Events(y[:, 5], y[:, :5], reached)
+        choice = np.stack((np.arange(count), np.full(count, -1)), axis=-1)
+        every = at.repeat(np.zeros(count, dtype=np.intp))
+        for share in DOUBLED if count else ():
+            bounds = tuple(replace(pair.bounds[k], target=distance * (1.0 - share)) for k in faces)
+            y = begin + (1.0 if share == DOUBLED[0] else 2.0) * (y - begin)
+            placed = replace(every, phi1=y[:, 5], bounds=bounds, choice=choice)
+            there = reaches(pair, placed, np.full(count, edge), y[:, :5])
+            y, reached = np.column_stack((there.x, there.phi1)), reached & there.reached
+        met = np.flatnonzero(reached & self._on_flanks(there))
+        return float(there.phi1[met[(there.phi1[met] * end.step).argmin()]]) if met.size else np.nan
 
     def _apart(self, event: Events, which: NDArray[np.intp]) -> bool:
         """Whether events `which` lie at both ends of the face, and not all at one."""
