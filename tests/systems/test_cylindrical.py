@@ -330,6 +330,6 @@ def test_the_order_of_the_page_is_built_as_it_says(tmp_path: Path) -> None:
     assert main(["check", str(order)]) == 0
     assert main(["solid", str(order), "--member", "both", "-o", str(tmp_path / "pair.3mf")]) == 0
     # the sum of shifts that the warning proposes leaves no thickening
-    wanted = float(line.rsplit("add up to ", 1)[1].split()[0])
+    wanted = float(line.rsplit("must be ", 1)[1].split()[0])
     other = gears.design.with_values({"gear.profile_shift": wanted - 0.3})
     assert gm.build(other).warnings == ()

@@ -241,19 +241,18 @@ class _Ends:
         pair = self.pair
         begin = np.append(event.x[own], event.phi1[own])
         jets = replace(at, phi1=begin[5:]).touch(begin[None, :5], np.zeros(1, dtype=np.intp)).own
-        away = {
-            k: float(bound.level.value(jets[bound.member].r)[0])
-            for k, bound in enumerate(pair.bounds)
-            if k in pair.ends and bound is not None and not along_face(k)
-        }
-        faces = [k for k, value in away.items() if abs(value) > STEEP * pair.length]
-        count, distance = len(faces), np.array([away[k] for k in faces])
+        across = [
+            bound for k, bound in enumerate(pair.bounds) if k in pair.ends and bound is not None and not along_face(k)
+        ]
+        away = np.array([float(bound.level.value(jets[bound.member].r)[0]) for bound in across])
+        far = np.flatnonzero(np.abs(away) > STEEP * pair.length)
+        count = len(far)
         y, reached = np.tile(begin, (count, 1)), np.full(count, True)
         there = Events(y[:, 5], y[:, :5], reached)
         choice = np.stack((np.arange(count), np.full(count, -1)), axis=-1)
         every = at.repeat(np.zeros(count, dtype=np.intp))
         for share in DOUBLED if count else ():
-            bounds = tuple(replace(pair.bounds[k], target=distance * (1.0 - share)) for k in faces)
+            bounds = tuple(replace(across[k], target=away[far] * (1.0 - share)) for k in far)
             y = begin + (1.0 if share == DOUBLED[0] else 2.0) * (y - begin)
             placed = replace(every, phi1=y[:, 5], bounds=bounds, choice=choice)
             there = reaches(pair, placed, np.full(count, edge), y[:, :5])
