@@ -257,7 +257,7 @@ def stated_touch(pair: GearPair, answer: Any) -> tuple[float, float] | None:
         return None
     q = int(CYCLE_SHARE * len(cycle.phi1))
     phi1 = cycle.phi1[q]
-    phi2 = float(pair.ratio * phi1 + pair.drive * cycle.curve.lead(np.array([phi1]))[0])
+    phi2 = float(pair.ratio * phi1 + pair.drive * cycle.curve.advance(np.array([phi1]))[0])
     return (float(cycle.phi1[q]), phi2) if math.isfinite(phi2) else None
 
 

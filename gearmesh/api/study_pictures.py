@@ -126,11 +126,13 @@ def _cell(contact: AssemblyContact, planes: dict[int, FlankPlane], peak_to_peak:
 
     `planes` are those of the designs so far: members only moved have the same.
     """
-    pair, frame, lead = contact.pair, contact.frame, contact.lead
+    pair, frame, advance = contact.pair, contact.frame, contact.advance
     plane = planes.setdefault(id(frame), FlankPlane(pair.pinion, pair.flanks[0], frame.as_drawn, GRID))
-    top = float(np.nanmax(lead)) if np.isfinite(lead).any() else float(np.nanmax(contact.paths.lead))
+    top = float(np.nanmax(advance)) if np.isfinite(advance).any() else float(np.nanmax(contact.paths.advance))
     rad, unit = pair.output.reading.error
-    own, gears = (pair.drive * (values - top) / rad for values in (contact.paths.lead[0], np.append(lead, lead[0])))
+    own, gears = (
+        pair.drive * (values - top) / rad for values in (contact.paths.advance[0], np.append(advance, advance[0]))
+    )
     curves = np.stack((np.degrees(contact.paths.phi1), own)), np.stack((np.degrees(contact.phase), gears))
     mesh_te = None if peak_to_peak is None else peak_to_peak * ARCSEC / rad
     return pattern_cell(plane, _on_pinion(contact), *curves, unit, mesh_te)

@@ -64,23 +64,30 @@ class FirstTouch:
 
 
 @dataclass(frozen=True)
-class _Leads:
+class _Advances:
     """Advances (N,) of the pinion over the gear at places (N, 2), and the hits on either flank; NaN where one is missed."""
 
     flat: Array
-    lead: Array
+    advance: Array
     pinion: Hits
     gear: Hits
     on_rims: tuple[bool, bool]
 
     def best(self, cell: float) -> FirstTouch | None:
-        if not np.isfinite(self.lead).any():
+        if not np.isfinite(self.advance).any():
             return None
-        k = int(np.nanargmax(self.lead))
+        k = int(np.nanargmax(self.advance))
         one, other = self.pinion, self.gear
         parts = int(one.part[k]), int(other.part[k])
         return FirstTouch(
-            float(self.lead[k]), one.point[k], one.normal[k], other.normal[k], parts, self.on_rims, cell, len(self.lead)
+            float(self.advance[k]),
+            one.point[k],
+            one.normal[k],
+            other.normal[k],
+            parts,
+            self.on_rims,
+            cell,
+            len(self.advance),
         )
 
 
@@ -93,12 +100,12 @@ def first_touch(pinion: Field, gear: Field, arcs: Ways) -> FirstTouch | None:
     size = np.maximum(high - low, SMALLEST_CELL) / FIRST_CELLS
     cell = float(size.max())
     best, count = None, 0
-    seeds: list[_Leads] = []
-    for leads in _on_rims(pinion, gear, arcs, (low, high)):
-        best, count = _better(best, leads.best(cell)), count + len(leads.lead)
-        seeds.append(leads)
-    for leads in _inside(pinion, gear, arcs, (low, size), best, seeds):
-        best, count = _better(best, leads.best(cell)), count + len(leads.lead)
+    seeds: list[_Advances] = []
+    for advances in _on_rims(pinion, gear, arcs, (low, high)):
+        best, count = _better(best, advances.best(cell)), count + len(advances.advance)
+        seeds.append(advances)
+    for advances in _inside(pinion, gear, arcs, (low, size), best, seeds):
+        best, count = _better(best, advances.best(cell)), count + len(advances.advance)
     return None if best is None else replace(best, count=count)
 
 
@@ -117,8 +124,8 @@ def _inside(
     arcs: Ways,
     cells: tuple[Array, Array],
     best: FirstTouch | None,
-    seeds: list[_Leads],
-) -> Iterator[_Leads]:
+    seeds: list[_Advances],
+) -> Iterator[_Advances]:
     """Advances at the centres of ever smaller cells; `cells` are the corner and the size of the first.
 
     Cells are kept that may hold more than the best: the advance at the centre plus twice what it gains over half a cell reaches
@@ -128,32 +135,32 @@ def _inside(
     """
     low, size = cells
     grid = _square(np.arange(FIRST_CELLS))
-    known = np.concatenate([seed.lead for seed in seeds]) if seeds else np.zeros(0)
+    known = np.concatenate([seed.advance for seed in seeds]) if seeds else np.zeros(0)
     places = np.concatenate([seed.flat for seed in seeds]) if seeds else np.zeros((0, 2))
     places, known = places[np.isfinite(known)], known[np.isfinite(known)]
     smooth = pinion.smooth and gear.smooth
     for stage in range(MOST_STAGES):
         flat = low + (grid + 0.5) * size
-        leads = _both(pinion, gear, flat)
-        flat, one, other = leads.flat, leads.pinion, leads.gear
-        yield leads
-        best = _better(best, leads.best(0.0))
+        advances = _both(pinion, gear, flat)
+        flat, one, other = advances.flat, advances.pinion, advances.gear
+        yield advances
+        best = _better(best, advances.best(0.0))
         if best is None:
             return
-        lead = leads.lead
+        advance = advances.advance
         grid = np.floor((flat - low) / size).astype(np.int64)
         with np.errstate(all="ignore"):
             slope = arcs.slope(one.point, one.normal) - arcs.slope(other.point, other.normal)
             gain = np.abs(slope * size).sum(axis=-1) / 2.0
-            candidates = lead + 2.0 * gain >= best.turn
+            candidates = advance + 2.0 * gain >= best.turn
             # where nothing is known yet, rims may hide anything beside them
             beside_rims = 2.0 * float(gain[candidates].max(initial=0.0)) if candidates.any() else np.inf
             if smooth:
-                candidates &= gain <= LEVEL * _bend(grid, leads, slope * size, stage)
+                candidates &= gain <= LEVEL * _bend(grid, advances, slope * size, stage)
         steepest = float(gain[candidates].max(initial=0.0))
-        kept = np.flatnonzero(candidates if smooth else lead + 2.0 * steepest >= best.turn)
+        kept = np.flatnonzero(candidates if smooth else advance + 2.0 * steepest >= best.turn)
         # flat bottoms (line contact) have no end of candidates; the best of them are as good as all
-        grid = grid[kept[np.argsort(-lead[kept])[:MOST_CELLS]]]
+        grid = grid[kept[np.argsort(-advance[kept])[:MOST_CELLS]]]
         if stage < RIM_STAGES:
             some = np.argsort(-known)[:MOST_CELLS]
             some = some[known[some] + beside_rims >= best.turn]
@@ -164,14 +171,14 @@ def _inside(
         grid, size = _divide(grid), size / DIVISION
 
 
-def _bend(grid: NDArray[np.int64], leads: _Leads, rise: Array, stage: int) -> Array:
+def _bend(grid: NDArray[np.int64], advances: _Advances, rise: Array, stage: int) -> Array:
     """How much the rise (N, 2) over cells `grid` (N, 2) differs from that over neighbours on the same parts, (N,), rad.
 
     Without neighbours unknown (inf), or nothing at the stages at which a strip that still has none is a rim.
     """
     if not len(grid):
         return np.zeros(0)
-    part = 1000 * leads.pinion.part + leads.gear.part
+    part = 1000 * advances.pinion.part + advances.gear.part
     span = np.ptp(grid, axis=0) + 3
     place = grid - grid.min(axis=0) + 1
     key = place[:, 0] * span[1] + place[:, 1]
@@ -186,7 +193,7 @@ def _bend(grid: NDArray[np.int64], leads: _Leads, rise: Array, stage: int) -> Ar
     return np.where(np.isfinite(bend), bend, np.inf if stage < LONELY_STAGES else 0.0)
 
 
-def _both(pinion: Field, gear: Field, flat: Array) -> _Leads:
+def _both(pinion: Field, gear: Field, flat: Array) -> _Advances:
     """Advances at those of the places (N, 2) that are on both flanks."""
     one = pinion.at(flat)
     on = np.isfinite(one.height)
@@ -194,7 +201,7 @@ def _both(pinion: Field, gear: Field, flat: Array) -> _Leads:
     other = gear.at(flat)
     on = np.isfinite(other.height)
     one, other = one[on], other[on]
-    return _Leads(flat[on], one.height - other.height, one, other, (False, False))
+    return _Advances(flat[on], one.height - other.height, one, other, (False, False))
 
 
 def _divide(cells: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -217,18 +224,18 @@ class _Places:
 
     segment: NDArray[np.int64]
     share: Array
-    lead: Array
+    advance: Array
 
 
-def _on_rims(pinion: Field, gear: Field, arcs: Ways, box: tuple[Array, Array]) -> Iterator[_Leads]:
+def _on_rims(pinion: Field, gear: Field, arcs: Ways, box: tuple[Array, Array]) -> Iterator[_Advances]:
     """Advances where rims cross, then on the pinion's rim over the gear and on the gear's over the pinion."""
-    crossed, leads = _crossings(pinion, gear, box)
-    yield leads
-    best = leads.best(0.0)
+    crossed, advances = _crossings(pinion, gear, box)
+    yield advances
+    best = advances.best(0.0)
     for own, mate, places, is_pinion in ((pinion, gear, crossed[0], True), (gear, pinion, crossed[1], False)):
-        for leads in _rim(own, mate, is_pinion, places, box, best, arcs):
-            yield leads
-            best = _better(best, leads.best(0.0))
+        for advances in _rim(own, mate, is_pinion, places, box, best, arcs):
+            yield advances
+            best = _better(best, advances.best(0.0))
 
 
 def _rim(
@@ -239,22 +246,22 @@ def _rim(
     box: tuple[Array, Array],
     best: FirstTouch | None,
     arcs: Ways,
-) -> Iterator[_Leads]:
+) -> Iterator[_Advances]:
     """Advances on the rim of one flank over its mating gear: between the places where rims cross, in ever shorter pieces."""
     near = np.repeat(_near(own, box), len(SHARES))
     share = np.tile(SHARES, len(near) // len(SHARES))
-    leads = _over(own, mate, is_pinion, near, share)
-    yield leads
-    best = _better(best, leads.best(0.0))
+    advances = _over(own, mate, is_pinion, near, share)
+    yield advances
+    best = _better(best, advances.best(0.0))
     segment = np.concatenate((near, crossed.segment))
-    share, lead = np.concatenate((share, crossed.share)), np.concatenate((leads.lead, crossed.lead))
+    share, advance = np.concatenate((share, crossed.share)), np.concatenate((advances.advance, crossed.advance))
     order = np.lexsort((share, segment))
-    segment, share, lead = segment[order], share[order], lead[order]
+    segment, share, advance = segment[order], share[order], advance[order]
     between = np.flatnonzero((segment[1:] == segment[:-1]) & (share[1:] > share[:-1]))
     # pieces (K,) with shares and advances (K, 2) of their ends
     segment = segment[between]
     shares = np.stack((share[between], share[between + 1]), axis=-1)
-    ends = np.stack((lead[between], lead[between + 1]), axis=-1)
+    ends = np.stack((advance[between], advance[between + 1]), axis=-1)
     for _ in range(MOST_STAGES):
         if best is None or not len(segment):
             return
@@ -268,21 +275,21 @@ def _rim(
         kept = kept[np.argsort(-top[kept])[:MOST_CELLS]]
         steps = np.arange(DIVISION + 1) / DIVISION
         fine = shares[kept, :1] + steps * np.diff(shares[kept], axis=1)
-        leads = _over(own, mate, is_pinion, np.repeat(segment[kept], DIVISION - 1), fine[:, 1:-1].ravel())
-        yield leads
-        best = _better(best, leads.best(0.0))
-        values = np.concatenate((ends[kept, :1], leads.lead.reshape(-1, DIVISION - 1), ends[kept, 1:]), axis=1)
+        advances = _over(own, mate, is_pinion, np.repeat(segment[kept], DIVISION - 1), fine[:, 1:-1].ravel())
+        yield advances
+        best = _better(best, advances.best(0.0))
+        values = np.concatenate((ends[kept, :1], advances.advance.reshape(-1, DIVISION - 1), ends[kept, 1:]), axis=1)
         segment = np.repeat(segment[kept], DIVISION)
         shares = np.stack((fine[:, :-1].ravel(), fine[:, 1:].ravel()), axis=-1)
         ends = np.stack((values[:, :-1].ravel(), values[:, 1:].ravel()), axis=-1)
 
 
-def _over(own: Field, mate: Field, is_pinion: bool, segment: NDArray[np.int64], share: Array) -> _Leads:
+def _over(own: Field, mate: Field, is_pinion: bool, segment: NDArray[np.int64], share: Array) -> _Advances:
     """Advances at places of a rim over the mating gear."""
     place = own.rim(segment, share)
     met = mate.at(place.flat)
     one, other = (place.hits, met) if is_pinion else (met, place.hits)
-    return _Leads(place.flat, one.height - other.height, one, other, (is_pinion, not is_pinion))
+    return _Advances(place.flat, one.height - other.height, one, other, (is_pinion, not is_pinion))
 
 
 def _near(field: Field, box: tuple[Array, Array]) -> NDArray[np.int64]:
@@ -299,7 +306,7 @@ def _bounds(field: Field, segment: NDArray[np.int64]) -> tuple[Array, Array]:
     return low - bulge, high + bulge
 
 
-def _crossings(pinion: Field, gear: Field, box: tuple[Array, Array]) -> tuple[tuple[_Places, _Places], _Leads]:
+def _crossings(pinion: Field, gear: Field, box: tuple[Array, Array]) -> tuple[tuple[_Places, _Places], _Advances]:
     """Where the rims cross: places on either, and the advances there."""
     first, second = _near(pinion, box), _near(gear, box)
     (low, high), (other_low, other_high) = _bounds(pinion, first), _bounds(gear, second)
@@ -319,7 +326,7 @@ def _crossings(pinion: Field, gear: Field, box: tuple[Array, Array]) -> tuple[tu
     one, other = pinion.rim(first, share[:, 0]), gear.rim(second, share[:, 1])
     met = np.abs(other.flat - one.flat).max(axis=-1) <= CROSSED
     met &= (share >= -OVER).all(axis=-1) & (share <= 1.0 + OVER).all(axis=-1)
-    lead = np.where(met, one.hits.height - other.hits.height, np.nan)
-    leads = _Leads(one.flat, lead, one.hits, other.hits, (True, True))
-    places = [_Places(rim_places[met], share[met, k], lead[met]) for k, rim_places in enumerate((first, second))]
-    return (places[0], places[1]), leads
+    advance = np.where(met, one.hits.height - other.hits.height, np.nan)
+    advances = _Advances(one.flat, advance, one.hits, other.hits, (True, True))
+    places = [_Places(rim_places[met], share[met, k], advance[met]) for k, rim_places in enumerate((first, second))]
+    return (places[0], places[1]), advances

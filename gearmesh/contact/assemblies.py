@@ -39,7 +39,7 @@ class AssemblyPaths:
     """Contact of one tooth pair in M assemblies at P rotations `phi1` (P,), of all, or (M, P), rad; NaN where there is none.
 
     `touching` (M, P), `surface` (M, P): contact inside both flanks, in a point or along a line, `line` (M, P): along a line;
-    `lead`, `slope` (M, P): of the gear over the nominal ratio, rad, and by phi1; `residual` (M, P), mm; `point` (M, P, 3) on the
+    `advance`, `slope` (M, P): of the gear over the nominal ratio, rad, and by phi1; `residual` (M, P), mm; `point` (M, P, 3) on the
     pinion, its own frame, and `axes` (M, P, 2, 3), mm, the semi-axes of the ellipse there; `inside` (M, P, E), mm: how far
     surface contact is inside each edge that ends a flank.
     """
@@ -48,7 +48,7 @@ class AssemblyPaths:
     touching: NDArray[np.bool_]
     surface: NDArray[np.bool_]
     line: NDArray[np.bool_]
-    lead: Array
+    advance: Array
     slope: Array
     residual: Array
     point: Array
@@ -79,17 +79,17 @@ def assembly_paths(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Assem
         flags[:, part] = touching, surface, contacts.line
         for k, bound in enumerate(bounds):
             inside[part, k] = np.where(surface, -bound.level.value((own, mate)[bound.member].r), np.nan)
-        numbers[:, part] = np.where(touching, (contacts.lead, slope, gap), np.nan)
+        numbers[:, part] = np.where(touching, (contacts.advance, slope, gap), np.nan)
         vectors[0, part] = np.where(touching[:, None], own.r, np.nan)
         pointed = (touching & (edge < 0) & ~contacts.line)[:, None]
         for k, (size, way) in enumerate(((ellipse.semi_major, ellipse.major), (ellipse.semi_minor, ellipse.minor))):
             vectors[k + 1, part] = np.where(pointed, size[:, None] * to_own.vector(way), np.nan)
     touching, on_surface, line = (flag.reshape(shape) for flag in flags)
-    lead, slope, residual = (row.reshape(shape) for row in numbers)
+    advance, slope, residual = (row.reshape(shape) for row in numbers)
     point, major, minor = (vector.reshape(*shape, 3) for vector in vectors)
     axes = np.stack((major, minor), axis=-2)
     return AssemblyPaths(
-        phi1, touching, on_surface, line, lead, slope, residual, point, axes, inside.reshape(*shape, len(bounds))
+        phi1, touching, on_surface, line, advance, slope, residual, point, axes, inside.reshape(*shape, len(bounds))
     )
 
 

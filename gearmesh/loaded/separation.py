@@ -145,14 +145,14 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     """
     rows = gears.halves
     engagements = [_Followed(row, phi1) for row in rows]
-    lead = np.max([own.lead for own in engagements], axis=0)
+    advance = np.max([own.advance for own in engagements], axis=0)
     for engagement in engagements:
-        engagement.widen(lead, limit)
-    if not np.isfinite(lead).all():
-        k = int(np.argmin(np.isfinite(lead)))
+        engagement.widen(advance, limit)
+    if not np.isfinite(advance).all():
+        k = int(np.argmin(np.isfinite(advance)))
         raise NoSolutionError(reason=f"no teeth touch at phi1 = {np.degrees(phi1[k]):g} deg; tca shows where they do")
     pair = engagements[0].pair
-    near = [own.near(lead, limit) for own in engagements]
+    near = [own.near(advance, limit) for own in engagements]
     position, number = (np.concatenate(column) for column in zip(*near, strict=True))
     half = np.repeat(np.arange(len(rows)), [len(numbers[0]) for numbers in near])
     own = phi1[position] - gears.pitch * number
@@ -160,7 +160,7 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     touching = [touching_jets(row, path) for row, path in zip(rows, paths, strict=True)]
     jets = [_join(jets_of_rows) for jets_of_rows in zip(*touching, strict=True)]
     path = _join(paths)
-    turns = path.rotation, pair.ratio * path.rotation + pair.drive * lead[position]
+    turns = path.rotation, pair.ratio * path.rotation + pair.drive * advance[position]
     e1, e2 = tangent_basis(jets[0])
     relative = relative_curvature(jets[0], jets[1], e1, e2)
     ellipse, own_kappa = contact_ellipse(relative, e1, e2, 1.0), principal(relative)
@@ -168,7 +168,7 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     along = unit(ellipse.major - dot(ellipse.major, normal)[:, None] * normal)
     axes = np.stack((along, np.cross(normal, along), normal), axis=-1)
     kappa = -np.stack((own_kappa.k1, own_kappa.k2), axis=-1)
-    phi2 = pair.ratio * phi1 + pair.drive * lead
+    phi2 = pair.ratio * phi1 + pair.drive * advance
     pinion, gear = gears.mounts
     if len(rows) > 1:
         bases = [row.gear.mount.base for row in rows]
@@ -190,45 +190,45 @@ class _Followed:
         self._phi1, self._pitch = phi1, gears.pitch
         self._first = np.round(phi1 / gears.pitch).astype(np.intp)
         self._numbers = np.arange(-PAIRS, PAIRS + 1)
-        self._leads, self._levers = self._solve(self._numbers)
+        self._advances, self._levers = self._solve(self._numbers)
 
     @property
-    def lead(self) -> Array:
+    def advance(self) -> Array:
         """The greatest (P,); -inf where no teeth touch."""
-        greatest: Array = self._leads.max(axis=1)
+        greatest: Array = self._advances.max(axis=1)
         return greatest
 
-    def widen(self, lead: Array, limit: float) -> None:
-        """Look at pairs further out until the outermost are no longer near, within `limit`, mm, of `lead` (P,)."""
+    def widen(self, advance: Array, limit: float) -> None:
+        """Look at pairs further out until the outermost are no longer near, within `limit`, mm, of `advance` (P,)."""
         for out in (-1, 1):
             last = self._numbers[::out][-1]
-            while self._near(lead, limit)[:, ::out][:, -1].any() and abs(last) < MOST_PAIRS:
+            while self._near(advance, limit)[:, ::out][:, -1].any() and abs(last) < MOST_PAIRS:
                 more = last + out * np.arange(1, MORE_PAIRS + 1)
-                leads, levers = self._solve(more)
+                advances, levers = self._solve(more)
                 self._numbers = np.append(self._numbers, more)
                 order = np.argsort(self._numbers)
                 self._numbers, last = self._numbers[order], more[-1]
-                self._leads = np.concatenate((self._leads, leads), axis=1)[:, order]
+                self._advances = np.concatenate((self._advances, advances), axis=1)[:, order]
                 self._levers = np.concatenate((self._levers, levers), axis=1)[:, order]
 
-    def near(self, lead: Array, limit: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Positions and numbers (M,) of pairs that are behind `lead` (P,) by less than `limit`, mm."""
-        position, column = np.nonzero(self._near(lead, limit))
+    def near(self, advance: Array, limit: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Positions and numbers (M,) of pairs that are behind `advance` (P,) by less than `limit`, mm."""
+        position, column = np.nonzero(self._near(advance, limit))
         return position, self._first[position] + self._numbers[column]
 
-    def _near(self, lead: Array, limit: float) -> NDArray[np.bool_]:
+    def _near(self, advance: Array, limit: float) -> NDArray[np.bool_]:
         with np.errstate(invalid="ignore"):
-            is_near: NDArray[np.bool_] = (lead[:, None] - self._leads) * self._levers < limit
+            is_near: NDArray[np.bool_] = (advance[:, None] - self._advances) * self._levers < limit
         return is_near
 
     def _solve(self, numbers: NDArray[np.intp]) -> tuple[Array, Array]:
         """Advances, and levers at the gear, mm (P, K), of pairs of `numbers` (K,) beyond the first one."""
         own = (self._phi1[:, None] - self._pitch * (self._first[:, None] + numbers)).ravel()
         path = contact_path(self.pair, own)
-        lead = np.where(path.touching, self.pair.drive * (path.phi2 - self.pair.ratio * path.rotation), -np.inf)
+        advance = np.where(path.touching, self.pair.drive * (path.phi2 - self.pair.ratio * path.rotation), -np.inf)
         lever = np.abs(dot(path.normal, self.pair.gear.mount.velocity(path.point)))
         shape = len(self._phi1), len(numbers)
-        return lead.reshape(shape), lever.reshape(shape)
+        return advance.reshape(shape), lever.reshape(shape)
 
 
 def _join(parts: Sequence[T]) -> T:

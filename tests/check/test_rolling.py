@@ -149,11 +149,11 @@ def test_misaligned_line_contact_gives_a_cycle_with_harmonics() -> None:
     pair, pitch = solver_pair(gears), gears.pitch
     fine = np.arange(-3000, 3000) * (pitch / 1500)
     path = contact_path(pair, fine)
-    lead = np.where(path.touching, path.te, -np.inf).reshape(-1, 1500).max(axis=0)
+    advance = np.where(path.touching, path.te, -np.inf).reshape(-1, 1500).max(axis=0)
     k = np.arange(1, 6)[:, None]
-    sums = np.abs((lead * np.exp(-2j * np.pi * k * np.arange(1500) / 1500)).sum(axis=1)) / 750.0
+    sums = np.abs((advance * np.exp(-2j * np.pi * k * np.arange(1500) / 1500)).sum(axis=1)) / 750.0
     np.testing.assert_allclose(cycle.harmonics, sums, rtol=2e-3)
-    assert np.ptp(lead) < cycle.peak_to_peak < np.ptp(lead) + 2e-3 * pitch / ARCSEC * ARCSEC
+    assert np.ptp(advance) < cycle.peak_to_peak < np.ptp(advance) + 2e-3 * pitch / ARCSEC * ARCSEC
 
 
 def test_what_a_fillet_carries_is_rolled_with_the_fillet() -> None:

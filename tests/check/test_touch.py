@@ -132,7 +132,7 @@ GEAR = np.array([0.1, -0.001, 0.0005, 0.0])
 DIFFERENCE = PINION - GEAR
 
 
-def lead(place: Array) -> Array:
+def advance(place: Array) -> Array:
     rho, z = place[..., 0], place[..., 1]
     found: Array = DIFFERENCE[0] + DIFFERENCE[1] * rho + DIFFERENCE[2] * z + DIFFERENCE[3] * (rho - 60.0) ** 2
     return found
@@ -151,8 +151,8 @@ def test_a_corner_on_a_corner_is_touched(size: float, made: type[GridFlank], wit
     other = np.array([[60.0 - size, 10.0 - size], [70.0, 9.0], [70.0, 20.0], [59.0, 20.0]])
     found = touched(made(sheet(SQUARE, PINION, 41)), made(sheet(other, GEAR, 41)))
     assert found is not None
-    # the lead grows in rho and z: the corner of the square is inside the other sheet
-    expected = float(lead(np.array([60.0, 10.0])))
+    # the advance grows in rho and z: the corner of the square is inside the other sheet
+    expected = float(advance(np.array([60.0, 10.0])))
     assert abs(found.turn - expected) < within
     assert found.on_rims == (True, False)
 
@@ -167,7 +167,9 @@ def test_a_thin_strip_of_overlap_is_seen_as_brute_force_sees_it(width: float) ->
     lower = other[0] + share * (other[1] - other[0])
     above = upper[:, 1] - other[0, 1] - (upper[:, 0] - other[0, 0]) * (other[1, 1] - other[0, 1]) / 11.0 >= 0.0
     beside = (upper[:, 0] - other[1, 0]) * (other[2, 1] - other[1, 1]) - (upper[:, 1] - other[1, 1]) * 2.0 <= 0.0
-    values = np.concatenate((lead(upper[above & beside]), lead(lower[(lower[:, 1] <= 10.0) & (lower[:, 0] >= 50.0)])))
+    values = np.concatenate(
+        (advance(upper[above & beside]), advance(lower[(lower[:, 1] <= 10.0) & (lower[:, 0] >= 50.0)]))
+    )
     assert found is not None
     assert abs(found.turn - values.max()) < 1e-7
     assert found.turn >= values.max() - 1e-12
@@ -181,14 +183,14 @@ def test_narrow_sheets_that_cross_touch_where_their_rims_cross(width: float) -> 
     found = touched(GridFlank(sheet(lying, PINION, 41)), GridFlank(sheet(standing, GEAR, 41)))
     # the right side of the one that stands crosses the upper side of the one that lies
     z = (0.03 * (54.1 + width - 50.0) + 5.0 + width) / (1.0 - 0.03 * 0.03)
-    expected = float(lead(np.array([54.1 + width + 0.03 * z, z])))
+    expected = float(advance(np.array([54.1 + width + 0.03 * z, z])))
     assert found is not None
     assert found.on_rims == (True, True)
     assert abs(found.turn - expected) < 1e-11
 
 
 def test_a_summit_inside_a_strip_is_found() -> None:
-    """A greatest lead on neither rim, in a diagonal strip that no centre of the first cells is in."""
+    """A greatest advance on neither rim, in a diagonal strip that no centre of the first cells is in."""
     summit = np.array([55.31, 5.17])
     t = np.linspace(-1.0, 1.0, 61)
     a, b = np.meshgrid(t, t, indexing="ij")

@@ -42,7 +42,7 @@ def test_the_flanks_touch_where_they_roll(file: Path) -> None:
 
 
 def test_a_contact_far_narrower_than_the_cells_of_the_grid_is_found() -> None:
-    """A wide circular-arc pair: the lead falls by 1,500 arcsec from one sampled column to the next, seven pairs touch at once."""
+    """A wide circular-arc pair: the advance falls by 1,500 arcsec between sampled columns, seven pairs touch at once."""
     pair = pair_of(load(CORPUS[0].with_name("contact_circular_arc_edge_214.toml")))
     phi1 = np.radians([-57.0, -56.0, -50.0, -41.0, 25.0, 26.0, 55.0, 56.0, 57.0])
     found = contact_path(solver_pair(pair).parts[0], phi1)
@@ -88,14 +88,14 @@ def test_teeth_that_wind_round_their_axis_meet_as_another_pair_a_turn_later() ->
     assert (end - begin) / pair.pitch == pytest.approx(cycle.contact_ratio, abs=1e-9)
     assert cycle.contact_ratio * pair.pitch > 2.0 * np.pi
     assert cycle.curve is not None
-    phi2 = pair.ratio * 0.3 + pair.drive * float(cycle.curve.lead(np.array([0.3]))[0])
+    phi2 = pair.ratio * 0.3 + pair.drive * float(cycle.curve.advance(np.array([0.3]))[0])
     (rolled,) = roll_members(pair, 0.3)
     assert rolled.drive is not None
     assert abs(rolled.drive.phi2 - phi2) < 0.05 * ARCSEC
 
 
 def test_what_is_left_of_a_line_beside_the_crossing_of_two_edges_leads() -> None:
-    """A helical pair whose gear is undercut: the lead rises from where its joint crosses the pinion's end, 2 arcsec to the line."""
+    """A helical pair whose gear is undercut: the advance rises 2 arcsec from its form point at the pinion's end to the line."""
     pair = pair_of(load(CORPUS[0].with_name("line_cylindrical_undercut.toml")))
     phi1 = np.array([-0.0875, -0.0873])
     found = contact_path(solver_pair(pair), phi1)
@@ -124,11 +124,11 @@ def test_the_gears_have_a_whole_cycle(file: Path) -> None:
     assert cycle is not None
     assert cycle.curve is not None
     phi1 = 0.3 * pair.pitch
-    phi2 = float(pair.ratio * phi1 + pair.drive * cycle.curve.lead(np.array([phi1]))[0])
+    phi2 = float(pair.ratio * phi1 + pair.drive * cycle.curve.advance(np.array([phi1]))[0])
     rolled = roll_members(pair, phi1, guess_phi2=phi2)[0]
     assert rolled.drive is not None
     assert abs(rolled.drive.phi2 - phi2) < 0.05 * ARCSEC
-    sampled = np.ptp(cycle.curve.lead(np.linspace(0.0, pair.pitch, 500)))
+    sampled = np.ptp(cycle.curve.advance(np.linspace(0.0, pair.pitch, 500)))
     assert 0.0 <= cycle.peak_to_peak - sampled < 0.01 * sampled
 
 
@@ -140,7 +140,7 @@ def test_what_leads_between_nodes_counts_in_peak_to_peak(file: Path) -> None:
     cycle = mesh_cycle(flanks, pair.pitch)
     assert cycle is not None
     phase = np.linspace(0.0, pair.pitch, 150)
-    sampled = np.ptp(np.max([first_touch(flanks, phase + k * pair.pitch).lead for k in (-2, -1, 0)], axis=0))
+    sampled = np.ptp(np.max([first_touch(flanks, phase + k * pair.pitch).advance for k in (-2, -1, 0)], axis=0))
     assert 0.0 <= cycle.peak_to_peak - sampled < 0.015 * sampled
 
 
@@ -150,7 +150,7 @@ def test_no_position_has_less_backlash_than_the_least(file: Path) -> None:
     curves = [mesh_cycle(solver_pair(each), pair.pitch).curve for each in (pair, reversed_pair(pair))]
     found = fit(pair, curves[0])
     assert found is not None
-    play = -sum(curve.lead(np.linspace(0.0, pair.pitch, 500)) for curve in curves)
+    play = -sum(curve.advance(np.linspace(0.0, pair.pitch, 500)) for curve in curves)
     least, most = np.array(found.backlash) - (play.min(), play.max())
     step = 2.0 * np.pi / pair.gear.tooth.teeth
     least, most = (np.array([least, most]) + 0.5 * step) % step - 0.5 * step
@@ -176,13 +176,13 @@ def test_no_contact_leads_where_it_is_followed_to(file: Path) -> None:
         for number, part in enumerate(flanks.parts):
             some = own.part[node] == number
             refine_candidates(part, phi1, Trial.of(node[some] + step, x[some], own.edges[node[some]]), there, number)
-        ahead.append(there.lead - own.lead)
+        ahead.append(there.advance - own.advance)
     assert np.isfinite(ahead).sum() > len(phi1)
     assert np.max(ahead) < 0.01 * ARCSEC
 
 
-def test_a_corner_of_the_lead_is_no_level_place() -> None:
-    """At a joint the slope of the lead jumps: its change of sign is no root."""
+def test_a_corner_of_the_advance_is_no_level_place() -> None:
+    """At a form point the slope of the advance jumps: its change of sign is no root."""
     pair = pair_of(load(CORPUS[0].with_name("corner_face_gear_edge_1005.toml")))
     cycle = mesh_cycle(solver_pair(pair), pair.pitch)
     assert cycle is not None
@@ -200,7 +200,7 @@ def test_teeth_that_meet_again_a_turn_later_are_another_pair(seed: int) -> None:
     cycle = mesh_cycle(solver_pair(pair), pair.pitch, followed)
     assert cycle is not None
     assert cycle.curve is not None
-    led = pair.drive * float(cycle.curve.lead(np.zeros(1))[0])
+    led = pair.drive * float(cycle.curve.advance(np.zeros(1))[0])
     assert rolled.drive is not None
     step = 2.0 * np.pi / pair.gear.tooth.teeth
     apart = (rolled.drive.phi2 - led + 0.5 * step) % step - 0.5 * step
@@ -213,7 +213,7 @@ def test_the_pair_that_carried_on_takes_over_and_not_one_that_only_comes_to_carr
     cycle = mesh_cycle(solver_pair(pair), pair.pitch)
     assert cycle is not None
     assert cycle.peak_to_peak < 1e-6 * ARCSEC
-    assert np.ptp(cycle.curve.lead(np.linspace(0.0, pair.pitch, 200))) < 1e-6 * ARCSEC
+    assert np.ptp(cycle.curve.advance(np.linspace(0.0, pair.pitch, 200))) < 1e-6 * ARCSEC
 
 
 @pytest.mark.parametrize("file", OVERLAPS, ids=lambda file: file.stem)

@@ -49,11 +49,11 @@ def test_the_map_is_what_circles_through_the_gear_say(name: str) -> None:
         arms.append(found.distance[i, j])
     assert len(inside) >= 8
     # differences between points, which the reference common to all of them leaves out
-    leads, distances = np.array(greatest), np.array(arms)
-    k = int(leads.argmax())
-    lever = (distances - distances[k])[leads < leads[k]] / (leads[k] - leads)[leads < leads[k]]
+    advances, distances = np.array(greatest), np.array(arms)
+    k = int(advances.argmax())
+    lever = (distances - distances[k])[advances < advances[k]] / (advances[k] - advances)[advances < advances[k]]
     radius = np.hypot(grid[..., 0], grid[..., 1]).max()
-    far = lever[(leads[k] - leads)[leads < leads[k]] > 1e-5]
+    far = lever[(advances[k] - advances)[advances < advances[k]] > 1e-5]
     assert far.size >= 4
     assert (far > 0.4 * radius).all()
     assert (far < 1.0 * radius).all()

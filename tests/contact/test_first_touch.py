@@ -99,8 +99,8 @@ def test_many_assemblies_are_what_each_of_them_is_alone() -> None:
             for flank, base in zip(pair.flanks, bases, strict=True)
         )
         alone = touches(replace(pair, pinion=pinion, gear=gear), phi1)[0]
-        np.testing.assert_allclose(together.lead.reshape(6, 5)[m], alone.lead, rtol=0, atol=1e-12)
-    assert np.ptp(together.lead.reshape(6, 5), axis=0).min() > 10.0 * ARCSEC
+        np.testing.assert_allclose(together.advance.reshape(6, 5)[m], alone.advance, rtol=0, atol=1e-12)
+    assert np.ptp(together.advance.reshape(6, 5), axis=0).min() > 10.0 * ARCSEC
 
 
 def test_a_pair_whose_drive_is_wrong_is_found_out() -> None:

@@ -161,11 +161,11 @@ def test_a_tip_in_a_fillet_is_told_with_depth_and_place() -> None:
     cycle = mesh_cycle(flanks, gears.pitch)
     assert cycle is not None
     assert cycle.curve is not None
-    free = gears.ratio * driving.phi1 + gears.drive * cycle.curve.lead(np.array([driving.phi1]))[0]
-    lead = gears.drive * (rolled.drive.phi2 - free)
+    free = gears.ratio * driving.phi1 + gears.drive * cycle.curve.advance(np.array([driving.phi1]))[0]
+    advance = gears.drive * (rolled.drive.phi2 - free)
     # the lever of the fillet's normal is a little less than the radius
     radius = float(np.hypot(*(driving.point - gears.gear.mount.origin)[[0, 1]]))
-    assert 0.5 * radius * lead < driving.depth < 1.05 * np.linalg.norm(driving.point) * lead
+    assert 0.5 * radius * advance < driving.depth < 1.05 * np.linalg.norm(driving.point) * advance
 
 
 def test_a_jammed_pair_overlaps_and_a_moved_one_does_not() -> None:
@@ -257,8 +257,8 @@ def test_neighbours_are_the_pair_itself_a_pitch_away() -> None:
     assert contact.neighbours is not None
     path, pair = contact.path, contact.pair
     shifted = [contact_path(solver_pair(pair), path.rotation + k * pair.pitch) for k in (-1, 1)]
-    leads = [pair.drive * (each.phi2 - pair.ratio * each.rotation) for each in (path, *shifted)]
-    ahead = np.fmax(leads[1], leads[2]) - leads[0]
+    advances = [pair.drive * (each.phi2 - pair.ratio * each.rotation) for each in (path, *shifted)]
+    ahead = np.fmax(advances[1], advances[2]) - advances[0]
     known = np.isfinite(contact.neighbours)
     assert known.sum() >= 15
     np.testing.assert_allclose(contact.neighbours[known], ahead[known], rtol=0, atol=1e-11)
@@ -324,8 +324,8 @@ def test_fit_is_unknown_where_a_part_of_the_cycle_has_no_contact(capsys: pytest.
     width, pitch = end - begin, contact.pair.pitch
     phi1 = np.array([0.5 * (begin + end), end + 0.1 * width, begin - 0.1 * width])
     other = solver_pair(reversed_pair(contact.pair))
-    leads = [first_touch(other, phi1 + k * pitch).lead for k in range(-3, 4)]
-    assert np.isfinite(np.max(leads, axis=0)).tolist() == [False, True, True]
+    advances = [first_touch(other, phi1 + k * pitch).advance for k in range(-3, 4)]
+    assert np.isfinite(np.max(advances, axis=0)).tolist() == [False, True, True]
     assert 0.0 < contact.summary["backlash_normal_min_mm"] < contact.summary["backlash_normal_max_mm"]
     assert any("it is unknown whether the gears fit" in line for line in contact.warnings)
     assert main(["check", str(file)]) == 3
@@ -350,5 +350,5 @@ def test_a_contact_ratio_below_one_is_told_of_where_the_total_one_is() -> None:
     base = reference * np.cos(alpha)
     action = np.sqrt((reference + 0.8) ** 2 - base**2).sum() - reference.sum() * np.sin(alpha)
     total = action / (2.0 * np.pi / np.cos(beta) * np.cos(alpha)) + 20.0 * np.sin(beta) / (2.0 * np.pi)
-    # to the positions at which leads are taken
+    # to the positions at which advances are taken
     assert total_ratio(contact.pair, contact.cycle) == pytest.approx(total, abs=0.1)

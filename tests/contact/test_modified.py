@@ -63,14 +63,14 @@ def spur() -> tuple[SpurPair, tuple[float, float], float]:
     return pair, (pair.line_of_action - tips[1], tips[0]), 2.0 * np.pi / TEETH[0]
 
 
-def solved_lead(pair: GearPair, angle: Array) -> Array:
-    """Leads of one pair of teeth where the pinion's involutes begin at an angle, over those of the unmodified gears."""
+def solved_advance(pair: GearPair, angle: Array) -> Array:
+    """Advances of one pair of teeth where the pinion's involutes begin at an angle, over those of the unmodified gears."""
     own = involute(pair)
     plain = built({}, flank=str(pair.flanks[0]))
     phi1 = own.start - own.side * angle if own.side > 0 else own.start + angle
     contacts = first_touch(solver_pair(pair), np.asarray(phi1))
     assert contacts.touching.all()
-    found: Array = contacts.lead - first_touch(solver_pair(plain), np.zeros(1)).lead
+    found: Array = contacts.advance - first_touch(solver_pair(plain), np.zeros(1)).advance
     return found
 
 
@@ -92,13 +92,13 @@ def test_profile_crowning(flank: str) -> None:
     length = np.linspace(path[0] + 1.0, path[1] - 0.01, 41)
     jet = field.jet(length, 0.0 * length)
     standing = spurs.standing(length, jet.a, jet.a_l)
-    error = solved_lead(pair, standing[0]) - spurs.lead(*standing)
+    error = solved_advance(pair, standing[0]) - spurs.advance(*standing)
     assert np.abs(error).max() * spurs.gear < ROUNDING
     length = np.linspace(path[0] + 1.0, path[1], 60_001)
     jet = field.jet(length, 0.0 * length)
     angle, gear = spurs.standing(length, jet.a, jet.a_l)
     order = np.argsort(angle)
-    exact = peak_to_peak(angle[order], spurs.lead(angle, gear)[order], pitch)
+    exact = peak_to_peak(angle[order], spurs.advance(angle, gear)[order], pitch)
     assert mesh_peak_to_peak(pair) * spurs.gear == pytest.approx(exact * spurs.gear, abs=ROUNDING)
     assert exact * spurs.gear == pytest.approx(amount * (pitch * spurs.pinion / (e.tip - e.root)) ** 2, rel=0.02)
 
@@ -118,12 +118,12 @@ def test_linear_tip_relief(share: float) -> None:
         return lambda x: (amount * (x - start) / (end - start), np.full_like(x, amount / (end - start)))
 
     reliefs = profile(starts[0], ends[0]), profile(starts[1], ends[1])
-    angle, lead = pair_curve(spurs, path, reliefs, starts, 20_001)
+    angle, advance = pair_curve(spurs, path, reliefs, starts, 20_001)
     pair = built(tables[0], tables[1])
     some = np.linspace(100, len(angle) - 100, 61).astype(int)
-    error = solved_lead(pair, angle[some]) - lead[some]
+    error = solved_advance(pair, angle[some]) - advance[some]
     assert np.abs(error).max() * spurs.gear < ROUNDING
-    exact = peak_to_peak(angle, lead, pitch) * spurs.gear
+    exact = peak_to_peak(angle, advance, pitch) * spurs.gear
     assert mesh_peak_to_peak(pair) * spurs.gear == pytest.approx(exact, abs=ROUNDING)
     expected = amount / reach * max(reach - 0.5 * double, 0.0)
     assert exact == pytest.approx(expected, rel=0.02, abs=ROUNDING)

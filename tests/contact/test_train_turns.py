@@ -28,7 +28,7 @@ def test_trains_turn_together_whichever_pair_is_known() -> None:
 
 
 def test_gaps_grow_as_the_ellipse_of_contact_says() -> None:
-    """The field of leads against curvatures: inside the ellipse the gap is the compound's thickness times the level squared."""
+    """The field of advances against curvatures: inside the ellipse the gap is the compound's thickness times the level squared."""
     gears = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml"))
     pair = gears.pairs[0]
     path = gears.contact(np.zeros(1), cycle=False).path

@@ -8,14 +8,14 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.contact.first_touch.field import leads
+from gearmesh.contact.first_touch.field import advances
 from gearmesh.contact.hertz import STEEL, contact_modulus
 from gearmesh.contact.tca import contact_path
 from gearmesh.loaded.separation import near_pairs, separation
 
 
 @pytest.mark.parametrize("sample", ["helical", "spiral_bevel_basic"])
-def test_gaps_are_those_of_the_leads(sample: str) -> None:
+def test_gaps_are_those_of_the_advances(sample: str) -> None:
     """By how much a point of the pinion is behind the one that touches, times its lever, is its gap: 0.2 um, the tables' accuracy,
     and 3 %. The grid's middle is where the gap across is least."""
     pair = pair_of(gm.load(SAMPLES / f"{sample}.toml"))
@@ -26,11 +26,11 @@ def test_gaps_are_those_of_the_leads(sample: str) -> None:
     own = near.pair.pinion.mount.at(near.turns[0])
     normals = np.einsum("mij,mxi->mxj", own.rotation, grid.normal)
     every = np.arange(len(force))
-    lead = leads(near.pair, near.turns[0], grid.places[0], normals, every).lead
+    advance = advances(near.pair, near.turns[0], grid.places[0], normals, every).advance
     stands = near.pair.drive * (near.turns[1] - near.pair.ratio * near.turns[0])
-    behind = (stands[:, None] - lead) * grid.levers[1]
+    behind = (stands[:, None] - advance) * grid.levers[1]
     middle = 0.5 * (grid.gap[:, :, 11] + grid.gap[:, :, 12]) - 0.125 * (near.kappa[:, 1] * grid.dy**2)[:, None]
-    there = grid.on[:, :, 10:14].all(axis=2) & np.isfinite(lead)
+    there = grid.on[:, :, 10:14].all(axis=2) & np.isfinite(advance)
     assert there.sum() > 100
     np.testing.assert_allclose(middle[there], behind[there], rtol=0.03, atol=2e-4)
     inside = there & (near.path.kind != "edge")[:, None]

@@ -47,7 +47,7 @@ class SpurPair:
         found = phi - (length + a) / own, alpha - rest / mate
         return found[::-1] if of_gear else found
 
-    def lead(self, pinion: Array, gear: Array) -> Array:
+    def advance(self, pinion: Array, gear: Array) -> Array:
         """How far (...,), rad, the gear is ahead of where true involutes would have it."""
         alpha = np.arccos((self.pinion + self.gear) / self.distance)
         true = (self.pinion + self.gear) * alpha - self.line_of_action
@@ -62,7 +62,7 @@ def pair_curve(
     corners: tuple[float, float],
     count: int,
 ) -> tuple[Array, Array]:
-    """Pinion angles, ascending, and leads of one pair of teeth whose contact goes over roll lengths `path` of the pinion.
+    """Pinion angles, ascending, and advances of one pair of teeth whose contact goes over roll lengths `path` of the pinion.
 
     `relieved`: profiles of pinion and gear over their own roll lengths, of which those above `corners` are not 0; they do not meet.
     """
@@ -77,14 +77,14 @@ def pair_curve(
     found.append(pair.standing(plain, 0.0 * plain, 0.0 * plain))
     pinion, gear = (np.concatenate(each) for each in zip(*found, strict=True))
     order = np.argsort(pinion)
-    return pinion[order], pair.lead(pinion, gear)[order]
+    return pinion[order], pair.advance(pinion, gear)[order]
 
 
-def peak_to_peak(angle: Array, lead: Array, pitch: float, count: int = 20_001) -> float:
-    """Of the greatest lead of all pairs of teeth, one pitch (rad) apart, rad; the place where it is least is looked at twice."""
+def peak_to_peak(angle: Array, advance: Array, pitch: float, count: int = 20_001) -> float:
+    """Of the greatest advance of all pairs of teeth, one pitch (rad) apart, rad; the place where it is least is looked at twice."""
 
     def envelope(phase: Array) -> Array:
-        pairs = [np.interp(phase + k * pitch, angle, lead, left=-np.inf, right=-np.inf) for k in range(-1, 4)]
+        pairs = [np.interp(phase + k * pitch, angle, advance, left=-np.inf, right=-np.inf) for k in range(-1, 4)]
         found: Array = np.max(pairs, axis=0)
         return found
 

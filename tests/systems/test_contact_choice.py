@@ -46,7 +46,9 @@ def test_pairs_hand_over_as_asked(name: str, side: str) -> None:
     assert answer.cycle.curve is not None
     # nothing leads the path: neither at the change of teeth nor where it is farthest from the mean point
     for phi1 in (0.0, 0.5 * gears.pairs[0].pitch):
-        phi2 = gears.pairs[0].ratio * phi1 + gears.pairs[0].drive * float(answer.cycle.curve.lead(np.array([phi1]))[0])
+        phi2 = gears.pairs[0].ratio * phi1 + gears.pairs[0].drive * float(
+            answer.cycle.curve.advance(np.array([phi1]))[0]
+        )
         (rolled,) = roll_members(gears.pairs[0], phi1, guess_phi2=phi2)
         assert rolled.drive is not None
         assert abs(rolled.drive.phi2 - phi2) < 0.3 * ARCSEC

@@ -343,7 +343,7 @@ def test_settings_sheet_loads_back_to_the_same_gears() -> None:
     assert teeth[2:] == (15, 30)
 
 
-def test_a_lead_is_warned_of() -> None:
+def test_gears_that_run_ahead_are_warned_of() -> None:
     leading = contact_of(parse({**BASIC, "pinion": {"teeth": 15, "concave": {"te_at_change": -10.0}}}))
     assert any("the gear runs ahead by" in warning for warning in leading.warnings)
     assert not contact_of(parse(BASIC)).warnings

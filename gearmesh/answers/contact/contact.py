@@ -33,7 +33,7 @@ from gearmesh.answers.tables import Listing, csv_text, figures, round_to
 from gearmesh.contact.engagement.cycle import Cycle, engagement_range
 from gearmesh.contact.engagement.ease_off import ease_off
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
-from gearmesh.contact.engagement.lead import PairLead
+from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
 from gearmesh.contact.engagement.turns import FullTurns, full_turns
 from gearmesh.contact.fit.fit import Fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, solver_pair
@@ -51,7 +51,7 @@ Shares = Callable[[ContactPath, Cycle | None], tuple[Array, list[str]]]
 #: how the torque of the Hertz contact is shared
 ALONE, SHARED = "all of the torque on one tooth pair", "load sharing by loaded contact"
 #: advance (arcsec) at the change of teeth from which on it is worth a warning
-LEAD = 0.5
+ADVANCE = 0.5
 
 
 @dataclass(frozen=True, repr=False)
@@ -164,8 +164,8 @@ class Contact(Result):
                 line=path.lines[i],
                 hertz=None if self.hertz is None else _hertz(self.hertz, i),
                 load_share=None if self.hertz is None else float(self.hertz.share[i]),
-                neighbour_lead=optional(self.neighbours, 1.0 / ARCSEC, i),
-                neighbour_lead_um=optional(led, 1e3, i),
+                neighbour_advance=optional(self.neighbours, 1.0 / ARCSEC, i),
+                neighbour_advance_um=optional(led, 1e3, i),
                 te_first_order=optional(self.first_order, 1.0 / ARCSEC, i),
             )
             for i in range(len(phi1))
@@ -377,8 +377,8 @@ def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, 
     """How far (P,), rad, a neighbouring tooth pair is ahead, where the pair has been followed."""
     if followed is None:
         return None
-    lead = PairLead(followed) if cycle is None or cycle.curve is None else cycle.curve.of_pair
-    return lead.over_neighbours(pair.pitch, path.rotation)
+    advance = TransmissionAdvance(followed) if cycle is None or cycle.curve is None else cycle.curve.of_pair
+    return advance.over_neighbours(pair.pitch, path.rotation)
 
 
 def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> Summary:
@@ -407,11 +407,11 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
     inside = path.kind == "point"
     if inside.sum() >= 5:
         bend = pair.drive * np.polyfit(path.phi1[inside], path.te[inside], 2)[0]
-        lead = bend * (0.5 * pair.pitch) ** 2
-        if lead / ARCSEC > LEAD:
+        advance = bend * (0.5 * pair.pitch) ** 2
+        if advance / ARCSEC > ADVANCE:
             rad, unit = pair.output.reading.error
             warnings.append(
-                f"the gear runs ahead by {lead / rad:.3g} {unit} at the change of tooth pairs (the transmission error is "
+                f"the gear runs ahead by {advance / rad:.3g} {unit} at the change of tooth pairs (the transmission error is "
                 "curved the wrong way): the pairs change over in edge contact"
             )
     return warnings

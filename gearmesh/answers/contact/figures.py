@@ -199,10 +199,13 @@ class PositionFigures(Figures):
     line: Any = figure("points of the line of contact, fixed frame", "mm", shown=False)
     hertz: HertzFigures | None = figure("Hertz contact under a torque", optional=True)
     load_share: float | None = figure("share of the torque on the tooth pair", optional=True)
-    neighbour_lead: float | None = figure(
-        "transmission advance of a neighbouring tooth pair, as rotation of the gear", "arcsec", optional=True
+    neighbour_advance: float | None = figure(
+        "transmission advance of a neighbouring tooth pair, as rotation of the gear",
+        "arcsec",
+        key="neighbour_lead_arcsec",
+        optional=True,
     )
-    neighbour_lead_um: float | None = figure(
+    neighbour_advance_um: float | None = figure(
         "the same along the travel of a gear that slides", "um", key="neighbour_lead_um", optional=True
     )
     te_first_order: float | None = figure("transmission error of first order, in closed form", "arcsec", optional=True)

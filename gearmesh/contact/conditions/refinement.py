@@ -41,8 +41,8 @@ EVALUATIONS, GOES = 12, 4
 class Contacts:
     """First touch at N positions: unknowns x (N, 5), NaN where there is none; `edges` (N, 2), the edges in contact by their numbers
     in `Pair.bounds`, or CORNER (-1: none); `line` (N,) where the flanks touch along a line; `status`, `residual` (N,) as
-    of a `Solution`; `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's; `lead` (N,), rad, -inf where there is
-    none."""
+    of a `Solution`; `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's; `advance` (N,), rad, -inf where there
+    is none."""
 
     x: Array
     edges: NDArray[np.intp]
@@ -50,7 +50,7 @@ class Contacts:
     status: NDArray[np.int64]
     residual: Array
     part: NDArray[np.intp]
-    lead: Array
+    advance: Array
 
     @property
     def touching(self) -> NDArray[np.bool_]:
@@ -78,9 +78,11 @@ class Contacts:
         for field in fields(self):
             getattr(self, field.name)[position] = getattr(contacts, field.name)
 
-    def take(self, position: NDArray[np.intp], trial: Trial, which: NDArray[np.intp], part: int, lead: Array) -> None:
+    def take(
+        self, position: NDArray[np.intp], trial: Trial, which: NDArray[np.intp], part: int, advance: Array
+    ) -> None:
         """Trials `which` (M,) as what touches first at positions (M,), with advances (M,)."""
-        self.part[position], self.lead[position] = part, lead
+        self.part[position], self.advance[position] = part, advance
         self.x[position], self.status[position] = trial.x[which], int(Status.CONVERGED)
         self.residual[position], self.line[position] = trial.residual[which], trial.line[which]
         self.edges[position] = trial.edges[which]
@@ -147,18 +149,18 @@ def refine_candidates(
         own = np.flatnonzero(trial.first >= 0)
         begun.x[trial.first[own]], begun.beyond[trial.first[own]] = trial.x[own], trial.beyond[own]
         good = np.flatnonzero(trial.good)
-        lead = leads_of(pair, phi1, trial.x[good], trial.position[good])
+        advance = advances_of(pair, phi1, trial.x[good], trial.position[good])
         # the greatest of each position last; of equals the one on the fewest edges
-        order = np.argsort(lead - EQUAL * (trial.edges[good] >= 0).sum(axis=1), kind="stable")
+        order = np.argsort(advance - EQUAL * (trial.edges[good] >= 0).sum(axis=1), kind="stable")
         position = trial.position[good][order]
         best, last = np.full(len(phi1), -np.inf), np.full(len(phi1), -1)
-        best[position], last[position] = lead[order], good[order]
-        better = np.flatnonzero(best > contacts.lead)
+        best[position], last[position] = advance[order], good[order]
+        better = np.flatnonzero(best > contacts.advance)
         contacts.take(better, trial, last[better], number, best[better])
         trial = _next(pair, trial, contacts, tried if edges else None)
 
 
-def leads_of(pair: Pair, phi1: Array, x: Array, position: NDArray[np.intp]) -> Array:
+def advances_of(pair: Pair, phi1: Array, x: Array, position: NDArray[np.intp]) -> Array:
     """By how much (M,), rad, the gear is ahead of the nominal ratio, in the sense of the drive."""
     return pair.drive * (x[:, 4] - pair.ratio * phi1[position])
 
@@ -236,7 +238,7 @@ def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> ND
     first = unit(one.r_u)
     steps = np.stack((first, cross(one.n, first)), axis=1)
     turn = (steps @ two.n[..., None])[..., 0] / dot(two.n, way)[:, None]
-    lead = pair.drive * turn
+    advance = pair.drive * turn
     over = np.zeros((2, asked.size, 2))
     for number in pair.ends:
         bound = pair.bounds[number]
@@ -251,14 +253,14 @@ def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> ND
             on_member = steps[own] if bound.member == 0 else steps[own] - turn[own][..., None] * way[own][:, None]
             over[slot, own] = (on_member @ gradient[..., None])[..., 0]
     alone = trial.edges[asked, 1] < 0
-    inwards = -(lead * over[0]).sum(axis=1) > 0.0
+    inwards = -(advance * over[0]).sum(axis=1) > 0.0
     # along either of two edges, to the inside of the other
     along = np.zeros(asked.size, dtype=bool)
     for edge, other in ((0, 1), (1, 0)):
         step = np.stack((-over[edge, :, 1], over[edge, :, 0]), axis=-1)
         step *= -np.sign((step * over[other]).sum(axis=1))[:, None]
         size = np.sqrt((step**2).sum(axis=1))
-        along |= (lead * step).sum(axis=1) > RISE * size
+        along |= (advance * step).sum(axis=1) > RISE * size
     rises[asked] = np.where(alone, inwards, along)
     return rises
 
@@ -298,7 +300,7 @@ def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, in
     with their own, which is nearer to where they were started than to where their edge led them, but for what has been `tried`;
     without that no edge. What is not solved yet goes on."""
     spawned: list[tuple[int, Array, int, int, float]] = []
-    leading = trial.most >= contacts.lead[trial.position]
+    leading = trial.most >= contacts.advance[trial.position]
     unsolved = np.flatnonzero((trial.goes > 0) & leading)
     if tried is not None:
         spawned = _edges_next(pair, trial, leading, tried)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.engagement.events import TOLERANCE, root_between
-from gearmesh.contact.engagement.lead import PairLead
 from gearmesh.contact.engagement.surface_contact import SurfaceContact, surface_contact
+from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 
@@ -65,17 +65,17 @@ class MeshCurve:
     @cached_property
     def surface(self) -> SurfaceContact:
         """The surface contact of pair 0, where it has any."""
-        leads, first = self._table()
-        flat = np.append(leads[:, :NODES].ravel(), leads[-1, NODES])
-        ahead = np.resize(leads[:, :NODES].max(axis=0), flat.size)
+        advances, first = self._table()
+        flat = np.append(advances[:, :NODES].ravel(), advances[-1, NODES])
+        ahead = np.resize(advances[:, :NODES].max(axis=0), flat.size)
         steps = np.rint(self.phi1 / self.pitch * NODES).astype(int) - first * NODES
         return surface_contact(self.engagement, (flat >= ahead - TOGETHER)[steps])
 
     @cached_property
-    def of_pair(self) -> PairLead:
+    def of_pair(self) -> TransmissionAdvance:
         """The transmission advance of pair 0."""
         ends = (self.surface.begin, self.surface.end) if self.contacts.line.any() else ()
-        return PairLead(self.engagement, ends)
+        return TransmissionAdvance(self.engagement, ends)
 
     def _table(self) -> tuple[Array, int]:
         """Advances (K, NODES + 1) of the tooth pairs at the nodes of one pitch, -inf where they do not touch; number of the
@@ -84,15 +84,15 @@ class MeshCurve:
         steps = np.rint(self.phi1 / self.pitch * NODES).astype(int) - first * NODES
         count = int(steps[-1] // NODES) + 1
         flat = np.full((count + 1) * NODES, -np.inf)
-        flat[steps] = np.where(self.contacts.touching, self.contacts.lead, -np.inf)
+        flat[steps] = np.where(self.contacts.touching, self.contacts.advance, -np.inf)
         rows = np.arange(count)[:, None] * NODES + np.arange(NODES + 1)
         return flat[rows], first
 
     def at_nodes(self) -> Array:
         """Advances (NODES + 1,), rad, of the gears at even phases of one pitch, as the nodes have them; NaN where nothing
         touches."""
-        leads = self._table()[0].max(axis=0)
-        return np.where(np.isfinite(leads), leads, np.nan)
+        advances = self._table()[0].max(axis=0)
+        return np.where(np.isfinite(advances), advances, np.nan)
 
     @property
     def whole(self) -> bool:
@@ -175,7 +175,7 @@ class MeshCurve:
         if not places:
             return np.zeros(0), np.zeros(0)
         phi1, number, end = np.concatenate(places), np.concatenate(pair), np.concatenate(last)
-        lead, slope = self.of_pair.at(phi1)
+        advance, slope = self.of_pair.at(phi1)
         # level already, at a node, is no change of sign
         steep = np.minimum(np.abs(slope[:-1]), np.abs(slope[1:])) > LEVEL
         k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & steep)
@@ -185,13 +185,13 @@ class MeshCurve:
             there = np.isfinite(root.values)
             level, k = root.values[there], k[there]
             phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))
-            lead = np.concatenate((lead, self.of_pair.at(level)[0]))
-        summits = self._summits(phi1, lead, slope, end)
+            advance = np.concatenate((advance, self.of_pair.at(level)[0]))
+        summits = self._summits(phi1, advance, slope, end)
         if summits:
             at, k = (np.array(column) for column in zip(*summits, strict=True))
             phi1, number = np.concatenate((phi1, at)), np.concatenate((number, number[k]))
-            lead = np.concatenate((lead, self.of_pair.at(at)[0]))
-        return phi1 - number * self.pitch, lead
+            advance = np.concatenate((advance, self.of_pair.at(at)[0]))
+        return phi1 - number * self.pitch, advance
 
     @property
     def _known_phi1(self) -> Array:
@@ -199,7 +199,7 @@ class MeshCurve:
         ends = np.array([self.surface.begin, self.surface.end])
         return np.unique(np.concatenate((self.of_pair.phi1, ends[np.isfinite(ends)])))
 
-    def _summits(self, phi1: Array, lead: Array, slope: Array, end: NDArray[np.bool_]) -> list[tuple[float, int]]:
+    def _summits(self, phi1: Array, advance: Array, slope: Array, end: NDArray[np.bool_]) -> list[tuple[float, int]]:
         """phi1 (rad) near nodes of the arcs, and their numbers, at which the advance is greatest or least and its slope unknown,
         as along a tip that touches a fillet over the whole face."""
         from scipy.optimize import minimize_scalar
@@ -207,7 +207,7 @@ class MeshCurve:
         summits = []
         inner = np.flatnonzero(~end[:-2] & ~end[1:-1] & np.isnan(slope[1:-1])) + 1
         for k in inner:
-            steps = lead[k] - lead[[k - 1, k + 1]]
+            steps = advance[k] - advance[[k - 1, k + 1]]
             if not (steps > 0.0).all() and not (steps < 0.0).all():
                 continue
             sense = -1.0 if steps[0] > 0.0 else 1.0
@@ -233,27 +233,27 @@ class MeshCurve:
     @property
     def peak_to_peak(self) -> float:
         """Transmission error of the gears peak to peak, rad; NaN where the contact breaks off."""
-        lead = self.marks[1]
-        return float(np.ptp(lead)) if lead.size and np.isfinite(lead).all() else np.nan
+        advance = self.marks[1]
+        return float(np.ptp(advance)) if advance.size and np.isfinite(advance).all() else np.nan
 
-    def lead(self, phase: Array) -> Array:
+    def advance(self, phase: Array) -> Array:
         """Advance (N,), rad, of the gears at phases (N,) of a pitch; NaN where nothing touches."""
-        leads = np.full(len(phase), np.nan)
+        advances = np.full(len(phase), np.nan)
         phase = np.where((phase < 0.0) | (phase > self.pitch), np.mod(phase, self.pitch), phase)
         for arc in self.arcs:
             own = np.flatnonzero((phase >= arc.begin) & (phase <= arc.end))
             if own.size:
-                leads[own] = self.of_pair.at(phase[own] + arc.pair * self.pitch)[0]
-        return leads
+                advances[own] = self.of_pair.at(phase[own] + arc.pair * self.pitch)[0]
+        return advances
 
-    def lead_as_known(self, phase: Array) -> Array:
-        """As `lead`, also of gears whose contact breaks off in the pitch: NaN only where none of the tooth pairs touches."""
+    def advance_as_known(self, phase: Array) -> Array:
+        """As `advance`, also of gears whose contact breaks off in the pitch: NaN only where none of the tooth pairs touches."""
         first, last = (int(np.floor(end / self.pitch)) for end in self.phi1[[0, -1]])
         places = phase + np.arange(first - 1, last + 1)[:, None] * self.pitch
         inside = (places >= self.phi1[0]) & (places <= self.phi1[-1])
-        leads = np.full(places.shape, -np.inf)
-        leads[inside] = np.nan_to_num(self.of_pair.at(places[inside])[0], nan=-np.inf)
-        best: Array = np.where(np.isfinite(leads.max(axis=0)), leads.max(axis=0), np.nan)
+        advances = np.full(places.shape, -np.inf)
+        advances[inside] = np.nan_to_num(self.of_pair.at(places[inside])[0], nan=-np.inf)
+        best: Array = np.where(np.isfinite(advances.max(axis=0)), advances.max(axis=0), np.nan)
         return best
 
     def harmonics(self) -> Array:
@@ -270,10 +270,10 @@ class MeshCurve:
                 places.append(low + half * (nodes + 1.0))
                 own.append(half * weights)
                 phases.append(places[-1] - arc.pair * self.pitch)
-        lead, weight, phase = self.of_pair.at(np.concatenate(places))[0], np.concatenate(own), np.concatenate(phases)
+        advance, weight, phase = self.of_pair.at(np.concatenate(places))[0], np.concatenate(own), np.concatenate(phases)
         order = np.arange(1, HARMONICS + 1)[:, None]
         wave = np.exp(-2j * np.pi * order * phase / self.pitch)
-        amplitudes: Array = 2.0 / self.pitch * np.abs((wave * (lead - lead.mean()) * weight).sum(axis=1))
+        amplitudes: Array = 2.0 / self.pitch * np.abs((wave * (advance - advance.mean()) * weight).sum(axis=1))
         return amplitudes
 
     def _changes(self, arc: MeshArc) -> Array:

@@ -111,7 +111,7 @@ def mesh_cycle(
         handovers=tuple(curve.handovers().tolist()),
         curve=curve,
         pair=own - [[0.0], [reference]],
-        gears=np.stack((phase, pair.drive * curve.lead(phase) - reference)),
+        gears=np.stack((phase, pair.drive * curve.advance(phase) - reference)),
     )
 
 
@@ -177,9 +177,9 @@ def _breaks(curve: MeshCurve, pitch: float) -> tuple[Break, ...]:
         return ()
     if end - begin < pitch:
         return (Break(end, np.nan, beginning=False),)
-    lead = curve.of_pair.at(np.array([begin, begin + pitch, end - pitch, end]))[0]
+    advance = curve.of_pair.at(np.array([begin, begin + pitch, end - pitch, end]))[0]
     breaks = []
-    for phi1, (own, other), beginning in ((begin, lead[:2], True), (end, lead[:1:-1], False)):
+    for phi1, (own, other), beginning in ((begin, advance[:2], True), (end, advance[:1:-1], False)):
         ahead = own - other
         if ahead > JUMP:
             breaks.append(Break(phi1, float(ahead), beginning))

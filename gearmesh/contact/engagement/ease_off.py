@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.contact.engagement.engagement import Engagement
-from gearmesh.contact.first_touch.field import leads
+from gearmesh.contact.first_touch.field import advances
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
 
@@ -47,13 +47,13 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
     grid = pair.pinion.grid if grid is None else grid
     jet = pair.pinion.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
     with np.errstate(all="ignore"):
-        field = leads(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
-        lead = np.where((field.beyond <= 0.0).all(axis=0), field.lead, -np.inf)
-        best = lead.argmax(axis=0)
+        field = advances(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
+        advance = np.where((field.beyond <= 0.0).all(axis=0), field.advance, -np.inf)
+        best = advance.argmax(axis=0)
         every = np.arange(len(best))
         # the greatest lies on a parabola through three positions; where the gear's edge cuts it off there is none
         k = np.clip(best, 1, len(phi1) - 2)
-        before, at, after = (lead[k + step, every] for step in (-1, 0, 1))
+        before, at, after = (advance[k + step, every] for step in (-1, 0, 1))
         bend = before - 2.0 * at + after
         met = np.isfinite(bend) & (bend < 0.0) & (k == best)
         share = np.where(met, 0.5 * (before - after) / bend, np.nan)
@@ -73,9 +73,9 @@ def gaps_at(pair: Pair, phi1: Array, phi2: Array, grid: Array) -> Array:
     """
     jet = pair.pinion.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
     with np.errstate(all="ignore"):
-        field = leads(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
-        lead = np.where((field.beyond <= 0.0).all(axis=0), field.lead, np.nan)
-        behind = pair.drive * (phi2 - pair.ratio * phi1)[:, None] - lead
+        field = advances(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
+        advance = np.where((field.beyond <= 0.0).all(axis=0), field.advance, np.nan)
+        behind = pair.drive * (phi2 - pair.ratio * phi1)[:, None] - advance
         gaps: Array = behind * _levers(pair, jet.r, jet.n, phi1[:, None])
     return gaps.reshape(-1, *grid.shape[:2])
 

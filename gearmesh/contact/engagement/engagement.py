@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.refinement import Contacts, Trial, leads_of, refine_candidates, solve
+from gearmesh.contact.conditions.refinement import Contacts, Trial, advances_of, refine_candidates, solve
 from gearmesh.contact.first_touch.field import Outlook, outlook
 from gearmesh.contact.first_touch.first_touch import first_touch, touches
 from gearmesh.contact.first_touch.search import UNSEEN
@@ -93,7 +93,7 @@ class Engagement:
         low, high = np.minimum(slope[1:], slope[:-1]), np.maximum(slope[1:], slope[:-1])
         play = JUMP * (high - low)
         with np.errstate(invalid="ignore"):
-            steep = np.diff(self.contacts.lead) / h
+            steep = np.diff(self.contacts.advance) / h
             jumping: NDArray[np.bool_] = np.isfinite(steep) & ~(
                 (steep > low - play - NEAR) & (steep < high + play + NEAR)
             )
@@ -132,7 +132,7 @@ class Engagement:
         rest = ~contacts.touching
         if checked and two.size:
             seen = tooth_outlook(self.pair, phi1[two]).best
-            rest[two[seen > contacts.lead[two] + UNSEEN]] = True
+            rest[two[seen > contacts.advance[two] + UNSEEN]] = True
         anew = np.flatnonzero(rest)
         if anew.size:
             contacts.put(anew, first_touch(self.pair, phi1[anew]))
@@ -146,7 +146,7 @@ class Engagement:
             trial = Trial.of(own, self._predict(phi1[own], node[own]), self.contacts.edges[node[own]])
             trial.line[:] = True
             solve(part, phi1, trial)
-            contacts.take(own, trial, np.arange(own.size), number, leads_of(part, phi1, trial.x, own))
+            contacts.take(own, trial, np.arange(own.size), number, advances_of(part, phi1, trial.x, own))
         contacts.line[:] = True
         return contacts
 
@@ -200,12 +200,12 @@ def follow(pair: Pair, phi1: Array) -> Engagement:
         own = engagement.followable[node] & contacts.touching[node]
         if not own.any():
             break
-        before = contacts.lead.copy()
+        before = contacts.advance.copy()
         with np.errstate(all="ignore"):
             engagement._refine(phi1, at[own], engagement._predict(phi1[at[own]], node[own]), node[own], contacts)
-        better = np.flatnonzero((contacts.part == 0) & (contacts.lead > flanks.lead))
+        better = np.flatnonzero((contacts.part == 0) & (contacts.advance > flanks.advance))
         flanks.put(better, contacts.at(better))
-        if not (contacts.lead > before + UNSEEN).any():
+        if not (contacts.advance > before + UNSEEN).any():
             break
         engagement = Engagement(pair, phi1, contacts, flanks, step)
     return engagement

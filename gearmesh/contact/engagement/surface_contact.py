@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.lines import STEEP, directions, on_edges, trace
 from gearmesh.contact.conditions.meshing import Bound, Conditions
-from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, leads_of, margins
+from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, advances_of, margins
 from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.engagement.events import Events, reaches
 from gearmesh.contact.first_touch.first_touch import first_touch
@@ -194,10 +194,10 @@ class _Ends:
             after = (event.phi1[which] - self.phi1[last[k]]) * ends[k].step
             pick = which[after.argmax()]
             own_end, other_end = float(event.phi1[pick]), float(event.phi1[which[after.argmin()]])
-            lead = float(leads_of(pair, event.phi1, event.x, np.arange(len(position)))[pick])
+            advance = float(advances_of(pair, event.phi1, event.x, np.arange(len(position)))[pick])
             both = self._apart(event, which)
             if (both or not along_face(int(first[which[0]]))) and (
-                self._between(own_end, ends[k]) or self._goes_on(own_end, lead, ends[k])
+                self._between(own_end, ends[k]) or self._goes_on(own_end, advance, ends[k])
             ):
                 line_ends[ends[k]] = own_end, other_end if along_face(int(first[which[0]])) else np.nan
         return line_ends
@@ -226,8 +226,8 @@ class _Ends:
         if not good.size:
             return None
         last = good[(event.phi1[good] * end.step).argmax()]
-        own_end, lead = float(event.phi1[last]), leads_of(pair, event.phi1, event.x, np.arange(len(first)))[last]
-        if not self._between(own_end, end) and not self._goes_on(own_end, float(lead), end):
+        own_end, advance = float(event.phi1[last]), advances_of(pair, event.phi1, event.x, np.arange(len(first)))[last]
+        if not self._between(own_end, end) and not self._goes_on(own_end, float(advance), end):
             return None
         return own_end, self._other_end(whole.repeat(np.array([last])), int(first[last]), event, int(last), end)
 
@@ -265,14 +265,14 @@ class _Ends:
         r = self.pair.pinion.surface.jet(event.x[which, 0], event.x[which, 1]).r
         return bool(which.size > 1 and np.ptp(self.pair.pinion.axial.value(r)) > STEEP * self.pair.length)
 
-    def _goes_on(self, phi1: float, lead: float, end: _End) -> bool:
+    def _goes_on(self, phi1: float, advance: float, end: _End) -> bool:
         """Whether a line that ends at phi1 (rad) with an advance (rad) goes on over nodes that have only found what is less
         advanced."""
         nodes = self.phi1[end.beyond :: end.step]
         passed = (nodes - phi1) * end.step < 0.0
-        before = float(self.phi1[end.last]), float(self.flanks.lead[end.last])
-        line = before[1] + (lead - before[1]) * (nodes - before[0]) / (phi1 - before[0])
-        theirs = self.flanks.lead[end.beyond :: end.step]
+        before = float(self.phi1[end.last]), float(self.flanks.advance[end.last])
+        line = before[1] + (advance - before[1]) * (nodes - before[0]) / (phi1 - before[0])
+        theirs = self.flanks.advance[end.beyond :: end.step]
         return bool(passed.any() and (theirs[passed] < line[passed] - EQUAL).all())
 
     def _on_flanks(self, event: Events) -> NDArray[np.bool_]:

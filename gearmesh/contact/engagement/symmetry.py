@@ -54,16 +54,16 @@ class ImageCurve:
     @property
     def marks(self) -> tuple[Array, Array]:
         """As of a `MeshCurve`: phases (M,), rad, of any pitch, and advances there (M,), rad."""
-        phase, lead = self.curve.marks
-        return self.sum - phase, lead + self.more
+        phase, advance = self.curve.marks
+        return self.sum - phase, advance + self.more
 
-    def lead(self, phase: Array) -> Array:
+    def advance(self, phase: Array) -> Array:
         """Advance (N,), rad, of the gears at phases (N,); NaN where nothing touches."""
-        return self.curve.lead(np.mod(self.sum - phase, self.curve.pitch)) + self.more
+        return self.curve.advance(np.mod(self.sum - phase, self.curve.pitch)) + self.more
 
-    def lead_as_known(self, phase: Array) -> Array:
-        """As `MeshCurve.lead_as_known`."""
-        return self.curve.lead_as_known(np.mod(self.sum - phase, self.curve.pitch)) + self.more
+    def advance_as_known(self, phase: Array) -> Array:
+        """As `MeshCurve.advance_as_known`."""
+        return self.curve.advance_as_known(np.mod(self.sum - phase, self.curve.pitch)) + self.more
 
     def carrier(self, phase: Array) -> NDArray[np.intp]:
         """Numbers (N,) of the tooth pairs in contact at phases (N,)."""

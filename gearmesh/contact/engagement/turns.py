@@ -105,8 +105,8 @@ def full_turns(pair: GearPair) -> FullTurns:
             allowed=f"up to {MOST}; teeth with a common divisor, or one eccentric member alone, need fewer",
         )
     per_pitch = max(LEAST, min(PER_PITCH, PLENTY // pitches))
-    forwards, carrier = _lead(pair, pitches, per_pitch)
-    backwards, _ = _lead(reversed_pair(pair), pitches, per_pitch)
+    forwards, carrier = _advance(pair, pitches, per_pitch)
+    backwards, _ = _advance(reversed_pair(pair), pitches, per_pitch)
     te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
     waves = _waves(pair, pitches, phi1, te)
     return FullTurns(pitches, per_pitch, phi1, te - te[0], carrier, play(pair, forwards + backwards), waves)
@@ -118,7 +118,7 @@ def pitches_until_repeat(pair: GearPair) -> int:
     return math.lcm(1, *teeth)
 
 
-def _lead(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[np.intp]]:
+def _advance(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[np.intp]]:
     """Transmission advances (P,), rad, of the gears over the turns, and the tooth pairs in contact (P,)."""
     concentric = solver_pair(_concentric(pair))
     followed = whole_engagement(concentric, pair.pitch)
@@ -128,13 +128,13 @@ def _lead(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[
     step, more = pair.pitch / per_pitch, BEYOND * pair.pitch
     places = np.arange(math.floor((low - more) / step), math.ceil((high + more) / step) + 1)
     turns = _Turns.of(pair, concentric, followed, pitches, per_pitch, places)
-    lead, carrier = turns.greatest()
-    if not np.isfinite(lead).all():
+    advance, carrier = turns.greatest()
+    if not np.isfinite(advance).all():
         raise NoSolutionError(
             reason="the eccentric teeth lose contact, so there is no transmission error over whole turns",
             remedy="reduce the eccentricities",
         )
-    return lead, carrier
+    return advance, carrier
 
 
 def _concentric(pair: GearPair) -> GearPair:
@@ -167,9 +167,9 @@ class _Turns:
         own = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < CORNER))
         places, contacts = places[own], contacts.at(own)
         phase, most = places % per_pitch, np.full(per_pitch, -np.inf)
-        np.maximum.at(most, phase, contacts.lead)
+        np.maximum.at(most, phase, contacts.advance)
         behind = BEHIND * sum(amplitude for amplitude, _ in _closed_waves(gears).values())
-        worth = np.flatnonzero(contacts.lead >= most[phase] - behind - SAME)
+        worth = np.flatnonzero(contacts.advance >= most[phase] - behind - SAME)
         return _Turns(pair, gears.mounts, pitches, per_pitch, places, contacts, worth)
 
     @cached_property
@@ -195,24 +195,24 @@ class _Turns:
         contacts = Contacts.nothing(self.pitches * self.worth.size)
         tooth, place = (index.ravel() for index in np.meshgrid(np.arange(self.pitches), self.worth, indexing="ij"))
         position = (tooth * self.per_pitch + self.places[place]) % (self.pitches * self.per_pitch)
-        for part in self._chunks(np.arange(contacts.lead.size)):
+        for part in self._chunks(np.arange(contacts.advance.size)):
             self._solve(part, tooth[part], place[part], contacts)
-        lead, carrier = self._ahead(contacts, position)
+        advance, carrier = self._ahead(contacts, position)
         known = np.flatnonzero(contacts.touching)
         some = np.random.default_rng(0).choice(known, min(CHECKED, known.size), replace=False)
-        if (self._anew(tooth[some], place[some], contacts.x[some, 4]).lead > lead[position[some]] + SAME).any():
+        if (self._anew(tooth[some], place[some], contacts.x[some, 4]).advance > advance[position[some]] + SAME).any():
             for part in self._chunks(known):
                 contacts.put(part, self._anew(tooth[part], place[part], contacts.x[part, 4]))
-            lead, carrier = self._ahead(contacts, position)
-        return lead, tooth[carrier]
+            advance, carrier = self._ahead(contacts, position)
+        return advance, tooth[carrier]
 
     def _ahead(self, contacts: Contacts, position: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
         """The greatest advance at every position (P,), and the number of its contact."""
-        order = np.argsort(contacts.lead, kind="stable")
+        order = np.argsort(contacts.advance, kind="stable")
         last = np.zeros(self.pitches * self.per_pitch, dtype=np.intp)
-        lead = np.full(last.size, -np.inf)
-        last[position[order]], lead[position[order]] = order, contacts.lead[order]
-        return lead, last
+        advance = np.full(last.size, -np.inf)
+        last[position[order]], advance[position[order]] = order, contacts.advance[order]
+        return advance, last
 
     @staticmethod
     def _chunks(index: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:

@@ -127,17 +127,17 @@ class _Nodes:
 
 
 @dataclass(frozen=True)
-class Leads:
+class Advances:
     """The advance (...,), rad, of points of the pinion, NaN where no circle meets the gear's table; `beyond` (4, ...): how far (mm)
     they lie outside the gear's flank, by `heights.LIMITS`; `rho`, `z` (...,) of their circles in the gear's own frame."""
 
-    lead: Array
+    advance: Array
     beyond: Array
     rho: Array
     z: Array
 
 
-def leads(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) -> Leads:
+def advances(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) -> Advances:
     """Advances (N, K) of points r (K, 3) or (N, K, 3) with normals n of the pinion, own frame, at positions `index` (N,)."""
     first, second = pair.pinion.mount.rows(index), pair.gear.mount.rows(index)
     own_to_base = second.base.inverse @ first.at(phi1[index])
@@ -156,7 +156,7 @@ def leads(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) 
     if np.abs(azimuth).max(initial=0.0) + np.abs(turned).max(initial=0.0) > np.pi:
         # what has gone round to the gear again does so as another tooth
         pushes &= np.abs(azimuth + turned) <= np.pi
-    return Leads(np.where(pushes, pair.drive * ahead, np.nan), circles.beyond, rho, z)
+    return Advances(np.where(pushes, pair.drive * ahead, np.nan), circles.beyond, rho, z)
 
 
 def _turn(
@@ -184,7 +184,7 @@ class _Field:
     -inf elsewhere; best, gain and inside (N,) as of an `Outlook`; `crossings` of the grid with edges of the gear: positions, grid
     places, advances."""
 
-    lead: Array
+    advance: Array
     beyond: Array
     on: Array
     bends: Array
@@ -196,10 +196,10 @@ class _Field:
     @staticmethod
     def of(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> _Field:
         shape = (len(index), *nodes.grid.shape[:2])
-        field = leads(pair, phi1, nodes.r, nodes.n, index)
-        lead = field.lead.reshape(shape)
+        field = advances(pair, phi1, nodes.r, nodes.n, index)
+        advance = field.advance.reshape(shape)
         beyond = field.beyond.reshape(4, *shape)
-        on = np.where(np.isfinite(lead) & ((beyond <= SLACK).all(axis=0) | (not trimmed)), lead, -np.inf)
+        on = np.where(np.isfinite(advance) & ((beyond <= SLACK).all(axis=0) | (not trimmed)), advance, -np.inf)
         best = on.max(axis=(1, 2))
         inside = (on[:, 1:-1, 1:-1].max(axis=(1, 2)) >= best) & np.isfinite(best)
         crossings = {}
@@ -207,7 +207,7 @@ class _Field:
         for limit, name in enumerate((low, *EDGES)):
             if name in pair.gear.edges:
                 others = [beyond[k] for k in range(4) if k != limit]
-                there, _, _, value = crossings[edge_number(1, name)] = _best_crossing(lead, beyond[limit], others)
+                there, _, _, value = crossings[edge_number(1, name)] = _best_crossing(advance, beyond[limit], others)
                 inside[there] &= best[there] >= value
                 best[there] = np.maximum(best[there], value)
         place = np.stack((field.rho, np.zeros_like(field.rho), field.z), axis=-1)
@@ -216,8 +216,8 @@ class _Field:
             if bound is not None:
                 beside = bound.level.value(place if bound.member else nodes.r)
                 beside = np.broadcast_to(beside.reshape(-1, *shape[1:]), shape)
-                crossings[int(number)] = _best_crossing(lead, beside, list(beyond))
-        return _Field(lead, beyond, on, _bends(lead), best, _gain(lead), inside, crossings)
+                crossings[int(number)] = _best_crossing(advance, beside, list(beyond))
+        return _Field(advance, beyond, on, _bends(advance), best, _gain(advance), inside, crossings)
 
 
 def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
@@ -321,13 +321,13 @@ def sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Ar
         own = bilinear(grid, tried.reshape(-1, 2))
         jet = pair.pinion.surface.jet(own[:, 0], own[:, 1])
         r, n = (vectors.reshape(*tried.shape[:2], 3) for vectors in (jet.r, jet.n))
-        there = leads(pair, phi1, r, n, position)
-        lead = np.where((there.beyond <= SLACK).all(axis=0) & np.isfinite(there.lead), there.lead, -np.inf)
-        k = lead.argmax(axis=1)
+        there = advances(pair, phi1, r, n, position)
+        advance = np.where((there.beyond <= SLACK).all(axis=0) & np.isfinite(there.advance), there.advance, -np.inf)
+        k = advance.argmax(axis=1)
         every = np.arange(len(k))
-        higher = lead[every, k] > best
+        higher = advance[every, k] > best
         middle = place = np.where(higher[:, None], tried[every, k], place)
-        best = np.where(higher, lead[every, k], best)
+        best = np.where(higher, advance[every, k], best)
         rows, columns = (np.linspace(-reach, reach, 9) for reach in (rows[1] - rows[0], columns[1] - columns[0]))
     return _starts(pair, _Nodes.of(pair.pinion, grid), phi1, position, every, place, best)
 
@@ -343,22 +343,22 @@ def _is_peak(on: Array) -> NDArray[np.bool_]:
     return peaks
 
 
-def _bends(lead: Array) -> Array:
+def _bends(advance: Array) -> Array:
     """By how much (N, I, J), rad, the advance may rise about every node: twice what a parabola through it and its neighbours
     does, 0 where that is not known."""
-    total = np.zeros(lead.shape)
+    total = np.zeros(advance.shape)
     for axis in (1, 2):
-        bend = 0.25 * np.abs(np.diff(lead, 2, axis=axis))
+        bend = 0.25 * np.abs(np.diff(advance, 2, axis=axis))
         inner = np.s_[:, 1:-1] if axis == 1 else np.s_[:, :, 1:-1]
         total[inner] += np.where(np.isnan(bend), 0.0, bend)
     return total
 
 
-def _gain(lead: Array) -> Array:
+def _gain(advance: Array) -> Array:
     """By how much (N,), rad, the advance may rise between neighbouring nodes: half its largest second differences."""
-    total = np.zeros(len(lead))
+    total = np.zeros(len(advance))
     for axis in (1, 2):
-        bend = np.abs(np.diff(lead, 2, axis=axis)).reshape(len(lead), -1)
+        bend = np.abs(np.diff(advance, 2, axis=axis)).reshape(len(advance), -1)
         total += 0.5 * np.where(np.isnan(bend), 0.0, bend).max(axis=1, initial=0.0)
     return total
 
@@ -379,8 +379,8 @@ def _cells(field: _Field, crossed: Sequence[str]) -> tuple[NDArray[np.intp], Arr
     All of a small overlap of two flanks may lie within one cell; then nothing else shows it.
     """
     nodes = [(slice(i, i - 1 or None), slice(j, j - 1 or None)) for i in (0, 1) for j in (0, 1)]
-    lead = np.stack([field.lead[:, i, j] for i, j in nodes])
-    there = np.isfinite(lead).max(axis=0)
+    advance = np.stack([field.advance[:, i, j] for i, j in nodes])
+    there = np.isfinite(advance).max(axis=0)
     apart = np.zeros(there.shape)
     for limit, beyond in enumerate(field.beyond):
         own = np.stack([beyond[:, i, j] for i, j in nodes])
@@ -393,15 +393,17 @@ def _cells(field: _Field, crossed: Sequence[str]) -> tuple[NDArray[np.intp], Arr
     cell = np.where(there, apart, np.inf).reshape(len(there), -1).argmin(axis=1)
     position = np.flatnonzero(there.any(axis=(1, 2)))
     i, j = np.divmod(cell[position], there.shape[2])
-    leads = lead[:, position, i, j]
-    return position, i + 0.5, j + 0.5, np.nanmean(leads, axis=0), np.nanmax(leads, axis=0)
+    advances = advance[:, position, i, j]
+    return position, i + 0.5, j + 0.5, np.nanmean(advances, axis=0), np.nanmax(advances, axis=0)
 
 
-def _best_crossing(lead: Array, beside: Array, others: Sequence[Array]) -> tuple[NDArray[np.intp], Array, Array, Array]:
+def _best_crossing(
+    advance: Array, beside: Array, others: Sequence[Array]
+) -> tuple[NDArray[np.intp], Array, Array, Array]:
     """Where lines of the grid cross an edge, on whose sides nodes lie `beside` (N, I, J) it, and are within `others`, the greatest
     advance of each position: positions (M,), grid places i, j (M,) and advances (M,), interpolated between the nodes on either
     side."""
-    count, _, columns = lead.shape
+    count, _, columns = advance.shape
     best = np.full(count, -np.inf)
     where = np.zeros((2, count))
     every = np.arange(count)
@@ -411,7 +413,7 @@ def _best_crossing(lead: Array, beside: Array, others: Sequence[Array]) -> tuple
         before, after = beside[low], beside[high]
         with np.errstate(all="ignore"):
             share = before / (before - after)
-            value = lead[low] + share * (lead[high] - lead[low])
+            value = advance[low] + share * (advance[high] - advance[low])
             valid = ((before <= 0.0) != (after <= 0.0)) & np.isfinite(value)
             for other in others:
                 valid &= other[low] + share * (other[high] - other[low]) <= SLACK
@@ -440,9 +442,11 @@ def _starts(
     x[:, :2] = bilinear(nodes.grid, place)
     jet = pair.pinion.surface.jet(x[:, 0], x[:, 1])
     at = index[position]
-    there = leads(pair, phi1, jet.r[:, None], jet.n[:, None], at)
+    there = advances(pair, phi1, jet.r[:, None], jet.n[:, None], at)
     x[:, 2:4] = pair.gear.heights.parameters_at(there.rho[:, 0], there.z[:, 0])
-    x[:, 4] = pair.drive * np.where(np.isfinite(there.lead[:, 0]), there.lead[:, 0], value) + pair.ratio * phi1[at]
+    x[:, 4] = (
+        pair.drive * np.where(np.isfinite(there.advance[:, 0]), there.advance[:, 0], value) + pair.ratio * phi1[at]
+    )
     return x
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.refinement import Contacts, Trial, leads_of, refine_candidates
+from gearmesh.contact.conditions.refinement import Contacts, Trial, advances_of, refine_candidates
 from gearmesh.contact.first_touch.field import INTERIOR, Candidates, candidates, sharpen
 from gearmesh.contact.first_touch.search import UNSEEN, meeting_points, refine_missed
 from gearmesh.contact.pair import NUMBERED, Pair
@@ -37,7 +37,7 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
         for number, part in enumerate(pair.parts):
             places = candidates(part, phi1, trimmed=edges)
             # on fillets only what may be ahead of the flanks
-            worth = places.most > contacts.lead[places.position]
+            worth = places.most > contacts.advance[places.position]
             if not edges:
                 worth &= (places.edges == INTERIOR).all(axis=1)
             trial = Trial.of(places.position[worth], places.x[worth], places.edges[worth])
@@ -48,7 +48,7 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
                 sharp = sharpen(part, phi1, trial.position[lost], trial.start[lost])
                 again = Trial.of(trial.position[lost], sharp, trial.edges[lost])
                 refine_candidates(part, phi1, again, contacts, number, edges=edges)
-            missed = np.flatnonzero((places.best > contacts.lead + UNSEEN) & (places.top >= 0))
+            missed = np.flatnonzero((places.best > contacts.advance + UNSEEN) & (places.top >= 0))
             if edges and missed.size:
                 missed = _confirm_missed(part, phi1, missed, places, contacts)
             if edges and missed.size:
@@ -63,8 +63,8 @@ def _confirm_missed(
 ) -> NDArray[np.intp]:
     """Those positions of `missed` (M,) at which the sample that is ahead is not known to do so by the error of its table."""
     top = coarse.top[missed]
-    lead = meeting_points(pair, Conditions(pair.flanks, phi1, pair.length), missed, coarse.x[top])[1]
-    of_table = (lead > -np.inf) & (lead <= contacts.lead[missed] + UNSEEN)
+    advance = meeting_points(pair, Conditions(pair.flanks, phi1, pair.length), missed, coarse.x[top])[1]
+    of_table = (advance > -np.inf) & (advance <= contacts.advance[missed] + UNSEEN)
     return missed[~of_table | np.isin(coarse.edges[top, 0], OF_GEAR)]
 
 
@@ -78,7 +78,7 @@ def _on_finer_grid(
     # only nodes of the coarse grid are on the very ends of flanks, and only nodes are sure to be on both: where lines of the grid
     # cross an edge of the gear is a guess
     nodes = np.flatnonzero(~np.isin(coarse.edges[:, 0], OF_GEAR))
-    nodes = nodes[np.argsort(leads_of(pair, phi1, coarse.x[nodes], coarse.position[nodes]), kind="stable")]
+    nodes = nodes[np.argsort(advances_of(pair, phi1, coarse.x[nodes], coarse.position[nodes]), kind="stable")]
     sure = np.full(len(phi1), -1)
     sure[coarse.position[nodes]] = nodes
     for grid_places, best, top in (
@@ -86,7 +86,7 @@ def _on_finer_grid(
         (coarse, coarse.best[missed], sure[missed]),
         (fine, fine.best, fine.top),
     ):
-        still = np.flatnonzero((best > contacts.lead[missed] + UNSEEN) & (top >= 0))
+        still = np.flatnonzero((best > contacts.advance[missed] + UNSEEN) & (top >= 0))
         if still.size:
             refine_missed(pair, phi1, missed[still], grid_places.x[top[still]], contacts, number)
 
@@ -94,7 +94,7 @@ def _on_finer_grid(
 def _lost_candidates(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> NDArray[np.intp]:
     """Places inside the flanks (M,) from which Newton converged to nothing, or to what is less advanced, and which may be ahead
     still: their peak is too sharp for it. Nothing is ahead of a line."""
-    start, end = (leads_of(pair, phi1, x, trial.position) for x in (trial.start, trial.x))
+    start, end = (advances_of(pair, phi1, x, trial.position) for x in (trial.start, trial.x))
     arrived = ~np.isnan(trial.beyond).all(axis=1) & (end > start - UNSEEN)
-    leading = (trial.most > contacts.lead[trial.position]) & ~contacts.line[trial.position]
+    leading = (trial.most > contacts.advance[trial.position]) & ~contacts.line[trial.position]
     return np.flatnonzero(~arrived & leading & (trial.edges[:, 0] == INTERIOR))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.refinement import EDGE_SLACK, Contacts, Trial, leads_of, margins, refine_candidates
+from gearmesh.contact.conditions.refinement import EDGE_SLACK, Contacts, Trial, advances_of, margins, refine_candidates
 from gearmesh.contact.pair import CORNER, Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
@@ -27,29 +27,29 @@ def refine_missed(
 ) -> None:
     """Positions (M,) at which places x (M, 5) seem to be further ahead than what was found: what they really do, and why."""
     conditions = Conditions(pair.flanks, phi1, pair.length)
-    x, lead = meeting_points(pair, conditions, position, x)
-    worth = np.flatnonzero(lead > contacts.lead[position] + UNSEEN)
+    x, advance = meeting_points(pair, conditions, position, x)
+    worth = np.flatnonzero(advance > contacts.advance[position] + UNSEEN)
     if not worth.size:
         return
     position = position[worth]
-    x, lead = _climb(pair, conditions, position, x[worth], lead[worth])
+    x, advance = _climb(pair, conditions, position, x[worth], advance[worth])
     trial = Trial.of(position, x, np.full((len(position), 2), -1))
     trial.edges[:, 0], trial.residual[:] = CORNER, 0.0
-    better = np.flatnonzero(lead > contacts.lead[position])
-    contacts.take(position[better], trial, better, number, lead[better])
+    better = np.flatnonzero(advance > contacts.advance[position])
+    contacts.take(position[better], trial, better, number, advance[better])
     # a summit inside the flanks, or on an edge, is solved for as such
     numbers = [-1, *(k for k, bound in enumerate(pair.bounds) if bound is not None)]
     edges = np.full((len(numbers) * len(position), 2), -1)
     edges[:, 0] = np.repeat(numbers, len(position))
     again = Trial.of(np.tile(position, len(numbers)), np.tile(x, (len(numbers), 1)), edges)
-    contacts.lead[position] -= SUMMIT
+    contacts.advance[position] -= SUMMIT
     refine_candidates(pair, phi1, again, contacts, number)
     kept = position[contacts.edges[position, 0] == CORNER]
-    contacts.lead[kept] += SUMMIT
+    contacts.advance[kept] += SUMMIT
 
 
 def _climb(
-    pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array, lead: Array
+    pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array, advance: Array
 ) -> tuple[Array, Array]:
     """Places x (M, 5) with advances (M,), followed upwards over points that both flanks have as long as the advances rise."""
     steps = FIRST_STEP * np.ptp(pair.pinion.grid.reshape(-1, 2), axis=0)
@@ -64,12 +64,12 @@ def _climb(
         tried, own = meeting_points(pair, conditions, np.repeat(position[going], len(ways)), start)
         own = own.reshape(-1, len(ways))
         best = own.argmax(axis=1)
-        higher = own[np.arange(len(going)), best] > lead[going]
+        higher = own[np.arange(len(going)), best] > advance[going]
         up = going[higher]
         x[up] = tried.reshape(-1, len(ways), 5)[higher, best[higher]]
-        lead[up] = own[higher, best[higher]]
+        advance[up] = own[higher, best[higher]]
         size[going[~higher]] *= 0.4
-    return x, lead
+    return x, advance
 
 
 def meeting_points(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array) -> tuple[Array, Array]:
@@ -92,5 +92,5 @@ def meeting_points(pair: Pair, conditions: Conditions, position: NDArray[np.intp
     outside, past = margins(pair, touch, whole)
     good = solution.converged & (outside <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
     good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
-    lead = leads_of(pair, conditions.phi1, whole, position)
-    return whole, np.where(good, lead, -np.inf)
+    advance = advances_of(pair, conditions.phi1, whole, position)
+    return whole, np.where(good, advance, -np.inf)

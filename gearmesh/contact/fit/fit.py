@@ -146,10 +146,10 @@ def slack_of(pair: GearPair) -> float | None:
     if both is None:
         return None
     forwards, backwards = both
-    nodes, leads = np.linspace(0.0, pair.pitch, NODES + 1), forwards.at_nodes()
-    values = (_lever(pair, forwards.engagement)[0] * play(pair, leads + _at_nodes(backwards, nodes))).tolist()
+    nodes, advances = np.linspace(0.0, pair.pitch, NODES + 1), forwards.at_nodes()
+    values = (_lever(pair, forwards.engagement)[0] * play(pair, advances + _at_nodes(backwards, nodes))).tolist()
     values += [-overlap.depth for overlap in _in_the_way(pair, both, 0)]
-    values += clearances_of(pair, gear_rotations(pair, nodes, leads))
+    values += clearances_of(pair, gear_rotations(pair, nodes, advances))
     slack = least(values)
     return _fit(pair, *both).slack if slack >= -NOTHING else slack
 
@@ -196,7 +196,7 @@ def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve)
     if not (both and np.isfinite(backlash).all()):
         gaps = (*_gaps(forwards, driving=True), *_gaps(backwards, driving=False))
         phase = np.linspace(0.0, pair.pitch, SEEN)
-        plays = play(pair, forwards.lead_as_known(phase) + backwards.lead_as_known(phase), LOOSE)
+        plays = play(pair, forwards.advance_as_known(phase) + backwards.advance_as_known(phase), LOOSE)
         known = plays[np.isfinite(plays)]
         backlash = (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
     turns = _turns(pair, forwards, nodes if rough else np.linspace(0.0, pair.pitch, PHASES))
@@ -220,20 +220,20 @@ def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve)
 
 def _at_nodes(curve: MeshCurve | ImageCurve, phase: Array) -> Array:
     """Advances (N,), rad, at the even phases (N,) of the nodes."""
-    return curve.at_nodes() if isinstance(curve, MeshCurve) else curve.lead_as_known(phase)
+    return curve.at_nodes() if isinstance(curve, MeshCurve) else curve.advance_as_known(phase)
 
 
 def _gaps(curve: MeshCurve | ImageCurve, *, driving: bool) -> Iterator[Gap]:
     """Parts of a pitch in which no tooth pair touches, one after the other."""
     pitch = curve.pitch
     phase = np.linspace(0.0, pitch, SEEN)
-    apart = np.isnan(curve.lead_as_known(phase))
+    apart = np.isnan(curve.advance_as_known(phase))
     for run in np.split(np.arange(SEEN), np.flatnonzero(np.diff(apart.astype(int))) + 1):
         if not apart[run[0]]:
             continue
         inner = np.array([phase[run[0]], phase[run[-1]]])
         outer = np.array([phase[max(run[0] - 1, 0)], phase[min(run[-1] + 1, SEEN - 1)]])
-        ends = last_true(lambda at, _: np.isnan(curve.lead_as_known(at)), inner, outer, rounds=2, split=8)[0]
+        ends = last_true(lambda at, _: np.isnan(curve.advance_as_known(at)), inner, outer, rounds=2, split=8)[0]
         yield Gap(float(ends[0]), float(ends[1]), driving)
 
 
@@ -283,16 +283,18 @@ def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageC
     phase = np.mod(np.concatenate([curve.marks[0] for curve in curves]), pair.pitch)
     if all(curve.arcs for curve in curves):
         phase = np.concatenate((phase, _level(curves, np.unique(np.append(phase, (0.0, pair.pitch))))))
-    turns = play(pair, forwards.lead(phase) + backwards.lead(phase))
+    turns = play(pair, forwards.advance(phase) + backwards.advance(phase))
     return (float(turns.min()), float(turns.max())) if turns.size else (np.nan, np.nan)
 
 
-def play(pair: GearPair, leads: Array, jammed: float = JAMMED) -> Array:
+def play(pair: GearPair, advances: Array, jammed: float = JAMMED) -> Array:
     """Rotations (N,), rad, of the gear between its first touches on driving and coast flanks, whose advances' sums are given
     (N,); by what share of its pitch it may be `jammed`."""
     # the other flank may be that of any tooth
     step = pair.gear.tooth.pitch_angle
-    return -leads - step * np.floor(np.nanmin(-leads) / step + jammed) if np.isfinite(leads).any() else -leads
+    return (
+        -advances - step * np.floor(np.nanmin(-advances) / step + jammed) if np.isfinite(advances).any() else -advances
+    )
 
 
 def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Array:
@@ -341,14 +343,14 @@ def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float,
 def _ahead_at_nodes(curve: MeshCurve) -> Array:
     """By how much (K,), rad, fillets touch before flanks do at the nodes of the engagement."""
     followed = curve.engagement
-    return _ahead(followed.contacts, _neighbours(followed.phi1, followed.flanks.lead, curve.pitch))
+    return _ahead(followed.contacts, _neighbours(followed.phi1, followed.flanks.advance, curve.pitch))
 
 
 def _interference(engagement: Engagement, pitch: float, rounds: int, *, driving: bool) -> Interference | None:
     """The tip that keeps the flanks farthest apart, by the nodes and so many rounds about them; None where none does."""
     pair, phi1, step = engagement.pair, engagement.phi1, float(np.diff(engagement.phi1).max())
     contacts, every = engagement.contacts, phi1
-    ahead = _ahead(contacts, _neighbours(phi1, engagement.flanks.lead, pitch))
+    ahead = _ahead(contacts, _neighbours(phi1, engagement.flanks.advance, pitch))
     if not ahead.max() > AHEAD:
         return None
     for _ in range(rounds):
@@ -359,7 +361,7 @@ def _interference(engagement: Engagement, pitch: float, rounds: int, *, driving:
         phi1 = best + step * np.linspace(-1.0, 1.0, 9)
         every = np.concatenate([phi1 + n * pitch for n in (0, -1, 1)])
         contacts, flanks = touches(pair, every)
-        ahead = _ahead(contacts, flanks.lead.reshape(3, -1).max(axis=0))
+        ahead = _ahead(contacts, flanks.advance.reshape(3, -1).max(axis=0))
         step *= 0.25
     k = int(ahead.argmax())
     lever, point = _normal(pair, contacts, every, k)
@@ -372,17 +374,17 @@ def _ahead(contacts: Contacts, flanks: Array) -> Array:
     count = len(flanks)
     by_fillet = contacts.part[:count] > 0
     with np.errstate(invalid="ignore"):
-        apart = contacts.lead[:count] - flanks
+        apart = contacts.advance[:count] - flanks
     return np.where(by_fillet & np.isfinite(apart), apart, 0.0)
 
 
-def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
+def _neighbours(phi1: Array, advance: Array, pitch: float) -> Array:
     """The greatest advance (K,) of any tooth pair at nodes phi1 (K,) whose steps are whole parts of a pitch."""
     steps = round(pitch / float(np.diff(phi1).min()))
-    best = lead.copy()
-    for k in range(steps, len(lead), steps):
-        best[k:] = np.maximum(best[k:], lead[:-k])
-        best[:-k] = np.maximum(best[:-k], lead[k:])
+    best = advance.copy()
+    for k in range(steps, len(advance), steps):
+        best[k:] = np.maximum(best[k:], advance[:-k])
+        best[:-k] = np.maximum(best[:-k], advance[k:])
     return best
 
 
@@ -390,9 +392,9 @@ def _turns(pair: GearPair, curve: MeshCurve, phase: Array) -> Callable[[Array], 
     """phi2 of the gears at any phi1, by the advance at even phases (M,) of a pitch; NaN where contact breaks off."""
     if len(phase) == NODES + 1:
         return gear_rotations(pair, phase, curve.at_nodes())
-    return gear_rotations(pair, phase, curve.lead(phase) if curve.whole else curve.lead_as_known(phase))
+    return gear_rotations(pair, phase, curve.advance(phase) if curve.whole else curve.advance_as_known(phase))
 
 
-def gear_rotations(pair: GearPair, phase: Array, lead: Array) -> Callable[[Array], Array]:
+def gear_rotations(pair: GearPair, phase: Array, advance: Array) -> Callable[[Array], Array]:
     """phi2 at any phi1, by advances (M,) at phases (M,) of a pitch, rad."""
-    return lambda phi1: pair.ratio * phi1 + pair.drive * np.interp(np.mod(phi1, pair.pitch), phase, lead)
+    return lambda phi1: pair.ratio * phi1 + pair.drive * np.interp(np.mod(phi1, pair.pitch), phase, advance)

@@ -145,14 +145,16 @@ def _sampled_slack(pair: GearPair, fit: Fit) -> float | None:
     `fit`; None where nothing touches. It does not know how deep tips are in fillets."""
     reach = int(np.ceil(max(map(abs, fit.span)) / pair.pitch)) * LOOKS
     phi1: Array = np.arange(-reach, reach).astype(float) * (pair.pitch / LOOKS)
-    leads = []
+    advances = []
     for flanks in map(solver_pair, (pair, reversed_pair(pair))):
         with np.errstate(all="ignore"):
             own = np.max([outlook(part, phi1).best for part in flanks.parts], axis=0)
         every = own.reshape(-1, LOOKS).max(axis=0)
-        leads.append(np.where(np.isfinite(every), every, np.nan))
-    if not np.isfinite(leads).all(axis=0).any():
+        advances.append(np.where(np.isfinite(every), every, np.nan))
+    if not np.isfinite(advances).all(axis=0).any():
         return None
-    values = (fit.lever * play(pair, leads[0] + leads[1])).tolist()
-    leads[0] = np.append(leads[0], leads[0][0])
-    return least(values + clearances_of(pair, gear_rotations(pair, np.linspace(0.0, pair.pitch, LOOKS + 1), leads[0])))
+    values = (fit.lever * play(pair, advances[0] + advances[1])).tolist()
+    advances[0] = np.append(advances[0], advances[0][0])
+    return least(
+        values + clearances_of(pair, gear_rotations(pair, np.linspace(0.0, pair.pitch, LOOKS + 1), advances[0]))
+    )

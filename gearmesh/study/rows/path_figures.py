@@ -62,8 +62,8 @@ def path_figures(paths: AssemblyPaths, frame: FlankFrame, pitch: float) -> PathF
             surface_positions=paths.surface.sum(axis=1).astype(float),
             edge_positions=(paths.touching & ~paths.surface & carries(paths, pitch)).sum(axis=1).astype(float),
             contact_ratio_estimate=surface_length(paths) / pitch,
-            surface_te_peak_to_peak=_ptp(np.where(paths.surface, paths.lead, np.nan)) / ARCSEC,
-            mesh_te_estimate=_ptp(gears_lead(paths, pitch), whole=True) / ARCSEC,
+            surface_te_peak_to_peak=_ptp(np.where(paths.surface, paths.advance, np.nan)) / ARCSEC,
+            mesh_te_estimate=_ptp(gears_advance(paths, pitch), whole=True) / ARCSEC,
             max_residual=_most(paths.residual),
             contact_length=centre[:, 0],
             contact_height=centre[:, 1],
@@ -103,32 +103,32 @@ def surface_length(paths: AssemblyPaths) -> Array:
     return np.asarray(np.where(known, step * steps, np.nan))
 
 
-def gears_lead(paths: AssemblyPaths, pitch: float) -> Array:
+def gears_advance(paths: AssemblyPaths, pitch: float) -> Array:
     """Advance (M, PHASES), rad, of the gears at even phases of a pitch; NaN where no position is near that touches, and for
     assemblies in which the tooth pair is still in contact at the first or last position: contact beyond it is not known."""
     phi1 = paths.phi1
     if len(phi1) < 2 or phi1[-1] - phi1[0] < pitch:
-        return np.full((len(paths.lead), PHASES), np.nan)
+        return np.full((len(paths.advance), PHASES), np.nan)
     phase = np.linspace(0.0, pitch, PHASES, endpoint=False)
     first, last = (int(np.floor(end / pitch)) for end in (phi1[0], phi1[-1]))
-    best = np.full((len(paths.lead), PHASES), -np.inf)
+    best = np.full((len(paths.advance), PHASES), -np.inf)
     for k in range(first, last + 1):
         at = phase + k * pitch
         own = np.flatnonzero((at >= phi1[0]) & (at <= phi1[-1]))
         if own.size:
-            best[:, own] = np.fmax(best[:, own], _cubic(phi1, paths.lead, paths.slope, at[own]))
-    beside = _cubic(phi1, paths.lead, paths.slope, np.array([phi1[0] + pitch, phi1[-1] - pitch]))
-    open_end = np.any(paths.lead[:, [0, -1]] > beside, axis=1, keepdims=True)
+            best[:, own] = np.fmax(best[:, own], _cubic(phi1, paths.advance, paths.slope, at[own]))
+    beside = _cubic(phi1, paths.advance, paths.slope, np.array([phi1[0] + pitch, phi1[-1] - pitch]))
+    open_end = np.any(paths.advance[:, [0, -1]] > beside, axis=1, keepdims=True)
     return np.where(np.isfinite(best) & ~open_end, best, np.nan)
 
 
 def carries(paths: AssemblyPaths, pitch: float) -> NDArray[np.bool_]:
     """Positions (M, P) at which the pair is ahead of both its neighbours, as far as the positions show it."""
     phi1 = paths.phi1
-    ahead = np.ones(paths.lead.shape, dtype=bool)
+    ahead = np.ones(paths.advance.shape, dtype=bool)
     for at in (phi1 - pitch, phi1 + pitch) if len(phi1) > 1 else ():
         own = np.flatnonzero((at >= phi1[0]) & (at <= phi1[-1]))
-        ahead[:, own] &= ~(paths.lead[:, own] < _cubic(phi1, paths.lead, paths.slope, at[own]))
+        ahead[:, own] &= ~(paths.advance[:, own] < _cubic(phi1, paths.advance, paths.slope, at[own]))
     return ahead
 
 

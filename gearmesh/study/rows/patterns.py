@@ -11,7 +11,7 @@ import numpy as np
 from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.study.rows.path_figures import PHASES, gears_lead
+from gearmesh.study.rows.path_figures import PHASES, gears_advance
 from gearmesh.study.rows.work import NO_CONTACT, StudyWork
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair
@@ -20,17 +20,17 @@ from gearmesh.teeth.gear_train import GearPair
 @dataclass(frozen=True)
 class AssemblyContact:
     """A pair as one row has it, its `frame` and paths (one assembly), the `lines` of contact (P) in the pinion's own frame where it
-    has such, and the gears' `lead` (PHASES,), rad, over a pitch."""
+    has such, and the gears' `advance` (PHASES,), rad, over a pitch."""
 
     pair: GearPair
     frame: FlankFrame
     paths: AssemblyPaths
     lines: tuple[Array | None, ...]
-    lead: Array
+    advance: Array
 
     @property
     def phase(self) -> Array:
-        """Rotations (PHASES + 1,), rad, at which `lead` and its first again are."""
+        """Rotations (PHASES + 1,), rad, at which `advance` and its first again are."""
         return np.arange(PHASES + 1) * self.pair.pitch / PHASES
 
 
@@ -53,6 +53,6 @@ def assembly_contacts(work: StudyWork, rows: Sequence[Sequence[Any]]) -> list[As
             for i, k in enumerate(np.flatnonzero(line)):
                 each_line = solved.lines[i]
                 lines[k] = None if each_line is None else each_line @ to_own.rotation[i].T + to_own.translation[i]
-        lead = gears_lead(paths, variant.pair.pitch)[0]
-        contacts.append(AssemblyContact(variant.pair, variant.frame, paths, tuple(lines), lead))
+        advance = gears_advance(paths, variant.pair.pitch)[0]
+        contacts.append(AssemblyContact(variant.pair, variant.frame, paths, tuple(lines), advance))
     return contacts

@@ -27,28 +27,28 @@ SURE = 1e-11
 ROUNDS, PARTS, ROUGH_PARTS = 4, 8, 2
 
 
-class PairLead:
+class TransmissionAdvance:
     """The transmission advance of a tooth pair over the nominal ratio, rad, from its `engagement`; `ends`: phi1 (rad) between
     which lines of contact do not change their kind, where that is known."""
 
     def __init__(self, engagement: Engagement, ends: Sequence[float] = ()) -> None:
         self.engagement, self.pair = _with_ends(_refine(engagement), ends), engagement.pair
-        self.phi1, self.lead, self.slope, _ = _nodes(self.engagement)
+        self.phi1, self.advance, self.slope, _ = _nodes(self.engagement)
         self._left, self._coefficients, self._sure = _polynomials(self.engagement)
 
     def at(self, phi1: Array) -> tuple[Array, Array]:
         """Advance (N,), rad, at phi1 (N,), NaN where there is no contact, and its slope (N,)."""
         last = len(self.phi1) - 1
         k = np.clip(np.searchsorted(self.phi1, phi1, side="right") - 1, 0, last - 1)
-        lead, slope = self._by_polynomial(phi1, k)
+        advance, slope = self._by_polynomial(phi1, k)
         nearest = np.where(np.abs(phi1 - self.phi1[k]) <= np.abs(phi1 - self.phi1[k + 1]), k, k + 1)
         node = np.abs(phi1 - self.phi1[nearest]) <= 4.0 * np.spacing(np.abs(phi1) + 1.0)
-        lead[node], slope[node] = self.lead[nearest[node]], self.slope[nearest[node]]
+        advance[node], slope[node] = self.advance[nearest[node]], self.slope[nearest[node]]
         inside = (phi1 >= self.phi1[0]) & (phi1 <= self.phi1[-1])
         rest = np.flatnonzero(~node & ~(self._sure[k] & inside))
         if rest.size:
-            lead[rest], slope[rest] = self.exactly(phi1[rest])
-        return lead, slope
+            advance[rest], slope[rest] = self.exactly(phi1[rest])
+        return advance, slope
 
     def exactly(self, phi1: Array) -> tuple[Array, Array]:
         """As `at`, solved at each place."""
@@ -59,10 +59,10 @@ class PairLead:
         NaN where none or this one itself does not touch."""
         counts = np.arange(1.0, np.ptp(self.phi1) / pitch + 1.0)
         shifts = np.concatenate((-counts, counts)) * pitch
-        touching = np.isfinite(self.lead)
+        touching = np.isfinite(self.advance)
         # the nodes show which neighbour is ahead, and only that one is evaluated
         rough = np.stack(
-            [np.interp(phi1 + s, self.phi1[touching], self.lead[touching], -np.inf, -np.inf) for s in shifts]
+            [np.interp(phi1 + s, self.phi1[touching], self.advance[touching], -np.inf, -np.inf) for s in shifts]
         )
         ahead = np.full(len(phi1), np.nan)
         own = np.flatnonzero(np.isfinite(rough.max(axis=0)))
@@ -75,35 +75,35 @@ class PairLead:
         """Advance and slope (N,) by the polynomials of intervals k (N,)."""
         c = self._coefficients[k]
         degree = c.shape[1] - 1
-        lead, slope = c[:, degree].copy(), np.zeros(len(phi1))
+        advance, slope = c[:, degree].copy(), np.zeros(len(phi1))
         for j in range(degree - 1, -1, -1):
             away = phi1 - self.phi1[np.minimum(self._left[k] + j // 2, len(self.phi1) - 1)]
-            slope = slope * away + lead
-            lead = lead * away + c[:, j]
-        return lead, slope
+            slope = slope * away + advance
+            advance = advance * away + c[:, j]
+        return advance, slope
 
 
 def _values(engagement: Engagement, phi1: Array, contacts: Contacts) -> tuple[Array, Array]:
     slope = engagement.pair.drive * (rates(engagement.pair, phi1, contacts)[:, 4] - engagement.pair.ratio)
-    return np.where(contacts.touching, contacts.lead, np.nan), slope
+    return np.where(contacts.touching, contacts.advance, np.nan), slope
 
 
 def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
     """phi1, advance and slope (K,) at the nodes, and which neighbours (K - 1,) touch at one corner."""
     phi1, c, pair = engagement.phi1, engagement.contacts, engagement.pair
-    lead = np.where(c.touching, c.lead, np.nan)
+    advance = np.where(c.touching, c.advance, np.nan)
     slope = pair.drive * (engagement.rates[:, 4] - pair.ratio)
     # at a corner no condition gives it: that of the parabola through three nodes
     alike = _at_one_corner(engagement)
     inner = np.flatnonzero(alike[1:] & alike[:-1]) + 1
     before, after = phi1[inner] - phi1[inner - 1], phi1[inner + 1] - phi1[inner]
-    steps = np.diff(lead) / np.diff(phi1)
+    steps = np.diff(advance) / np.diff(phi1)
     slope[inner] = (steps[inner - 1] * after + steps[inner] * before) / (before + after)
     for k in np.flatnonzero(alike):
         for node in (k, k + 1):
             if np.isnan(slope[node]):
                 slope[node] = steps[k]
-    return phi1, lead, slope, alike
+    return phi1, advance, slope, alike
 
 
 def _at_one_corner(engagement: Engagement) -> NDArray[np.bool_]:
@@ -118,7 +118,7 @@ def _at_one_corner(engagement: Engagement) -> NDArray[np.bool_]:
 def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArray[np.bool_]]:
     """Of each interval (K - 1,): the first node of its polynomial, the coefficients (K - 1, 2 STENCIL) by Newton's divided
     differences, every node taken twice, and whether it is exact enough."""
-    phi1, lead, slope, alike = _nodes(engagement)
+    phi1, advance, slope, alike = _nodes(engagement)
     smooth = alike | (engagement.smooth & np.isfinite(slope[:-1]) & np.isfinite(slope[1:]))
     count = len(smooth)
     every = np.arange(count)
@@ -134,7 +134,7 @@ def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArr
     for m in range(2, STENCIL + 1):
         own = np.flatnonzero(smooth & (nodes == m))
         at = np.repeat(left[own, None] + np.arange(m), 2, axis=1)
-        z, column = phi1[at], lead[at]
+        z, column = phi1[at], advance[at]
         coefficients[own, 0] = column[:, 0]
         for order in range(1, 2 * m):
             step = z[:, order:] - z[:, :-order]
