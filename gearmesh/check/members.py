@@ -9,7 +9,8 @@ Tooth pair k does at phi1 what pair 0 does at phi1 - k pitches: its teeth are th
 the pinion and by as many of the gear. On the coast side the pinion's tooth k meets the gear's tooth before that of pair k.
 The gear's own root and land, which are surfaces of revolution, or planes along a rack, are left out: turning (sliding) moves them
 in themselves (within the eccentricity of a gear that has one). A pinion's tip deeper than the gear's root is not seen;
-`root_clearance` sees it.
+`root_clearance` sees it. A gear's tip deeper than the pinion's root touches that: such gears are jammed, and
+phi2 is not that of the contact solver's curve, which is of flanks and fillets and has no root.
 """
 
 from __future__ import annotations

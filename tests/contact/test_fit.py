@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -278,6 +279,16 @@ def test_check_fails_where_gears_are_jammed(tmp_path: Path, capsys: pytest.Captu
     assert not verdicts["fit: least backlash_normal_mm"]["ok"]
     assert verdicts["fit: sides on which the flanks meet"]["ok"]
     assert verdicts["fit: tip_clearance_gear_mm"]["ok"]
+
+
+def test_tips_deeper_than_roots_are_reported_before_the_refusal(capsys: pytest.CaptureFixture[str]) -> None:
+    """A gear's addendum of 1.4 modules in a pinion's dedendum of 1.25: what overlaps, how deep, is printed before the refusal."""
+    assert main(["tca", str(SAMPLES / "spur.toml"), "--set", "gear.addendum=1.4"]) == 3
+    err = capsys.readouterr().err
+    assert "no contact at any position" in err
+    found = re.search(r"the tip of the gear is ([\d.]+) um inside the root of the pinion", err)
+    assert found is not None
+    assert float(found[1]) == pytest.approx(1e3 * 0.15 * 3.0, abs=0.1)
 
 
 def test_teeth_that_meet_nowhere_are_told_of(capsys: pytest.CaptureFixture[str]) -> None:

@@ -65,7 +65,7 @@ def tca(
     mesh = chosen_pair(gears, pair)
     with working("tooth contact"):
         contact = gears.contact(torque=torque, load_sharing=load_sharing, pair=mesh, turns=turns)
-    require_contact(contact.path)
+    require_contact(contact.path, contact.warnings)
     write_text(json_file, lambda: contact.json(timing=timing))
     write_text(csv_file, contact.csv)
     if ease_off is not None:
