@@ -78,7 +78,17 @@ class GearSet:
 
     @property
     def train(self) -> GearTrain:
-        """All members and the pairs that mesh. Raises as `build` where it is still to be built."""
+        """All members and the pairs that mesh, each of teeth that are alike, as most answers take them to be.
+
+        Raises DesignError where teeth of a member differ, and as `build` where it is still to be built.
+        """
+        for member in self.as_built.members.values():
+            member.check_alike()
+        return self.as_built
+
+    @property
+    def as_built(self) -> GearTrain:
+        """All members and the pairs that mesh, whose teeth may differ. Raises as `build` where it is still to be built."""
         if self._train is None:
             self._design = systems.complete_design(self._design)
             self._train = systems.build(self._design)
@@ -87,7 +97,7 @@ class GearSet:
     @cached_property
     def members(self) -> Mapping[str, Member]:
         """Members by their names: exact tooth surfaces, blank, mounting."""
-        return self.train.members if self._parts is None else MembersAlone(self._parts)
+        return self.as_built.members if self._parts is None else MembersAlone(self._parts)
 
     @cached_property
     def _parts(self) -> PartsAlone | None:
@@ -103,7 +113,7 @@ class GearSet:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the geometry, one line each; solids of members that are built alone have their own."""
-        return self.train.warnings if self._parts is None or self._train is not None else ()
+        return self.as_built.warnings if self._parts is None or self._train is not None else ()
 
     @property
     def title(self) -> str:

@@ -56,6 +56,7 @@ class Gears(SolvedGears):
         *,
         s: ArrayLike | None = None,
         t: ArrayLike | None = None,
+        teeth: Sequence[int] | None = None,
     ) -> Gears:
         """The same gears with deviations on a "right" or "left" flank of a member, of any kind.
 
@@ -67,6 +68,9 @@ class Gears(SolvedGears):
         s, t : (I,), (J,)
             Shares of the way from root to tip and from toe to heel at which they are, ascending in 0..1; by default evenly
             spaced from 0.1 to 0.9.
+        teeth : (K,)
+            Numbers of the teeth that have them, by default all of a member whose teeth are alike; 0 is on the x axis, they are
+            counted by growing polar angle. `values` may then be (K, I, J), a grid for each.
 
         Returns
         -------
@@ -78,20 +82,33 @@ class Gears(SolvedGears):
         Raises
         ------
         DesignError
-            For a member or flank that there is not, and for deviations that are no grid of numbers, too steep or too large.
+            For a member, flank or tooth that there is not, and for deviations that are no grid of numbers, too steep or too
+            large.
 
         Examples
         --------
         >>> gears = gm.build(gm.load("samples/spiral_bevel_basic.toml"))
         >>> real = gears.with_deviations("pinion", "left", 0.001 * np.random.default_rng(0).normal(size=(5, 9)))
+        >>> one = gears.with_deviations("pinion", "left", 0.001 * np.ones((5, 9)), teeth=[3])
         """
-        from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, with_deviations
+        from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, with_deviations, with_deviations_of_teeth
 
         if flank not in tuple(Side):
             raise ArgumentError("flank", flank, must_be=f"one of {', '.join(Side)}")
         own, which = self.member(member), Side(flank)
-        grid = DeviationGrid.of(own.tooth, which, values, s, t)
-        return Gears(self.design, self.train.with_member(with_deviations(own, {which: grid})))
+        if teeth is None:
+            made = with_deviations(own, {which: DeviationGrid.of(own.one_tooth, which, values, s, t)})
+        else:
+            made = with_deviations_of_teeth(own, which, values, teeth, (s, t))
+        return Gears(self.design, self.as_built.with_member(made))
+
+    def with_teeth_like(self, member: str, tooth: int) -> Gears:
+        """The same gears with all teeth of a member as its tooth of that number, of one whose teeth differ.
+
+        Every answer is then possible; without the `cycle`, contact is that of the one tooth pair. Raises DesignError for a member
+        or tooth that there is not.
+        """
+        return Gears(self.design, self.as_built.with_member(self.member(member).with_teeth_like(tooth)))
 
     # ---------------------------------------------------------------- contact
 

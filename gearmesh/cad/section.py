@@ -300,11 +300,13 @@ def _outline(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]
 
 def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
     """The contour round all teeth, and the deviation (mm) of its splines."""
-    tooth = member.tooth
-    one, deviation = _one_tooth(tooth, z, tolerance, _of_gear)
-    moved = _join(one, one[-1].turn(-tooth.pitch_angle))
-    turned = [curve.turn(k * tooth.pitch_angle) for k in range(tooth.teeth) for curve in one]
-    return (TEETH, tuple(turned)), deviation + moved
+    pitch = member.tooth.pitch_angle
+    kinds, missed = zip(*(_one_tooth(tooth, z, tolerance, _of_gear) for tooth in member.different_teeth), strict=True)
+    # all of them begin where any other ends a pitch before
+    last = kinds[0][-1].turn(-pitch)
+    moved = max(_join(one, last) for one in kinds)
+    turned = [curve.turn(k * pitch) for k, kind in enumerate(member.order.tolist()) for curve in kinds[kind]]
+    return (TEETH, tuple(turned)), max(missed) + moved
 
 
 def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, ...], float]:

@@ -33,9 +33,11 @@ QUADRATURE = 1e-8
 def solid_part(member: Member, teeth: SplineTooth) -> Part:
     """The whole member, its faces named by region and, on the teeth, number of the tooth (1 is the tooth on +x).
 
-    Raises DesignError where hub, bore and keyway do not make a valid solid, OutputError where OpenCASCADE is missing.
+    Raises DesignError where hub, bore and keyway do not make a valid solid and where teeth differ, OutputError where OpenCASCADE is
+    missing.
     """
     require_occ()
+    member.check_alike()
     return whole_part(member, tuple(_faces(member, teeth)), (*teeth.tooth.regions, *member.body_regions))
 
 

@@ -108,7 +108,7 @@ def roll_flanks(
     pair: GearPair, phi1: ArrayLike, cells: int = FLANK_CELLS, guess_phi2: ArrayLike | None = None
 ) -> tuple[ToothTouch | None, ...]:
     """Roll the flanks of one tooth pair alone, on exact grids; as `roll_members`. None where they never meet."""
-    halves = [flank_patches(m.tooth, side, cells) for m, side in zip(pair.both, pair.flanks, strict=True)]
+    halves = [flank_patches(m.one_tooth, side, cells) for m, side in zip(pair.both, pair.flanks, strict=True)]
     return _RolledSide.make(pair, pair.drive, 0, (halves[0], halves[1])).alone(*_rotations(pair, phi1, guess_phi2))
 
 
@@ -165,8 +165,8 @@ class _RolledSide:
     @staticmethod
     def of(pair: GearPair, coast: bool, cells: int) -> _RolledSide:
         sides = [side.other if coast else side for side in pair.flanks]
-        pinion = tooth_half(pair.pinion.tooth, sides[0], cells)
-        gear = tooth_half(pair.gear.tooth, sides[1], cells, turned=False)
+        pinion = tooth_half(pair.pinion.one_tooth, sides[0], cells)
+        gear = tooth_half(pair.gear.one_tooth, sides[1], cells, turned=False)
         return _RolledSide.make(pair, -pair.drive if coast else pair.drive, -pair.drive if coast else 0, (pinion, gear))
 
     @staticmethod

@@ -184,9 +184,9 @@ def _length(line: Array) -> float:
 def contact_flank(member: Member, side: Side) -> Flank:
     """One trimmed flank of a member in its mounting.
 
-    Raises TrimError where the tooth cannot be trimmed.
+    Raises TrimError where the tooth cannot be trimmed, DesignError where teeth of the member differ.
     """
-    tooth = member.tooth
+    tooth = member.one_tooth
     grid = tooth.grid(FLANKS[side], rows_of(tooth.chain[FLANKS[side]], side), tooth.even)
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     joint = FormPoints(tooth, side, grid)
@@ -229,9 +229,9 @@ def contact_fillet(member: Member, side: Side) -> Flank:
     """The fillet of one side of a member in its mounting, from the root to the form point; its ends but for the form point are
     edges.
 
-    Raises TrimError where the tooth cannot be trimmed.
+    Raises TrimError where the tooth cannot be trimmed, DesignError where teeth of the member differ.
     """
-    tooth = member.tooth
+    tooth = member.one_tooth
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     s = np.linspace(0.0, 1.0, FILLET_ROWS)
     grid = tooth.grid(FILLETS[side], s if side is Side.RIGHT else s[::-1], tooth.even)

@@ -133,7 +133,7 @@ def _in_contact(model: Model, pair: GearPair, request: Request, sense: float) ->
 
 def member_mesh(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexMesh:
     """One member's mesh in its own frame, its fine lines round the contact point of the leading tooth; with the set held."""
-    tooth = pair.members[name].tooth
+    tooth = pair.members[name].one_tooth
     count = min(request.teeth or tooth.teeth, tooth.teeth)
     teeth = np.arange(count) - (count - 1) // 2
     mesh = hex_mesh(tooth, teeth, grid_of(pair, name, request, at), request.rim, second_order=request.second_order)

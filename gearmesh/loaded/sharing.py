@@ -140,8 +140,9 @@ def compliances(
     away = reach_of(gears)
 
     def of(member: Member, side: Side, material: Material, rim: bool) -> FlankCompliance:
-        deep = rim_depth(member.tooth) if rim else None
-        return flank_compliance(member.tooth, side, material, rim=deep, reach=away, coarser=COARSER)
+        tooth = member.one_tooth
+        deep = rim_depth(tooth) if rim else None
+        return flank_compliance(tooth, side, material, rim=deep, reach=away, coarser=COARSER)
 
     with one_thread(), ThreadPoolExecutor(2) as side_by_side:
         first, second = side_by_side.map(of, gears.both, gears.flanks, materials, by_rim)

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
+from gearmesh.mesh.ring import TeethRing
 from gearmesh.mesh.strip_triangulation import Miss, StripTriangulation
-from gearmesh.mesh.tessellate import Welded
 from gearmesh.teeth.blank.body import Body, end_regions
+from gearmesh.teeth.blank.halves import HalfEnd
 from gearmesh.teeth.region import BODY_REGIONS, GAP_REGIONS, RARE_REGIONS
 
 #: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles
@@ -51,18 +52,19 @@ class BodyMesh:
         )
 
 
-def gear_body(tooth: Welded, teeth: int, level: Level, body: Body, tolerance: float) -> BodyMesh:
-    """Close the teeth, of which `tooth` is one, the others' vertices being numbered on.
+def gear_body(
+    round_axis: TeethRing, ends: tuple[HalfEnd, HalfEnd], level: Level, body: Body, tolerance: float
+) -> BodyMesh:
+    """Close the teeth between two ends of their halves; their vertices are the first.
 
     `level` is the station coordinate; the end faces lie within `tolerance` (mm) of their stations.
     """
-    count, profile = len(tooth.vertices), body.profile
-    corner = tooth.vertices[tooth.toe[0]]
-    pitch, start = 2.0 * np.pi / teeth, float(np.arctan2(corner[1], corner[0]))
+    teeth, profile, first = round_axis.teeth, body.profile, round_axis.kinds[0]
+    corner = first.vertices[first.end(ends[0])[0]]
+    start = float(np.arctan2(corner[1], corner[0]))
     ring = ring_count(teeth, max(rho for rho, _ in profile), tolerance)
     counts = [ring if rho > 0.0 else 1 for rho, _ in profile]
-    offset = teeth * count
-    firsts = [int(f) for f in offset + np.concatenate(([0], np.cumsum(counts)))]
+    firsts = [int(f) for f in round_axis.size + np.concatenate(([0], np.cumsum(counts)))]
     angle = start + 2.0 * np.pi * np.arange(ring) / ring
     circle = np.stack((np.cos(angle), np.sin(angle)), axis=-1)
     vertices = [
@@ -71,23 +73,24 @@ def gear_body(tooth: Welded, teeth: int, level: Level, body: Body, tolerance: fl
     ]
     triangles, regions = [], []
     added = firsts[-1]
-    for end, row, k in ((0, tooth.toe, 0), (1, tooth.heel, len(profile) - 1)):
-        chain = tooth.vertices[row]
-        chain = np.concatenate((chain, (Rigid.about_z(pitch).rotation @ chain[0])[None]))
+    for end, k in ((0, 0), (1, len(profile) - 1)):
+        corner = first.vertices[first.end(ends[end])[0]]
         per_tooth = counts[k] // teeth
-        shift = round((float(np.arctan2(chain[0, 1], chain[0, 0])) - start) * ring / (2.0 * np.pi))
+        shift = round((float(np.arctan2(corner[1], corner[0])) - start) * ring / (2.0 * np.pi))
         turns = (shift + np.arange(per_tooth, -1, -1)) if per_tooth else np.zeros(1, dtype=np.int64)
-        sector = _end_face(chain, vertices[k][turns % counts[k]], level, profile[k], tolerance)
-        numbers = np.arange(teeth)[:, None]
-        outer = (numbers * count + np.append(row, count + row[0])) % offset
-        inner = firsts[k] + (turns + numbers * per_tooth) % counts[k]
-        fresh = added + numbers * len(sector.added) + np.arange(len(sector.added))
-        rotation = Rigid.about_z(np.arange(teeth) * pitch).rotation
-        vertices.append(np.einsum("kij,nj->kni", rotation, sector.added).reshape(-1, 3))
-        added += teeth * len(sector.added)
-        face = np.concatenate((outer, inner, fresh), axis=1)[:, sector.triangles].reshape(-1, 3)
-        triangles.append(face if end else face[:, ::-1])
-        regions.append(end_regions(level)[end])
+        for kind, tooth in enumerate(round_axis.kinds):
+            row, places = tooth.end(ends[end]), round_axis.places(kind)[:, None]
+            chain = tooth.vertices[row]
+            chain = np.concatenate((chain, (Rigid.about_z(round_axis.pitch).rotation @ chain[0])[None]))
+            sector = _end_face(chain, vertices[k][turns % counts[k]], level, profile[k], tolerance)
+            outer = round_axis.numbers(kind, np.append(row, len(tooth.vertices) + row[0]))
+            inner = firsts[k] + (turns + places * per_tooth) % counts[k]
+            fresh = added + np.arange(len(places) * len(sector.added)).reshape(len(places), -1)
+            vertices.append(round_axis.turn(kind, sector.added))
+            added += fresh.size
+            face = np.concatenate((outer, inner, fresh), axis=1)[:, sector.triangles].reshape(-1, 3)
+            triangles.append(face if end else face[:, ::-1])
+            regions.append(end_regions(level)[end])
     for k, name in enumerate(body.bands):
         if counts[k] > 1 or counts[k + 1] > 1:
             triangles.append(_band(firsts[k], counts[k], firsts[k + 1], counts[k + 1]))

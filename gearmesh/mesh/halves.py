@@ -18,12 +18,14 @@ class WeldedHalves:
     """A tooth and its images: vertices (V, 3) and triangles (M, 3), those of the images after those of the tooth in the same order.
 
     `numbers` (of every half as many as the tooth has vertices): where its vertices are among all; some may be the next tooth's.
+    `first_line`: those of all halves where they meet the tooth before.
     """
 
     vertices: NDArray[np.float64]
     triangles: Index
     numbers: tuple[Index, ...]
     tooth_ends: tuple[Index, Index]
+    first_line: Index
 
     @staticmethod
     def of(one: Welded, halves: tuple[HalfGear, ...]) -> WeldedHalves:
@@ -41,9 +43,10 @@ class WeldedHalves:
         triangles = [
             (number[here] + count * beyond)[:, :: half.hand_sign] for number, half in zip(numbers, halves, strict=True)
         ]
-        return WeldedHalves(np.concatenate(vertices), np.concatenate(triangles), tuple(numbers), ends)
+        first_line = np.concatenate([number[one.firsts[0]] for number in numbers])
+        return WeldedHalves(np.concatenate(vertices), np.concatenate(triangles), tuple(numbers), ends, first_line)
 
-    def between(self, ends: tuple[HalfEnd, HalfEnd]) -> Welded:
-        """All of it, with a toe and a heel at the ends that are given."""
-        toe, heel = (self.numbers[half][self.tooth_ends[end]] for half, end in ends)
-        return Welded(self.vertices, self.triangles, toe, heel)
+    def end(self, end: HalfEnd) -> Index:
+        """Its vertices in order at an end of a half."""
+        half, which = end
+        return self.numbers[half][self.tooth_ends[which]]

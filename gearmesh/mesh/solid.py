@@ -14,13 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.body import gear_body, ring_count
-from gearmesh.mesh.halves import WeldedHalves
+from gearmesh.mesh.ring import TeethRing
 from gearmesh.mesh.row import row_mesh
-from gearmesh.mesh.tessellate import ToothMesh, tessellate
-from gearmesh.mesh.triangles import TriangleMesh, facet_normals
+from gearmesh.mesh.tessellate import ToothMesh, tessellate_alike
+from gearmesh.mesh.triangles import TriangleMesh, facet_normals, join
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import Member, Slot
 from gearmesh.teeth.region import FILLETS, FLANKS, Region
@@ -51,22 +50,35 @@ class Proof:
         return self.status == "NoError" and self.watertight and self.euler == 2 - 2 * self.genus and self.volume > 0.0
 
 
-def gear_solid(member: Member, tolerance: float, tooth_mesh: ToothMesh | None = None) -> TriangleMesh:
+def gear_solid(member: Member, tolerance: float, *tooth_meshes: ToothMesh) -> TriangleMesh:
     """The whole member as a closed mesh within `tolerance` (mm) of its exact surfaces, in its own frame.
 
-    `tooth_mesh` saves meshing the tooth again. Raises TrimError for teeth that cannot be trimmed.
+    `tooth_meshes` of its different teeth, with lines at common stations, save meshing them again. Raises TrimError for teeth that
+    cannot be trimmed.
     """
-    tooth_mesh = tooth_mesh or tessellate(member.tooth, tolerance)
+    kinds = member.different_teeth
+    tooth_meshes = tooth_meshes or tessellate_alike(kinds, tolerance)
+    if len(tooth_meshes) != len(kinds):
+        raise ValueError(f"{len(kinds)} different teeth need as many meshes, not {len(tooth_meshes)}")
     if member.tooth.joint.travel is not None:
+        tooth_mesh = tooth_meshes[0]
         row = row_mesh(tooth_mesh, member.overhang)
         names = (*_names(tooth_mesh), *member.body_regions)
         regions = np.array([names.index(region) for region in row.regions], dtype=np.int32)
         return _label(row.vertices, row.triangles, regions, names, row.normals, member.name)
     body = member.body
     if member.keyway is None and member.holes is None:
-        return _close(tooth_mesh, body, member)
-    full = _close(tooth_mesh, body if member.keyway is None else body.without_bore, member)
+        return _close(tooth_meshes, body, member)
+    full = _close(tooth_meshes, body if member.keyway is None else body.without_bore, member)
     return _with_features(full, member, tolerance)
+
+
+def some_teeth(member: Member, tooth_meshes: Sequence[ToothMesh], count: int) -> TriangleMesh:
+    """Open mesh of so many teeth, from `tooth_meshes` of the member's different ones, as `teeth_mesh`."""
+    places = member.tooth.joint.places(count)
+    kinds = member.order[:count] if member.others else np.zeros(count, dtype=np.int64)
+    meshes = [teeth_mesh(tooth_meshes[kind], member.name, places[kinds == kind]) for kind in np.unique(kinds)]
+    return join(meshes)
 
 
 def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> TriangleMesh:
@@ -129,24 +141,26 @@ def _normals(tooth_mesh: ToothMesh) -> Array:
     return np.concatenate([patch.normals for patch in tooth_mesh.patches])
 
 
-def _close(tooth_mesh: ToothMesh, body: Body, member: Member) -> TriangleMesh:
-    tooth, one = tooth_mesh.tooth, WeldedHalves.of(tooth_mesh.weld(), member.halves)
-    normals = np.concatenate([half.vectors(_normals(tooth_mesh)) for half in member.halves])
-    regions = np.tile(_regions(tooth_mesh), len(member.halves))
-    teeth, count = tooth.teeth, len(one.vertices)
-    rotation = Rigid.about_z(np.arange(teeth) * tooth.pitch_angle).rotation
-    vertices = np.einsum("kij,nj->kni", rotation, one.vertices).reshape(-1, 3)
-    triangles = ((np.arange(teeth)[:, None, None] * count + one.triangles) % (teeth * count)).reshape(-1, 3)
-    normals = np.einsum("kij,nj->kni", rotation, normals).reshape(-1, 3)
-    under = gear_body(one.between(member.rows.outer), teeth, tooth.blank.axial, body, tooth_mesh.tolerance)
+def _close(tooth_meshes: Sequence[ToothMesh], body: Body, member: Member) -> TriangleMesh:
+    ring, halves = TeethRing.of(tooth_meshes, member.order, member.halves), member.halves
+    axial, tolerance = member.tooth.blank.axial, tooth_meshes[0].tolerance
+    normals = np.concatenate(
+        [
+            ring.turn(kind, np.concatenate([half.vectors(_normals(mesh)) for half in halves]))
+            for kind, mesh in enumerate(tooth_meshes)
+        ]
+    )
+    regions = np.concatenate(
+        [np.tile(_regions(mesh), len(halves) * ring.places(kind).size) for kind, mesh in enumerate(tooth_meshes)]
+    )
+    under = gear_body(ring, member.rows.outer, axial, body, tolerance)
     for gap in member.gaps:
-        closed = gear_body(one.between(gap.ends), teeth, tooth.blank.axial, gap.body, tooth_mesh.tolerance)
-        under = under.join(closed, teeth * count)
-    names = _names(tooth_mesh)
+        under = under.join(gear_body(ring, gap.ends, axial, gap.body, tolerance), ring.size)
+    names = _names(tooth_meshes[0])
     return _label(
-        np.concatenate((vertices, under.vertices)),
-        np.concatenate((triangles, under.triangles)),
-        np.concatenate((np.tile(regions, teeth), under.regions + np.int32(len(names)))),
+        np.concatenate((ring.vertices, under.vertices)),
+        np.concatenate((ring.triangles, under.triangles)),
+        np.concatenate((regions, under.regions + np.int32(len(names)))),
         (*names, *member.body_regions),
         normals,
         member.name,

@@ -10,6 +10,7 @@ second forms predict is then measured between the vertices and mended where the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -104,19 +105,61 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | Non
 
     Raises TrimError where the tooth cannot be trimmed.
     """
-    regions = regions or tooth.regions
-    forms = Forms.of(tooth, regions)
-    allowed = SAFETY * tolerance
-    count, plans = cheapest(forms, SAFETY * allowed, allowed, straight=tooth.face_breaks.size > 0)
-    missed = np.full(len(regions), np.inf)
+    return tessellate_alike((tooth,), tolerance, regions)[0]
+
+
+def tessellate_alike(
+    teeth: Sequence[Tooth], tolerance: float, regions: tuple[Region, ...] | None = None
+) -> tuple[ToothMesh, ...]:
+    """Mesh teeth as `tessellate` does one, with lines at the same stations: each fits beside each of them.
+
+    Raises TrimError where a tooth cannot be trimmed.
+    """
+    drafts = [_Draft.of(tooth, regions or tooth.regions, tolerance) for tooth in teeth]
+    finest, allowed = max(drafts, key=lambda draft: draft.count), SAFETY * tolerance
+    count, fixed = finest.count, np.unique(np.concatenate([tooth.breaks for tooth in teeth]))
     for _ in range(ROUNDS):
-        t = _station_nodes(count, forms.t_of_tau, tooth.breaks)
-        sections, patches, along_face, refined = tooth.sections(t), [], 0.0, False
-        for k, region in enumerate(regions):
-            seams = breaks(tooth.chain[region])
+        t = _station_nodes(count, finest.t_of_tau, fixed)
+        tried = [draft.mesh(t) for draft in drafts]
+        along_face, refined = max(edge for edge, _ in tried), any(again for _, again in tried)
+        if along_face <= allowed and not refined:
+            break
+        count = int(np.ceil(count * min(2.0, max(1.0, 1.02 * np.sqrt(along_face / allowed)))))
+    return tuple(ToothMesh(draft.tooth, t, tuple(draft.patches), tolerance) for draft in drafts)
+
+
+@dataclass
+class _Draft:
+    """A tooth that is being meshed: the plan of each link and how much it `missed` the surface by before, mm; its last patches.
+
+    `count` and `t_of_tau` are its own number of cells along the face and their places.
+    """
+
+    tooth: Tooth
+    regions: tuple[Region, ...]
+    tolerance: float
+    count: int
+    t_of_tau: Array
+    plans: list[LinkPlan]
+    missed: Array
+    patches: list[PatchMesh]
+
+    @staticmethod
+    def of(tooth: Tooth, regions: tuple[Region, ...], tolerance: float) -> _Draft:
+        forms, allowed = Forms.of(tooth, regions), SAFETY * tolerance
+        count, plans = cheapest(forms, SAFETY * allowed, allowed, straight=tooth.face_breaks.size > 0)
+        missed = np.full(len(regions), np.inf)
+        return _Draft(tooth, regions, tolerance, count, forms.t_of_tau, plans, missed, [])
+
+    def mesh(self, t: Array) -> tuple[float, bool]:
+        """Mesh it at stations t (T,): the largest deviation (mm) of edges along the face, and whether plans were refined."""
+        sections, allowed, along_face, refined = self.tooth.sections(t), SAFETY * self.tolerance, 0.0, False
+        plans, missed, self.patches = self.plans, self.missed, []
+        for k, region in enumerate(self.regions):
+            seams = breaks(self.tooth.chain[region])
             s = _nodes(*plans[k].lines, seams)
-            patch, edge, strips = _mesh(tooth, region, s, sections, plans[k], tolerance)
-            patches.append(patch)
+            patch, edge, strips = _mesh(self.tooth, region, s, sections, plans[k], self.tolerance)
+            self.patches.append(patch)
             plain = plans[k].otherwise
             if plain is not None and max(edge, strips.max()) > max(allowed, WORSE * missed[k]):
                 # lines that lean with the surface and miss it by more for being more: the plain ones take their place
@@ -127,10 +170,7 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | Non
             if edge <= allowed and (strips > allowed).any():
                 refined = True
                 plans[k] = _mend(plans[k], s, strips, allowed, seams)
-        if along_face <= allowed and not refined:
-            break
-        count = int(np.ceil(count * min(2.0, max(1.0, 1.02 * np.sqrt(along_face / allowed)))))
-    return ToothMesh(tooth, t, tuple(patches), tolerance)
+        return along_face, refined
 
 
 def _station_nodes(count: int, t_of_tau: Array, breaks: Array) -> Array:

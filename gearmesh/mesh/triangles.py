@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -62,3 +63,15 @@ class TriangleMesh:
         """The same mesh in another frame, which is called common."""
         vertices, normals = transform.point(self.vertices), transform.vector(self.normals)
         return replace(self, vertices=vertices, normals=normals, frame="common")
+
+
+def join(meshes: Sequence[TriangleMesh]) -> TriangleMesh:
+    """Meshes with the same regions beside each other in one, in the first one's frame and by its name."""
+    firsts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    return replace(
+        meshes[0],
+        vertices=np.concatenate([mesh.vertices for mesh in meshes]),
+        triangles=np.concatenate([mesh.triangles + first for mesh, first in zip(meshes, firsts, strict=True)]),
+        regions=np.concatenate([mesh.regions for mesh in meshes]),
+        normals=np.concatenate([mesh.normals for mesh in meshes]),
+    )

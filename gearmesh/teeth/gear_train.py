@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gearmesh.errors import ArgumentError
+from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Figures
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.motion.rigid import Rigid
@@ -21,6 +22,8 @@ from gearmesh.teeth.tooth import Tooth
 #: Surface parameters (p, v) (...,) of a flank -> values named and counted as in the source (angles in degrees)
 SourceParameters = Callable[[Array, Array], dict[str, Array]]
 
+#: how far (mm) teeth that differ may be from each other where they begin at the root
+SEAM = 1e-9
 #: sine of the angle between axes that count as parallel
 PARALLEL = 1e-12
 
@@ -63,7 +66,10 @@ class Member:
 
     `tool_parameters`: those of the flanks as the tools leave them, where they were modified since; `rows`: how many
     rows of teeth there are, of which `tooth` is of the first; `overhang` (mm): how far a rack goes on beyond its last pitch, at
-    either end.
+    either end; `others`: teeth that differ from `tooth`, by their numbers: 0 is on +x, they are counted as the joint's angle
+    grows, in every row alike.
+
+    Raises DesignError for other teeth that do not fit between their neighbours.
     """
 
     name: str
@@ -76,6 +82,72 @@ class Member:
     tool_parameters: SourceParameters | None = None
     rows: Rows = SINGLE_ROW
     overhang: float = 0.0
+    others: Mapping[int, Tooth] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self) -> None:
+        self.check_teeth(self.others)
+        if self.others and self.tooth.joint.travel is not None:
+            raise DesignError(self.name, reason="the teeth of a rack cannot differ", allowed="gears whose teeth differ")
+        for number, tooth in self.others.items():
+            mismatch = _mismatch(tooth, self.tooth)
+            if mismatch:
+                raise DesignError(
+                    self.name,
+                    reason=f"tooth {number} cannot be beside the others: {mismatch}",
+                    allowed="other flanks only",
+                )
+
+    def check_teeth(self, numbers: Iterable[int]) -> None:
+        """Raise DesignError for a number that no tooth has."""
+        places = self.tooth.joint.places(self.tooth.teeth)
+        for number in numbers:
+            if number not in places:
+                raise ArgumentError("tooth", number, must_be=f"from {places[0]} to {places[-1]} for the {self.name}")
+
+    def tooth_at(self, number: int) -> Tooth:
+        """The tooth of a number. Raises DesignError where none has it."""
+        self.check_teeth([number])
+        return self.others.get(number, self.tooth)
+
+    @property
+    def one_tooth(self) -> Tooth:
+        """The tooth that all are. Raises DesignError where they differ."""
+        self.check_alike()
+        return self.tooth
+
+    def check_alike(self) -> None:
+        """Raise DesignError where teeth differ."""
+        if self.others:
+            raise DesignError(
+                self.name,
+                reason=f"some of its teeth differ ({', '.join(map(str, sorted(self.others)))}), as they may for its "
+                "solid and its section alone",
+                remedy=f'for all else choose one tooth for all, as with_teeth_like("{self.name}", {min(self.others)})',
+            )
+
+    @property
+    def different_teeth(self) -> tuple[Tooth, ...]:
+        """Every different tooth once, in the order of their first numbers."""
+        return tuple({id(tooth): tooth for tooth in self._row}.values())
+
+    @property
+    def order(self) -> NDArray[np.int64]:
+        """For all teeth by their numbers, (teeth,), which of the different ones they are."""
+        kinds = [id(tooth) for tooth in self.different_teeth]
+        return np.array([kinds.index(id(tooth)) for tooth in self._row], dtype=np.int64)
+
+    @property
+    def _row(self) -> list[Tooth]:
+        """All teeth by their numbers."""
+        return [self.others.get(k, self.tooth) for k in self.tooth.joint.places(self.tooth.teeth).tolist()]
+
+    def with_teeth(self, teeth: Mapping[int, Tooth]) -> Member:
+        """The member with other teeth of these numbers. Raises DesignError as a member does."""
+        return replace(self, others={**self.others, **teeth})
+
+    def with_teeth_like(self, number: int) -> Member:
+        """The member with all teeth as its tooth of that number. Raises DesignError where none has it."""
+        return replace(self, tooth=self.tooth_at(number), others={})
 
     @property
     def halves(self) -> tuple[HalfGear, ...]:
@@ -132,11 +204,26 @@ class Member:
 
     def plain_volume(self) -> float:
         """Volume (mm^3) of teeth and body, of both halves if there are two, without hub, keyway and holes."""
-        half = self.tooth.volume()
+        shares = np.bincount(self.order) / self.tooth.teeth
+        half = float(shares @ [tooth.volume() for tooth in self.different_teeth])
         if self.overhang:
             (back, low), (_, high) = self.tooth.blank.body.profile
             half += 2.0 * self.overhang * (float(self.tooth.blank.root.at(0.0)) - back) * (high - low)
         return self.rows.volume(half, self.tooth.blank.body)
+
+
+def _mismatch(tooth: Tooth, nominal: Tooth) -> str:
+    """Why a tooth cannot be beside a nominal one; empty where it can."""
+    if tooth.teeth != nominal.teeth:
+        return f"it is one of {tooth.teeth} teeth, they of {nominal.teeth}"
+    for name in ("joint", "blank"):
+        own, theirs = getattr(tooth, name), getattr(nominal, name)
+        if own is not theirs and own != theirs:
+            return f"its {name} is another"
+    if tooth.regions != nominal.regions:
+        return "it has other surfaces beside flanks and fillets"
+    apart = float(np.linalg.norm(tooth.root_ends - nominal.root_ends, axis=-1).max())
+    return "" if apart <= SEAM else f"it begins {apart:.3g} mm beside them at the root"
 
 
 @dataclass(frozen=True)

@@ -281,6 +281,13 @@ class Tooth:
         right, left = (self._root_angle(self.side(side), self.stations(t)) for side in Side)
         self._width_of_root(right, self.joint.running(left) - self.pitch_angle, t)
 
+    @cached_property
+    def root_ends(self) -> Array:
+        """Where the fillets of its right and left side begin at the root, (2, PROOF_STATIONS, 3), mm."""
+        stations = self.stations(np.linspace(0.0, 1.0, PROOF_STATIONS))
+        sides = (self.side(which) for which in Side)
+        return np.array([self._root_jet(side, stations).r for side in sides])
+
     def grid(self, region: Region, s: ArrayLike, sections: Sections) -> Grid:
         """Exact points and normals of one link at s (S,), or s (S, T), by the sections' stations (T,)."""
         return self.chain[region].grid(s, sections)
@@ -405,10 +412,11 @@ class Tooth:
 
     def _root_angle(self, side: ToothSide, stations: Array) -> Array:
         """Polar angle (T,), rad, of the end of a side's fillet at stations (T,)."""
-        angle: Array = self.joint.angle(
-            along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1].r
-        )
-        return angle
+        return self.joint.angle(self._root_jet(side, stations).r)
+
+    def _root_jet(self, side: ToothSide, stations: Array) -> Jet:
+        """Jet (T,) of a side's fillet where it begins at the root at stations (T,)."""
+        return along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1]
 
     def _width_of_root(self, right: Array, before: Array, t: Array) -> Array:
         """Angle (T,), rad, from the fillet of the tooth `before` to that of the right side at t (T,).

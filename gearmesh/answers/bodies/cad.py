@@ -98,7 +98,7 @@ def cad_solid(member: Member, tolerance: float) -> tuple[Part, CadFigures]:
     if member.tooth.joint.travel is not None:
         part, deviation = bar_part(member)
     else:
-        teeth = spline_tooth(member.tooth, tolerance)
+        teeth = spline_tooth(member.one_tooth, tolerance)
         part, deviation = solid_part(member, teeth), max(teeth.deviation.values())
     measured = volume(part)
     return part, CadFigures(

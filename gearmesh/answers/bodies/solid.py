@@ -199,26 +199,25 @@ def member_solid(
     """
     from gearmesh import io
     from gearmesh.check.deviation import deviations
-    from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
-    from gearmesh.mesh.tessellate import tessellate
+    from gearmesh.mesh.solid import gear_solid, prove, some_teeth
+    from gearmesh.mesh.tessellate import tessellate_alike
 
     started = time.perf_counter()
-    tooth = tessellate(member.tooth, tolerance)
     few = teeth is not None and teeth != member.tooth.teeth
-    places = member.tooth.joint.places(teeth or 0)
-    mesh = teeth_mesh(tooth, member.name, places) if few else gear_solid(member, tolerance, tooth)
+    tooth_meshes = tessellate_alike(member.different_teeth, tolerance)
+    mesh = some_teeth(member, tooth_meshes, teeth or 0) if few else gear_solid(member, tolerance, *tooth_meshes)
     seconds = time.perf_counter() - started
     written = mesh if file is None else io.mesh_in_file(mesh, file)
     watertight, volume = False, None
     if not few:
         proof = prove(written, member.genus)
         watertight, volume = proof.ok, proof.volume
-    measured = max(deviation.largest for deviation in deviations(tooth).values())
+    measured = max(deviation.largest for tooth in tooth_meshes for deviation in deviations(tooth).values())
     figures = SolidFigures(
         triangles=len(written.triangles),
         watertight=watertight,
         volume=volume,
-        max_deviation=1e3 * max(measured, tooth.deviation),
+        max_deviation=1e3 * max(measured, *(tooth.deviation for tooth in tooth_meshes)),
         tolerance=1e3 * tolerance,
         seconds=seconds,
     )

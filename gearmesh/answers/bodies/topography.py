@@ -34,7 +34,7 @@ def flank_topography(design: Design, member: Member, flank: str, tolerance: floa
     """
     if flank not in tuple(Side):
         raise ArgumentError("flank", flank, must_be=f"one of {', '.join(Side)}")
-    surface = member.tooth.side(Side(flank)).flank
+    surface = member.one_tooth.side(Side(flank)).flank
     amount = surface.amount if isinstance(surface, ScrewInvolute) else None
     if not isinstance(amount, Modification):
         raise ArgumentError(

@@ -24,7 +24,7 @@ they cross it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -110,12 +110,51 @@ class DeviationGrid:
 
 
 def with_deviations(member: Member, grids: Mapping[Side, DeviationGrid]) -> Member:
-    """The member with deviations on one of its flanks or on both; parameters of its surfaces stay what they are.
+    """The member with deviations on one of the flanks of its teeth or on both, of all alike.
+
+    Raises DesignError as `deviating_tooth`, and where its teeth differ.
+    """
+    return replace(member, tooth=deviating_tooth(member.one_tooth, grids))
+
+
+def with_deviations_of_teeth(
+    member: Member,
+    which: Side,
+    values: ArrayLike,
+    teeth: Sequence[int],
+    places: tuple[ArrayLike | None, ArrayLike | None] = (None, None),
+) -> Member:
+    """The member with deviations `values` (I, J), mm, on one flank of the `teeth` of these numbers, or (K, I, J) for each its own.
+
+    `places`: the shares s and t of `DeviationGrid.of`, on the tooth of that number as it is. Raises DesignError as that and
+    `deviating_tooth`, and for other numbers.
+    """
+    numbers = list(teeth)
+    member.check_teeth(numbers)
+    if not numbers or len(set(numbers)) < len(numbers):
+        raise ArgumentError("teeth", numbers, allowed="one or more different numbers")
+    given = np.asarray(values, dtype=float)
+    if given.ndim == 3 and len(given) != len(numbers):
+        raise ArgumentError(KEY, str(given.shape), allowed=f"a grid for each of {len(numbers)} teeth, or one for all")
+    grids = given if given.ndim == 3 else [given] * len(numbers)
+    made: dict[int, Tooth] = {}
+    alike: dict[tuple[int, int], Tooth] = {}
+    for number, grid in zip(numbers, grids, strict=True):
+        tooth = member.tooth_at(number)
+        # teeth that were alike and have the same grid stay alike
+        key = id(tooth), -1 if given.ndim == 2 else number
+        if key not in alike:
+            alike[key] = deviating_tooth(tooth, {which: DeviationGrid.of(tooth, which, grid, *places)})
+        made[number] = alike[key]
+    return member.with_teeth(made)
+
+
+def deviating_tooth(tooth: Tooth, grids: Mapping[Side, DeviationGrid]) -> Tooth:
+    """The tooth with deviations on one of its flanks or on both; parameters of its surfaces stay what they are, its root too.
 
     Raises DesignError where a flank has corners, where its amounts are so steep or so large that it would lean or fold, and
     where the tooth that has them cannot be closed.
     """
-    tooth = member.tooth
     sides = {which: _side(tooth, which, grid) for which, grid in grids.items()}
     made = replace(tooth, right=sides.get(Side.RIGHT, tooth.right), left=sides.get(Side.LEFT, tooth.left))
     try:
@@ -124,7 +163,7 @@ def with_deviations(member: Member, grids: Mapping[Side, DeviationGrid]) -> Memb
             _prove(made, which, tooth.side(which))
     except TrimError as error:
         raise ArgumentError(KEY, reason=f"with them the tooth cannot be closed: {error}") from error
-    return replace(member, tooth=made)
+    return made
 
 
 def _side(tooth: Tooth, which: Side, grid: DeviationGrid) -> ToothSide:

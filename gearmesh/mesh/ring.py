@@ -1,0 +1,96 @@
+"""All teeth round the axis: which vertices each has among those of all, where teeth may differ from each other.
+
+Teeth that are alike follow one another, so that the vertices of every kind are a block. A tooth ends in the first line of the next
+one, whichever that is: lines of all kinds have nodes at the same stations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.halves import WeldedHalves
+from gearmesh.mesh.tessellate import ToothMesh
+from gearmesh.teeth.blank.halves import HalfGear
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class TeethRing:
+    """The different teeth in all their halves, `kinds`, and which of them every tooth round the axis is, `order` (teeth,)."""
+
+    kinds: tuple[WeldedHalves, ...]
+    order: Index
+
+    @staticmethod
+    def of(meshes: Sequence[ToothMesh], order: Index, halves: tuple[HalfGear, ...]) -> TeethRing:
+        """Of meshes with lines at common stations."""
+        return TeethRing(tuple(WeldedHalves.of(mesh.weld(), halves) for mesh in meshes), order)
+
+    @property
+    def teeth(self) -> int:
+        """How many there are."""
+        return len(self.order)
+
+    @property
+    def pitch(self) -> float:
+        """Angle (rad) from one tooth to the next."""
+        return 2.0 * np.pi / self.teeth
+
+    @property
+    def vertices(self) -> Array:
+        """Vertices (V, 3) of all teeth, mm, those of one kind after those of another."""
+        return np.concatenate([self.turn(kind, own.vertices) for kind, own in enumerate(self.kinds)])
+
+    @property
+    def triangles(self) -> Index:
+        """Triangles (M, 3) of all teeth in the same order."""
+        blocks = [self.numbers(kind, own.triangles.ravel()).reshape(-1, 3) for kind, own in enumerate(self.kinds)]
+        return np.concatenate(blocks)
+
+    @property
+    def size(self) -> int:
+        """Number of vertices of all teeth."""
+        return int(sum(len(self.kinds[kind].vertices) for kind in self.order))
+
+    def places(self, kind: int) -> Index:
+        """Which teeth (K,) are of a kind."""
+        return np.flatnonzero(self.order == kind)
+
+    def turn(self, kind: int, vectors: Array) -> Array:
+        """Points or vectors (N, 3) of a tooth of some kind, at all teeth of it, (K N, 3)."""
+        rotation = Rigid.about_z(self.places(kind) * self.pitch).rotation
+        turned: Array = np.einsum("kij,nj->kni", rotation, vectors).reshape(-1, 3)
+        return turned
+
+    def numbers(self, kind: int, own: Index) -> Index:
+        """Numbers (K, N) among the vertices of all, at all teeth of a kind, of those that a tooth of it numbers `own` (N,)."""
+        count, places = len(self.kinds[kind].vertices), self.places(kind)
+        following, beyond = (places + 1) % self.teeth, own >= count
+        numbers = self._firsts[places][:, None] + own % count
+        on_line = np.zeros(count, dtype=np.int64)
+        on_line[self._lines[kind]] = np.arange(self._lines.shape[1])
+        lines = self._lines[self.order[following]][:, on_line[own[beyond] % count]]
+        numbers[:, beyond] = self._firsts[following][:, None] + lines
+        return numbers
+
+    @cached_property
+    def _lines(self) -> Index:
+        """First lines of all kinds, (kinds, N)."""
+        return np.array([kind.first_line for kind in self.kinds])
+
+    @cached_property
+    def _firsts(self) -> Index:
+        """Number of every tooth's first vertex, (teeth,)."""
+        sizes = np.array([len(kind.vertices) for kind in self.kinds])[self.order]
+        by_kind = np.argsort(self.order, kind="stable")
+        firsts = np.empty(self.teeth, dtype=np.int64)
+        firsts[by_kind] = np.cumsum(sizes[by_kind]) - sizes[by_kind]
+        return firsts
