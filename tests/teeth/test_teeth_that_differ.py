@@ -18,7 +18,7 @@ from gearmesh.contact.flanks import contact_flank
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
-from gearmesh.mesh.tessellate import tessellate, tessellate_alike
+from gearmesh.mesh.tessellate import tessellate_alike
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
 from gearmesh.teeth.tooth import Tooth
 
@@ -40,17 +40,14 @@ def differing(sample: str) -> tuple[gm.Gears, gm.Gears]:
 
 def offset_volume(tooth: Tooth, nominal: Tooth) -> float:
     """Volume (mm^3) between flanks and fillets of two teeth with the same parameters: facets of one times how far they moved."""
-    total = 0.0
-    for patch in tessellate(nominal, 0.005).patches:
-        surface = tooth.chain[patch.region].surface
-        if patch.region not in (*FLANKS.values(), *FILLETS.values()):
-            continue
+    total, sections = 0.0, nominal.sections(np.linspace(0.0, 1.0, 121))
+    for region in (*FLANKS.values(), *FILLETS.values()):
+        grid, surface = nominal.grid(region, np.linspace(0.0, 1.0, 41), sections), tooth.chain[region].surface
         assert surface is not None
-        assert patch.nodes.parameters is not None
-        moved = surface.jet(*patch.nodes.parameters.T).r - patch.points
-        height = dot(moved, patch.nodes.normals)[patch.triangles].mean(axis=1)
-        a, b, c = np.moveaxis(patch.points[patch.triangles], 1, 0)
-        total += float(height @ (0.5 * np.linalg.norm(cross(b - a, c - a), axis=-1)))
+        height = dot(surface.jet(*np.moveaxis(grid.parameters, -1, 0)).r - grid.points, grid.normals)
+        over = 0.25 * (height[1:, 1:] + height[:-1, 1:] + height[1:, :-1] + height[:-1, :-1])
+        across = grid.points[1:, 1:] - grid.points[:-1, :-1], grid.points[1:, :-1] - grid.points[:-1, 1:]
+        total += float((over * 0.5 * np.linalg.norm(cross(*across), axis=-1)).sum())
     return total
 
 
@@ -76,7 +73,7 @@ def test_a_solid_has_each_tooth_as_it_is(sample: str, tmp_path: Path) -> None:
     exact = exact_volume(member)
     assert solid.measured.volume == pytest.approx(exact, rel=2e-3)
     offsets = sum(offset_volume(member.tooth_at(k), member.tooth) for k in (3, 7, 8)) * len(member.halves)
-    assert exact - exact_volume(nominal.member("pinion")) == pytest.approx(offsets, rel=0.02)
+    assert exact - exact_volume(nominal.member("pinion")) == pytest.approx(offsets, rel=5e-3)
 
 
 def outline_area(teeth: list[Tooth], z: float) -> float:
