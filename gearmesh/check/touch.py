@@ -232,15 +232,15 @@ def _on_rims(pinion: Field, gear: Field, arcs: Ways, box: tuple[Array, Array]) -
     crossed, advances = _crossings(pinion, gear, box)
     yield advances
     best = advances.best(0.0)
-    for own, mate, places, is_pinion in ((pinion, gear, crossed[0], True), (gear, pinion, crossed[1], False)):
-        for advances in _rim(own, mate, is_pinion, places, box, best, arcs):
+    for own, mating, places, is_pinion in ((pinion, gear, crossed[0], True), (gear, pinion, crossed[1], False)):
+        for advances in _rim(own, mating, is_pinion, places, box, best, arcs):
             yield advances
             best = _better(best, advances.best(0.0))
 
 
 def _rim(
     own: Field,
-    mate: Field,
+    mating: Field,
     is_pinion: bool,
     crossed: _Places,
     box: tuple[Array, Array],
@@ -250,7 +250,7 @@ def _rim(
     """Advances on the rim of one flank over its mating gear: between the places where rims cross, in ever shorter pieces."""
     near = np.repeat(_near(own, box), len(SHARES))
     share = np.tile(SHARES, len(near) // len(SHARES))
-    advances = _over(own, mate, is_pinion, near, share)
+    advances = _over(own, mating, is_pinion, near, share)
     yield advances
     best = _better(best, advances.best(0.0))
     segment = np.concatenate((near, crossed.segment))
@@ -275,7 +275,7 @@ def _rim(
         kept = kept[np.argsort(-top[kept])[:MOST_CELLS]]
         steps = np.arange(DIVISION + 1) / DIVISION
         fine = shares[kept, :1] + steps * np.diff(shares[kept], axis=1)
-        advances = _over(own, mate, is_pinion, np.repeat(segment[kept], DIVISION - 1), fine[:, 1:-1].ravel())
+        advances = _over(own, mating, is_pinion, np.repeat(segment[kept], DIVISION - 1), fine[:, 1:-1].ravel())
         yield advances
         best = _better(best, advances.best(0.0))
         values = np.concatenate((ends[kept, :1], advances.advance.reshape(-1, DIVISION - 1), ends[kept, 1:]), axis=1)
@@ -284,10 +284,10 @@ def _rim(
         ends = np.stack((values[:, :-1].ravel(), values[:, 1:].ravel()), axis=-1)
 
 
-def _over(own: Field, mate: Field, is_pinion: bool, segment: NDArray[np.int64], share: Array) -> _Advances:
+def _over(own: Field, mating: Field, is_pinion: bool, segment: NDArray[np.int64], share: Array) -> _Advances:
     """Advances at places of a rim over the mating gear."""
     place = own.rim(segment, share)
-    met = mate.at(place.flat)
+    met = mating.at(place.flat)
     one, other = (place.hits, met) if is_pinion else (met, place.hits)
     return _Advances(place.flat, one.height - other.height, one, other, (is_pinion, not is_pinion))
 

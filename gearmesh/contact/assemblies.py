@@ -69,7 +69,7 @@ def assembly_paths(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Assem
         with np.errstate(all="ignore"):
             contacts = touches(there, rotation)[0]
             touching, edge = contacts.touching, contacts.edges[:, 0]
-            (own, mate), (one, two) = contact_jets(there, rotation, contacts)
+            (own, mating), (one, two) = contact_jets(there, rotation, contacts)
             e1, e2 = tangent_basis(one)
             ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta)
             gap = np.sqrt(dot(one.r - two.r, one.r - two.r))
@@ -78,7 +78,7 @@ def assembly_paths(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Assem
         surface = touching & ((edge < 0) | within(edge)) & (contacts.part == 0)
         flags[:, part] = touching, surface, contacts.line
         for k, bound in enumerate(bounds):
-            inside[part, k] = np.where(surface, -bound.level.value((own, mate)[bound.member].r), np.nan)
+            inside[part, k] = np.where(surface, -bound.level.value((own, mating)[bound.member].r), np.nan)
         numbers[:, part] = np.where(touching, (contacts.advance, slope, gap), np.nan)
         vectors[0, part] = np.where(touching[:, None], own.r, np.nan)
         pointed = (touching & (edge < 0) & ~contacts.line)[:, None]

@@ -44,11 +44,11 @@ def test_a_member_alone_is_that_of_the_pair(name: str, of_the_pair: dict[str, An
 
 
 @pytest.mark.parametrize(
-    ("name", "mate"), [("pinion", "gear.cutter.edge_radius=3"), ("gear", "pinion.convex.blade_angle=50")]
+    ("name", "mating"), [("pinion", "gear.cutter.edge_radius=3"), ("gear", "pinion.convex.blade_angle=50")]
 )
-def test_the_sheet_of_a_member_has_the_figures_of_the_pairs(name: str, mate: str) -> None:
-    """Beside a mate that cannot be cut: every figure is that of the pair's sheet, and what needs a mate is said to be left out."""
-    sheet, of_pair = alone(GIVEN, mate).sheet(member=name), gm.build(gm.load(GIVEN)).sheet().plain_tables
+def test_the_sheet_of_a_member_has_the_figures_of_the_pairs(name: str, mating: str) -> None:
+    """Beside a gear that cannot be cut: every figure is that of the pair's sheet, what needs a mating gear is said to be left out."""
+    sheet, of_pair = alone(GIVEN, mating).sheet(member=name), gm.build(gm.load(GIVEN)).sheet().plain_tables
     own = sheet.plain_tables
     columns = {table.title: table.columns for table in gm.build(gm.load(GIVEN)).sheet().tables}
     compared = 0
@@ -95,26 +95,28 @@ def test_a_gear_is_built_without_looking_for_the_contact_of_its_pinion(monkeypat
 
 
 @pytest.mark.parametrize(
-    ("name", "mate"), [("pinion", "gear.cutter.edge_radius=3"), ("gear", "pinion.convex.blade_angle=50")]
+    ("name", "mating"), [("pinion", "gear.cutter.edge_radius=3"), ("gear", "pinion.convex.blade_angle=50")]
 )
-def test_a_member_with_settings_of_its_own_needs_no_mate_that_can_be_cut(
-    name: str, mate: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of_the_pair: dict[str, Any]
+def test_a_member_with_settings_of_its_own_needs_no_mating_gear_that_can_be_cut(
+    name: str, mating: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of_the_pair: dict[str, Any]
 ) -> None:
-    gears = alone(GIVEN, mate)
+    gears = alone(GIVEN, mating)
     other = "gear" if name == "pinion" else "pinion"
     np.testing.assert_array_equal(flanks(gears.members[name]), of_the_pair[name])
     assert not gears.solid(name, 0.05).complaints
     assert gears.cad(name).parts[0].name == name
     # that the pair and the other member are refused is asked here, not why
     monkeypatch.setattr(diagnosis, "MOST_EFFORT", 0.0)
-    for refused in (lambda: gm.build(gm.load(GIVEN, [mate])), lambda: gears.pairs, lambda: gears.members[other]):
+    for refused in (lambda: gm.build(gm.load(GIVEN, [mating])), lambda: gears.pairs, lambda: gears.members[other]):
         with pytest.raises(GearmeshError, match=other):
             refused()
-    status, _, said = run("solid", GIVEN, "--set", mate, "--member", name, "--tol", "0.1mm", "-o", tmp_path / "one.stl")
+    status, _, said = run(
+        "solid", GIVEN, "--set", mating, "--member", name, "--tol", "0.1mm", "-o", tmp_path / "one.stl"
+    )
     assert (status, said) == (0, "")
     monkeypatch.undo()
-    status, _, said = run("solid", GIVEN, "--set", mate, "--member", other, "-o", tmp_path / "other.stl")
-    key, _, value = mate.partition("=")
+    status, _, said = run("solid", GIVEN, "--set", mating, "--member", other, "-o", tmp_path / "other.stl")
+    key, _, value = mating.partition("=")
     assert status == 2
     assert not (tmp_path / "other.stl").exists()
     found = re.match(rf"gearmesh: error: {re.escape(key)} = {value} (mm|deg): allowed is at most (\S+) ", said)

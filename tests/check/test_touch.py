@@ -55,31 +55,31 @@ class Spur:
         return float(np.arccos(sum(self.base) / self.centre))
 
     def te_of_edge(self, member: int, turn: float) -> float:
-        """TE (rad, of the gear, < 0 behind) where a member's tip edge touches the mate's flank; `turn` from the pitch point.
+        """TE (rad, of the gear, < 0 behind) where a member's tip edge touches the mating gear's flank; `turn` from the pitch point.
 
         With both members turning by their own angles in the sense of the motion, a point of radius r on the pinion stands at
-        the angle turn + inv(working) - inv(r) from the line of centres. The mate's flank through that point of the plane
+        the angle turn + inv(working) - inv(r) from the line of centres. The mating gear's flank through that point of the plane
         says how far the gear has turned. The gear's tip is the same seen from the other side, for the motion backwards.
         """
         one, other = member, 1 - member
         involute = lambda angle: np.tan(angle) - angle  # noqa: E731
-        own, mate = self.base[one], self.base[other]
+        own, mating = self.base[one], self.base[other]
         tip = self.tip[one]
 
-        def mate_turn(own_turn: float) -> float:
+        def mating_turn(own_turn: float) -> float:
             at = own_turn + involute(self.working_angle) - involute(np.arccos(own / tip))
             across, along = tip * np.sin(at), self.centre - tip * np.cos(at)
-            pressure = np.arccos(mate / np.hypot(across, along))
+            pressure = np.arccos(mating / np.hypot(across, along))
             return float(np.arctan2(across, along) + involute(self.working_angle) - involute(pressure))
 
         if member == 0:
-            return mate_turn(turn) - turn * own / mate
+            return mating_turn(turn) - turn * own / mating
         # the gear's turn that gives the pinion's, by bisection: seen from the gear, backwards
-        low, high = -turn * mate / own - 0.3, -turn * mate / own + 0.3
+        low, high = -turn * mating / own - 0.3, -turn * mating / own + 0.3
         for _ in range(200):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if mate_turn(middle) < -turn else (low, middle)
-        return -0.5 * (low + high) - turn * mate / own
+            low, high = (middle, high) if mating_turn(middle) < -turn else (low, middle)
+        return -0.5 * (low + high) - turn * mating / own
 
 
 @pytest.mark.parametrize("beyond", [0.02, 0.1, 0.3])
@@ -161,7 +161,7 @@ def test_a_corner_on_a_corner_is_touched(size: float, made: type[GridFlank], wit
 def test_a_thin_strip_of_overlap_is_seen_as_brute_force_sees_it(width: float) -> None:
     other = diagonal(width)
     found = touched(GridFlank(sheet(SQUARE, PINION, 41)), GridFlank(sheet(other, GEAR, 41)))
-    # brute force: points of the upper side of the square and of the lower side of the other, each if inside its mate
+    # brute force: points of the upper side of the square and of the lower side of the other, each if inside its mating gear
     share = np.linspace(0.0, 1.0, 2_000_001)[:, None]
     upper = np.array([50.0, 10.0]) + share * np.array([10.0, 0.0])
     lower = other[0] + share * (other[1] - other[0])

@@ -89,11 +89,11 @@ def test_many_assemblies_are_what_each_of_them_is_alone() -> None:
     first, second = pair.pinion.mount.base, pair.gear.mount.base
     shifts, angles = 0.05 * rng.normal(size=(6, 3)), 0.001 * rng.normal(size=6)
     pinions = Rigid(np.broadcast_to(first.rotation, (6, 3, 3)), first.translation + shifts)
-    mates = Rigid(rotation_about("y", angles) @ second.rotation, np.broadcast_to(second.translation, (6, 3)))
+    mating_gears = Rigid(rotation_about("y", angles) @ second.rotation, np.broadcast_to(second.translation, (6, 3)))
     phi1 = np.linspace(-0.5, 0.5, 5) * gears.pitch
-    together = many_assemblies(pair, (pinions, mates), phi1)
+    together = many_assemblies(pair, (pinions, mating_gears), phi1)
     for m in range(6):
-        bases = (Rigid(each.rotation[m], each.translation[m]) for each in (pinions, mates))
+        bases = (Rigid(each.rotation[m], each.translation[m]) for each in (pinions, mating_gears))
         pinion, gear = (
             replace(flank, mount=replace(flank.mount, base=base))
             for flank, base in zip(pair.flanks, bases, strict=True)

@@ -201,7 +201,7 @@ def test_what_is_told_of_edges_converges() -> None:
     (tip,), (ends,) = (carrying[coarse.sharp[carrying] == sharp] for sharp in (True, False))
     assert fine.sharp[[tip, ends]].tolist() == [True, False]
     for load in (coarse, fine):
-        # a face that ends with its mate is less pressed there, not more
+        # a face that ends with its mating gear is less pressed there, not more
         assert load.pressure[ends][[0, -1]].max() < 0.98 * load.pressure[ends].max()
         assert load.peak[ends] == load.pressure[ends].max()
     assert fine.pressure[tip].max() > 1.5 * coarse.pressure[tip].max()

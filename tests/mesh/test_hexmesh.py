@@ -376,7 +376,7 @@ def test_of_all_teeth_only_those_in_mesh_are_in_contact() -> None:
     assert not any("cut" in name for name in model.mesh.face_sets)
 
 
-def test_one_member_is_pressed_as_by_its_mate() -> None:
+def test_one_member_is_pressed_as_by_its_mating_gear() -> None:
     """Forces on the flank's nodes: their resultant is the contact force, their moment the torque."""
     gears = pair("beveloid_crossed")
     for ellipse in (0, 6):

@@ -37,14 +37,14 @@ class SpurPair:
 
     def standing(self, length: Array, a: Array, slope: Array, *, of_gear: bool = False) -> tuple[Array, Array]:
         """Angles (...,), rad, of pinion and gear that touch where one of them has these roll lengths, amounts and slopes."""
-        own, mate = (self.gear, self.pinion) if of_gear else (self.pinion, self.gear)
+        own, mating = (self.gear, self.pinion) if of_gear else (self.pinion, self.gear)
         lean = np.arctan2(own * slope, length * (1.0 + slope))
-        alpha = np.arccos((own * np.cos(lean) - length * np.sin(lean) + mate) / self.distance)
+        alpha = np.arccos((own * np.cos(lean) - length * np.sin(lean) + mating) / self.distance)
         phi = alpha - lean
         x, y = own * np.cos(phi) + length * np.sin(phi), own * np.sin(phi) - length * np.cos(phi)
-        # of the normal, what is left to the mate's base circle
+        # of the normal, what is left to the mating gear's base circle
         rest = (self.distance - x) * np.sin(alpha) + y * np.cos(alpha)
-        found = phi - (length + a) / own, alpha - rest / mate
+        found = phi - (length + a) / own, alpha - rest / mating
         return found[::-1] if of_gear else found
 
     def advance(self, pinion: Array, gear: Array) -> Array:

@@ -65,13 +65,13 @@ def line(angle: float, at: float, z: float) -> float:
     return at + z * float(np.tan(angle))
 
 
-def apart(member: MemberBlank, mate: MemberBlank, shaft_angle: float, z: float) -> float:
-    """Distance from the tip point of a member at its z to the mate's root line, in the axial plane that both share."""
+def apart(member: MemberBlank, mating: MemberBlank, shaft_angle: float, z: float) -> float:
+    """Distance from the tip point of a member at its z to the mating gear's root line, in the axial plane that both share."""
     rho = line(member.face_angle, member.tip_radius, z)
-    # the mate's axis lies at the shaft angle from the member's, beyond the pitch line
+    # the mating gear's axis lies at the shaft angle from the member's, beyond the pitch line
     angle = np.arctan2(rho, z)
     size = np.hypot(rho, z)
-    return float(size * np.sin((shaft_angle - angle) - mate.root_angle))
+    return float(size * np.sin((shaft_angle - angle) - mating.root_angle))
 
 
 def test_table_1_of_abdullah() -> None:
@@ -128,13 +128,13 @@ def test_sample_of_iso_23509() -> None:
     # the printed depths follow from the rounded profile shift
     blank = tapered_blank(basic, Proportions(addendum_factor=0.5 * (1.0 - 0.505)))
     assert blank.mean_depth - blank.clearance == pytest.approx(7.230, abs=5e-4)
-    for member, mate, addendum, dedendum in (
+    for member, mating, addendum, dedendum in (
         (blank.pinion, blank.gear, 4.836, 2.394),
         (blank.gear, blank.pinion, 1.591, 5.639),
     ):
         assert member.mean_dedendum == pytest.approx(dedendum, abs=5e-4)
-        # the standard counts the clearance across the pitch line, the blank across the mate's root line
-        tilt = blank.clearance * (1.0 / np.cos(mate.dedendum_angle) - 1.0)
+        # the standard counts the clearance across the pitch line, the blank across the mating gear's root line
+        tilt = blank.clearance * (1.0 / np.cos(mating.dedendum_angle) - 1.0)
         assert member.mean_addendum + tilt == pytest.approx(addendum, abs=5e-4)
 
 
@@ -147,11 +147,11 @@ def test_tapered_blanks(basic: BasicData) -> None:
     # pitch circles are in the ratio of the teeth
     assert np.sin(gear.pitch_angle) / np.sin(pinion.pitch_angle) == pytest.approx(gear.teeth / pinion.teeth, rel=1e-12)
     # one clearance from toe to heel, on both
-    for member, mate in ((pinion, gear), (gear, pinion)):
+    for member, mating in ((pinion, gear), (gear, pinion)):
         for share in (0.0, 0.4, 1.0):
             distance = member.inner_cone_distance + share * member.face_width
             z = distance * np.cos(member.pitch_angle)
-            assert apart(member, mate, basic.shaft_angle, z) == pytest.approx(blank.clearance, rel=1e-9)
+            assert apart(member, mating, basic.shaft_angle, z) == pytest.approx(blank.clearance, rel=1e-9)
         # the root line passes the apex
         assert member.mean_dedendum == pytest.approx(
             member.mean_cone_distance * np.tan(member.dedendum_angle), rel=1e-9
@@ -163,8 +163,8 @@ def test_tapered_blanks(basic: BasicData) -> None:
         rho = member.outer_cone_distance * sine + member.outer_addendum * cosine
         z = member.outer_cone_distance * cosine - member.outer_addendum * sine
         assert line(member.face_angle, member.tip_radius, z) == pytest.approx(rho, rel=1e-12)
-        # the dedendum exceeds the mate's addendum by the clearance, which is across the root line
-        excess = member.mean_dedendum - mate.mean_addendum
+        # the dedendum exceeds the mating gear's addendum by the clearance, which is across the root line
+        excess = member.mean_dedendum - mating.mean_addendum
         assert excess * np.cos(member.dedendum_angle) == pytest.approx(blank.clearance, rel=1e-9)
     # teeth and spaces share the pitch, and standard proportions hold
     normal = blank.mean_normal_module

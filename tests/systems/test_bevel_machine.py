@@ -20,7 +20,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import parse
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES
 from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank, gear_sides, mean_point, pinion_side
 from gearmesh.teeth.region import Region, Side
@@ -56,7 +56,7 @@ def generated(design: Any) -> dict[str, Generated]:
     gear, base = gear_sides(own, blank), gear_base(blank.shaft_angle)
     found = {f"gear {name}": side for name, side in gear.items()}
     for name in SIDES:
-        mean = mean_point(own, blank, gear[MATES[name]], base, contact_said(own, blank, name))
+        mean = mean_point(own, blank, gear[MATING[name]], base, contact_said(own, blank, name))
         found[f"pinion {name}"] = pinion_side(own, blank, name, mean)
     return found
 

@@ -246,7 +246,7 @@ def test_the_transverse_contact_ratio_is_that_of_virtual_teeth_in_mesh() -> None
     radii = [each.mean_cone_distance * np.tan(each.pitch_angle) for each in (blank.pinion, blank.gear)]
     transverse = np.arctan(np.tan(alpha) / np.cos(spiral))
     way = np.array([np.sin(transverse), np.cos(transverse)])
-    # from the pitch point, both axes on the line of centres, to where the mate's tip circle is crossed
+    # from the pitch point, both axes on the line of centres, to where the mating gear's tip circle is crossed
     reach = []
     for radius, member in zip(radii, (blank.pinion, blank.gear), strict=True):
         tip = radius + member.mean_addendum

@@ -84,7 +84,7 @@ def test_contact_ratio_is_the_closed_form(pair: tuple[Any, gm.Gears]) -> None:
     found, gears = pair
     mesh = found.mesh
     first, second = mesh.pinion.roll_length(found.tips[0]), mesh.gear.roll_length(found.tips[1])
-    begins = mesh.mate_roll_length(second, mesh.gear)
+    begins = mesh.mating_roll_length(second, mesh.gear)
     length = abs(first - begins)
     summary = gears.contact(cycle=True).summary
     assert summary["transverse_contact_ratio"] == pytest.approx(length / mesh.pinion.base_pitch, abs=1e-9)
@@ -134,17 +134,17 @@ def _slides_alike(design: Any) -> None:
     mesh = found.mesh
     lengths = (
         mesh.pinion.roll_length(found.tips[0]),
-        mesh.mate_roll_length(mesh.gear.roll_length(found.tips[1]), mesh.gear),
+        mesh.mating_roll_length(mesh.gear.roll_length(found.tips[1]), mesh.gear),
     )
     measured = []
-    for own, mate, length in ((mesh.pinion, mesh.gear, lengths[1]), (mesh.gear, mesh.pinion, lengths[0])):
-        at = length if own is mesh.pinion else mesh.mate_roll_length(length, mesh.pinion)
-        there = mesh.mate_roll_length(at, own)
+    for own, mating, length in ((mesh.pinion, mesh.gear, lengths[1]), (mesh.gear, mesh.pinion, lengths[0])):
+        at = length if own is mesh.pinion else mesh.mating_roll_length(length, mesh.pinion)
+        there = mesh.mating_roll_length(at, own)
         step = 1e-6
         # arcs of both involutes that pass through the contact while the pinion's base circle turns by `step`
         arcs = [
             abs((x + sign * step) ** 2 - x**2) / 2.0 / each.base_radius
-            for each, x, sign in ((own, at, 1.0), (mate, there, 1.0))
+            for each, x, sign in ((own, at, 1.0), (mating, there, 1.0))
         ]
         measured.append(1.0 - arcs[1] / arcs[0])
     assert measured[0] == pytest.approx(measured[1], abs=1e-5)

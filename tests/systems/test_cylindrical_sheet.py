@@ -124,7 +124,7 @@ def test_backlash_contact_and_clearance_are_those_of_the_contact_solver(name: st
     assert sheet_of(gm.build(gm.parse(own)))["j_bn"][1] == pytest.approx(0.0, abs=1e-8)
 
 
-#: few teeth, undercut: where mates' tips reach below the root form circle the contact ends at the edge of the undercut
+#: few teeth, undercut: where mating gears' tips reach below the root form circle the contact ends at the edge of the undercut
 UNDERCUT: dict[str, dict[str, Any]] = {
     "pinion": {"helix_angle": 20, "pinion": {"teeth": 9}, "gear": {"teeth": 30}},
     "gear": {
@@ -215,7 +215,7 @@ def test_undercut_and_interference_have_negative_reserves_and_sound_teeth_have_t
     # a gear whose long addendum reaches below the pinion's flank
     long = sheet_of(gm.build(design_of("spur", gear={"teeth": 90, "addendum": 1.15})))
     assert long["interference"][0] < 0.0 < long["interference"][1]
-    # tips of a ring that pass the mate's, or do not: what the train is warned of
+    # tips of a ring that pass the mating gear's, or do not: what the train is warned of
     for teeth, clears in ((50, True), (54, False)):
         gears = gm.build(design_of("spur", pinion={"teeth": teeth}, gear={"teeth": -60}))
         assert (sheet_of(gears)["trochoid"][1] > 0.0) == clears
@@ -238,15 +238,15 @@ def test_a_tip_that_reaches_into_a_fillet_is_warned_of_as_contact_says() -> None
     external = design_of("spur", gear={"teeth": 90, "addendum": 1.15})
     ring = {"teeth": -60, "profile_shift": 0.1, "tool_tip_radius": 0.36}
     internal = design_of("spur", pinion={"addendum": 1.15}, gear=ring)
-    for design, mate, keys in ((external, "gear", {"teeth": 90}), (internal, "pinion", {})):
+    for design, mating, keys in ((external, "gear", {"teeth": 90}), (internal, "pinion", {})):
         (line,) = (each for each in gm.build(design).sheet().warnings if "into the fillet" in each)
-        bound = re.fullmatch(rf".*; it clears the fillet with {mate}\.tip_diameter at most ([\d.]+) mm", line)
+        bound = re.fullmatch(rf".*; it clears the fillet with {mating}\.tip_diameter at most ([\d.]+) mm", line)
         assert bound is not None
-        other = {"gear": ring} if mate == "pinion" else {}
-        clear = gm.build(design_of("spur", **other, **{mate: {**keys, "tip_diameter": float(bound[1])}}))
+        other = {"gear": ring} if mating == "pinion" else {}
+        clear = gm.build(design_of("spur", **other, **{mating: {**keys, "tip_diameter": float(bound[1])}}))
         assert not any("fillet" in each for each in clear.sheet().warnings)
         assert min(sheet_of(clear)["interference"]) == pytest.approx(0.0, abs=1e-3)
-        if mate == "gear":
+        if mating == "gear":
             inside, touching = (gears.contact().summary["interference_um"] for gears in (gm.build(design), clear))
             # a tip that reaches to the very end of the flank passes on into the fillet by what that is curved more
             assert touching < 0.01 * inside

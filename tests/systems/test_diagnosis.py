@@ -117,11 +117,11 @@ def test_limits_are_told_beyond_them_too() -> None:
     assert found.warnings[0].startswith("gear.inner_radius = 460 mm: undercut by the shaper; allowed is at least 465.0")
 
 
-@pytest.mark.parametrize(("teeth", "mate", "shaper"), [(20, 100, 22), (21, 80, 23)])
-def test_face_gears_of_20_deg_have_teeth(teeth: int, mate: int, shaper: int) -> None:
+@pytest.mark.parametrize(("teeth", "mating", "shaper"), [(20, 100, 22), (21, 80, 23)])
+def test_face_gears_of_20_deg_have_teeth(teeth: int, mating: int, shaper: int) -> None:
     """The inner radius that is left out is where the shaper's involute reaches the tips, not only where undercut ends."""
     given = ["module=3", "pressure_angle=20", "pinion.bore=20", "gear.bore=60"]
-    given += [f"pinion.teeth={teeth}", f"gear.teeth={mate}", f"shaper.teeth={shaper}"]
+    given += [f"pinion.teeth={teeth}", f"gear.teeth={mating}", f"shaper.teeth={shaper}"]
     gears = gm.build(gm.load(SAMPLES / "face_gear.toml", given))
     limits = gears.limits().document()["members"]["gear"]
     assert limits["inner_radius_mm"] < gears.members["gear"].tooth.blank.extent[0] < limits["outer_radius_mm"]

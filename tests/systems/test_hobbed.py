@@ -180,7 +180,7 @@ def test_solid_contact_cad_and_elements_have_the_edge(case: str, size: float) ->
     design = hobbed(teeth, lengths, module=MODULE * size, width=10 * size, **keys)
     gears = gm.build(design)
     check = gears.check(0.004 * size)
-    # a notch as high as this stands in the mate's way
+    # a notch as high as this stands in the mating gear's way
     wrong = {each.what for each in check.verdicts if not each.ok}
     assert all(what.startswith("fit") for what in wrong) if case == "notch" else not wrong
     assert check.solids["pinion"].figures["max_deviation_um"] <= 4.0 * size

@@ -18,7 +18,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross
 from gearmesh.systems.spiral_bevel.build import build
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES, nominal_base, without_errors
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES, nominal_base, without_errors
 from gearmesh.systems.spiral_bevel.synthesis import teeth_choice
 from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import ContactAsked
@@ -77,7 +77,7 @@ def cut(design: Any) -> dict[str, Any]:
     gear, base = gear_sides(design, blank), nominal_base(blank, HANDS[design.hand])
     found = {f"gear {name}": side for name, side in gear.items()}
     for name in SIDES:
-        mean = mean_point(design, blank, gear[MATES[name]], base, SIMPLE)
+        mean = mean_point(design, blank, gear[MATING[name]], base, SIMPLE)
         found[f"pinion {name}"] = pinion_side(design, blank, name, mean)
     return found
 
@@ -110,33 +110,33 @@ def test_axes_and_mean_point(name: str) -> None:
     assert abs(abs(slide @ tooth) - size) < 1e-9 * size
 
 
-def least_apart(own: Any, mate: Any, own_to_mate: Rigid, cone: float) -> float:
-    """Least distance (mm) from the root cone of the mate, over the circle of the tip cone at a cone distance (zoomed in on)."""
+def least_apart(own: Any, mating: Any, own_to_mating: Rigid, cone: float) -> float:
+    """Least distance (mm) from the root cone of the mating gear, over the circle of the tip cone at a cone distance."""
     # where the tip cone has this station
     axial, tip = own.stations.normal, own.tip.normal
     rho, z = np.linalg.solve(np.array([axial, tip]), [cone + own.stations.offset, own.tip.offset])
     middle, width, least = 0.0, np.radians(60.0), np.inf
     for _ in range(12):
         angles = middle + width * np.linspace(-1.0, 1.0, 81)
-        at = own_to_mate.point(np.stack((rho * np.cos(angles), rho * np.sin(angles), np.full(81, z)), axis=-1))
-        c, s = np.cos(mate.root_angle), np.sin(mate.root_angle)
-        apart = c * np.hypot(at[:, 0], at[:, 1]) - s * (at[:, 2] + mate.root_apex)
+        at = own_to_mating.point(np.stack((rho * np.cos(angles), rho * np.sin(angles), np.full(81, z)), axis=-1))
+        c, s = np.cos(mating.root_angle), np.sin(mating.root_angle)
+        apart = c * np.hypot(at[:, 0], at[:, 1]) - s * (at[:, 2] + mating.root_apex)
         middle, least, width = float(angles[apart.argmin()]), float(apart.min()), 0.1 * width
     return least
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize("name", PAIRS)
-def test_tips_clear_the_roots_of_the_mate(name: str) -> None:
+def test_tips_clear_the_roots_of_the_mating_gear(name: str) -> None:
     """In space, cone over cone: the least distance over the face is the clearance."""
     design = design_of(name)
     blank = basic_blank(design)
     base = nominal_base(blank, HANDS[design.hand])
-    for own, mate, to_mate in (
+    for own, mating, to_mating in (
         (blank.pinion, blank.gear, base.inverse),
         (blank.gear, blank.pinion, base),
     ):
-        apart = [least_apart(own, mate, to_mate, cone) for cone in np.linspace(*own.extent, 9)]
+        apart = [least_apart(own, mating, to_mating, cone) for cone in np.linspace(*own.extent, 9)]
         assert min(apart) == pytest.approx(blank.clearance, abs=2e-3 * blank.clearance)
 
 

@@ -245,7 +245,7 @@ def test_tip_and_root_cones_touch_their_planes(placed: list[tuple[OffsetPair, In
     for _, at in placed:
         cones = blank_cones(at.cones, tapers, depths, gap)
         first, second = at.axes
-        for plane, angle, apex, mate in (
+        for plane, angle, apex, mating in (
             (cones.root_plane, cones.root_angles[1], cones.root_apexes[1], cones.face_apexes[0]),
             (cones.face_plane, cones.face_angles[1], cones.face_apexes[1], cones.root_apexes[0]),
         ):
@@ -254,7 +254,7 @@ def test_tip_and_root_cones_touch_their_planes(placed: list[tuple[OffsetPair, In
             # from the wheel's cone apex, less the clearance, to the pinion's axis
             wheel_apex = at.crossings[1] - apex * second
             along = ((wheel_apex - at.crossings[0]) @ normal + gap) / (first @ normal)
-            assert -along == pytest.approx(mate, abs=1e-9 * at.cones.outer_cone_distance)
+            assert -along == pytest.approx(mating, abs=1e-9 * at.cones.outer_cone_distance)
         # the wheel's own cones pass the ends of its depth at the mean point
         radius, z = at.cones.mean_diameters[1] / 2.0, at.cones.crossing_distances[1]
         c, s = np.cos(at.cones.pitch_angles[1]), np.sin(at.cones.pitch_angles[1])

@@ -154,7 +154,7 @@ FACE = {"kind": "face_gear", "module": 3, "pinion": {"teeth": 25}, "gear": {"tee
 )
 @pytest.mark.parametrize("side", ["right", "left"])
 def test_a_point_of_contact_gives_way_by_the_amount_there(base: dict[str, Any], name: str, side: str) -> None:
-    """Involutes whose mates touch them in a point: the mesh turns by amount / base radius, to first order."""
+    """Involutes whose mating gears touch them in a point: the mesh turns by amount / base radius, to first order."""
     plain = base or {"kind": "modified_involute", "mesh": {}, **gm.system("modified_involute").design.example}
     plain = {**plain, "contact": {"flank": side, "phi1": {"start": -5, "stop": 5, "count": 5}}}
     fields = {"profile_slope": "0.2um", "helix_slope": "-0.1um", "profile_crowning": "0.1um"}
@@ -173,7 +173,7 @@ def test_a_point_of_contact_gives_way_by_the_amount_there(base: dict[str, Any], 
     np.testing.assert_allclose(lag, wanted, rtol=0.02, atol=2e-9)
 
 
-def test_mates_that_are_no_involutes_have_no_modifications() -> None:
+def test_mating_gears_that_are_no_involutes_have_no_modifications() -> None:
     plain = {**gm.system("modified_involute").design.example, "kind": "modified_involute"}
     crowned = {**plain["gear"], "parabola": 0.001, "modifications": {"helix_slope": 0.001}}
     for design, message in (

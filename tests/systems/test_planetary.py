@@ -58,7 +58,7 @@ def test_members_that_stand_in_mesh_touch_and_do_not_overlap(name: str) -> None:
         common = (bodies[one] ^ bodies[two]).volume()
         # a strip of the facets' error along a line of contact of the whole face, two tooth pairs at most in the way
         assert common < 2.0 * tolerance * 12.0 * 1.5, (one, two)
-    # turned a little on, against its mates, a planet is in the way of both: it was in touch
+    # turned a little on, against its mating gears, a planet is in the way of both: it was in touch
     axis = gears.members["planet_2"].mount.base
     turned = parts["planet_2"].mesh.move(axis.inverse).move(Rigid.about_z(0.02)).move(axis)
     assert (_body(turned) ^ bodies["ring"]).volume() > 1.0

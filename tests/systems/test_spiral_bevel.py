@@ -29,7 +29,7 @@ from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import contact_of as mean_contact_of
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
     ContactChoice,
@@ -72,7 +72,7 @@ DIGITS = (4, 3, 3, 4, (3, 5), 3, 3)
 def sides(design: Any, name: str) -> tuple[MeanPoint, Generated, Generated]:
     """Mean point, pinion's and gear's side of a design, as cut: what it asks of the contact, nothing chosen."""
     blank = basic_blank(design)
-    gear = gear_sides(design, blank)[MATES[name]]
+    gear = gear_sides(design, blank)[MATING[name]]
     choice = ContactChoice(contact_asked(design, blank, name), design.pinion.side(name).mean_offset)
     mean = mean_point(design, blank, gear, gear_base(blank.shaft_angle), choice)
     return mean, pinion_side(design, blank, name, mean), gear
@@ -193,7 +193,7 @@ def sensible(rng: np.random.Generator) -> tuple[dict[str, Any], str]:
         "shaft_angle": rng.uniform(75.0, 105.0),
         "pressure_angle": rng.uniform(18.0, 24.0),
         "hand": str(rng.choice(["right", "left"])),
-        "pinion": {"teeth": teeth, name: {**side, **NOTHING_CHOSEN}, MATES[name]: {**side, **NOTHING_CHOSEN}},
+        "pinion": {"teeth": teeth, name: {**side, **NOTHING_CHOSEN}, MATING[name]: {**side, **NOTHING_CHOSEN}},
         "gear": {"teeth": int(teeth * rng.uniform(1.5, 4.0))},
     }
     return design, name

@@ -89,7 +89,7 @@ def test_the_contact_goes_where_v_and_h_put_it(name: str, side: str) -> None:
         _, _, z = path.point2[0]
         rho = np.hypot(*path.point2[0][:2])
         assert along(blank, path) == pytest.approx(wanted, abs=1e-6)
-        # across the working depth: between its own tip and, a clearance over its root, the mate's
+        # across the working depth: between its own tip and, a clearance over its root, the mating gear's
         tip = blank.gear.face_angle
         under_tip = np.cos(tip) * (blank.gear.tip_radius + np.tan(tip) * z - rho)
         over_root = float(pair.gear.tooth.blank.root.value(path.point2[0])) - blank.clearance

@@ -124,7 +124,7 @@ def test_normals_and_curvatures_of_a_bevel_flank(bevel: Pair) -> None:
 
 
 def test_the_ease_off_of_other_settings_gives_their_transmission_error() -> None:
-    """A pinion that is cut with other settings, and one with its deviations; the mate is the same. What is left of the flank
+    """A pinion that is cut with other settings, and one with its deviations; the gear is the same. What is left of the flank
     between 9 x 17 points, at a lever of 60 mm or more about the gear's axis, bounds what is left of the rotation."""
     own, settings = (sample("spiral_bevel_basic", f"pinion.concave.te_at_change={te}") for te in (10, 16))
     pinion = replace(own.member("pinion"), tooth=settings.member("pinion").tooth)

@@ -241,8 +241,8 @@ class Conditions:
         by_phi1[:, :3] = pinion.velocity(one.r)
         own, row, direction = last.normals
         by_phi1[own, 3 + row] = self.length * dot(cross(_rows(pinion.spin, own), one.n[own]), direction)
-        own, tangent, mate, sense = last.edges
-        by_phi1[own, 4] = -self.length * sense * dot(tangent, cross(_rows(pinion.spin, own), mate))
+        own, tangent, mating, sense = last.edges
+        by_phi1[own, 4] = -self.length * sense * dot(tangent, cross(_rows(pinion.spin, own), mating))
         return at, f, jacobian, by_phi1
 
     def rate(self, x: Array, index: NDArray[np.intp]) -> Array:
@@ -287,7 +287,7 @@ class Conditions:
         values: Array,
         rows: Array,
     ) -> tuple[NDArray[np.intp], Array, Array, Array]:
-        """t . n_mate with the edge's tangent t = n x grad g, of positions `own` (E,) on edges of members (E,).
+        """t . n_mating with the edge's tangent t = n x grad g, of positions `own` (E,) on edges of members (E,).
 
         `bends` (E, 3, 3): the gradients of g and their derivatives by the member's parameters. Positions, tangents, normals of the
         mating flanks, senses.
@@ -296,7 +296,7 @@ class Conditions:
         if not own.size:
             return own, np.zeros((0, 3)), np.zeros((0, 3)), sense
         pinion = (member == 0)[:, None]
-        edged, mate = (
+        edged, mating = (
             [np.where(pinion, getattr(a, name)[own], getattr(b, name)[own]) for name in ("n", "n_u", "n_v")]
             for a, b in (at.fixed, at.fixed[::-1])
         )
@@ -304,17 +304,17 @@ class Conditions:
         gradient, by_u, by_v = np.moveaxis(bends @ np.swapaxes(turned, -1, -2), 1, 0)
         tangent = cross(edged[0], gradient)
         of_edge = (
-            dot(cross(edged[1], gradient) + cross(edged[0], by_u), mate[0]),
-            dot(cross(edged[2], gradient) + cross(edged[0], by_v), mate[0]),
+            dot(cross(edged[1], gradient) + cross(edged[0], by_u), mating[0]),
+            dot(cross(edged[2], gradient) + cross(edged[0], by_v), mating[0]),
         )
-        of_mate = dot(tangent, mate[1]), dot(tangent, mate[2])
-        values[own, 1] = self.length * dot(tangent, mate[0])
+        of_mating = dot(tangent, mating[1]), dot(tangent, mating[2])
+        values[own, 1] = self.length * dot(tangent, mating[0])
         for k in (0, 1):
-            rows[own, 1, k] = self.length * np.where(member == 0, of_edge[k], of_mate[k])
-            rows[own, 1, 2 + k] = self.length * np.where(member == 0, of_mate[k], of_edge[k])
+            rows[own, 1, k] = self.length * np.where(member == 0, of_edge[k], of_mating[k])
+            rows[own, 1, 2 + k] = self.length * np.where(member == 0, of_mating[k], of_edge[k])
         # only the gear turns with phi2: the mating gear's normal turns with it, or the edge's tangent does
-        rows[own, 1, 4] = self.length * sense * dot(tangent, cross(_rows(spin, own), mate[0]))
-        return own, tangent, mate[0], sense
+        rows[own, 1, 4] = self.length * sense * dot(tangent, cross(_rows(spin, own), mating[0]))
+        return own, tangent, mating[0], sense
 
 
 def _rows(vector: Array, own: NDArray[np.intp]) -> Array:

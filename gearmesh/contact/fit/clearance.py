@@ -43,9 +43,9 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
 
     None where no tip ever passes the face of the mating gear.
     """
-    tooth, mate = pair.both[of].tooth, pair.both[1 - of].tooth
+    tooth, mating = pair.both[of].tooth, pair.both[1 - of].tooth
     stations = len(tooth.even.t)
-    low, high = sorted(mate.blank.extent)
+    low, high = sorted(mating.blank.extent)
 
     def place(phi1: Array, tip: Array) -> tuple[Array, Array]:
         """Points (M, 3) of the tips in the fixed frame, and in the mating gear's own."""
@@ -55,9 +55,9 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
 
     def distance(r: Array) -> Array:
         """Of points (M, 3) in the mating gear's frame, inf beside its face and where the gear's place is not known."""
-        station = mate.blank.axial.value(r)
+        station = mating.blank.axial.value(r)
         over = (station >= low) & (station <= high)
-        return np.where(over, mate.blank.root.value(r), np.inf)
+        return np.where(over, mating.blank.root.value(r), np.inf)
 
     least: Clearance | None = None
     for region in (Region.LAND, *EDGES.values()):

@@ -272,9 +272,9 @@ def _alteration(pair: SheetPair, k: int) -> float | None:
 
 
 def _clearance(pair: SheetPair, k: int) -> float:
-    own, mate = pair.teeth[k], pair.teeth[1 - k]
-    tip, root = own.sense * pair.geometry.tips[k], mate.sense * pair.geometry.roots[1 - k]
-    return own.sense * mate.sense * pair.mesh.distance - tip - root
+    own, mating = pair.teeth[k], pair.teeth[1 - k]
+    tip, root = own.sense * pair.geometry.tips[k], mating.sense * pair.geometry.roots[1 - k]
+    return own.sense * mating.sense * pair.mesh.distance - tip - root
 
 
 # ---------------------------------------------------------------- measures
@@ -368,7 +368,7 @@ def _contact_rows(pair: SheetPair) -> list[Row]:
     pinion, bases = pair.mesh.pinion, [teeth.base_radius for teeth in pair.teeth]
     rows: list[Row] = []
     for point, length in pair.line.points.items():
-        lengths = length, pair.mesh.mate_roll_length(length, pinion)
+        lengths = length, pair.mesh.mating_roll_length(length, pinion)
         both = tuple(zip(bases, lengths, strict=True))
         rows += [
             (

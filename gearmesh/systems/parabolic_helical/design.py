@@ -305,7 +305,7 @@ class ParabolicHelicalDesign(PairDesign):
 
         return deepest(fits, LEAST_ADDENDUM, ADDENDUM)
 
-    def _cutter_tip(self, name: str, member: ParabolicMember, mate_tip: float) -> dict[str, float]:
+    def _cutter_tip(self, name: str, member: ParabolicMember, mating_tip: float) -> dict[str, float]:
         """Depth and tip rounding of a member's rack where they are left out, by its mating gear's addendum; all in normal
         modules."""
         from gearmesh.systems.parabolic_helical.racks import has_room, rounding_room
@@ -317,7 +317,7 @@ class ParabolicHelicalDesign(PairDesign):
 
         depth = member.dedendum
         if math.isnan(depth):
-            depth = deepest(fits, mate_tip + LEAST_CLEARANCE, DEDENDUM)
+            depth = deepest(fits, mating_tip + LEAST_CLEARANCE, DEDENDUM)
         there = rounding_room(flanks, depth * m, TIP_RADIUS * m) / m
         return {
             f"{name}.dedendum": depth,

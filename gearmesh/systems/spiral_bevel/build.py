@@ -9,7 +9,7 @@ import numpy as np
 
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import open_factors
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import upright_cutter
-from gearmesh.systems.spiral_bevel.machine.pair import MATES, SIDES, bevel_pair, undercut_warnings
+from gearmesh.systems.spiral_bevel.machine.pair import MATING, SIDES, bevel_pair, undercut_warnings
 from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_figures, form_warnings
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
     basic_blank,
@@ -91,7 +91,7 @@ def _leaning(design: FaceMilledDesign) -> dict[str, float]:
     for name in SIDES:
         if own.leans(name):
             blank, angle = basic_blank(own), float(np.radians(pinion_root_angle(own, name) or 0.0))
-            leant = upright_cutter(own, blank, gear_sides(own, blank)[MATES[name]], angle)
+            leant = upright_cutter(own, blank, gear_sides(own, blank)[MATING[name]], angle)
             angles |= {
                 f"pinion.{name}.{key}": float(np.degrees(x)) for key, x in zip(("tilt", "swivel"), leant, strict=True)
             }

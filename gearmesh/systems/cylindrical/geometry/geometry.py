@@ -168,7 +168,7 @@ class InvolutePair:
         """Length a sin(alpha_wt) between the points where the line of action touches the base circles."""
         return self.distance * math.sin(self.working_angle)
 
-    def mate_roll_length(self, length: float, of: Toothing) -> float:
+    def mating_roll_length(self, length: float, of: Toothing) -> float:
         """Roll length on the mating gear of the point that has roll length `length` on the member `of`."""
         other = self.gear if of is self.pinion else self.pinion
         if other.internal or of.internal:
@@ -180,8 +180,8 @@ class InvolutePair:
 
         -inf where the own flank is at rest, at its base circle.
         """
-        speeds = length / self.pinion.teeth, self.mate_roll_length(length, self.pinion) / self.gear.teeth
-        first, second = (1.0 - mate / own if own > 0.0 else -math.inf for own, mate in (speeds, speeds[::-1]))
+        speeds = length / self.pinion.teeth, self.mating_roll_length(length, self.pinion) / self.gear.teeth
+        first, second = (1.0 - mating / own if own > 0.0 else -math.inf for own, mating in (speeds, speeds[::-1]))
         return first, second
 
 
@@ -210,5 +210,5 @@ def specific_sliding(mesh: InvolutePair, tips: tuple[float, float]) -> tuple[flo
     `tips`: tip radii of both. zeta = 1 - (v of the mating gear along the flank) / (own); -inf where contact begins at the base
     circle.
     """
-    begins = mesh.mate_roll_length(mesh.gear.roll_length(tips[1]), mesh.gear)
+    begins = mesh.mating_roll_length(mesh.gear.roll_length(tips[1]), mesh.gear)
     return mesh.sliding(begins)[0], mesh.sliding(mesh.pinion.roll_length(tips[0]))[1]

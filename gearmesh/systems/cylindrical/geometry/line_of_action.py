@@ -64,14 +64,14 @@ class LineOfAction:
 
     def pinion_length(self, length: float) -> float:
         """The pinion's roll length where the gear has `length`."""
-        return self.mesh.mate_roll_length(length, self.mesh.gear)
+        return self.mesh.mating_roll_length(length, self.mesh.gear)
 
     @property
     def points(self) -> dict[str, float]:
         """Roll lengths of the pinion at A, B, C, D, E."""
-        (root, tip), mate, sense = self.flanks[0], self.flanks[1], self._sense
-        a = sense * max(sense * root, sense * self.pinion_length(mate[1]))
-        e = sense * min(sense * tip, sense * self.pinion_length(mate[0]))
+        (root, tip), mating, sense = self.flanks[0], self.flanks[1], self._sense
+        a = sense * max(sense * root, sense * self.pinion_length(mating[1]))
+        e = sense * min(sense * tip, sense * self.pinion_length(mating[0]))
         pitch = sense * self.mesh.pinion.base_pitch
         c = self.mesh.pinion.base_radius * math.tan(self.mesh.working_angle)
         return {"A": a, "B": e - pitch, "C": c, "D": a + pitch, "E": e}
@@ -88,21 +88,21 @@ class LineOfAction:
         a, e = points["A"], points["E"]
         if member is self.mesh.pinion:
             return a, e
-        return self.mesh.mate_roll_length(e, self.mesh.pinion), self.mesh.mate_roll_length(a, self.mesh.pinion)
+        return self.mesh.mating_roll_length(e, self.mesh.pinion), self.mesh.mating_roll_length(a, self.mesh.pinion)
 
     def interference_reserve(self, member: Toothing) -> float:
         """Roll length from where a member's usable flank begins to where the mating gear's tip meets it; negative in the fillet."""
-        own, mate = self.flanks if member is self.mesh.pinion else self.flanks[::-1]
+        own, mating = self.flanks if member is self.mesh.pinion else self.flanks[::-1]
         other = self.mesh.gear if member is self.mesh.pinion else self.mesh.pinion
-        return member.sense * (self.mesh.mate_roll_length(mate[1], other) - own[0])
+        return member.sense * (self.mesh.mating_roll_length(mating[1], other) - own[0])
 
     def clearing_tip(self, member: Toothing, name: str) -> str:
         """What to do with the tip of the mating gear, called `name`, that reaches into a member's fillet."""
-        own, mate = (
+        own, mating = (
             (self.flanks[0], self.mesh.gear) if member is self.mesh.pinion else (self.flanks[1], self.mesh.pinion)
         )
-        diameter = 2.0 * math.hypot(mate.base_radius, self.mesh.mate_roll_length(own[0], member))
-        bound = f"at least {at_least(diameter)}" if mate.internal else f"at most {at_most(diameter)}"
+        diameter = 2.0 * math.hypot(mating.base_radius, self.mesh.mating_roll_length(own[0], member))
+        bound = f"at least {at_least(diameter)}" if mating.internal else f"at most {at_most(diameter)}"
         return f"{name}.tip_diameter {bound} mm"
 
     def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:

@@ -106,9 +106,9 @@ def _clear(design: CylindricalDesign, name: str, mesh: InvolutePair, sharp: Shap
     """The largest rounding of a cutter, up to `most`, with which the involute begins before the mating gear's tip; `most` if
     none does."""
     own, other = getattr(with_allowances(design, mesh), name), "gear" if name == "pinion" else "pinion"
-    mate = getattr(mesh, other)
-    tip = mate.roll_length(tip_radius(getattr(design, other), mate))
-    reached = mesh.mate_roll_length(tip, mate)
+    mating = getattr(mesh, other)
+    tip = mating.roll_length(tip_radius(getattr(design, other), mating))
+    reached = mesh.mating_roll_length(tip, mating)
     return clearing(generating(cutter_of(design, getattr(design, name)), own), sharp, reached, most)
 
 
@@ -120,6 +120,6 @@ def clearing(cutting: InvolutePair, sharp: Shaper, reached: float, most: float) 
 
     def clears(radius: float) -> bool:
         joint = replace(sharp, tip_radius=radius).joint[0] * sharp.base_radius
-        return bool(cutting.gear.sense * (reached - cutting.mate_roll_length(joint, cutting.pinion)) >= 0.0)
+        return bool(cutting.gear.sense * (reached - cutting.mating_roll_length(joint, cutting.pinion)) >= 0.0)
 
     return deepest(clears, 0.0, most)

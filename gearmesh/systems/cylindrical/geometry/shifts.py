@@ -106,10 +106,10 @@ def addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
     if not own.internal:
         return standard
     other = "gear" if name == "pinion" else "pinion"
-    mate, spec = getattr(mesh, other), getattr(design, other)
+    mating, spec = getattr(mesh, other), getattr(design, other)
     _, dedendum, rounding = PROFILES[design.profile]
-    m = mate.module
-    joint = mate.rack_joint_length((given_or(spec.dedendum, dedendum) - mate.shift) * m, rounding * m)
+    m = mating.module
+    joint = mating.rack_joint_length((given_or(spec.dedendum, dedendum) - mating.shift) * m, rounding * m)
     tip = math.hypot(own.base_radius, max(0.0, joint) + mesh.generator)
     return float(min(standard, (own.radius - tip) / m - own.shift - INSIDE))
 

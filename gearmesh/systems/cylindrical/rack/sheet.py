@@ -42,9 +42,9 @@ class RackAction(LineOfAction):
         return length
 
     def interference_reserve(self, member: Toothing) -> float:
-        own, mate = self.flanks
+        own, mating = self.flanks
         # roll lengths fall towards the rack's tip
-        return mate[1] - own[0] if member is self.mesh.pinion else mate[0] - own[1]
+        return mating[1] - own[0] if member is self.mesh.pinion else mating[0] - own[1]
 
     def clearing_tip(self, member: Toothing, name: str) -> str:
         if member is self.mesh.pinion:

@@ -17,7 +17,7 @@ from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
 from gearmesh.systems.spiral_bevel.machine.pair import (
     HANDS,
-    MATES,
+    MATING,
     SIDES,
     CutSides,
     basic_data,
@@ -44,7 +44,7 @@ def build(design: ConjugateDesign) -> GearTrain:
     for name, side in SIDES.items():
         geometry = conjugate_geometry(design, blank, name)
         pinion[name] = _generate(design, blank, geometry, side, 1)
-        gear[MATES[name]] = _generate(design, blank, geometry, -side, 2)
+        gear[MATING[name]] = _generate(design, blank, geometry, -side, 2)
     away = thinning(design.backlash, blank)
     places = tuple(
         {

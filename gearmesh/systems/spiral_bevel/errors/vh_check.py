@@ -32,7 +32,7 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle, unit
 from gearmesh.kernel.surface.levels import Level, perpendicular
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.systems.spiral_bevel.errors.displacements import displaced_bases
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES
 from gearmesh.systems.spiral_bevel.sheet.tooth_measures import on_flank
 from gearmesh.systems.spiral_bevel.synthesis.settings import meshing_turns
 from gearmesh.systems.system import PatternShift
@@ -115,7 +115,7 @@ class _Side:
     @classmethod
     def of(cls, pair: GearPair, name: str, hand: int, clearance: float, moved: tuple[str, str]) -> _Side:
         """Of a gear set's pair, whichever of its sides that is of. Eccentricities are neglected."""
-        flanks = _flank(name == "concave", hand), _flank(MATES[name] == "concave", -hand)
+        flanks = _flank(name == "concave", hand), _flank(MATING[name] == "concave", -hand)
         members = [replace(member, mount=replace(member.mount, eccentricity=(0.0, 0.0))) for member in pair.both]
         own = replace(pair, pinion=members[0], gear=members[1], flanks=flanks, drive=SIDES[name])
         return cls(own, name, clearance, moved)
@@ -158,13 +158,13 @@ class _Side:
 
     def _solve(self, shares: Array, start: Array | None) -> Array:
         """Unknowns (N, 6) of contacts at `shares` (N,) of the face; NaN where there are none."""
-        mate = gear_targets(self.pair.gear, self.pair.flanks[1], self.clearance, shares)
-        jet = self.pair.gear.tooth.side(self.pair.flanks[1]).flank.jet(mate[:, 0], mate[:, 1])
+        mating = gear_targets(self.pair.gear, self.pair.flanks[1], self.clearance, shares)
+        jet = self.pair.gear.tooth.side(self.pair.flanks[1]).flank.jet(mating[:, 0], mating[:, 1])
         conditions = _Conditions(self.pair, jet, self.moved)
         begin = conditions.start() if start is None else start
         with np.errstate(all="ignore"):
             solution = newton.solve(conditions, begin, tolerance=TOLERANCE, max_iterations=ITERATIONS)
-        lost = ~solution.converged | np.isnan(mate).any(axis=-1)
+        lost = ~solution.converged | np.isnan(mating).any(axis=-1)
         return np.where(lost[:, None], np.nan, solution.values)
 
     @cached_property
@@ -202,27 +202,27 @@ def _flank(concave: bool, hand: int) -> Side:
 
 @dataclass(frozen=True)
 class _Conditions:
-    """Residuals, mm, of unknowns x = (u1, v1, turn 1, turn 2, and the displacements `moved`: mm, rad); `mate` (N,): the gear's
+    """Residuals, mm, of unknowns x = (u1, v1, turn 1, turn 2, and the displacements `moved`: mm, rad); `mating` (N,): the gear's
     jets, its own frame.
 
     Both members turn about their axes, from their unturned positions.
     """
 
     pair: GearPair
-    mate: Jet
+    mating: Jet
     moved: tuple[str, str]
 
     @property
     def _length(self) -> float:
         """Scale of the conditions on directions: the farthest point's distance from the apex."""
-        return float(np.linalg.norm(self.mate.r, axis=-1).max())
+        return float(np.linalg.norm(self.mating.r, axis=-1).max())
 
     def start(self) -> Array:
         """Turns at which the gear's points are in contact if nothing is displaced, and points of the pinion as far out."""
         first, second = (mount.base for mount in self.pair.mounts)
         sense = int(self.pair.pinion.mount.sign)
-        turns = meshing_turns(self.mate, first.inverse @ second, sense, self.pair.ratio)
-        r = (first.inverse @ second @ Rigid.about_z(turns)).point(self.mate.r)
+        turns = meshing_turns(self.mating, first.inverse @ second, sense, self.pair.ratio)
+        r = (first.inverse @ second @ Rigid.about_z(turns)).point(self.mating.r)
         tooth, which = self.pair.pinion.tooth, self.pair.flanks[0]
         levels = tooth.blank.axial, perpendicular(tooth.blank.axial)
         wanted = np.stack([level.value(r) for level in levels], axis=-1)
@@ -239,38 +239,40 @@ class _Conditions:
         axis1, axis2 = first.rotation[..., 2], second.rotation[..., 2]
         own = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1])
         own = own.move(first @ Rigid.about_z(x[:, 2]))
-        mate = Jet(*(getattr(self.mate, key)[index] for key in ("r", "n", "r_u", "r_v", "n_u", "n_v")))
-        mate = mate.move(second @ Rigid.about_z(x[:, 3]))
+        mating = Jet(*(getattr(self.mating, key)[index] for key in ("r", "n", "r_u", "r_v", "n_u", "n_v")))
+        mating = mating.move(second @ Rigid.about_z(x[:, 3]))
         # the common perpendicular of both axes, about which the shaft angle opens
         across, still = unit(cross(axis1, axis2)), np.zeros_like(axis1)
-        arm1, arm2 = own.r - first.translation, mate.r - second.translation
+        arm1, arm2 = own.r - first.translation, mating.r - second.translation
         by_turn1, by_turn2 = cross(axis1, arm1), cross(axis2, arm2)
         # how each displacement moves the pinion, the gear, and the gear's normals
         ways = {
             "V": (across, still, still),
             "H": (axis1, still, still),
             "J": (still, axis2, still),
-            "alpha": (still, cross(across, mate.r), cross(across, mate.n)),
+            "alpha": (still, cross(across, mating.r), cross(across, mating.n)),
         }
         moves = [ways[name] for name in self.moved]
         f, jacobian = np.zeros((len(x), 6)), np.zeros((len(x), 6, 6))
-        f[:, :3] = own.r - mate.r
+        f[:, :3] = own.r - mating.r
         columns = (own.r_u, own.r_v, by_turn1, -by_turn2, *(pinion - gear for pinion, gear, _ in moves))
         jacobian[:, :3] = np.stack(columns, axis=-1)
         # in two directions of the pinion's tangent plane, held fixed
         e1 = unit(own.r_u)
         for row, direction in ((3, e1), (4, cross(own.n, e1))):
-            f[:, row] = self._length * dot(own.n + mate.n, direction)
-            columns = (own.n_u, own.n_v, cross(axis1, own.n), cross(axis2, mate.n), *(turned for *_, turned in moves))
+            f[:, row] = self._length * dot(own.n + mating.n, direction)
+            columns = (own.n_u, own.n_v, cross(axis1, own.n), cross(axis2, mating.n), *(turned for *_, turned in moves))
             jacobian[:, row] = self._length * np.stack([dot(column, direction) for column in columns], axis=-1)
         # the pinion turns by its sign, the gear by its own, at the ratio of the teeth
         w1, w2 = (mount.sign * axis for mount, axis in zip(self.pair.mounts, (axis1, axis2), strict=True))
         w2 = self.pair.ratio * w2
-        sliding = cross(w1, mate.r - first.translation) - cross(w2, arm2)
-        f[:, 5] = dot(mate.n, sliding)
-        jacobian[:, 5, 3] = dot(cross(axis2, mate.n), sliding) + dot(mate.n, cross(w1, by_turn2) - cross(w2, by_turn2))
+        sliding = cross(w1, mating.r - first.translation) - cross(w2, arm2)
+        f[:, 5] = dot(mating.n, sliding)
+        jacobian[:, 5, 3] = dot(cross(axis2, mating.n), sliding) + dot(
+            mating.n, cross(w1, by_turn2) - cross(w2, by_turn2)
+        )
         for k, (pinion, gear, turned) in enumerate(moves):
             # what moves the gear moves its axis as well: only what the pinion's rotation does changes
-            carried = cross(w1, mate.r - first.translation)
-            jacobian[:, 5, 4 + k] = dot(mate.n, cross(w1, gear - pinion)) + dot(turned, carried)
+            carried = cross(w1, mating.r - first.translation)
+            jacobian[:, 5, 4 + k] = dot(mating.n, cross(w1, gear - pinion)) + dot(turned, carried)
         return f, jacobian

@@ -167,9 +167,9 @@ class OffsetPair:
     def _cones(self, wheel: Array, turn: Array) -> TangentCones:
         pinion, first, second = self._leaning(wheel, turn)
         radius = self.wheel_radius(wheel)
-        mate = radius * self.teeth[0] / self.teeth[1] * np.cos(second) / np.cos(first)
+        mating = radius * self.teeth[0] / self.teeth[1] * np.cos(second) / np.cos(first)
         with np.errstate(divide="ignore", invalid="ignore"):
-            distances = np.array((mate / np.sin(pinion), radius / np.sin(wheel)))
+            distances = np.array((mating / np.sin(pinion), radius / np.sin(wheel)))
         return TangentCones(np.array((pinion, wheel)), distances, np.array((first, second)))
 
 

@@ -10,7 +10,7 @@ from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.machine.pair import (
     HANDS,
-    MATES,
+    MATING,
     SIDES,
     Angles,
     CutSides,
@@ -57,7 +57,7 @@ def cut_pinion(design: FaceMilledDesign, blank: BevelBlank, choices: Choices, ge
     Raises as `cut_sides`.
     """
     nominal = nominal_base(blank, HANDS[design.hand])
-    means = {name: mean_point(design, blank, gear[MATES[name]], nominal, choices[name]) for name in SIDES}
+    means = {name: mean_point(design, blank, gear[MATING[name]], nominal, choices[name]) for name in SIDES}
     pinion = {name: pinion_side(design, blank, name, means[name]) for name in SIDES}
     return pinion, {name: mean.gear_turn for name, mean in means.items()}
 

@@ -34,7 +34,7 @@ _NO_GRID = np.zeros((1, 1, 2))
 
 
 def touching_turn(
-    side: Generated, mate: tuple[Surface, Rigid], parameters: tuple[float, float], blank: BevelBlank
+    side: Generated, mating: tuple[Surface, Rigid], parameters: tuple[float, float], blank: BevelBlank
 ) -> float:
     """Rotation (rad) about its axis that brings a flank of the pinion, as cut, to its mating gear, the gear's flank as cut and
     where it is in the pinion's own frame; `parameters` are those of the gear's mean point.
@@ -42,7 +42,7 @@ def touching_turn(
     To a point of contact near the mean point, or where there is none through it. Raises NoSolutionError where the flank has no
     point as high at this cone distance.
     """
-    surface, standing = mate
+    surface, standing = mating
     point = standing.point(surface.jet(*(np.array(x) for x in parameters)).r)
     flank = side.side(0.0).flank
     at = _at(side, point, blank)

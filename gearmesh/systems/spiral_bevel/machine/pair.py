@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 HANDS = {"right": 1, "left": -1}
 SIDES = {"concave": OUTSIDE, "convex": INSIDE}
 #: the gear's side that meets a side of the pinion
-MATES = {"concave": "convex", "convex": "concave"}
+MATING = {"concave": "convex", "convex": "concave"}
 
 #: of both sides, "concave" and "convex"
 Sides = dict[str, Generated]
@@ -94,12 +94,12 @@ def member_of(design: BevelDesign, blank: BevelBlank, name: str, sides: Sides, p
 def bevel_pair(design: BevelDesign, cut: CutSides, pinion: CutMember, gear: CutMember) -> GearTrain:
     """The pair of a design (in mm) whose members are made of the sides that are cut."""
     name, blank, (places, turns) = design.contact.pinion_side, cut.blank, (cut.places, cut.turns)
-    mate = MATES[name]
-    first, second = _mounts(design, blank, places[0][name], turns[name] - places[1][mate])
+    mating = MATING[name]
+    first, second = _mounts(design, blank, places[0][name], turns[name] - places[1][mating])
     pair = GearPair(
         pinion=replace(pinion.member, mount=first),
         gear=replace(gear.member, mount=second),
-        flanks=(cut.pinion[name].flank, cut.gear[mate].flank),
+        flanks=(cut.pinion[name].flank, cut.gear[mating].flank),
         drive=SIDES[name],
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,

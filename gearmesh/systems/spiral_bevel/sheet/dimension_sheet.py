@@ -203,8 +203,8 @@ def _taper(blank: BevelBlank) -> str:
 def _dedenda(blank: BevelBlank) -> float:
     """Sum (rad) of the dedendum angles; with offset the gear's alone, whose addendum is where the pinion's dedendum is."""
     gear = blank.gear
-    mate = gear.face_angle - gear.pitch_angle if blank.offset else blank.pinion.dedendum_angle
-    return mate + gear.dedendum_angle
+    mating = gear.face_angle - gear.pitch_angle if blank.offset else blank.pinion.dedendum_angle
+    return mating + gear.dedendum_angle
 
 
 def _duplex(blank: BevelBlank) -> float:

@@ -21,7 +21,7 @@ from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
 from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.maker_settings import maker_table
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES, nominal_base
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutPair, dimension_tables
 from gearmesh.systems.spiral_bevel.sheet.form_tables import form_tables
 from gearmesh.systems.spiral_bevel.sheet.thrusts import thrust_table
@@ -176,7 +176,7 @@ def tooth_forces(design: FaceMilledDesign, torque: float) -> SheetTable:
     made = bevel_teeth(own)
     blank, gear = made.cut.blank, made.cut.gear
     base = nominal_base(blank, HANDS[own.hand])
-    means = {name: mean_point(own, blank, gear[MATES[name]], base, made.choices[name]) for name in SIDES}
+    means = {name: mean_point(own, blank, gear[MATING[name]], base, made.choices[name]) for name in SIDES}
     return thrust_table(blank, means, base, torque)
 
 

@@ -21,7 +21,7 @@ from gearmesh.kernel.surface.stations import along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES, nominal_base
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
     ContactChoice,
     MeanPoint,
@@ -211,7 +211,7 @@ class ContactPreviews:
     @cached_property
     def _gear(self) -> Generated:
         """The gear's side that it meets."""
-        return gear_sides(self.design, self.blank)[MATES[self.name]]
+        return gear_sides(self.design, self.blank)[MATING[self.name]]
 
     @cached_property
     def _surface(self) -> Surface:
@@ -232,10 +232,10 @@ class ContactPreviews:
     def _follow(self, pinion: Generated, mean: MeanPoint) -> ContactPreview:
         """The path of a pinion's side as cut, from the mean point on."""
         blank, sense = self.blank, float(HANDS[self.design.hand])
-        own, mate = blank.pinion.stations, blank.gear.stations
+        own, mating = blank.pinion.stations, blank.gear.stations
         first = Flank(pinion.side(0.0).flank, Mount(Rigid.identity(), sense), {}, own, blank.pinion.extent, _NO_GRID)
         turned = Mount(self._base @ Rigid.about_z(mean.gear_turn), -sense)
-        second = Flank(self._surface, turned, {}, mate, blank.gear.extent, _NO_GRID)
+        second = Flank(self._surface, turned, {}, mating, blank.gear.extent, _NO_GRID)
         at = mean.contact.point[None]
         p = _parameters(pinion, at)
         v, _ = along(first.surface, p, own.value(at), own)
@@ -251,7 +251,7 @@ class ContactPreviews:
         lag = -SIDES[self.name] * (x[:, 4] - self._ratio * phi * self._pitch)
         above = self._gear.settings.tip_cone().value(r[1]) - blank.clearance
         up = 0.5 * (above + blank.gear.tip.value(r[1]))
-        place = np.stack((mate.value(r[1]) - blank.gear.mean_cone_distance, up), axis=-1)
+        place = np.stack((mating.value(r[1]) - blank.gear.mean_cone_distance, up), axis=-1)
         return ContactPreview(phi, lag, place, begin, end, pinion, mean)
 
     @staticmethod

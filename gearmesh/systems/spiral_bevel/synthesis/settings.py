@@ -28,7 +28,7 @@ from gearmesh.systems.spiral_bevel.machine.gear_cradle import machine_axes, root
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.index import touching_turn
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES, basic_data
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES, basic_data
 from gearmesh.systems.spiral_bevel.machine.thickness import cut_to
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import (
     ContactAsked,
@@ -103,13 +103,13 @@ class FlankForm:
 class MeanPoint:
     """Mean point of one pair of sides: parameters on the gear's flank (as cut), and the rotation (rad) of the gear, as
     cut, about its axis at which it is the point of contact; `contact` is what local synthesis wants to know of it, `choice`
-    what it shall be there; `mate`: that flank, and its position then in the pinion's own frame."""
+    what it shall be there; `mating`: that flank, and its position then in the pinion's own frame."""
 
     parameters: tuple[float, float]
     gear_turn: float
     contact: MeanContact
     choice: ContactChoice
-    mate: tuple[Surface, Rigid]
+    mating: tuple[Surface, Rigid]
 
 
 def or_else(value: float | None, otherwise: float) -> float:
@@ -302,7 +302,7 @@ def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: Me
         return replace(made, turned=HANDS[design.hand] * float(np.radians(spec.mesh_angle)))
     if mean.choice.form is not None or not spec.moves_flank:
         return made
-    return replace(made, turned=made.turned + touching_turn(made, mean.mate, mean.parameters, blank))
+    return replace(made, turned=made.turned + touching_turn(made, mean.mating, mean.parameters, blank))
 
 
 def side_of(
@@ -346,7 +346,7 @@ def given_roll(spec: Machine) -> tuple[float, ...]:
 
 def pinion_root_angle(design: FaceMilledDesign, name: str) -> float | None:
     """Machine root angle (deg) of one side of the pinion: its own or the other side's, for both are cut to one depth."""
-    other = MATES[name]
+    other = MATING[name]
     return or_none(design.pinion.side(name).machine_root_angle, design.pinion.side(other).machine_root_angle)
 
 
