@@ -50,13 +50,13 @@ class Grid:
 class Ends:
     """Where the links of one side end, at each of T stations: parameters (T,), and points (T, 3) of the broken edge.
 
-    `crest`: the parameter at which a generated crest begins, as it has none NaN.
+    `tip_corner`: the parameter at which a generated chamfer or rounding begins, NaN where it has none.
     """
 
     joint_flank: Array
     joint_fillet: Array
     tip: Array
-    crest: Array
+    tip_corner: Array
     tip_angle: Array
     root_angle: Array
     edge: EdgePoints | None
@@ -67,7 +67,7 @@ class Ends:
             self.joint_flank[which],
             self.joint_fillet[which],
             self.tip[which],
-            self.crest[which],
+            self.tip_corner[which],
             self.tip_angle[which],
             self.root_angle[which],
             edge,

@@ -36,7 +36,7 @@ from gearmesh.teeth.section import (
     TurnedLink,
     parameter,
 )
-from gearmesh.teeth.tooth_side import Bottom, Crest, ToothSide
+from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
 from gearmesh.teeth.undercut import Undercut, cut_off, intersection, joint, singular_stations, trim_tolerance
 
 #: stations at which the beginning of undercut is looked for
@@ -121,13 +121,13 @@ class Tooth:
             self._add_seams(GeneratedLink(FILLETS[which], which, side.fillet, axial, fillet), side.fillet_breaks),
             self._flank(which),
         ]
-        if side.crest is not None:
-            end = side.crest.end
+        if side.tip_corner is not None:
+            end = side.tip_corner.end
 
-            def crest(ends: Ends) -> tuple[Array, Array]:
-                return ends.crest, np.full_like(ends.crest, end)
+            def tip_corner(ends: Ends) -> tuple[Array, Array]:
+                return ends.tip_corner, np.full_like(ends.tip_corner, end)
 
-            links.append(GeneratedLink(EDGES[which], which, side.crest.surface, axial, crest))
+            links.append(GeneratedLink(EDGES[which], which, side.tip_corner.surface, axial, tip_corner))
         elif self.tip_edge is not None:
             links.append(DrawnLink(EDGES[which], which, self.tip_edge))
         return links
@@ -269,7 +269,7 @@ class Tooth:
 
         Tip roundings and chamfers are known to `sections` alone.
         """
-        if self.tip_edge is None and self.right.crest is None:
+        if self.tip_edge is None and self.right.tip_corner is None:
             right, left = (
                 self.joint.angle(self._tip(self.side(side), self.stations(t), t)[1].r)
                 for side in (Side.RIGHT, Side.LEFT)
@@ -351,7 +351,7 @@ class Tooth:
         """Where the links of one side end; without `root` the root's angle is left out (NaN)."""
         side, stations = self.side(which), self.stations(t)
         tip, tip_jet = self._tip(side, stations, t)
-        tip_point, crest = tip_jet.r, np.full_like(stations, np.nan)
+        tip_point, tip_corner = tip_jet.r, np.full_like(stations, np.nan)
         joint_flank, joint_fillet, undercut = joint(
             side,
             (tip, tip_jet),
@@ -367,21 +367,21 @@ class Tooth:
         if root:
             root_angle = self._root_angle(side, stations)
         edge = None
-        if side.crest is not None:
-            crest = self._crest(side, side.crest, stations, t)[1]
-            land = np.full_like(stations, side.crest.end)
-            tip_point = along(side.crest.surface, land, stations, self.blank.axial)[1].r
+        if side.tip_corner is not None:
+            tip_corner = self._tip_corner(side, side.tip_corner, stations, t)[1]
+            land = np.full_like(stations, side.tip_corner.end)
+            tip_point = along(side.tip_corner.surface, land, stations, self.blank.axial)[1].r
         if self.tip_edge is not None:
             tip, edge = self.tip_edge.between(side.flank, self.blank, which.sign, (joint_flank, tip), stations)
             tip_point = edge[1]
-        return Ends(joint_flank, joint_fillet, tip, crest, self.joint.angle(tip_point), root_angle, edge)
+        return Ends(joint_flank, joint_fillet, tip, tip_corner, self.joint.angle(tip_point), root_angle, edge)
 
     def _tip(self, side: ToothSide, stations: Array, t: Array) -> tuple[Array, Jet]:
         """Flank parameter p (T,) and the flank's jet on the tip's level, or where its tip chamfer or rounding begins, at each
         station."""
         axial, tip = self.blank.axial, self.blank.tip
-        if side.crest is not None:
-            begins, _ = self._crest(side, side.crest, stations, t)
+        if side.tip_corner is not None:
+            begins, _ = self._tip_corner(side, side.tip_corner, stations, t)
             return begins, along(side.flank, begins, stations, axial)[1]
 
         def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -398,14 +398,14 @@ class Tooth:
             raise TrimError("tip", float(t[k]), "the flank does not reach the tip")
         return solution.values[:, 0], side.flank.jet(solution.values[:, 0], solution.values[:, 1])
 
-    def _crest(self, side: ToothSide, crest: Crest, stations: Array, t: Array) -> tuple[Array, Array]:
-        """Parameters (T,) of flank and crest where they meet at each station."""
+    def _tip_corner(self, side: ToothSide, tip_corner: TipCorner, stations: Array, t: Array) -> tuple[Array, Array]:
+        """Parameters (T,) of flank and tip corner where they meet at each station."""
         axial = self.blank.axial
-        p, q = (np.full_like(stations, parameter) for parameter in crest.joint)
-        if not crest.crossed:
+        p, q = (np.full_like(stations, parameter) for parameter in tip_corner.joint)
+        if not tip_corner.crossed:
             return p, q
-        start = [p, along(side.flank, p, stations, axial)[0], q, along(crest.surface, q, stations, axial)[0]]
-        solution = intersection((side.flank, crest.surface), np.stack(start, axis=-1), stations, axial)
+        start = [p, along(side.flank, p, stations, axial)[0], q, along(tip_corner.surface, q, stations, axial)[0]]
+        solution = intersection((side.flank, tip_corner.surface), np.stack(start, axis=-1), stations, axial)
         if not solution.converged.all():
             raise TrimError("edge", float(t[int(np.argmin(solution.converged))]), "flank and tip chamfer do not meet")
         return solution.values[:, 0], solution.values[:, 2]

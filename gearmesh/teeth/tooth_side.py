@@ -10,8 +10,8 @@ from gearmesh.tools.description import ToolDescription
 
 
 @dataclass(frozen=True)
-class Crest:
-    """Generated rounding, which touches the tip land, or chamfer: surface parameters (q, v), q across the profile.
+class TipCorner:
+    """Tip corner that the tool generates: a rounding, which touches the tip land, or a chamfer; surface parameters (q, v), q across the profile.
 
     `joint` (p, q): parameters of flank and tip chamfer or rounding where they meet; `end`: parameter of the latter where the
     land begins. `crossed`: the flank was modified since, and they end where they cross.
@@ -31,7 +31,7 @@ class ToothSide:
     `root`: fillet parameter where the tool's tip plane begins; `tip`: flank parameter near the tip, a start value.
     `sharp`: they meet there in an edge, as what two tools or two parts of one generate does, not smoothly. `crossed`: at the
     joint, a hollow corner of the tool, they have run past each other, and end where they cross.
-    `crest`: rounding or chamfer of the tip that the tool generates, on both sides or none.
+    `tip_corner`: rounding or chamfer of the tip that the tool generates, on both sides or none.
 
     `tool`: what made it, as its tool describes itself; `generation`: flank and fillet by their motion of the tool, None where they
     have other parameters than it, or no tool at all is known to have left them.
@@ -49,7 +49,7 @@ class ToothSide:
     joint: tuple[float, float]
     root: float
     tip: float
-    crest: Crest | None = None
+    tip_corner: TipCorner | None = None
     flank_breaks: tuple[float, ...] = ()
     fillet_breaks: tuple[float, ...] = ()
     face_breaks: tuple[float, ...] = ()

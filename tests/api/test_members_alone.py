@@ -47,7 +47,7 @@ def test_a_member_alone_is_that_of_the_pair(name: str, of_the_pair: dict[str, An
     ("name", "mating"), [("pinion", "gear.cutter.edge_radius=3"), ("gear", "pinion.convex.blade_angle=50")]
 )
 def test_the_sheet_of_a_member_has_the_figures_of_the_pairs(name: str, mating: str) -> None:
-    """Beside a gear that cannot be cut: every figure is that of the pair's sheet, what needs a mating gear is said to be left out."""
+    """Beside a gear that cannot be cut: every figure is that of the pair's sheet, what needs a mating gear is left out."""
     sheet, of_pair = alone(GIVEN, mating).sheet(member=name), gm.build(gm.load(GIVEN)).sheet().plain_tables
     own = sheet.plain_tables
     columns = {table.title: table.columns for table in gm.build(gm.load(GIVEN)).sheet().tables}

@@ -138,11 +138,11 @@ def test_tooth_is_what_the_tools_leave_in_thousands_of_positions(case: str) -> N
     tooth = gears.members["pinion"].tooth
     sections = tooth.sections([0.5])
     regions = {Region.FILLET_RIGHT: (0.02, 1.0), Region.FLANK_RIGHT: (0.0, 0.98)}
-    crest, chamfer = tooth.right.crest, None
-    if crest is not None:
+    tip_corner, chamfer = tooth.right.tip_corner, None
+    if tip_corner is not None:
         regions |= {Region.FLANK_RIGHT: (0.0, 1.0), Region.EDGE_RIGHT: (0.0, 0.98)}
         # where the hob has it follows from the diameter: what is looked at is that all is as it leaves it
-        chamfer = crest.surface.tool.profile.section(np.array(0.0))[0], math.radians(hob.get("chamfer_angle", 45))
+        chamfer = tip_corner.surface.tool.profile.section(np.array(0.0))[0], math.radians(hob.get("chamfer_angle", 45))
         assert np.hypot(*tooth.grid(Region.FLANK_RIGHT, [1.0], sections).points[0, 0, :2]) == pytest.approx(
             0.5 * hob["chamfer_diameter"], abs=1e-11
         )

@@ -64,10 +64,10 @@ def test_thread_is_what_the_rack_leaves_on_the_worm(threads: int, hand: int) -> 
     tooth = worm_member(tool, both, 30.0).tooth
     # the rack's right side leaves the left side of the thread
     for rack, part, side in ((both[0], tooth.left, 1), (both[1], tooth.right, -1)):
-        assert part.crest is not None
+        assert part.tip_corner is not None
         for profile, surface, span in (
             (rack.flank, part.flank, (rack.joint[0], rack.tip)),
-            (rack.rounding, part.crest.surface, (rack.joint[1], part.crest.end)),
+            (rack.rounding, part.tip_corner.surface, (rack.joint[1], part.tip_corner.end)),
         ):
             p, v = np.meshgrid(np.linspace(*span, 7), np.linspace(-15.0, 15.0, 5), indexing="ij")
             left = tool.thread(RackSurface(profile, tool.helix, 0.0, side)).jet(p, v)

@@ -43,7 +43,7 @@ from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import Crest, ToothSide
+from gearmesh.teeth.tooth_side import TipCorner, ToothSide
 from gearmesh.tools.description import ToolDescription
 from gearmesh.tools.rack import Reversed
 from gearmesh.tools.shaper_worm import ShaperWorm
@@ -81,9 +81,11 @@ class Thread:
         flank = PlacedSurface(self.flank(side), to_own)
         generated = self.worm.thread(Reversed(shaper.rounding), side, branch=-1)
         rounding = MappedSurface(generated, lambda q, v: self._crest_mapping(side, q, v))
-        crest = Crest(PlacedSurface(rounding, to_own), (1.0, -shaper.joint[1]), -shaper.root)
+        tip_corner = TipCorner(PlacedSurface(rounding, to_own), (1.0, -shaper.joint[1]), -shaper.root)
         wall = Wall(flank, self.root, which)
-        return ToothSide(flank, wall, (0.0, 0.0), 1.0, 1.0, crest=crest, sharp=True, tool=ToolDescription("shaper"))
+        return ToothSide(
+            flank, wall, (0.0, 0.0), 1.0, 1.0, tip_corner=tip_corner, sharp=True, tool=ToolDescription("shaper")
+        )
 
     def flank(self, side: int) -> Surface:
         """The flank that the shaper's `side` generates, normal out of the worm, by the parameters (p, v)."""

@@ -38,7 +38,7 @@ from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import Crest, ToothSide
+from gearmesh.teeth.tooth_side import TipCorner, ToothSide
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, RackSurface
 from gearmesh.tools.worm import Worm
@@ -162,9 +162,9 @@ def _side(worm: Worm, rack: RackTooth, clearance: float, side: int) -> ToothSide
     radius = clearance / (1.0 - np.sin(angle))
     fillet = Arc((float(point[0] - radius * np.sin(angle)), float(point[1] + radius * np.cos(angle))), radius)
     cutter = thread_rack(worm, rack.flank, side)
-    crest = None
+    tip_corner = None
     if rack.rounding.radius != 0.0:
-        crest = Crest(thread_surface(worm, rack.rounding, side), rack.joint, ROOT)
+        tip_corner = TipCorner(thread_surface(worm, rack.rounding, side), rack.joint, ROOT)
     thread, root = (thread_surface(worm, profile, side) for profile in (rack.flank, fillet))
     return ToothSide(
         thread,
@@ -172,7 +172,7 @@ def _side(worm: Worm, rack: RackTooth, clearance: float, side: int) -> ToothSide
         joint=(rack.tip, angle),
         root=ROOT,
         tip=rack.joint[0],
-        crest=crest,
+        tip_corner=tip_corner,
         tool=cutter.cutter(Opposite(fillet, 0.5 * np.pi * worm.module), radius, worm.radius),
         generation=(thread, root),
     )

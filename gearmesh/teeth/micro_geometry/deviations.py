@@ -187,7 +187,7 @@ def _side(tooth: Tooth, which: Side, grid: DeviationGrid) -> ToothSide:
         side,
         flank=Offset(side.flank, field),
         fillet=Offset(side.fillet, field),
-        crest=None if side.crest is None else replace(side.crest, crossed=True),
+        tip_corner=None if side.tip_corner is None else replace(side.tip_corner, crossed=True),
         tabulated=True,
         generated=side.generated or side,
         crossed=side.sharp,

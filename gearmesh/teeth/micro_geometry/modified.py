@@ -95,17 +95,17 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
         return float(ScrewInvolute.roll_length(jet, involute.internal)[0])
 
     begins = true.extent.root
-    crest = side.crest
-    if crest is not None:
-        ends = length_at(crest.joint[0])
-        crest = replace(crest, surface=twist(crest.surface, ends), joint=(ends, crest.joint[1]))
+    tip_corner = side.tip_corner
+    if tip_corner is not None:
+        ends = length_at(tip_corner.joint[0])
+        tip_corner = replace(tip_corner, surface=twist(tip_corner.surface, ends), joint=(ends, tip_corner.joint[1]))
     return ToothSide(
         flank=replace(involute, amount=modification),
         fillet=twist(side.fillet, begins),
         joint=(length_at(side.joint[0]), side.joint[1]),
         root=side.root,
         tip=true.extent.tip,
-        crest=crest,
+        tip_corner=tip_corner,
         flank_breaks=kinks.lengths,
         fillet_breaks=side.fillet_breaks,
         face_breaks=tuple(sorted({*side.face_breaks, *kinks.positions})),

@@ -29,7 +29,7 @@ from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.gear_train import Member, SourceParameters
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import Bottom, Crest, ToothSide
+from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
 from gearmesh.tools.description import ToolDescription
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import RackSurface
@@ -118,11 +118,11 @@ def _side(rack: RackTooth, roll: Roll, side: int, grinding: ToothMaking | None) 
     flank = grinding.surface(cutter, _beyond(rack.joint[0], rack.tip))
     fillet = grinding.surface(rounding, _beyond(rack.joint[1], ROOT))
     breaks = () if rack.pieces is None else rack.pieces.knots[1:-1]
-    crest = None
-    if rack.crest is not None:
-        above, (_, first) = rack.crest, rack.crest.joint
+    tip_corner = None
+    if rack.tip_corner is not None:
+        above, (_, first) = rack.tip_corner, rack.tip_corner.joint
         tool = RackSurface(above.profile, roll.helix, roll.cone, side)
-        crest = Crest(grinding.surface(tool, _beyond(first, above.end)), above.joint, above.end)
+        tip_corner = TipCorner(grinding.surface(tool, _beyond(first, above.end)), above.joint, above.end)
     sharp = rack.pieces is not None
     return ToothSide(
         flank,
@@ -130,7 +130,7 @@ def _side(rack: RackTooth, roll: Roll, side: int, grinding: ToothMaking | None) 
         rack.joint,
         ROOT,
         rack.tip,
-        crest=crest,
+        tip_corner=tip_corner,
         fillet_breaks=breaks,
         sharp=sharp,
         tool=grinding.description(cutter.cutter(rack.root_profile, abs(rack.rounding.radius), roll.radius)),

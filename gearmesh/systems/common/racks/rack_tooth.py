@@ -21,7 +21,7 @@ TOUCHING = 1e-12
 
 
 @dataclass(frozen=True)
-class RackCrest:
+class RackTipCorner:
     """What a cutter has at its root to cut the edge between flank and land.
 
     `joint` (p, q): parameters of the flank and of this where what they generate meets; `end`: its own at the blank's tip.
@@ -40,7 +40,7 @@ class RackTooth:
     blank's tip; `tip_height`, `root_height`: x of the blank's tip and of the cutter's tip plane, mm.
 
     `pieces`: what generates the fillet, where that is more than the rounding; what it and the flank generate then meets in an edge
-    at the form point, and is not smooth over the knots. `crest`: what cuts the tooth's tip, if anything does.
+    at the form point, and is not smooth over the knots. `tip_corner`: what cuts the tooth's tip, if anything does.
     """
 
     flank: Profile
@@ -50,7 +50,7 @@ class RackTooth:
     tip_height: float
     root_height: float
     pieces: ProfilePieces | None = None
-    crest: RackCrest | None = None
+    tip_corner: RackTipCorner | None = None
 
     @property
     def root_profile(self) -> Profile:

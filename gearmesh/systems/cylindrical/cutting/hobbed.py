@@ -31,7 +31,7 @@ from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.racks.rack_member import ROOT
-from gearmesh.systems.common.racks.rack_tooth import Heights, RackCrest, RackTooth, round_tips
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTipCorner, RackTooth, round_tips
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.undercut import intersection
 from gearmesh.tools.profile import Profile
@@ -92,7 +92,7 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
         )
         made = replace(made, flank=final, joint=(flank.root, pieces.knots[-1]), pieces=pieces)
     if hob.chamfer_diameter is not None:
-        made = replace(made, crest=hobbing.chamfer(final, made.joint[0]))
+        made = replace(made, tip_corner=hobbing.chamfer(final, made.joint[0]))
     return made, made
 
 
@@ -185,7 +185,7 @@ class _Hobbing:
             raise VagueError(key, diameter, unit="mm", reason="the finishing tool's tip cuts the root", allowed="more")
         return crossed
 
-    def chamfer(self, flank: Line, begins: float) -> RackCrest:
+    def chamfer(self, flank: Line, begins: float) -> RackTipCorner:
         """The line that cuts a chamfer from a diameter of the `flank` on, which has its form point at `begins`."""
         hob, own, diameter = self.hob, self.own, self.hob.chamfer_diameter
         assert diameter is not None
@@ -221,7 +221,7 @@ class _Hobbing:
                 reason="the chamfers leave no land",
                 allowed="more, or a smaller chamfer_angle",
             )
-        return RackCrest(line, (flank.at_height(self._height(own.alpha, radius)), 0.0), end)
+        return RackTipCorner(line, (flank.at_height(self._height(own.alpha, radius)), 0.0), end)
 
     def _none_left(self) -> list[ToothCut]:
         raise VagueError(
