@@ -176,7 +176,7 @@ def peak_inside(built: GearModel, solution: NodalSolution, case: Case, pair: Gea
     mesh, pinion = built.model.mesh, pair.pinion.name
     (name,) = {each.slave for each in built.model.contacts if tooth_of(each.slave) == 1 + case.teeth // 2}
     layers = len(mesh.element_sets[pinion]) // len(mesh.face_sets[f"{pinion}_toe"])
-    # rows of faces run from joint to tip
+    # rows of faces run from form point to tip
     inner = np.unique(mesh.face_corners(name).reshape(-1, 4 * layers)[ROWS:-ROWS])
     inner = inner[away_from_ends(pair, mesh.nodes[inner])]
     return float(solution.pressure[inner].max())

@@ -41,7 +41,9 @@ class SideLimitFigures(Figures):
     undercut: NDArray[np.bool_] = figure("whether undercut removes part of the flank")
     undercut_from: float = figure("station at which undercut begins or ends", "mm")
     h1: Array = figure("depth of the limiting line below the pitch plane", "mm", "h_1")
-    joint_depth: Array = figure("depth of the end of the tool's flank below the pitch plane", "mm")
+    form_point_depth: Array = figure(
+        "depth of the end of the tool's flank below the pitch plane", "mm", key="joint_depth_mm"
+    )
     h2: Array = figure("height of the tool's point that generates a tip with the least top land", "mm", "h_2")
     flank_from_diameter: Array | None = figure("root form diameter, at which the flank begins", "mm", optional=True)
     singular_diameter: Array | None = figure("diameter of the singular points", "mm", optional=True)
@@ -150,7 +152,7 @@ class Limits(Result):
                 if np.isfinite(h1).any():
                     line += (
                         f": the limit of the tool's depth is {np.nanmin(h1):.4g} mm below the pitch plane, the flank extends to "
-                        f"{side.joint_depth[side.undercut].max():.4g} mm"
+                        f"{side.form_point_depth[side.undercut].max():.4g} mm"
                     )
                 lines.append(line)
         return (*self.train.warnings, *lines)
@@ -268,7 +270,7 @@ def _side_figures(member: Member, side: SideLimits) -> SideLimitFigures:
         undercut=side.undercut,
         undercut_from=side.undercut_from,
         h1=side.h1,
-        joint_depth=side.joint_depth,
+        form_point_depth=side.form_point_depth,
         h2=side.h2,
         flank_from_diameter=joint.diameter(side.flank_radius),
         singular_diameter=joint.diameter(side.singular_radius),

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from gearmesh.contact.conditions.ends import Between, FormPoints, root_of, tip_of
 from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
-from gearmesh.contact.pair import CREASES, JOINT, RIDGES, ROOT, Pair
+from gearmesh.contact.pair import CREASES, FORM_POINT, RIDGES, ROOT, Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import ArgumentError
@@ -189,7 +189,7 @@ def contact_flank(member: Member, side: Side) -> Flank:
     tooth = member.one_tooth
     grid = tooth.grid(FLANKS[side], rows_of(tooth.chain[FLANKS[side]], side), tooth.even)
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
-    joint = FormPoints(tooth, side, grid)
+    form_point = FormPoints(tooth, side, grid)
     return Flank(
         surface=tooth.side(side).flank,
         mount=member.mount,
@@ -197,13 +197,13 @@ def contact_flank(member: Member, side: Side) -> Flank:
             "tip": tip_of(tooth, grid),
             "toe": Shifted(axial, toe, -1.0),
             "heel": Shifted(axial, heel),
-            JOINT: joint.level,
+            FORM_POINT: form_point.level,
         },
         axial=axial,
         extent=(toe, heel),
         grid=grid.parameters,
-        beyond_ends=joint,
-        smooth=frozenset({JOINT}) if joint.smooth else frozenset(),
+        beyond_ends=form_point,
+        smooth=frozenset({FORM_POINT}) if form_point.smooth else frozenset(),
         creases=_creases(tooth, side),
         smooth_surface=tooth.side(side).smooth_flank,
     )

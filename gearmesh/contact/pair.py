@@ -15,16 +15,16 @@ from gearmesh.kernel.surface.levels import Level, Shifted
 from gearmesh.kernel.surface.surface import Surface
 
 MEMBERS = ("pinion", "gear")
-#: edges of a flank; a fillet has a root instead of tip and form point
+#: edges of a flank, as answers name them; a fillet has a root instead of tip and form point
 EDGES = ("tip", "toe", "heel")
-JOINT, ROOT = "joint", "root"
+FORM_POINT, ROOT = "joint", "root"
 #: corners inside a flank, along the face and up the profile: as many as linear reliefs of two tables make
 CREASES, RIDGES = (tuple(f"{kind}_{k}" for k in (1, 2, 3, 4)) for kind in ("crease", "ridge"))
 #: all edges of both members, in the order in which the solver counts them, by member and name
 NUMBERED = (
     *((member, name) for member in (0, 1) for name in EDGES),
-    (0, JOINT),
-    (1, JOINT),
+    (0, FORM_POINT),
+    (1, FORM_POINT),
     (0, ROOT),
     (1, ROOT),
     *((member, name) for member in (0, 1) for name in (*CREASES, *RIDGES)),
@@ -133,11 +133,11 @@ class Pair:
 def _piece(flank: Flank, place: Array) -> Flank:
     """The piece of a flank about a place, parameters (2,), that its corners bound."""
     rows, columns = flank.grid.shape[:2]
-    ends = {"tip": (-1, columns // 2), JOINT: (0, columns // 2), "toe": (rows // 2, 0), "heel": (rows // 2, -1)}
+    ends = {"tip": (-1, columns // 2), FORM_POINT: (0, columns // 2), "toe": (rows // 2, 0), "heel": (rows // 2, -1)}
     smooth, steps = flank.smooth_about(*place), STEP * np.ptp(flank.grid.reshape(-1, 2), axis=0)
     nearest: dict[str, tuple[float, Level]] = {}
     for name, level in flank.creases.items():
-        both, axis = (("tip", JOINT), 0) if name in CREASES else (("toe", "heel"), 1)
+        both, axis = (("tip", FORM_POINT), 0) if name in CREASES else (("toe", "heel"), 1)
         # on a corner itself the piece is on that side of it where the surface is the same
         near = place + np.array([[0.0], [1.0], [-1.0]]) * steps * (np.arange(2) == axis)
         same = np.array([flank.smooth_about(*parameters) == smooth for parameters in near])

@@ -248,7 +248,7 @@ def _mesh(
     np.maximum.at(strips, strip, _peaks(heights[side.reshape(-1, 3)], nodes.height(triangles)))
     along = float(np.abs(heights[nodes.s[edges[:, 0]] == nodes.s[edges[:, 1]]]).max())
     if region.is_flank and isinstance(link, GeneratedLink):
-        along = max(along, _joint_miss(tooth, link, sections))
+        along = max(along, _form_point_miss(tooth, link, sections))
     deviation = max(along, float(strips.max()), outline)
     return PatchMesh(nodes, triangles, nodes.middle(triangles).normals, deviation), along, strips
 
@@ -318,7 +318,7 @@ def _off_curve(link: Link, s: Array, end: Sections) -> Array:
     return distance
 
 
-def _joint_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float:
+def _form_point_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float:
     """Largest distance (mm) of the chords between stations from the form point with the fillet, where that is a sharp edge.
 
     Where flank and fillet pass into each other smoothly, the chord may lie beside the form point: both surfaces are near it.
@@ -326,7 +326,7 @@ def _joint_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float
     own = tooth.side(flank.side)
 
     def on_edge(sections: Sections) -> NDArray[np.bool_]:
-        is_edge: NDArray[np.bool_] = (sections.of(flank.side).joint_flank != own.joint[0]) | own.sharp
+        is_edge: NDArray[np.bool_] = (sections.of(flank.side).form_point_flank != own.form_point[0]) | own.sharp
         return is_edge
 
     if not on_edge(stations).any():

@@ -59,8 +59,8 @@ class SideLimits:
 
     `p`, `v` (T,): parameters of the limiting line; `on_tool`, `on_tooth` (T, 3): its points on the tool, in the tool's
     frame, and the singular points of the tooth, in the member's. `h1` (T,): depth of the limiting line below the pitch
-    plane, `joint_depth` (T,) that of the tool's form point: undercut where the form point lies deeper. `h2` (T,): height of the
-    tool point that generates the tip where the land has the width asked for. `undercut` (T,): the fillet cuts the flank off;
+    plane, `form_point_depth` (T,) that of the tool's form point: undercut where the form point lies deeper. `h2` (T,): height
+    of the tool point that generates the tip where the land has the width asked for. `undercut` (T,): the fillet cuts the flank off;
     `flank_radius` (T,): where the flank begins, `lost` (T,): how much of the tool's flank generates nothing that remains.
     `undercut_from`: station, on the face or beyond it, at which undercut begins or ends, NaN if at none. Of a rack, whose `joint`
     is a slide, radii are heights over its reference plane.
@@ -71,7 +71,7 @@ class SideLimits:
     on_tool: Array
     on_tooth: Array
     h1: Array
-    joint_depth: Array
+    form_point_depth: Array
     h2: Array
     undercut: NDArray[np.bool_]
     flank_radius: Array
@@ -122,8 +122,8 @@ def member_limits(member: Member, land: float = 0.0, count: int = STATIONS) -> M
     right, left, points = land_of_width(_flanks(tooth), tooth.blank.axial, tooth.blank.tip, stations, land, tooth.joint)
     return MemberLimits(
         stations=stations,
-        right=_side(tooth, tooth.right, stations, sections.right.joint_flank, right),
-        left=_side(tooth, tooth.left, stations, sections.left.joint_flank, left),
+        right=_side(tooth, tooth.right, stations, sections.right.form_point_flank, right),
+        left=_side(tooth, tooth.left, stations, sections.left.form_point_flank, left),
         tip_radius=tip_radius,
         top_land=_arms(tooth.joint, tip_radius) * (sections.left.tip_angle - sections.right.tip_angle),
         land_radius=tooth.joint.radius(points),
@@ -139,10 +139,10 @@ def lost_heights(tooth: Tooth) -> dict[Side, float]:
     sections = tooth.sections(np.linspace(0.0, 1.0, PROOF_STATIONS))
     heights = {}
     for which in Side:
-        side, begins = tooth.side(which), sections.of(which).joint_flank
-        joint = np.full_like(begins, side.joint[0])
+        side, begins = tooth.side(which), sections.of(which).form_point_flank
+        form_point = np.full_like(begins, side.form_point[0])
         if _undercut(tooth, side, sections.stations, begins).any():
-            heights[which] = float((side.tool.height(begins) - side.tool.height(joint)).max())
+            heights[which] = float((side.tool.height(begins) - side.tool.height(form_point)).max())
     return heights
 
 
@@ -156,20 +156,20 @@ def undercut_margin(tooth: Tooth) -> float:
     return float(min(least))
 
 
-def _undercut(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array) -> NDArray[np.bool_]:
-    """Stations (T,) where undercut, and not a corner of the tool, cuts the flank off at `joint_flank` (T,)."""
-    joint = np.full_like(stations, side.joint[0])
+def _undercut(tooth: Tooth, side: ToothSide, stations: Array, form_point_flank: Array) -> NDArray[np.bool_]:
+    """Stations (T,) where undercut, and not a corner of the tool, cuts the flank off at `form_point_flank` (T,)."""
+    form_point = np.full_like(stations, side.form_point[0])
     if not side.crossed:
-        changed: NDArray[np.bool_] = joint_flank != joint
+        changed: NDArray[np.bool_] = form_point_flank != form_point
         return changed
     axial = tooth.blank.axial
     return cut_off(side, along(side.flank, np.full_like(stations, side.tip), stations, axial)[1], stations, axial)
 
 
-def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_land: Array) -> SideLimits:
+def _side(tooth: Tooth, side: ToothSide, stations: Array, form_point_flank: Array, p_land: Array) -> SideLimits:
     axial = tooth.blank.axial
     start = np.full_like(stations, side.tip)
-    p = singular_at(side.flank, (start, start + _reach(side) * (side.joint[0] - start)), stations, axial)
+    p = singular_at(side.flank, (start, start + _reach(side) * (side.form_point[0] - start)), stations, axial)
     v, on_tool, on_tooth = (np.full((*stations.shape, *shape), np.nan) for shape in ((), (3,), (3,)))
     known = np.isfinite(p)
     if known.any():
@@ -179,19 +179,19 @@ def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_
             flank = side.generation[0]
             on_tool[known] = flank.tool.jet(*flank.on_tool(p[known], v[known])).r
     pitch = pitch_height(tooth, side, stations)
-    joint = np.full_like(stations, side.joint[0])
-    begins = along(side.flank, joint_flank, stations, axial)[1].r
+    form_point = np.full_like(stations, side.form_point[0])
+    begins = along(side.flank, form_point_flank, stations, axial)[1].r
     return SideLimits(
         p,
         v,
         on_tool,
         on_tooth,
         h1=pitch - side.tool.height(p),
-        joint_depth=pitch - side.tool.height(joint),
+        form_point_depth=pitch - side.tool.height(form_point),
         h2=side.tool.height(p_land) - pitch,
-        undercut=_undercut(tooth, side, stations, joint_flank),
+        undercut=_undercut(tooth, side, stations, form_point_flank),
         flank_radius=tooth.joint.radius(begins),
-        lost=side.tool.height(joint_flank) - side.tool.height(joint),
+        lost=side.tool.height(form_point_flank) - side.tool.height(form_point),
         undercut_from=undercut_station(tooth, side),
         joint=tooth.joint,
     )
@@ -230,7 +230,7 @@ def pitch_height(tooth: Tooth, side: ToothSide, stations: Array) -> Array:
 def _reach(side: ToothSide) -> float:
     """How far, in lengths of the flank from tip to form point, its profile goes on downwards."""
     share = np.linspace(0.0, 1.0 + PROLONGED, 400)
-    height = side.tool.height(side.tip + share * (side.joint[0] - side.tip))
+    height = side.tool.height(side.tip + share * (side.form_point[0] - side.tip))
     if np.isnan(height).all():
         return 1.0 + PROLONGED
     back = np.flatnonzero(~(np.diff(height) < 0.0))
@@ -247,13 +247,13 @@ def undercut_station(tooth: Tooth, side: ToothSide) -> float:
     """
     blank = tooth.blank
     ends = np.array(blank.extent)
-    v, _ = along(side.flank, np.full(2, side.joint[0]), ends, blank.axial)
+    v, _ = along(side.flank, np.full(2, side.form_point[0]), ends, blank.axial)
     prolonged = BEYOND * (v[1] - v[0])
     low, high = np.array([v[0] - prolonged]), np.array([v[1] + prolonged])
-    _, crossings = zeros(lambda x, k: area_density(side.flank.jet(np.full_like(x, side.joint[0]), x)), low, high)
+    _, crossings = zeros(lambda x, k: area_density(side.flank.jet(np.full_like(x, side.form_point[0]), x)), low, high)
     if not crossings.size:
         return float("nan")
-    at = blank.axial.value(side.flank.jet(np.full_like(crossings, side.joint[0]), crossings).r)
+    at = blank.axial.value(side.flank.jet(np.full_like(crossings, side.form_point[0]), crossings).r)
     return float(at[np.argmin(np.abs(at - ends.mean()))])
 
 
@@ -273,7 +273,7 @@ def fewest_teeth(tooth: Tooth) -> int | None:
     def whole(teeth: int) -> bool:
         for rack, side in cut:
             rolled = Envelope(rack.surface, RackRoll(rack.radius * teeth / tooth.teeth))
-            if np.isfinite(singular_at(rolled, (side.tip, side.joint[0]), stations, tooth.blank.axial)).any():
+            if np.isfinite(singular_at(rolled, (side.tip, side.form_point[0]), stations, tooth.blank.axial)).any():
                 return False
         return True
 

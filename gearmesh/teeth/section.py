@@ -53,8 +53,8 @@ class Ends:
     `tip_corner`: the parameter at which a generated chamfer or rounding begins, NaN where it has none.
     """
 
-    joint_flank: Array
-    joint_fillet: Array
+    form_point_flank: Array
+    form_point_fillet: Array
     tip: Array
     tip_corner: Array
     tip_angle: Array
@@ -64,8 +64,8 @@ class Ends:
     def __getitem__(self, which: slice | NDArray[np.intp]) -> Ends:
         edge = None if self.edge is None else (self.edge[0][which], self.edge[1][which], self.edge[2][which])
         return Ends(
-            self.joint_flank[which],
-            self.joint_fillet[which],
+            self.form_point_flank[which],
+            self.form_point_fillet[which],
             self.tip[which],
             self.tip_corner[which],
             self.tip_angle[which],

@@ -37,7 +37,7 @@ from gearmesh.teeth.section import (
     parameter,
 )
 from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
-from gearmesh.teeth.undercut import Undercut, cut_off, intersection, joint, singular_stations, trim_tolerance
+from gearmesh.teeth.undercut import Undercut, cut_off, form_point, intersection, singular_stations, trim_tolerance
 
 #: stations at which the beginning of undercut is looked for
 BREAK_SAMPLES = 17
@@ -115,7 +115,7 @@ class Tooth:
         side, axial = self.side(which), self.blank.axial
 
         def fillet(ends: Ends) -> tuple[Array, Array]:
-            return np.full_like(ends.joint_fillet, side.root), ends.joint_fillet
+            return np.full_like(ends.form_point_fillet, side.root), ends.form_point_fillet
 
         links: list[Link] = [
             self._add_seams(GeneratedLink(FILLETS[which], which, side.fillet, axial, fillet), side.fillet_breaks),
@@ -135,7 +135,7 @@ class Tooth:
     def _flank(self, which: Side) -> GeneratedLink:
         side = self.side(which)
         flank = GeneratedLink(
-            FLANKS[which], which, side.flank, self.blank.axial, lambda ends: (ends.joint_flank, ends.tip)
+            FLANKS[which], which, side.flank, self.blank.axial, lambda ends: (ends.form_point_flank, ends.tip)
         )
         return self._add_seams(flank, side.flank_breaks)
 
@@ -187,10 +187,10 @@ class Tooth:
 
     def _cut_off(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
         """Stations t (T,) where the flank is undercut, at the tool's form point or before it."""
-        cut = self._cut_off_at_joint(side, t)
+        cut = self._cut_off_at_form_point(side, t)
         return cut | singular_stations(side, self.stations(t), self.blank.axial) if self._folds(side) else cut
 
-    def _cut_off_at_joint(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
+    def _cut_off_at_form_point(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
         stations, axial = self.stations(t), self.blank.axial
         return cut_off(side, along(side.flank, np.full_like(stations, side.tip), stations, axial)[1], stations, axial)
 
@@ -202,9 +202,9 @@ class Tooth:
         which = Side.RIGHT if side is self.right else Side.LEFT
         if which not in self._folded_sides:
             t = np.linspace(0.0, 1.0, FOLD_STATIONS)
-            sound = t[~self._cut_off_at_joint(side, t)]
+            sound = t[~self._cut_off_at_form_point(side, t)]
             if sound.size < t.size:
-                sound = np.append(sound, _changes(lambda t: self._cut_off_at_joint(side, t)))
+                sound = np.append(sound, _changes(lambda t: self._cut_off_at_form_point(side, t)))
             self._folded_sides[which] = bool(
                 sound.size and singular_stations(side, self.stations(sound), self.blank.axial).any()
             )
@@ -352,7 +352,7 @@ class Tooth:
         side, stations = self.side(which), self.stations(t)
         tip, tip_jet = self._tip(side, stations, t)
         tip_point, tip_corner = tip_jet.r, np.full_like(stations, np.nan)
-        joint_flank, joint_fillet, undercut = joint(
+        form_point_flank, form_point_fillet, undercut = form_point(
             side,
             (tip, tip_jet),
             (t, stations),
@@ -372,9 +372,9 @@ class Tooth:
             land = np.full_like(stations, side.tip_corner.end)
             tip_point = along(side.tip_corner.surface, land, stations, self.blank.axial)[1].r
         if self.tip_edge is not None:
-            tip, edge = self.tip_edge.between(side.flank, self.blank, which.sign, (joint_flank, tip), stations)
+            tip, edge = self.tip_edge.between(side.flank, self.blank, which.sign, (form_point_flank, tip), stations)
             tip_point = edge[1]
-        return Ends(joint_flank, joint_fillet, tip, tip_corner, self.joint.angle(tip_point), root_angle, edge)
+        return Ends(form_point_flank, form_point_fillet, tip, tip_corner, self.joint.angle(tip_point), root_angle, edge)
 
     def _tip(self, side: ToothSide, stations: Array, t: Array) -> tuple[Array, Jet]:
         """Flank parameter p (T,) and the flank's jet on the tip's level, or where its tip chamfer or rounding begins, at each
@@ -401,7 +401,7 @@ class Tooth:
     def _tip_corner(self, side: ToothSide, tip_corner: TipCorner, stations: Array, t: Array) -> tuple[Array, Array]:
         """Parameters (T,) of flank and tip corner where they meet at each station."""
         axial = self.blank.axial
-        p, q = (np.full_like(stations, parameter) for parameter in tip_corner.joint)
+        p, q = (np.full_like(stations, parameter) for parameter in tip_corner.form_point)
         if not tip_corner.crossed:
             return p, q
         start = [p, along(side.flank, p, stations, axial)[0], q, along(tip_corner.surface, q, stations, axial)[0]]

@@ -11,14 +11,15 @@ from gearmesh.tools.description import ToolDescription
 
 @dataclass(frozen=True)
 class TipCorner:
-    """Tip corner that the tool generates: a rounding, which touches the tip land, or a chamfer; surface parameters (q, v), q across the profile.
+    """Tip corner that the tool generates: a rounding, which touches the tip land, or a chamfer; surface parameters (q, v), q
+    across the profile.
 
-    `joint` (p, q): parameters of flank and tip chamfer or rounding where they meet; `end`: parameter of the latter where the
+    `form_point` (p, q): parameters of flank and tip chamfer or rounding where they meet; `end`: parameter of the latter where the
     land begins. `crossed`: the flank was modified since, and they end where they cross.
     """
 
     surface: Surface
-    joint: tuple[float, float]
+    form_point: tuple[float, float]
     end: float
     crossed: bool = False
 
@@ -27,7 +28,7 @@ class TipCorner:
 class ToothSide:
     """One side of a tooth: generated flank and fillet, surface parameters (p, v) with p across the profile.
 
-    `joint` (p, q): flank and fillet parameters where the tool's flank passes into its tip rounding;
+    `form_point` (p, q): flank and fillet parameters where the tool's flank passes into its tip rounding;
     `root`: fillet parameter where the tool's tip plane begins; `tip`: flank parameter near the tip, a start value.
     `sharp`: they meet there in an edge, as what two tools or two parts of one generate does, not smoothly. `crossed`: at the
     joint, a hollow corner of the tool, they have run past each other, and end where they cross.
@@ -46,7 +47,7 @@ class ToothSide:
 
     flank: Surface
     fillet: Surface
-    joint: tuple[float, float]
+    form_point: tuple[float, float]
     root: float
     tip: float
     tip_corner: TipCorner | None = None

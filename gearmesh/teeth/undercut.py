@@ -28,7 +28,7 @@ SAMPLES = 300
 #: stations at which that is done; the others start from these
 STARTS = 17
 #: part of the flank's parameter within which a solution is the form point itself, where both branches of the fillet end
-AT_JOINT = 1e-6
+AT_FORM_POINT = 1e-6
 #: area density at the form point, over that near the tip and negative, up to which the cusp is at the form point: what would be
 #: cut off is about half its square of the flank's height, less than 1e-12 mm
 JUST_BEGUN = 1e-7
@@ -60,7 +60,7 @@ def trim_tolerance(r: Array) -> float:
     return max(TRIM_TOLERANCE, TRIM_ROUNDING * float(np.abs(r).max(initial=0.0)))
 
 
-def joint(
+def form_point(
     side: ToothSide,
     tip: tuple[Array, Jet],
     at: tuple[Array, Array],
@@ -77,7 +77,7 @@ def joint(
     where undercut removes the whole flank, or such a loop ends in the flank itself.
     """
     t, stations = at
-    p, q = np.full_like(stations, side.joint[0]), np.full_like(stations, side.joint[1])
+    p, q = np.full_like(stations, side.form_point[0]), np.full_like(stations, side.form_point[1])
     cut = cut_off(side, tip[1], stations, axial, JUST_BEGUN)
     if folds:
         cut |= singular_stations(side, stations, axial)
@@ -99,11 +99,11 @@ def _crossing(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level
     do not.
     """
     t, stations = at
-    joint = [np.full_like(stations, parameter) for parameter in side.joint]
+    form_point = [np.full_like(stations, parameter) for parameter in side.form_point]
     reach = 0.0 if side.generated is None else -MISSED
     start = [
         x
-        for surface, p in zip((side.flank, side.fillet), joint, strict=True)
+        for surface, p in zip((side.flank, side.fillet), form_point, strict=True)
         for x in (p, along(surface, p, stations, axial)[0])
     ]
 
@@ -112,7 +112,7 @@ def _crossing(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level
         p, q = solution.values[:, 0], solution.values[:, 2]
         past = (
             (x - begins) / (ends - begins)
-            for x, begins, ends in ((p, side.joint[0], tip[which]), (q, side.joint[1], side.root))
+            for x, begins, ends in ((p, side.form_point[0], tip[which]), (q, side.form_point[1], side.root))
         )
         return solution.values, solution.converged & np.all([(x >= reach) & (x <= 1.0) for x in past], axis=0)
 
@@ -139,14 +139,14 @@ def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level, just_beg
 def regularity(side: ToothSide, sound: Jet, stations: Array, axial: Level) -> Array:
     """Area density (T,) of the flank at the tool's form point over that of its jet `sound` near the tip: 0 where undercut
     begins, and negative beyond."""
-    lost = along(side.flank, np.full_like(stations, side.joint[0]), stations, axial)[1]
+    lost = along(side.flank, np.full_like(stations, side.form_point[0]), stations, axial)[1]
     return np.asarray(area_density(lost) / area_density(sound))
 
 
 def singular_stations(side: ToothSide, stations: Array, axial: Level) -> NDArray[np.bool_]:
     """Stations (T,) where the flank is turned inside out somewhere between tip and form point, against its sense near the tip."""
     share = np.linspace(1.0, 0.0, FOLD_SAMPLES + 1)[:-1, None]
-    p = side.joint[0] + share * (side.tip - side.joint[0])
+    p = side.form_point[0] + share * (side.tip - side.form_point[0])
     curves = follow(side.flank, np.broadcast_to(p, (FOLD_SAMPLES, stations.size)), stations, axial)
     density = area_density(curves.jet)
     turned: NDArray[np.bool_] = (curves.converged & (density / density[0] < 0.0)).any(axis=0)
@@ -169,12 +169,14 @@ def _intersection(
         start = Undercut(stations[some], known).at(stations)
     solution = intersection((side.flank, side.fillet), start, stations, axial)
     x = solution.values
-    astray = ~solution.converged | (np.abs(x[:, 0] - side.joint[0]) <= AT_JOINT * np.abs(tip - side.joint[0]))
+    astray = ~solution.converged | (
+        np.abs(x[:, 0] - side.form_point[0]) <= AT_FORM_POINT * np.abs(tip - side.form_point[0])
+    )
     if astray.any():
         anew = _start(side, tip[astray], (t[astray], stations[astray]), axial, root)
         again = intersection((side.flank, side.fillet), anew, stations[astray], axial)
         x[astray] = np.where(again.converged[:, None], again.values, np.nan)
-    tiny = ~(np.abs(x[:, 0] - side.joint[0]) > 2.0 * LOST * np.abs(tip - side.joint[0]))
+    tiny = ~(np.abs(x[:, 0] - side.form_point[0]) > 2.0 * LOST * np.abs(tip - side.form_point[0]))
     if tiny.any():
         x[tiny] = _in_rounding(side, tip[tiny], (t[tiny], stations[tiny]), axial, x[tiny])
     return x
@@ -186,13 +188,13 @@ def _in_rounding(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Le
     Raises TrimError where nothing was found and the loop is too large for that.
     """
     t, stations = at
-    joint = np.full_like(stations, side.joint[0])
-    cusp = singular_at(side.flank, (tip, joint), stations, axial)
-    lost = np.abs(cusp - joint) < LOST * np.abs(tip - joint)
+    form_point = np.full_like(stations, side.form_point[0])
+    cusp = singular_at(side.flank, (tip, form_point), stations, axial)
+    lost = np.abs(cusp - form_point) < LOST * np.abs(tip - form_point)
     missing = ~lost & np.isnan(x[:, 0])
     if missing.any():
         raise _undercut_error(t[int(np.argmax(missing))])
-    p, q = cusp + 0.5 * (cusp - joint), np.full_like(stations, side.joint[1])
+    p, q = cusp + 0.5 * (cusp - form_point), np.full_like(stations, side.form_point[1])
     v, flank = along(side.flank, p, stations, axial)
     # the fillet, along which the flank comes to the form point, is followed back to where the flank ends
     fillet = along(side.fillet, q, stations, axial)[1]
@@ -230,14 +232,14 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
     """
     t, stations = at
     crowded = np.linspace(0.0, 1.0, SAMPLES)[:, None] ** 4
-    cusp = singular_at(side.flank, (tip, side.joint[0]), stations, axial)
+    cusp = singular_at(side.flank, (tip, side.form_point[0]), stations, axial)
     if side.crossed:
         # where nothing is undercut the flank goes on to the form point
-        cusp = np.where(np.isnan(cusp), side.joint[0], cusp)
+        cusp = np.where(np.isnan(cusp), side.form_point[0], cusp)
     if np.isnan(cusp).any():
         raise _undercut_error(t[int(np.argmax(np.isnan(cusp)))])
     p = cusp + crowded * (tip - cusp)
-    q = side.joint[1] + crowded[::-1] * (side.root - side.joint[1])
+    q = side.form_point[1] + crowded[::-1] * (side.root - side.form_point[1])
     flank, fillet = (
         follow(surface, np.broadcast_to(x, p.shape), stations, axial)
         for surface, x in ((side.flank, p), (side.fillet, q))
@@ -254,8 +256,8 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
         crossing = np.flatnonzero(apart[:-1] * apart[1:] <= 0.0)
         if levels[-1] > levels[0] and crossing.size:
             place = levels[crossing[-1]]
-        elif abs(cusp[k] - side.joint[0]) < SMALL * abs(tip[k] - side.joint[0]):
-            beside = cusp[k] + 0.5 * (cusp[k] - side.joint[0])
+        elif abs(cusp[k] - side.form_point[0]) < SMALL * abs(tip[k] - side.form_point[0]):
+            beside = cusp[k] + 0.5 * (cusp[k] - side.form_point[0])
             place = np.interp(abs(beside - cusp[k]), np.abs(p_there - cusp[k]), height)
         else:
             raise _undercut_error(t[k])

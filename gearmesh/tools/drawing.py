@@ -39,15 +39,15 @@ class DrawnSide:
 
     flank: GeneratedSurface
     fillet: GeneratedSurface
-    joint: tuple[float, float]
+    form_point: tuple[float, float]
     root: float
     tip: float
 
     def parts(self, top: float) -> tuple[tuple[str, GeneratedSurface, Array], ...]:
-        """Flank, from the parameter `top` to the joint, and fillet on to the root, each with parameters (P,) across it."""
+        """Flank, from the parameter `top` to the form point, and fillet on to the root, each with parameters (P,) across it."""
         return (
-            ("flank", self.flank, np.linspace(top, self.joint[0], ACROSS)),
-            ("fillet", self.fillet, np.linspace(self.joint[1], self.root, TIP)),
+            ("flank", self.flank, np.linspace(top, self.form_point[0], ACROSS)),
+            ("fillet", self.fillet, np.linspace(self.form_point[1], self.root, TIP)),
         )
 
 
@@ -102,7 +102,7 @@ class TurnedDrawing:
         sheets, sections = [], []
         for side in sides:
             section = []
-            for region, surface, p in side.parts(side.joint[0] + SHOWN * (side.tip - side.joint[0])):
+            for region, surface, p in side.parts(side.form_point[0] + SHOWN * (side.tip - side.form_point[0])):
                 jet = surface.tool.jet(*surface.on_tool(p, np.full_like(p, at.parameters[1])))
                 sheets.append(_sheet(region, _revolve(jet, np.linspace(0.0, 2.0 * np.pi, AROUND))))
                 section.append(_revolve(jet, np.array([through])).r[:, 0])

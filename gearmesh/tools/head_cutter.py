@@ -155,7 +155,7 @@ class Blade:
         return angle, angle
 
     @cached_property
-    def joint(self) -> tuple[float, float]:
+    def form_point(self) -> tuple[float, float]:
         """Parameters of cutting edge and `tip` where they pass into each other, or, with a straight toprem, at its corner."""
         if self.toprem is None:
             return self._touch
@@ -170,7 +170,7 @@ class Blade:
 
     @cached_property
     def tip(self) -> Profile:
-        """Profile of toprem and tip rounding, from the `joint` to the tip plane at `root`."""
+        """Profile of toprem and tip rounding, from the `form_point` to the tip plane at `root`."""
         if self.toprem is None:
             return self.rounding
         own = (self._toprem_begins, self._touch[0]), (self._touch[1], 0.5 * np.pi)

@@ -144,7 +144,7 @@ class Shaper:
         return Arc((self.pitch_radius, 0.0), -self.top_radius)
 
     @property
-    def joint(self) -> tuple[float, float]:
+    def form_point(self) -> tuple[float, float]:
         """Parameters (rad) of involute and rounding where they pass into each other."""
         theta = self._centre_roll(self.tip_radius) + self.tip_radius / self.base_radius
         return theta, self.theta_0 + theta

@@ -424,10 +424,10 @@ def test_flank_and_fillet_meet() -> None:
         for side, ends in ((tooth.right, sections.right), (tooth.left, sections.left)):
             flank, fillet = (
                 along(surface, p, sections.stations, tooth.blank.axial)[1].r
-                for surface, p in ((side.flank, ends.joint_flank), (side.fillet, ends.joint_fillet))
+                for surface, p in ((side.flank, ends.form_point_flank), (side.fillet, ends.form_point_fillet))
             )
             assert np.abs(flank - fillet).max() < 1e-9
-            undercut += int((ends.joint_flank != side.joint[0]).sum())
+            undercut += int((ends.form_point_flank != side.form_point[0]).sum())
     assert undercut > 100
 
 
@@ -486,7 +486,7 @@ def test_roundings_of_cutters() -> None:
             continue
         for rack in sides:
             centre, radius = np.array(rack.rounding.centre), spec.tool_tip_radius * module
-            on_flank, _, normal, _ = flank.section(np.array(rack.joint[0]))
+            on_flank, _, normal, _ = flank.section(np.array(rack.form_point[0]))
             assert centre[0] - radius == pytest.approx(heights.root, abs=1e-13 * module)
             np.testing.assert_allclose(on_flank + radius * normal, centre, rtol=0, atol=1e-13 * module)
         held += 1

@@ -129,14 +129,14 @@ def test_volume_is_less_by_what_is_removed() -> None:
         flank = tooth.side(side).flank
         assert isinstance(flank, ScrewInvolute)
         assert flank.amount is not None
-        low, high = tooth.side(side).joint[0], float(tooth.sections([0.5]).of(side).tip[0])
+        low, high = tooth.side(side).form_point[0], float(tooth.sections([0.5]).of(side).tip[0])
         length, z = low + 0.5 * (high - low) * (nodes[0] + 1.0), 12.0 * nodes[0]
         a = flank.amount.jet(*np.meshgrid(length, z, indexing="ij")).a
         # arcs a r / r_b between radii, r dr = L dL
         removed += float((0.5 * (high - low) * nodes[1] * length / flank.base_radius) @ a @ (12.0 * nodes[1]))
         below = flank.amount.jet(np.full_like(z, low), z).a @ (12.0 * nodes[1]) / flank.base_radius
-        root, joint = tooth.blank.root.radius, np.hypot(flank.base_radius, low)
-        removed += float(below) * 0.5 * (joint**2 - root**2)
+        root, form_point = tooth.blank.root.radius, np.hypot(flank.base_radius, low)
+        removed += float(below) * 0.5 * (form_point**2 - root**2)
     assert tooth.unmodified_tooth.volume() - tooth.volume() == pytest.approx(tooth.teeth * removed, rel=2e-3)
 
 

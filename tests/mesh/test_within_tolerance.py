@@ -35,7 +35,8 @@ def test_a_random_design_keeps_its_tolerance(file: Path) -> None:
 
 
 def test_a_flank_that_ends_at_its_base_is_continued_by_the_fillet() -> None:
-    """Facets beside the joint lie over the fillet; turned back along its helix every section of the tooth is the middle one."""
+    """Facets beside the form point lie over the fillet; turned back along its helix every section of the tooth is the middle
+    one."""
     tooth = gm.build(gm.load(CORPUS[0].with_name("solid_beveloid_sensible_2019.toml"))).members["pinion"].tooth
     mesh = tessellate(tooth, 2.622e-3)
     found, sections, s = deviations(mesh), tooth.sections([0.0, 0.5, 1.0]), np.linspace(0.0, 1.0, 20_001)

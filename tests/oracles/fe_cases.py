@@ -88,7 +88,7 @@ class FilletStress:
     at_place: float
 
 
-#: distance, mm, from the joint of flank and fillet along the fillet, close to the maximum
+#: distance, mm, from the form point along the fillet, close to the maximum
 PLACE = 1.25
 
 

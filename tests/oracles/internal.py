@@ -48,7 +48,7 @@ def ring(teeth: int = RING) -> Member:
             for profile in (shaper.involute, shaper.rounding)
         )
         tip = 0.15
-        return ToothSide(flank, fillet, shaper.joint, root=shaper.root, tip=tip, tool=shaper.description)
+        return ToothSide(flank, fillet, shaper.form_point, root=shaper.root, tip=tip, tool=shaper.description)
 
     half = 0.5 * WIDTH
     blank = Blank(

@@ -165,7 +165,7 @@ def fillet_tangent(member: Member, beta: float, angle: float) -> tuple[float, fl
     stationary, and the circle through three of them.
     """
     side = member.tooth.right
-    first, last = float(member.tooth.sections([0.5]).right.joint_fillet[0]), side.root
+    first, last = float(member.tooth.sections([0.5]).right.form_point_fillet[0]), side.root
 
     def contour(q: float) -> Array:
         def miss(v: float) -> float:

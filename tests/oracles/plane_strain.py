@@ -57,7 +57,7 @@ def pressed_nodes(
 
 def bending(tooth: Tooth, side: Side, material: Material, grid: HexGrid, height: float, teeth: int = 5) -> float:
     """Stress, MPa, where the tangent is at 30 deg (without such a tangent the largest) of a section at toe, under 1 N/mm at
-    a place of the flank, 0 (joint) .. 1 (tip), held at the bore."""
+    a place of the flank, 0 (form point) .. 1 (tip), held at the bore."""
     rim = whole_rim(tooth, np.linspace(0.0, 1.0, 2))
     mesh = hex_mesh(tooth, np.arange(teeth) - teeth // 2, grid, rim, second_order=True)
     used, faces = np.unique(mesh.face_outlines("toe")[:, [0, 2, 4, 6, 1, 3, 5, 7]], return_inverse=True)

@@ -79,7 +79,7 @@ def ring(heel: float) -> Member:
         ToothSide(
             Extruded(FOOT, INWARD, 0.0, 1.0, mirrored),
             Extruded(FOOT, -INWARD, -1.0 / FILLET, -1.0, mirrored),
-            joint=(0.0, 0.0),
+            form_point=(0.0, 0.0),
             root=root,
             tip=4.8,
             tool=ToolDescription("broach"),

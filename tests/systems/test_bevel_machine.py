@@ -379,11 +379,11 @@ def test_a_toprem_relieves_the_root_and_nothing_else(toprem: dict[str, float]) -
     blade = generated(design_of(**with_toprem))["pinion concave"].blade
     assert blade.toprem is not None
     (seam,) = blade.tip_breaks
-    q = [blade.joint[1], 0.5 * (blade.joint[1] + seam), seam + 1e-9, seam - 1e-9, blade.root]
+    q = [blade.form_point[1], 0.5 * (blade.form_point[1] + seam), seam + 1e-9, seam - 1e-9, blade.root]
     point, tangent, normal, _ = blade.tip.section(np.array(q))
     # its parameter is its length, all along
     np.testing.assert_allclose(np.linalg.norm(tangent, axis=-1), 1.0, rtol=0, atol=1e-12)
-    on_flank = blade.flank.section(np.array(blade.joint[0]))
+    on_flank = blade.flank.section(np.array(blade.form_point[0]))
     np.testing.assert_allclose(point[0], on_flank[0], rtol=0, atol=1e-12)
     assert point[0, 0] == pytest.approx(blades["toprem_height"], abs=1e-12)
     # the normal goes on where the toprem is an arc and passes smoothly into the rounding, which ends upright on the tip plane

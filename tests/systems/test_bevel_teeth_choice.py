@@ -46,14 +46,14 @@ def flank_points(gears: gm.Gears, name: str) -> np.ndarray:
     ("name", "changed"), [("8/30", "addendum_factor"), ("9/21", "depth_factor"), ("16/84", "depth_factor")]
 )
 def test_proportions_that_are_left_open_give_whole_teeth(name: str, changed: str) -> None:
-    """The limiting line, found on the prolonged flank, is below the joint all along the face."""
+    """The limiting line, found on the prolonged flank, is below the form point all along the face."""
     gears = gm.build(pair(name))
     (line,) = [line for line in gears.warnings if "the default, instead of" in line]
     assert changed in line
     assert not any("is undercut" in line for line in gears.warnings)
     for member in gears.members.values():
         for side in member_limits(member).sides.values():
-            assert not (side.h1 < side.joint_depth).any()
+            assert not (side.h1 < side.form_point_depth).any()
 
 
 def test_proportions_that_the_design_says_stand() -> None:

@@ -56,7 +56,7 @@ def test_teeth_are_as_thick_as_the_closed_form_says_at_every_radius(pair: tuple[
         tooth = gears.members[name].tooth
         for which in Side:
             side = tooth.side(which)
-            p = np.repeat(np.linspace(side.joint[0], tooth.even.of(which).tip[12], 7), 3)
+            p = np.repeat(np.linspace(side.form_point[0], tooth.even.of(which).tip[12], 7), 3)
             z = np.tile([-9.0, 0.5, 8.0], 7)
             r = along(side.flank, p, tooth.blank.axial.value(np.stack((0 * z, 0 * z, z), axis=-1)), tooth.blank.axial)[
                 1

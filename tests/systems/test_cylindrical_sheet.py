@@ -18,7 +18,7 @@ from oracles.iso6336 import Hobbed
 import gearmesh as gm
 from gearmesh.systems.cylindrical.geometry import accuracy
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
-from gearmesh.systems.cylindrical.geometry.line_of_action import joint_length
+from gearmesh.systems.cylindrical.geometry.line_of_action import form_roll_length
 from gearmesh.systems.cylindrical.geometry.mass import bulk
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 
@@ -98,9 +98,9 @@ def test_measures_are_those_of_the_exact_surfaces(name: str) -> None:
         ):
             assert measured[0] == pytest.approx(own[symbol], abs=EXACT)
             assert sense * (own["d_a"] / 2 - measured[1]) == pytest.approx(own[height], abs=EXACT)
-        # where the flank begins: read off the teeth, and the tool's joint
-        joint = joint_length(gears.design, member.name, proportions(gears.design))
-        assert 2.0 * math.hypot(base, joint) == pytest.approx(own["d_Ff"], abs=EXACT)
+        # where the flank begins: read off the teeth, and the tool's form point
+        form_point = form_roll_length(gears.design, member.name, proportions(gears.design))
+        assert 2.0 * math.hypot(base, form_point) == pytest.approx(own["d_Ff"], abs=EXACT)
 
 
 @pytest.mark.parametrize("name", ["spur_shifted", "helical_left", "internal_spur", "internal_helical"])

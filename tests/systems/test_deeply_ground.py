@@ -36,15 +36,15 @@ def test_a_deeply_ground_pinion_is_built(file: Path) -> None:
 
 @pytest.mark.parametrize("crowning", ["none", "worm_plunge", "disk"])
 def test_a_rack_that_turns_past_square_is_undercut(crowning: str) -> None:
-    """Its line of action comes back from infinity, so that the flank at the joint is not turned inside out again."""
+    """Its line of action comes back from infinity, so that the flank at the form point is not turned inside out again."""
     given = [f"pinion.crowning={crowning}", "pinion.addendum=0.5", "pinion.plunge_coefficient=1e-4"]
     tooth = gm.build(gm.load(CORPUS[-1], given)).members["pinion"].tooth
-    assert min(tooth.right.joint[1], tooth.left.joint[1]) > 0.01
+    assert min(tooth.right.form_point[1], tooth.left.form_point[1]) > 0.01
     ends = tooth.sections(np.linspace(0.0, 1.0, 5))
     for side in Side:
         flank, fillet = tooth.side(side), ends.of(side)
-        assert (fillet.joint_flank > flank.joint[0]).all()
-        assert (fillet.joint_fillet > flank.joint[1]).all()
+        assert (fillet.form_point_flank > flank.form_point[0]).all()
+        assert (fillet.form_point_fillet > flank.form_point[1]).all()
 
 
 @pytest.mark.parametrize("scale", [0.1, 8.0])

@@ -53,8 +53,8 @@ def turned(r: Array, angle: Array) -> Array:
 @pytest.mark.parametrize("radius", [0.0, 0.5])
 def test_tip_rounding_touches_involute_and_top_cylinder(radius: float, shift: float) -> None:
     shaper = Shaper(28, 6.35, np.radians(25.0), 1.25 * 6.35, radius, shift)
-    theta, joint = (np.array(p) for p in shaper.joint)
-    for one, other in zip(shaper.involute.section(theta)[::2], shaper.rounding.section(joint)[::2], strict=True):
+    theta, form_point = (np.array(p) for p in shaper.form_point)
+    for one, other in zip(shaper.involute.section(theta)[::2], shaper.rounding.section(form_point)[::2], strict=True):
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-13)
     top, _, normal, _ = shaper.rounding.section(np.array(shaper.root))
     outward = np.array([shaper.pitch_radius, 0.0]) - top
@@ -75,7 +75,9 @@ def clearance(shaper: Shaper, x: Array, y: Array) -> Array:
         off_involute = radius * (shaper.theta_0 + theta - np.arctan(theta) - angle)
     offset = np.array([shaper.pitch_radius, 0.0]) - np.array(shaper.rounding.centre)
     off_tip = np.hypot(radius * np.cos(angle) - offset[0], radius * np.sin(angle) - offset[1]) - shaper.tip_radius
-    ends = np.hypot(*(np.array([shaper.pitch_radius, 0.0]) - shaper.involute.section(np.array(shaper.joint[0]))[0]))
+    ends = np.hypot(
+        *(np.array([shaper.pitch_radius, 0.0]) - shaper.involute.section(np.array(shaper.form_point[0]))[0])
+    )
     distance = np.where(radius < ends, off_involute, off_tip)
     return np.where(radius < shaper.base_radius, np.inf, distance)
 
@@ -256,7 +258,7 @@ def test_limits_by_closed_form_by_the_trimmed_sections_and_by_the_surface(angle:
             ends = at(radius).sections([0.0]).right
         except TrimError as failure:
             return failure.what
-        return "undercut" if ends.joint_flank[0] != tooth.right.joint[0] else ""
+        return "undercut" if ends.form_point_flank[0] != tooth.right.form_point[0] else ""
 
     assert [fault(inner + d) for d in (-0.2, -1e-6, 1e-6, 1.0)] == ["undercut", "undercut", "", ""]
     assert [fault(outer + d) for d in (-1.0, -1e-6, 1e-6, 1.0)] == ["", "", "pointed", "pointed"]

@@ -121,7 +121,7 @@ def test_limits_of_both_flanks_by_closed_form_and_by_the_surface(overrides: tupl
     assert [fault(outer + d) for d in (-1e-6, 1e-6)] == ["", "pointed"]
     for d, cut in ((-1e-4, True), (1e-4, False)):
         sections = replace(tooth, blank=replace(tooth.blank, extent=(radius + d, radius + 1.0))).sections([0.0])
-        assert bool(sections.of(side).joint_flank[0] != tooth.side(side).joint[0]) is cut
+        assert bool(sections.of(side).form_point_flank[0] != tooth.side(side).form_point[0]) is cut
 
 
 def root_matches(tooth: Tooth) -> float:

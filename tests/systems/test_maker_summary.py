@@ -108,7 +108,7 @@ def test_flanks_and_toprem_of_the_design_file_are_what_the_sheet_cuts(hand: str)
     sheet, which = SHEET["concave"], Side.LEFT if sense > 0 else Side.RIGHT
     side = tooth.side(which)
     (seam,) = side.fillet_breaks
-    p = side.joint[1] + np.linspace(0.05, 0.95, 4) * (seam - side.joint[1])
+    p = side.form_point[1] + np.linspace(0.05, 0.95, 4) * (seam - side.form_point[1])
     toe, heel = tooth.blank.extent
     at = np.repeat(p, 5), np.tile(toe + np.linspace(0.1, 0.9, 5) * (heel - toe), 4)
     jet = along(side.fillet, *at, tooth.blank.axial)[1]

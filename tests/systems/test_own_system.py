@@ -50,15 +50,15 @@ class SharpRackDesign(gm.Design):
 def member(name: str, spec: MemberTable, module: float) -> Member:
     radius, half = 0.5 * spec.teeth * module, 0.5 * spec.face_width
     line = Line(ALPHA, module, 0.25 * np.pi * module)
-    joint, tip = line.at_height(-DEDENDUM * module), line.at_height(ADDENDUM * module)
-    edge = Arc(tuple(line.section(np.array(joint))[0]), 0.0)
+    form_point, tip = line.at_height(-DEDENDUM * module), line.at_height(ADDENDUM * module)
+    edge = Arc(tuple(line.section(np.array(form_point))[0]), 0.0)
 
     def side(sign: int) -> ToothSide:
         cutters = RackSurface(line, 0.0, 0.0, sign), RackSurface(edge, 0.0, 0.0, sign)
         flank, fillet = (Envelope(cutter, RackRoll(radius)) for cutter in cutters)
         tool = cutters[0].cutter(edge, 0.0, radius)
         return ToothSide(
-            flank, fillet, (joint, float(ALPHA)), root=0.5 * np.pi, tip=tip, tool=tool, generation=(flank, fillet)
+            flank, fillet, (form_point, float(ALPHA)), root=0.5 * np.pi, tip=tip, tool=tool, generation=(flank, fillet)
         )
 
     levels = (ConeLevel.of(radius + height * module) for height in (ADDENDUM, -DEDENDUM))

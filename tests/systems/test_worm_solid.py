@@ -66,8 +66,8 @@ def test_thread_is_what_the_rack_leaves_on_the_worm(threads: int, hand: int) -> 
     for rack, part, side in ((both[0], tooth.left, 1), (both[1], tooth.right, -1)):
         assert part.tip_corner is not None
         for profile, surface, span in (
-            (rack.flank, part.flank, (rack.joint[0], rack.tip)),
-            (rack.rounding, part.tip_corner.surface, (rack.joint[1], part.tip_corner.end)),
+            (rack.flank, part.flank, (rack.form_point[0], rack.tip)),
+            (rack.rounding, part.tip_corner.surface, (rack.form_point[1], part.tip_corner.end)),
         ):
             p, v = np.meshgrid(np.linspace(*span, 7), np.linspace(-15.0, 15.0, 5), indexing="ij")
             left = tool.thread(RackSurface(profile, tool.helix, 0.0, side)).jet(p, v)
@@ -124,7 +124,10 @@ def test_worm_must_be_longer_than_what_it_touches() -> None:
     low, high = touching_range(tool.tooth, tool, both, (-15.0, 15.0))
     reach = []
     for rack, sign in zip(both, (-1.0, 1.0), strict=True):
-        for profile, span in ((rack.flank, (rack.joint[0], rack.tip)), (rack.rounding, (rack.joint[1], 0.5 * np.pi))):
+        for profile, span in (
+            (rack.flank, (rack.form_point[0], rack.tip)),
+            (rack.rounding, (rack.form_point[1], 0.5 * np.pi)),
+        ):
             points, _, normals, _ = profile.section(np.linspace(*span, 200))
             reach.append(sign * points[:, 0] * np.cos(tool.lead_angle) * normals[:, 1] / normals[:, 0])
     assert low == pytest.approx(min(z.min() for z in reach), abs=1e-9)
@@ -138,7 +141,7 @@ def _turning_back(tool: Worm, rack: RackTooth) -> Array:
     """Radii at which the axial section of the thread turns back on itself: extremes of the radius along the profile."""
     surface = tool.thread(RackSurface(rack.rounding, tool.helix, 0.0))
     rho = np.hypot(
-        *np.moveaxis(surface.jet(np.linspace(rack.joint[1], 0.5 * np.pi, 20001), np.zeros(20001)).r, -1, 0)[:2]
+        *np.moveaxis(surface.jet(np.linspace(rack.form_point[1], 0.5 * np.pi, 20001), np.zeros(20001)).r, -1, 0)[:2]
     )
     inner = np.diff(rho)
     return rho[1:-1][inner[1:] * inner[:-1] < 0.0]
@@ -182,7 +185,9 @@ def test_teeth_may_go_round_more_than_half_a_turn() -> None:
             Envelope(RackSurface(profile, helix, 0.0, side), RackRoll(pitch_radius))
             for profile in (rack.flank, rack.rounding)
         )
-        sides[side] = ToothSide(flank, fillet, rack.joint, 0.5 * np.pi, rack.tip, tool=ToolDescription("rack cutter"))
+        sides[side] = ToothSide(
+            flank, fillet, rack.form_point, 0.5 * np.pi, rack.tip, tool=ToolDescription("rack cutter")
+        )
     tip, root = ConeLevel.of(pitch_radius + ADDENDUM), ConeLevel.of(pitch_radius - DEDENDUM)
     body = Body.tube(10.0, -0.5 * width, 0.5 * width)
     tooth = Tooth(11, sides[1], sides[-1], Blank(PlaneLevel(0.0), (-0.5 * width, 0.5 * width), tip, root, body))
@@ -288,7 +293,9 @@ def test_worm_of_a_design_touches_the_pinion_with_its_flanks(crowning: str) -> N
     farthest = 0.0
     for side, sign in _flanks(design):
         assert isinstance(side.flank, FeedEnvelope)
-        p, feed = np.meshgrid(np.linspace(side.joint[0], side.tip, 31), np.linspace(-45.0, 45.0, 15), indexing="ij")
+        p, feed = np.meshgrid(
+            np.linspace(side.form_point[0], side.tip, 31), np.linspace(-45.0, 45.0, 15), indexing="ij"
+        )
         touching = Rigid.about_z(sign * np.pi / 2).point(side.flank.generation(p, feed).tool.r)
         thread = part.member.tooth.left if sign > 0 else part.member.tooth.right
         on_part = nearest(thread.flank, touching, p, along(thread.flank, p, touching[..., 2], PlaneLevel(0.0))[0]).jet

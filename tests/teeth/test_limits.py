@@ -82,7 +82,9 @@ def test_the_velocity_of_contact_vanishes_on_the_limiting_line() -> None:
     flank = member("spiral_bevel_basic").tooth.left.flank
     assert isinstance(flank, Envelope)
     side = member("spiral_bevel_basic").tooth.left
-    line = limiting_line(flank, (side.tip, side.tip - 4.0 * (side.tip - side.joint[0])), np.array([-0.05, 0.0, 0.05]))
+    line = limiting_line(
+        flank, (side.tip, side.tip - 4.0 * (side.tip - side.form_point[0])), np.array([-0.05, 0.0, 0.05])
+    )
     assert line.p.size == 3
 
     def meshing(p: Array, v: Array, phi: Array) -> Array:
@@ -187,14 +189,14 @@ def test_zeros_are_not_poles_and_hide_at_no_edge() -> None:
 
 @pytest.mark.quick
 def test_undercut_begins_where_the_trimmed_tooth_says() -> None:
-    """The limiting line over the joint, against bisection for the sign of the area on the trimmed tooth."""
+    """The limiting line over the form point, against bisection for the sign of the area on the trimmed tooth."""
     part = member("beveloid_crossed", "pinion", "pinion.teeth=19")
     tooth, limits = part.tooth, member_limits(part)
     ends = [undercut_station(tooth, side) for side in (tooth.right, tooth.left)]
     inside = sorted(z for z in ends if tooth.blank.extent[0] < z < tooth.blank.extent[1])
     assert tooth.stations(tooth.breaks) == pytest.approx(inside, abs=1e-9)
     for side in limits.sides.values():
-        assert side.undercut.tolist() == (side.joint_depth > side.h1).tolist()
+        assert side.undercut.tolist() == (side.form_point_depth > side.h1).tolist()
         assert ((side.lost > 0.0) == side.undercut).all()
         assert (side.flank_radius > side.singular_radius).all()
 
@@ -217,7 +219,7 @@ def test_the_fewest_teeth_are_just_not_undercut() -> None:
     fewest = fewest_teeth(tooth)
     assert fewest is not None
     # rounding of the rack's tip and profile shift included
-    depth = float(member_limits(member("spur")).right.joint_depth[0])
+    depth = float(member_limits(member("spur")).right.form_point_depth[0])
     assert fewest == np.ceil(2.0 * depth / (3.0 * np.sin(ALPHA) ** 2))
     for teeth, undercut in ((fewest - 1, True), (fewest, False)):
         found = member_limits(
@@ -273,11 +275,11 @@ def test_bevel_limits_go_on_smoothly_from_toe_to_heel() -> None:
     """Singular points at stations are the limiting line: found again at their own v."""
     tooth = member("zerol").tooth
     side, stations = tooth.left, tooth.stations(np.linspace(0.0, 1.0, 9))
-    p = singular_at(side.flank, (side.tip, side.joint[0] - 3.0), stations, tooth.blank.axial)
+    p = singular_at(side.flank, (side.tip, side.form_point[0] - 3.0), stations, tooth.blank.axial)
     assert np.isfinite(p).all()
     assert np.abs(np.diff(p, 3)).max() < 0.1 * np.abs(np.diff(p)).max()
     found = member_limits(member("zerol"), count=9).left
-    again = limiting_line(side.flank, (side.tip, side.joint[0] - 3.0), found.v)  # type: ignore[arg-type]
+    again = limiting_line(side.flank, (side.tip, side.form_point[0] - 3.0), found.v)  # type: ignore[arg-type]
     assert again.p == pytest.approx(p, abs=1e-9)
     assert again.on_surface == pytest.approx(found.on_tooth, abs=1e-8)
 

@@ -46,15 +46,18 @@ def test_a_little_undercut_is_a_warning(face_width: float, hand: str) -> None:
 
 @pytest.mark.parametrize("face_width", [20.0, 23.35])
 def test_the_joint_moves_steadily_from_where_undercut_begins(face_width: float) -> None:
-    """Close to the first cusp flank and fillet cross where their expansion says, half as far beyond it as the joint is before."""
+    """Close to the first cusp flank and fillet cross where their expansion says, half as far beyond it as the form point is
+    before."""
     tooth = pinion(face_width, "right").members["pinion"].tooth
     (begins,) = tooth.breaks
     beside = begins + np.geomspace(1e-7, 3e-2, 41)
     sides = [
-        (side, ends.joint_flank) for side, ends in _ends(tooth, beside) if (ends.joint_flank != side.joint[0]).any()
+        (side, ends.form_point_flank)
+        for side, ends in _ends(tooth, beside)
+        if (ends.form_point_flank != side.form_point[0]).any()
     ]
-    ((side, joint),) = sides
-    lost = joint - side.joint[0]
+    ((side, form_point),) = sides
+    lost = form_point - side.form_point[0]
     whole = lost == 0.0
     assert np.flatnonzero(whole).max(initial=-1) < np.flatnonzero(~whole).min()
     # what is lost of the parameter is (e + e / 2), and e grows evenly
@@ -82,11 +85,11 @@ def test_undercut_is_looked_for_once(face_width: float, monkeypatch: pytest.Monk
     monkeypatch.setattr(undercut, "_start", counted)
     again = _ends(tooth, at)
     assert sum(looked) <= 2
-    assert any((ends.joint_flank != side.joint[0]).sum() > 3 for side, ends in anew)
+    assert any((ends.form_point_flank != side.form_point[0]).sum() > 3 for side, ends in anew)
     for (side, ends), (_, others) in zip(again, anew, strict=True):
         known = _known_within(tooth, side, at, ends)
-        np.testing.assert_array_less(np.abs(ends.joint_flank - others.joint_flank), known)
-        np.testing.assert_allclose(ends.joint_fillet, others.joint_fillet, rtol=0.0, atol=1e-8)
+        np.testing.assert_array_less(np.abs(ends.form_point_flank - others.form_point_flank), known)
+        np.testing.assert_allclose(ends.form_point_fillet, others.form_point_fillet, rtol=0.0, atol=1e-8)
 
 
 #: rounding of a point that a polished solve leaves, over its distance from the origin: some operations' worth
@@ -94,14 +97,15 @@ ROUNDING = 16.0 * np.finfo(np.float64).eps
 
 
 def _known_within(tooth: Tooth, side: ToothSide, at: Array, ends: Ends) -> Array:
-    """How far apart (T,) two solves may find the flank's parameter at the joint: rounding of its points, across the fillet's
+    """How far apart (T,) two solves may find the flank's parameter at the form point: rounding of its points, across the fillet's
     section, over how fast the flank leaves that.
 
-    With e from the cusp to the tool's joint they cross e / 2 beyond the cusp, where the flank moves as e and at an angle as e: the
-    joint is a multiple root as undercut begins, known to rounding / e^2. That is 2e-7 here nearest to it, 2e-9 in its middle.
+    With e from the cusp to the tool's form point they cross e / 2 beyond the cusp, where the flank moves as e and at an angle
+    as e: the joint is a multiple root as undercut begins, known to rounding / e^2. That is 2e-7 here nearest to it, 2e-9 in its
+    middle.
     """
     axial, ways = tooth.blank.axial, []
-    for surface, p in ((side.flank, ends.joint_flank), (side.fillet, ends.joint_fillet)):
+    for surface, p in ((side.flank, ends.form_point_flank), (side.fillet, ends.form_point_fillet)):
         jet = along(surface, p, tooth.stations(at), axial)[1]
         gradient = axial.gradient(jet.r)
         ways.append(jet.r_u - (dot(gradient, jet.r_u) / dot(gradient, jet.r_v))[:, None] * jet.r_v)
@@ -116,7 +120,7 @@ def _ends(tooth: Tooth, at: Array) -> list[tuple[ToothSide, Ends]]:
 
 
 def test_a_loop_narrower_than_rounding_is_no_removed_flank() -> None:
-    """Close to where undercut begins flank and fillet cross in a loop that no residual tells from their joint."""
+    """Close to where undercut begins flank and fillet cross in a loop that no residual tells from their form point."""
     tooth = gm.build(gm.load(CORPUS / "undercut_modified_involute_sensible_2066.toml")).members["pinion"].tooth
     (begins,) = tooth.breaks_of(Side.RIGHT)
     assert 0.02 < begins < 0.03
@@ -127,18 +131,19 @@ def test_a_loop_narrower_than_rounding_is_no_removed_flank() -> None:
         for region, end in ((Region.FLANK_RIGHT, 0.0), (Region.FILLET_RIGHT, 1.0))
     )
     assert np.abs(flank - fillet).max() < 1e-8
-    lost = sections.right.joint_flank - tooth.right.joint[0]
-    # the flank ends half as far beyond the cusp as that is from the joint, which grows in proportion
+    lost = sections.right.form_point_flank - tooth.right.form_point[0]
+    # the flank ends half as far beyond the cusp as that is from the form point, which grows in proportion
     assert lost[12:] / (begins - t[12:]) == pytest.approx(lost[-1] / begins, rel=0.15)
 
 
 def test_a_flank_that_folds_before_its_joint_is_cut_by_the_fillet_as_well() -> None:
-    """Where undercut deepens towards one end the flank turns twice, and the joint itself is on a branch that is right side out."""
+    """Where undercut deepens towards one end the flank turns twice, and the form point itself is on a branch that is right
+    side out."""
     tooth = gm.build(gm.load(CORPUS / "fold_modified_involute_edge_2085.toml")).members["pinion"].tooth
     t = np.linspace(0.0, 1.0, 33)
     sections = tooth.sections(t)
-    lost = sections.right.joint_flank - tooth.right.joint[0]
-    # undercut goes on without a jump where the joint's branch turns right side out, at the middle of the face
+    lost = sections.right.form_point_flank - tooth.right.form_point[0]
+    # undercut goes on without a jump where the form point's branch turns right side out, at the middle of the face
     assert lost.min() > 3.0
     assert np.abs(np.diff(lost, 2)).max() < 0.02
     flank, fillet = (

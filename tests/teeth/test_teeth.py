@@ -118,7 +118,7 @@ def test_undercut_beginning_along_the_face_is_a_station() -> None:
     tooth = pinion("beveloid_intersected").tooth
     assert tooth.breaks.size == 1
     t = tooth.breaks[0] + np.array([-1e-3, 1e-3])
-    cut = tooth.sections(t).right.joint_flank != tooth.right.joint[0]
+    cut = tooth.sections(t).right.form_point_flank != tooth.right.form_point[0]
     assert cut.tolist() == [True, False]
 
 

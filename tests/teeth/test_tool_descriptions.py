@@ -51,8 +51,8 @@ def test_flanks_of_every_kind_say_what_made_them(sample: str) -> None:
             assert side.tool.name == name
             assert side.tool.profile is not None
             # both ends of the flank are on the tool's profile, the root end nearer to the tool's tip
-            joint, tip = side.tool.height(np.array([side.joint[0], side.tip]))
-            assert joint < tip
+            form_point, tip = side.tool.height(np.array([side.form_point[0], side.tip]))
+            assert form_point < tip
             if side.generation is not None:
                 assert side.generation == (side.flank, side.fillet)
                 assert side.tool.drawing is not None

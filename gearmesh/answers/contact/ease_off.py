@@ -64,7 +64,9 @@ class EaseOffMap(Result):
         s = np.linspace(1.0, 0.0, um.shape[0]).round(2)
         rows = [[float(share), *(round_to(float(value), 3) for value in row)] for share, row in zip(s, um, strict=True)]
         return [
-            Listing(f"Ease-off of the {self.pair.pinion.name}, joint (0) to tip (1), toe (0) to heel (1)", heads, rows)
+            Listing(
+                f"Ease-off of the {self.pair.pinion.name}, form point (0) to tip (1), toe (0) to heel (1)", heads, rows
+            )
         ]
 
     def rows(self) -> list[EaseOffPoint]:

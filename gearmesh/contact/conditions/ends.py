@@ -16,8 +16,8 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Grid
 from gearmesh.teeth.tooth import Tooth
 
-#: points of a flank's joint with the fillet, where undercut neither begins nor ends between them
-JOINT_POINTS = 25
+#: points of a flank's form point, where undercut neither begins nor ends between them
+FORM_POINT_SAMPLES = 25
 #: part of the largest coordinate up to which a tip's heights count as one
 EVEN = 1e-11
 #: share of the face below which undercut at its very end does not count
@@ -26,7 +26,7 @@ SHORTEST = 1e-6
 SHEET = 0.1
 #: by how much of itself the way of the stations along the second parameter may change and there be but one sheet
 SAME = 1e-9
-#: mm along the profile by which a point may lie past joint or root by its parameters and be told by its place alone
+#: mm along the profile by which a point may lie past form point or root by its parameters and be told by its place alone
 BACK = 1e-3
 
 
@@ -42,16 +42,16 @@ class FormPoints:
         assert grid.jet is not None
         axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
         across = tooth.blank.across
-        undercut = tooth.even.of(side).joint_flank != tooth.side(side).joint[0]
+        undercut = tooth.even.of(side).form_point_flank != tooth.side(side).form_point[0]
         self.smooth = not (undercut.any() or tooth.side(side).sharp)
         r, p = grid.points[:1], grid.p[:1]
         if undercut.any() and not undercut.all():
             breaks = tooth.breaks_of(side)
             cuts = np.concatenate(([0.0], breaks[(breaks > SHORTEST) & (breaks < 1.0 - SHORTEST)], [1.0]))
-            t = np.stack([np.linspace(low, high, JOINT_POINTS) for low, high in pairwise(cuts)])
-            joint = tooth.flank_grid(side, [0.0], t.ravel())
-            assert joint.p is not None
-            r, p = joint.points[0].reshape(*t.shape, 3), joint.p[0].reshape(t.shape)
+            t = np.stack([np.linspace(low, high, FORM_POINT_SAMPLES) for low, high in pairwise(cuts)])
+            form_point = tooth.flank_grid(side, [0.0], t.ravel())
+            assert form_point.p is not None
+            r, p = form_point.points[0].reshape(*t.shape, 3), form_point.p[0].reshape(t.shape)
         if heel < toe:
             r, p = r[::-1, ::-1], p[::-1, ::-1]
         self.level = _through(axial, across, r, grid.points[-1])
@@ -151,14 +151,14 @@ class Between:
         assert grid.jet is not None
         self._sheet = OwnSheet.of(grid, axial, stations)
         self._axial, self._stations = axial, stations
-        self._root, self._joint = grid.p[0], grid.p[-1]
+        self._root, self._form_point = grid.p[0], grid.p[-1]
         self._speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
 
     def __call__(self, parameters: Array, r: Array) -> Array:
         place = _place(self._axial.value(r), self._stations)
-        root, joint = (_cubic(end, place) for end in (self._root, self._joint))
-        p, sense = parameters[..., 0], np.sign(joint - root)
-        past = np.maximum(self._speed * sense * (p - joint), self._speed * sense * (root - p) - BACK)
+        root, form_point = (_cubic(end, place) for end in (self._root, self._form_point))
+        p, sense = parameters[..., 0], np.sign(form_point - root)
+        past = np.maximum(self._speed * sense * (p - form_point), self._speed * sense * (root - p) - BACK)
         outside: Array = past if self._sheet is None else np.maximum(past, self._sheet(parameters, r))
         return outside
 

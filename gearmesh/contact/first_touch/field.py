@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
 from gearmesh.contact.first_touch.heights import Circles, FlankHeights, bilinear
-from gearmesh.contact.pair import EDGES, JOINT, NUMBERED, ROOT, WITHIN, along_face, edge_number
+from gearmesh.contact.pair import EDGES, FORM_POINT, NUMBERED, ROOT, WITHIN, along_face, edge_number
 from gearmesh.kernel.numeric.algebra import Array
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ SLACK = 1e-9
 #: kinds of places: inside both flanks, and on the edges of either
 INTERIOR = -1
 #: limits of a flank in the order in which `heights` has them, the first that of a fillet if it is one; the flank's corners
-LIMITS = (JOINT, *EDGES)
+LIMITS = (FORM_POINT, *EDGES)
 CORNERS = (("tip", "toe"), ("tip", "heel"))
 
 
@@ -203,7 +203,7 @@ class _Field:
         best = on.max(axis=(1, 2))
         inside = (on[:, 1:-1, 1:-1].max(axis=(1, 2)) >= best) & np.isfinite(best)
         crossings = {}
-        low = ROOT if ROOT in pair.gear.edges else JOINT
+        low = ROOT if ROOT in pair.gear.edges else FORM_POINT
         for limit, name in enumerate((low, *EDGES)):
             if name in pair.gear.edges:
                 others = [beyond[k] for k in range(4) if k != limit]
@@ -271,7 +271,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp],
                 "tip": on[:, -1, :],
                 "toe": on[:, :, 0],
                 "heel": on[:, :, -1],
-                JOINT: on[:, 0, :],
+                FORM_POINT: on[:, 0, :],
                 ROOT: on[:, 0, :],
             }[name]
             k = rim.argmax(axis=1)

@@ -39,11 +39,11 @@ STATIONS, PLACES = 5, 33
 
 @dataclass(frozen=True)
 class FilletSize:
-    """How large the fillets of one side are, by means over the face, mm: their `length`, half the tooth's thickness at the `joint`,
-    and the height of the flank's lowest `eighth`."""
+    """How large the fillets of one side are, by means over the face, mm: their `length`, half the tooth's thickness at the
+    `form_point`, and the height of the flank's lowest `eighth`."""
 
     length: float
-    joint: float
+    form_point: float
     eighth: float
 
     @staticmethod
@@ -60,7 +60,7 @@ class FilletSize:
     def layers(self) -> float:
         """How many times as many layers from flank to middle it takes until the first is as thin beside the fillet as on involute
         teeth: with K of them that is K to the power of -`CROWDED`."""
-        return float(np.clip((self.joint / self.length / SLENDER) ** (1.0 / CROWDED), 1.0, MOST_LAYERS))
+        return float(np.clip((self.form_point / self.length / SLENDER) ** (1.0 / CROWDED), 1.0, MOST_LAYERS))
 
     @property
     def power(self) -> float:

@@ -226,7 +226,7 @@ class _Outline:
 
 def _outline(tooth: Tooth, sections: Sections, side: Side, lines: Lines) -> _Outline:
     links = _Links(tooth, sections, side)
-    low, root_cells = links.from_cut_to_joint(lines.root, lines.land)
+    low, root_cells = links.from_cut_to_form_point(lines.root, lines.land)
     flank = links.points(FLANKS[side], lines.flank)
     if tooth.tip_edge is not None:
         flank = np.concatenate((flank, links.points(EDGES[side], np.linspace(0.0, 1.0, lines.edge + 1))[1:]))
@@ -249,7 +249,7 @@ class _Links:
             return self._tooth.joint.to(self._tooth.pitch_angle).point(points) if turn else points
         return self._tooth.grid(region, s if right else 1.0 - s, self._sections).points
 
-    def from_cut_to_joint(self, cells: int, land: float) -> tuple[Array, NDArray[np.bool_]]:
+    def from_cut_to_form_point(self, cells: int, land: float) -> tuple[Array, NDArray[np.bool_]]:
         """Nodes (cells + 1, T, 3) over root land and fillet, and which cells lie on the root land.
 
         The cells are shared out by the mean lengths of both, of the root land `land` times it, evenly spaced on either.

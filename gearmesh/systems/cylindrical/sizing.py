@@ -19,7 +19,7 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, sum_of_shifts
 from gearmesh.systems.cylindrical.geometry.interference import reserves
-from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, joint_length, undercut_reserve
+from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, form_roll_length, undercut_reserve
 from gearmesh.systems.cylindrical.geometry.measures import thickness_at
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
@@ -235,7 +235,7 @@ def _judge(keys: dict[str, Any]) -> Candidate:
 def _flank(design: CylindricalDesign, geometry: PairProportions, k: int) -> tuple[float, float]:
     """Roll lengths of a member's flank at root and tip, as its tool leaves it; from the base circle where that undercuts it."""
     own = (geometry.mesh.pinion, geometry.mesh.gear)[k]
-    return max(0.0, joint_length(design, MEMBERS[k], geometry)), own.roll_length(geometry.tips[k])
+    return max(0.0, form_roll_length(design, MEMBERS[k], geometry)), own.roll_length(geometry.tips[k])
 
 
 def _nothing(wanted: Wanted, refusal: DesignError | None) -> str:

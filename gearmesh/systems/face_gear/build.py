@@ -199,7 +199,7 @@ def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -
     return ToothSide(
         flank=flank,
         fillet=fillet,
-        joint=shaper.joint,
+        form_point=shaper.form_point,
         root=shaper.root,
         tip=float(tip),
         tool=shaper.description,

@@ -264,7 +264,7 @@ class ShapedGear:
 
     def undercut_radius_of_right(self) -> float:
         """As `undercut_radius`, of the right flank alone."""
-        theta = self.shaper.joint[0]
+        theta = self.shaper.form_point[0]
         z = self.distance(np.linspace(self.least_pressure_angle + NEAREST, self.shaper.pressure_angle, SECTIONS))
         sound = self.singularity(np.full_like(z, theta), z) > 0.0
         if not sound[-1]:

@@ -81,7 +81,7 @@ class Thread:
         flank = PlacedSurface(self.flank(side), to_own)
         generated = self.worm.thread(Reversed(shaper.rounding), side, branch=-1)
         rounding = MappedSurface(generated, lambda q, v: self._crest_mapping(side, q, v))
-        tip_corner = TipCorner(PlacedSurface(rounding, to_own), (1.0, -shaper.joint[1]), -shaper.root)
+        tip_corner = TipCorner(PlacedSurface(rounding, to_own), (1.0, -shaper.form_point[1]), -shaper.root)
         wall = Wall(flank, self.root, which)
         return ToothSide(
             flank, wall, (0.0, 0.0), 1.0, 1.0, tip_corner=tip_corner, sharp=True, tool=ToolDescription("shaper")
@@ -124,7 +124,7 @@ class Thread:
 
     def _mapping(self, side: int, p: Array, v: Array) -> Mapping:
         p, v = np.broadcast_arrays(np.asarray(p, dtype=float), np.asarray(v, dtype=float))
-        worm, end = self.worm if side > 0 else self.worm.mirror_image, self.worm.shaper.joint[0]
+        worm, end = self.worm if side > 0 else self.worm.mirror_image, self.worm.shaper.form_point[0]
         y = side * v
         low, low_y = self.beginning(y)
         theta, theta_p, theta_y = low + p * (end - low), end - low, (1.0 - p) * low_y

@@ -141,7 +141,7 @@ def touching_range(
     feed = np.linspace(*extent, SAMPLES[1])
     places = []
     for rack, side in zip(racks, (1, -1), strict=True):
-        p = np.linspace(rack.joint[0], rack.tip, SAMPLES[0])[:, None]
+        p = np.linspace(rack.form_point[0], rack.tip, SAMPLES[0])[:, None]
         places.append(generate(RackSurface(rack.flank, worm.helix, 0.0, side)).generation(p, feed).tool.r[..., 2])
     return float(np.min(places)), float(np.max(places))
 
@@ -164,14 +164,14 @@ def _side(worm: Worm, rack: RackTooth, clearance: float, side: int) -> ToothSide
     cutter = thread_rack(worm, rack.flank, side)
     tip_corner = None
     if rack.rounding.radius != 0.0:
-        tip_corner = TipCorner(thread_surface(worm, rack.rounding, side), rack.joint, ROOT)
+        tip_corner = TipCorner(thread_surface(worm, rack.rounding, side), rack.form_point, ROOT)
     thread, root = (thread_surface(worm, profile, side) for profile in (rack.flank, fillet))
     return ToothSide(
         thread,
         root,
-        joint=(rack.tip, angle),
+        form_point=(rack.tip, angle),
         root=ROOT,
-        tip=rack.joint[0],
+        tip=rack.form_point[0],
         tip_corner=tip_corner,
         tool=cutter.cutter(Opposite(fillet, 0.5 * np.pi * worm.module), radius, worm.radius),
         generation=(thread, root),
@@ -222,7 +222,10 @@ def _singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> Array:
     """Radii (K,) of the helices of singular points on flanks and crests."""
     radii = [np.zeros(0)]
     for rack in racks:
-        for profile, span in ((rack.flank, (rack.joint[0], rack.tip)), (rack.rounding, (*rack.joint[1:], ROOT))):
+        for profile, span in (
+            (rack.flank, (rack.form_point[0], rack.tip)),
+            (rack.rounding, (*rack.form_point[1:], ROOT)),
+        ):
             points = limiting_line(thread_surface(worm, profile, 1), span, np.zeros(1)).on_surface
             radii.append(np.hypot(points[:, 0], points[:, 1]))
     return np.concatenate(radii)

@@ -31,7 +31,7 @@ class TipEdge:
         `ends`: flank parameters (T,) of form point and sharp tip; `sign` +1 on the right side of a tooth, -1 on the left.
         Raises TrimError where the edge is larger than the flank.
         """
-        joint, tip = ends
+        form_point, tip = ends
         axial = blank.axial
 
         def begins(p: Array, at: Array) -> tuple[Array, Array, Array, Array]:
@@ -46,7 +46,7 @@ class TipEdge:
             reach = np.hypot(centre[:, 0], centre[:, 1]) if self.rounded else rho
             return towards * (reach - tip_radius) + self.size, jet.r, centre, tip_radius
 
-        roots = bracketed_root(lambda p, index: begins(p, stations[index])[0], joint, tip)
+        roots = bracketed_root(lambda p, index: begins(p, stations[index])[0], form_point, tip)
         if not roots.converged.all():
             raise TrimError("edge", 0.0, "the tip edge is larger than the flank")
         p = roots.values

@@ -107,10 +107,10 @@ def _sheets(
     """The tool's flank and tip rounding about what generates points (I, J, 2) of the tooth's flank."""
     flank, fillet = surfaces
     across, v = parameters[..., 0], _along(flank, parameters)
-    top = across.max() if side.tip > side.joint[0] else across.min()
+    top = across.max() if side.tip > side.form_point[0] else across.min()
     for region, surface, p in (
-        ("flank", flank, np.linspace(top, side.joint[0], ACROSS)),
-        ("fillet", fillet, np.linspace(side.joint[1], side.root, TIP)),
+        ("flank", flank, np.linspace(top, side.form_point[0], ACROSS)),
+        ("fillet", fillet, np.linspace(side.form_point[1], side.root, TIP)),
     ):
         jet = surface.tool.jet(p[:, None], v)
         yield ToolSheet(region, jet.r, jet.n)

@@ -119,4 +119,4 @@ def _others(tooth: Tooth, which: Side, standing: tuple[tuple[Array, ...], Rigid]
 
 def _draw_side(side: ToothSide) -> DrawnSide:
     flank, fillet = generation(side, "tool")
-    return DrawnSide(flank, fillet, side.joint, side.root, side.tip)
+    return DrawnSide(flank, fillet, side.form_point, side.root, side.tip)

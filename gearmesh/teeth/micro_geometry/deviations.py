@@ -69,7 +69,8 @@ class DeviationGrid:
     def of(
         tooth: Tooth, which: Side, values: ArrayLike, s: ArrayLike | None = None, t: ArrayLike | None = None
     ) -> DeviationGrid:
-        """At shares `s` (I,) of the way from joint to tip and `t` (J,) from toe to heel, the trimmed flank's, ascending in 0..1.
+        """At shares `s` (I,) of the way from form point to tip and `t` (J,) from toe to heel, the trimmed flank's, ascending
+        in 0..1.
 
         By default they are evenly spaced, MARGIN from the edges. Raises DesignError for other values and shares, TrimError where
         the tooth cannot be trimmed.

@@ -97,12 +97,14 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
     begins = true.extent.root
     tip_corner = side.tip_corner
     if tip_corner is not None:
-        ends = length_at(tip_corner.joint[0])
-        tip_corner = replace(tip_corner, surface=twist(tip_corner.surface, ends), joint=(ends, tip_corner.joint[1]))
+        ends = length_at(tip_corner.form_point[0])
+        tip_corner = replace(
+            tip_corner, surface=twist(tip_corner.surface, ends), form_point=(ends, tip_corner.form_point[1])
+        )
     return ToothSide(
         flank=replace(involute, amount=modification),
         fillet=twist(side.fillet, begins),
-        joint=(length_at(side.joint[0]), side.joint[1]),
+        form_point=(length_at(side.form_point[0]), side.form_point[1]),
         root=side.root,
         tip=true.extent.tip,
         tip_corner=tip_corner,

@@ -48,7 +48,7 @@ class FlankPlane:
 
     @cached_property
     def grid(self) -> Array:
-        """Exact points (I, J, 3) of the trimmed flank, own frame, from joint to tip and from toe to heel."""
+        """Exact points (I, J, 3) of the trimmed flank, own frame, from form point to tip and from toe to heel."""
         s, t = (np.linspace(0.0, 1.0, n) for n in self.count)
         return self.member.tooth.flank_grid(self.side, s, t).points
 

@@ -115,19 +115,19 @@ def _side(rack: RackTooth, roll: Roll, side: int, grinding: ToothMaking | None) 
     cutter, rounding = (
         RackSurface(profile, roll.helix, roll.cone, side) for profile in (rack.flank, rack.root_profile)
     )
-    flank = grinding.surface(cutter, _beyond(rack.joint[0], rack.tip))
-    fillet = grinding.surface(rounding, _beyond(rack.joint[1], ROOT))
+    flank = grinding.surface(cutter, _beyond(rack.form_point[0], rack.tip))
+    fillet = grinding.surface(rounding, _beyond(rack.form_point[1], ROOT))
     breaks = () if rack.pieces is None else rack.pieces.knots[1:-1]
     tip_corner = None
     if rack.tip_corner is not None:
-        above, (_, first) = rack.tip_corner, rack.tip_corner.joint
+        above, (_, first) = rack.tip_corner, rack.tip_corner.form_point
         tool = RackSurface(above.profile, roll.helix, roll.cone, side)
-        tip_corner = TipCorner(grinding.surface(tool, _beyond(first, above.end)), above.joint, above.end)
+        tip_corner = TipCorner(grinding.surface(tool, _beyond(first, above.end)), above.form_point, above.end)
     sharp = rack.pieces is not None
     return ToothSide(
         flank,
         fillet,
-        rack.joint,
+        rack.form_point,
         ROOT,
         rack.tip,
         tip_corner=tip_corner,
@@ -147,10 +147,10 @@ def _in_use(rack: RackTooth, roll: Roll) -> RackTooth:
     if roll.cone != 0.0 or rack.pieces is not None:
         return rack
     limit = roll.radius + rack.tip_height + BEYOND_TIP * (rack.tip_height - rack.root_height)
-    p, q = rack.joint
+    p, q = rack.form_point
     return replace(
         rack,
-        joint=(
+        form_point=(
             _last_below(rack.flank, roll, limit, (rack.tip, p)),
             _last_below(rack.rounding, roll, limit, (ROOT, q)),
         ),

@@ -24,11 +24,11 @@ TOUCHING = 1e-12
 class RackTipCorner:
     """What a cutter has at its root to cut the edge between flank and land.
 
-    `joint` (p, q): parameters of the flank and of this where what they generate meets; `end`: its own at the blank's tip.
+    `form_point` (p, q): parameters of the flank and of this where what they generate meets; `end`: its own at the blank's tip.
     """
 
     profile: Profile
-    joint: tuple[float, float]
+    form_point: tuple[float, float]
     end: float
 
 
@@ -36,7 +36,7 @@ class RackTipCorner:
 class RackTooth:
     """The right side of a rack cutter's space: flank and tip rounding in the normal section, and what joins them.
 
-    `joint` (p, q): parameters of flank and rounding where they pass into each other; `tip`: flank parameter near the
+    `form_point` (p, q): parameters of flank and rounding where they pass into each other; `tip`: flank parameter near the
     blank's tip; `tip_height`, `root_height`: x of the blank's tip and of the cutter's tip plane, mm.
 
     `pieces`: what generates the fillet, where that is more than the rounding; what it and the flank generate then meets in an edge
@@ -45,7 +45,7 @@ class RackTooth:
 
     flank: Profile
     rounding: Arc
-    joint: tuple[float, float]
+    form_point: tuple[float, float]
     tip: float
     tip_height: float
     root_height: float

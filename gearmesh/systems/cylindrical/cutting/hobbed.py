@@ -90,9 +90,9 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
             tuple(float(knot) for knot in knots),
             tuple((part.root, part.tip) for part in fillet),
         )
-        made = replace(made, flank=final, joint=(flank.root, pieces.knots[-1]), pieces=pieces)
+        made = replace(made, flank=final, form_point=(flank.root, pieces.knots[-1]), pieces=pieces)
     if hob.chamfer_diameter is not None:
-        made = replace(made, tip_corner=hobbing.chamfer(final, made.joint[0]))
+        made = replace(made, tip_corner=hobbing.chamfer(final, made.form_point[0]))
     return made, made
 
 
@@ -151,7 +151,7 @@ class _Hobbing:
         """The parts that bound the tooth as the hob, whose `flank` it is, leaves it."""
         whole = self._sound(flank)
         parts = self.tip_parts(flank)
-        touch = self.rack.joint[0]
+        touch = self.rack.form_point[0]
         if not self.hob.protuberance and whole.root <= touch:
             return [*parts, replace(whole, root=touch)]
         return self._cross(parts, [whole]) or self._none_left()

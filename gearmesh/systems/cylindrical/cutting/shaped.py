@@ -176,7 +176,7 @@ def _side(shaping: Shaping, which: Side) -> ToothSide:
     return ToothSide(
         flank=flank,
         fillet=fillet,
-        joint=shaper.joint,
+        form_point=shaper.form_point,
         root=shaper.root,
         tip=shaping.theta(shaping.tip),
         tool=shaper.description,

@@ -104,7 +104,7 @@ class Toothing:
         """Length of the involute's generator, from the base circle, at a radius not below it."""
         return math.sqrt(max(0.0, radius**2 - self.base_radius**2))
 
-    def rack_joint_length(self, depth: float, rounding: float) -> float:
+    def rack_form_roll_length(self, depth: float, rounding: float) -> float:
         """Roll length of what the end of a rack's straight flank generates on an external member; negative where it undercuts.
 
         `depth` of the root below the reference cylinder, radius of the rack's tip `rounding`.

@@ -27,14 +27,14 @@ ROUNDING = 1e-9
 Flank = tuple[float, float]
 
 
-def joint_length(design: CylindricalDesign, name: str, geometry: PairProportions) -> float:
+def form_roll_length(design: CylindricalDesign, name: str, geometry: PairProportions) -> float:
     """Roll length of what the end of the tool's straight flank, or involute, generates; negative where it undercuts the flank."""
     spec, own = getattr(design, name), getattr(geometry.mesh, name)
     if spec.shaped:
         made = shaping(design, name, geometry)
-        return float(made.generator - own.sense * made.shaper.joint[0] * made.shaper.base_radius)
+        return float(made.generator - own.sense * made.shaper.form_point[0] * made.shaper.base_radius)
     depth = own.radius - geometry.roots[0 if name == "pinion" else 1]
-    return float(own.rack_joint_length(depth, spec.tool_tip_radius * own.module))
+    return float(own.rack_form_roll_length(depth, spec.tool_tip_radius * own.module))
 
 
 def undercut_reserve(design: CylindricalDesign, name: str, geometry: PairProportions) -> float:
@@ -45,7 +45,7 @@ def undercut_reserve(design: CylindricalDesign, name: str, geometry: PairProport
     """
     own = getattr(geometry.mesh, name)
     if not own.internal:
-        return joint_length(design, name, geometry)
+        return form_roll_length(design, name, geometry)
     made = shaping(design, name, geometry)
     return float(own.roll_length(made.tip) - made.generator)
 

@@ -119,7 +119,7 @@ def clearing(cutting: InvolutePair, sharp: Shaper, reached: float, most: float) 
     """
 
     def clears(radius: float) -> bool:
-        joint = replace(sharp, tip_radius=radius).joint[0] * sharp.base_radius
-        return bool(cutting.gear.sense * (reached - cutting.mating_roll_length(joint, cutting.pinion)) >= 0.0)
+        form_point = replace(sharp, tip_radius=radius).form_point[0] * sharp.base_radius
+        return bool(cutting.gear.sense * (reached - cutting.mating_roll_length(form_point, cutting.pinion)) >= 0.0)
 
     return deepest(clears, 0.0, most)

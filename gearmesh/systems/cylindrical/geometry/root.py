@@ -63,8 +63,8 @@ def critical_section(tooth: Tooth, teeth: Toothing) -> CriticalSection:
         direction = cross(np.broadcast_to(plane.normal, (*q.shape, 3)), jet(q).n)
         return np.arctan2(_across(plane, direction), np.abs(direction[..., 0])) - wanted
 
-    joint = tooth.sections([0.5]).right.joint_fillet
-    roots = bracketed_root(excess, joint, np.full_like(joint, side.root))
+    form_point = tooth.sections([0.5]).right.form_point_fillet
+    roots = bracketed_root(excess, form_point, np.full_like(form_point, side.root))
     if not roots.converged[0]:
         return CriticalSection(math.nan, math.nan, math.nan)
     there = jet(roots.values)

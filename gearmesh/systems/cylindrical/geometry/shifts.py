@@ -109,8 +109,8 @@ def addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
     mating, spec = getattr(mesh, other), getattr(design, other)
     _, dedendum, rounding = PROFILES[design.profile]
     m = mating.module
-    joint = mating.rack_joint_length((given_or(spec.dedendum, dedendum) - mating.shift) * m, rounding * m)
-    tip = math.hypot(own.base_radius, max(0.0, joint) + mesh.generator)
+    form_point = mating.rack_form_roll_length((given_or(spec.dedendum, dedendum) - mating.shift) * m, rounding * m)
+    tip = math.hypot(own.base_radius, max(0.0, form_point) + mesh.generator)
     return float(min(standard, (own.radius - tip) / m - own.shift - INSIDE))
 
 

@@ -218,7 +218,7 @@ def _side(rack: RackTooth, helix: float, side: int) -> ToothSide:
         tip_radius=abs(rack.rounding.radius),
         zero=HeightZero.PITCH_PLANE,
     )
-    return ToothSide(flank, fillet, rack.joint, root=ROOT, tip=rack.tip, tool=tool)
+    return ToothSide(flank, fillet, rack.form_point, root=ROOT, tip=rack.tip, tool=tool)
 
 
 def rack_mount(pinion: Toothing, distance: float, flank: Side, errors: Rigid | None = None) -> Mount:

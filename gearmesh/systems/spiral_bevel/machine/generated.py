@@ -72,7 +72,7 @@ class Generated:
         return ToothSide(
             flank,
             fillet,
-            blade.joint,
+            blade.form_point,
             blade.root,
             tip=blade.at_height(self.tip_height),
             fillet_breaks=blade.tip_breaks,

@@ -277,7 +277,7 @@ def _slot_widths(tooth: Tooth, stations: Array) -> Array:
         assert tip is not None
         assert blade is not None
         # the cutting edge, prolonged to the tip plane
-        edge = blade.section(np.array(at_height(blade, 0.0, side.joint[0])))[0][1]
+        edge = blade.section(np.array(at_height(blade, 0.0, side.form_point[0])))[0][1]
         beside += abs(float(tip.section(np.array(side.root))[0][1] - edge))
     return width_across((ends[0], ends[1]), tangents[0] + tangents[1]) + beside
 

@@ -169,7 +169,7 @@ class ContactPreviews:
             surface = flank.jet(solution.values[:, 0], solution.values[:, 1]).r
         ahead = (polar_angle(r) - polar_angle(surface) + np.pi) % (2.0 * np.pi) - np.pi
         lag = SIDES[self.name] * sense * ratio * ahead
-        own_margin = np.minimum(-blank.pinion.tip.value(surface), _above_joint(path.pinion, solution.values[:, 0]))
+        own_margin = np.minimum(-blank.pinion.tip.value(surface), _above_form_point(path.pinion, solution.values[:, 0]))
         margin = np.where(solution.converged, np.minimum(own_margin, self._margin[self._in_contact]), np.nan)
         # where pairs change over the least lag has a corner, and what is ahead may be as narrow as that
         table = np.full((3, *self._margin.shape), np.nan)
@@ -204,7 +204,7 @@ class ContactPreviews:
         p = np.array([self._gear.blade.at_height(float(height)) for height in heights])[:, None]
         stations = np.linspace(*blank.gear.extent, GRID[0])
         curves = follow(self._surface, p, stations, level)
-        margin = np.minimum(-blank.gear.tip.value(curves.jet.r), _above_joint(self._gear, p))
+        margin = np.minimum(-blank.gear.tip.value(curves.jet.r), _above_form_point(self._gear, p))
         turns = meshing_turns(curves.jet, self._base, HANDS[self.design.hand], self._ratio)
         return curves.jet, turns, np.where(curves.converged, margin, np.nan)
 
@@ -259,7 +259,7 @@ class ContactPreviews:
         """How far (mm) points r (K, 3) of a flank, at blade parameters p (K,), are inside each of what bounds it."""
         station = own.stations.value(r)
         ends = station - own.inner_cone_distance, own.outer_cone_distance - station
-        return *ends, -own.tip.value(r), _above_joint(side, p)
+        return *ends, -own.tip.value(r), _above_form_point(side, p)
 
 
 def _finer(table: Array, on: NDArray[np.bool_]) -> Array:
@@ -274,12 +274,14 @@ def _finer(table: Array, on: NDArray[np.bool_]) -> Array:
     return np.concatenate([part.reshape(len(table), -1, table.shape[-1]) for part in (between, above, below)], axis=1)
 
 
-def _above_joint(side: Generated, p: Array) -> Array:
+def _above_form_point(side: Generated, p: Array) -> Array:
     """How far (mm) along the blade parameters p (...,) are from its form point with the rounding, towards the tip of the tooth."""
-    joint = side.blade.joint[0]
+    form_point = side.blade.form_point[0]
     # the parameter is an angle where the blade is an arc
     height: Array = (
-        np.sign(side.blade.at_height(side.tip_height) - joint) * (p - joint) * (abs(side.blade.blade_radius) or 1.0)
+        np.sign(side.blade.at_height(side.tip_height) - form_point)
+        * (p - form_point)
+        * (abs(side.blade.blade_radius) or 1.0)
     )
     return height
 
