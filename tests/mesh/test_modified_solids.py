@@ -107,7 +107,7 @@ def ring_flank(ring: Member) -> ScrewInvolute:
     return TrueFlank.of(ring.tooth, Side.RIGHT, internal=True).involute
 
 
-def test_flank_and_fillet_share_their_joint_and_the_root_stays() -> None:
+def test_flank_and_fillet_share_their_form_point_and_the_root_stays() -> None:
     tooth = modified(18.0).tooth
     sections = tooth.sections(np.linspace(0.0, 1.0, 7))
     for regions in (tooth.regions, tooth.regions[1:] + tooth.regions[:1]):

@@ -115,7 +115,7 @@ def test_a_design_that_fails_is_a_row_with_its_reason() -> None:
     assert status[0] == "ok"
     assert status[1] == "no contact"
     assert status[2] == status[3] == "failed"
-    assert study.columns["reason"][2].startswith("pinion.teeth = 2: must be")
+    assert study.columns["reason"][2].startswith("pinion.teeth = 2: allowed is at least 3")
     assert study.columns["converged"][2] is None
     assert study.good == status.count("ok") / 6
     assert len(study.csv().splitlines()) == 7

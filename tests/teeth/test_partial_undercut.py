@@ -45,7 +45,7 @@ def test_a_little_undercut_is_a_warning(face_width: float, hand: str) -> None:
 
 
 @pytest.mark.parametrize("face_width", [20.0, 23.35])
-def test_the_joint_moves_steadily_from_where_undercut_begins(face_width: float) -> None:
+def test_the_form_point_moves_steadily_from_where_undercut_begins(face_width: float) -> None:
     """Close to the first cusp flank and fillet cross where their expansion says, half as far beyond it as the form point is
     before."""
     tooth = pinion(face_width, "right").members["pinion"].tooth
@@ -101,8 +101,8 @@ def _known_within(tooth: Tooth, side: ToothSide, at: Array, ends: Ends) -> Array
     section, over how fast the flank leaves that.
 
     With e from the cusp to the tool's form point they cross e / 2 beyond the cusp, where the flank moves as e and at an angle
-    as e: the joint is a multiple root as undercut begins, known to rounding / e^2. That is 2e-7 here nearest to it, 2e-9 in its
-    middle.
+    as e: the form point is a multiple root as undercut begins, known to rounding / e^2. That is 2e-7 here nearest to it, 2e-9 in
+    its middle.
     """
     axial, ways = tooth.blank.axial, []
     for surface, p in ((side.flank, ends.form_point_flank), (side.fillet, ends.form_point_fillet)):
@@ -136,7 +136,7 @@ def test_a_loop_narrower_than_rounding_is_no_removed_flank() -> None:
     assert lost[12:] / (begins - t[12:]) == pytest.approx(lost[-1] / begins, rel=0.15)
 
 
-def test_a_flank_that_folds_before_its_joint_is_cut_by_the_fillet_as_well() -> None:
+def test_a_flank_that_folds_before_its_form_point_is_cut_by_the_fillet_as_well() -> None:
     """Where undercut deepens towards one end the flank turns twice, and the form point itself is on a branch that is right
     side out."""
     tooth = gm.build(gm.load(CORPUS / "fold_modified_involute_edge_2085.toml")).members["pinion"].tooth
@@ -159,7 +159,7 @@ def test_a_fold_that_ends_in_the_flank_itself_is_refused_by_a_key_that_was_set()
     folded = [f"{key}={value}" for key, value in standard_factors(12, 15).items()]
     design = files.override(files.read(file), folded)
     with pytest.raises(
-        gm.DesignError, match=r"^pressure_angle = 13\.264 deg: allowed is at least [\d.]+ deg,.*folds"
+        gm.DesignError, match=r"^pressure_angle = 13\.264 deg: allowed is at least [\d.]+ deg,.*cusp"
     ) as refused:
         gm.build(gm.parse(design))
     bound = float(str(refused.value).split(" deg,")[0].split()[-1])
