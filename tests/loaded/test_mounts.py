@@ -152,7 +152,7 @@ def test_a_design_says_how_its_members_are_held(monkeypatch: pytest.MonkeyPatch)
         "gear": FlexibleMount.of([2e4, 3e4, 1e9, INF, INF, INF]),
     }
     found = held.loaded_contact(100, [0.0])
-    assert found.figures == plain.loaded_contact(100, [0.0], mounts=mounts).figures
+    np.testing.assert_equal(found.figures.row, plain.loaded_contact(100, [0.0], mounts=mounts).figures.row)
     stiff = {"gear": FlexibleMount.of([INF] * 6)}
     (row,) = held.loaded_contact(100, [0.0], mounts=stiff).rows
     (same,) = plain.loaded_contact(100, [0.0], mounts={**mounts, **stiff}).rows
