@@ -78,6 +78,14 @@ CHANGES: tuple[Change, ...] = (
         "the same, from where the shaper's involute reaches the tips",
         "the flank goes up to the tip",
     ),
+    Change(
+        "0.4.0",
+        ("spiral_bevel_conjugate",),
+        "contact.side",
+        "pinion_convex, or pinion_concave where another key of contact is set",
+        "pinion_convex",
+        "a key does not change the default of another one",
+    ),
 )
 
 

@@ -17,6 +17,7 @@ from oracles.places import SAMPLES
 
 from gearmesh.design import files
 from gearmesh.design.files import toml
+from gearmesh.design.keys import Table
 from gearmesh.errors import DesignError
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.system import build, kinds, system
@@ -482,3 +483,16 @@ def test_ranges_hold_for_lengths_with_units_and_other_keys_have_none() -> None:
         )
     assert refusal(lambda: parse(set_in(BEVELOID, "pressure_angle", "20mm"))).endswith("deg from 1 to 45")
     assert refusal(lambda: parse(set_in(BEVELOID, "pinion.teeth", "20mm"))).endswith("from 1 to 10000")
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("kind", kinds())
+def test_a_key_of_a_table_changes_no_default_of_another(kind: str) -> None:
+    """A table that is left out is the empty one."""
+    tables = {
+        name: field.default
+        for name, field in system(kind).design.model_fields.items()
+        if isinstance(field.default, Table)
+    }
+    assert tables
+    assert tables == {name: type(table)() for name, table in tables.items()}

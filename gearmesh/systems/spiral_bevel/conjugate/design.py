@@ -28,6 +28,14 @@ class ConjugateMember(GearBody):
     edge_radius: EdgeRadius = None
 
 
+class ConjugateContact(BevelContact):
+    """Contact, by default on the side that [CR3553] takes."""
+
+    side: Annotated[str, Key("choice", "driving side of the pinion", choices=("pinion_concave", "pinion_convex"))] = (
+        "pinion_convex"
+    )
+
+
 class ConjugateDesign(BevelDesign):
     """A pair of conjugate spiral bevel gears."""
 
@@ -62,7 +70,7 @@ class ConjugateDesign(BevelDesign):
     )
     pinion: ConjugateMember
     gear: ConjugateMember
-    contact: BevelContact = BevelContact(side="pinion_convex")
+    contact: ConjugateContact = ConjugateContact()
 
     @model_validator(mode="after")
     def _touching(self) -> ConjugateDesign:
