@@ -165,5 +165,5 @@ def test_a_fold_that_ends_in_the_flank_itself_is_refused_by_a_key_that_was_set()
     bound = float(str(refused.value).split(" deg,")[0].split()[-1])
     # the true one, by halving until it stands still, is 13.4688
     assert 0.0 <= bound - 13.4688 < 5e-3 * bound
-    with pytest.raises(gm.DesignError, match=r"^depth_factor = 2: allowed is at most 1\.9[56]\d*,.*folds"):
+    with pytest.raises(gm.DesignError, match=r"^depth_factor = 2: allowed is at most 1\.9[56]\d*,.*cusp"):
         gm.build(gm.load(file, folded))

@@ -125,7 +125,7 @@ class WireDrawing:
     turning: bool = False
     as_part: bool = False
 
-    def drawn(self, sides: list[DrawnSide], at: DrawnPlace) -> tuple[tuple[ToolSheet, ...], tuple[Array, ...]]:
+    def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> tuple[tuple[ToolSheet, ...], tuple[Array, ...]]:
         points = np.broadcast_to(at.point, (2, 2, 3))
         return (ToolSheet("wire", points, points),) * len(sides), ()
 
