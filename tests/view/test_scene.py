@@ -438,7 +438,7 @@ def test_equal_scenes_give_equal_pixels_and_the_file_holds_them(tmp_path):
     # Between two positions, where no single ellipse reaches, the swept pattern still covers the flank.
     between = contact([1.5]).point
     assert np.abs(colour_at(first, scene.camera, between + 0.4 * scene.camera.axes[1]) - rgb(COMPOUND)).max() < 3
-    with pytest.raises(OutputError, match=r"ends in \.png"):
+    with pytest.raises(OutputError, match=r"must be \.png"):
         render(scene, tmp_path / "pattern.bmp2")
     assert [f.name for f in tmp_path.iterdir()] == ["pattern.png"]
 
