@@ -133,6 +133,7 @@ def test_what_takes_teeth_to_be_alike_refuses_others() -> None:
         lambda: real.finite_elements(phi1=0.0),
         lambda: real.solids(),
         lambda: real.check(),
+        lambda: real.sheet(member="pinion"),
         lambda: real.with_deviations("pinion", "left", VALUES),
     )
     for answer in answers:

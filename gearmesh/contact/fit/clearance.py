@@ -43,7 +43,7 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
 
     None where no tip ever passes the face of the mating gear.
     """
-    tooth, mating = pair.both[of].tooth, pair.both[1 - of].tooth
+    tooth, mating = pair.both[of].one_tooth, pair.both[1 - of].one_tooth
     stations = len(tooth.even.t)
     low, high = sorted(mating.blank.extent)
 

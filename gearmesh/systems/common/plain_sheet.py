@@ -43,7 +43,7 @@ def _beside(parts: Sequence[Mapping[tuple[str, str], float | None]]) -> tuple[tu
 
 def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
     """What the section in the middle of the face says of a member; None of the diameters of what slides."""
-    tooth = member.tooth
+    tooth = member.one_tooth
     section = tooth.sections([0.5])
     ends = np.array([0.0, 1.0])
     at = {

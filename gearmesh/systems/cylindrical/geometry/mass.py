@@ -48,7 +48,7 @@ class Bulk:
 def bulk(member: Member) -> Bulk:
     """Volume and polar moment of a member."""
     body = member.body
-    whole = sum([_teeth(member.tooth)] * len(member.halves), Bulk(0.0, 0.0))
+    whole = sum([_teeth(member.one_tooth)] * len(member.halves), Bulk(0.0, 0.0))
     for under in (*(gap.body for gap in member.gaps), body):
         whole -= _profile_bulk(under)
     if member.keyway is not None:
