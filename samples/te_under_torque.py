@@ -52,7 +52,7 @@ def under_torque(pair: Crowned) -> tuple[list[dict[str, Any]], np.ndarray, np.nd
     where the unloaded gear is most ahead; `middle_arcsec` of the rows is that there: below 0 where the parabola is inverted."""
     gears = gm.build(gm.load(SAMPLES / f"{pair.sample}.toml", list(pair.keys)))
     pitch = np.degrees(gears.pairs[0].pitch)
-    found = gears.loaded(pair.torques, pitch * np.arange(POSITIONS) / POSITIONS)
+    found = gears.loaded_contact(pair.torques, pitch * np.arange(POSITIONS) / POSITIONS)
     shape = (len(pair.torques), POSITIONS)
     te, unloaded = (
         np.array([row[key] for row in found.rows]).reshape(shape) for key in ("te_arcsec", "unloaded_te_arcsec")
