@@ -80,7 +80,7 @@ def test_designs_in_python_need_no_kind_and_are_those_of_files(tmp_path: Path) -
 @pytest.mark.quick
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("pinion", {"teeth": 2, "face_width": 6}), ("modul", 2), ("units", "cm"), ("module", "2 km"), ("gear", 3)],
+    [("pinion", {"teeth": 0, "face_width": 6}), ("modul", 2), ("units", "cm"), ("module", "2 km"), ("gear", 3)],
 )
 def test_designs_in_python_give_the_errors_of_files(tmp_path: Path, key: str, value: Any) -> None:
     wrong, file, messages = {**SMALL, key: value}, tmp_path / "wrong.json", []

@@ -21,7 +21,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 
 
-def planetary(sun: int, planet: int, ring: int, **keys: Any) -> gm.Gears:
+def planetary(sun: int, planet: int, ring: int, /, **keys: Any) -> gm.Gears:
     members = {"sun": sun, "planet": planet, "ring": ring}
     tables = {name: {"teeth": teeth, "face_width": 12} for name, teeth in members.items()}
     return gm.build(gm.parse({"kind": "planetary", "module": 2, **tables, **keys}))
@@ -105,6 +105,11 @@ def test_all_planets_mesh_alike() -> None:
         ((18, 45, 108), {"planets": 6}, "planets = 6: tips of neighbouring planets"),
         ((18, 27, 20), {}, "ring.teeth = 20"),
         ((18, 27, 40), {}, "ring"),
+        (
+            (18, 27, 72),
+            {"ring": {"teeth": 72, "face_width": 12, "shaper": {"teeth": 500}}},
+            "ring.shaper.teeth = 500: must be fewer than the internal gear's, 72",
+        ),
     ],
 )
 def test_what_cannot_be_assembled_is_refused(teeth: tuple[int, int, int], keys: dict[str, Any], named: str) -> None:

@@ -68,5 +68,5 @@ def in_words(make: Callable[[], T], names: Mapping[str, str]) -> T:
 
 
 def rename(line: str, names: Mapping[str, str]) -> str:
-    """A line about a pair in the words of the whole."""
-    return re.sub(r"\b(pinion|gear)\b", lambda match: names[match[0]], line)
+    """A line about a pair in the words of the whole: "mating gear" and "internal gear" say what a member is and are no names."""
+    return re.sub(r"(?<!mating )(?<!internal )\b(pinion|gear)\b", lambda match: names[match[0]], line)
