@@ -144,7 +144,9 @@ def test_a_second_run_leaves_no_stale_file_and_keeps_foreign_ones(here: Path, mo
     # a renderer that draws nothing: what matters is which files there are
     monkeypatch.setattr("gearmesh.api.run.render", lambda scene, file: file.write_bytes(b"drawn"))
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: None)
-    monkeypatch.setattr("gearmesh.view.pictures.all_pictures", lambda *_: dict.fromkeys(PICTURES))
+    monkeypatch.setattr(
+        "gearmesh.view.pictures.all_pictures", lambda *_: dict.fromkeys(PICTURES, SimpleNamespace(title="drawn"))
+    )
     assert run("run", CROSSED, "-o", "out", "--tol", "50um", "--no-report", "--set", "contact.phi1.count=3")[0] == 0
     assert (folder / "pinion_pattern.png").exists()
     first = {file.name for file in folder.iterdir()}
