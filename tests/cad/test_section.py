@@ -260,7 +260,7 @@ def test_dxf_files_are_sound_and_hold_the_curves(tmp_path: Path) -> None:
         ),
         ("spur", "both -o a.svg", "--member = both: .svg holds one part"),
         ("spur", "gear -o a.svg --teeth 3", "--teeth = 3: must be left out for .svg"),
-        ("zerol", "gear -o a.svg", "gear: has no transverse section, its teeth end on cones or cylinders"),
+        ("zerol", "gear -o a.svg", "gear: has no transverse section: its teeth end on cones or cylinders"),
     ],
 )
 def test_refusals(sample: str, arguments: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
