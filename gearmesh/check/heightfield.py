@@ -446,10 +446,11 @@ class _Bins:
 class GridFlank:
     """Structured exact points (I, J, 3), own frame, mm, joined by a bicubic spline over the indices.
 
-    I and J are at least 4.
+    I and J are at least 4. `cells`: the polynomials (I - 1, J - 1, 4, 4, 3) of a part of a larger grid, whose spline it keeps.
     """
 
     grid: Array
+    cells: Array | None = None
 
     def __post_init__(self) -> None:
         if self.grid.ndim != 3 or self.grid.shape[-1] != 3 or min(self.grid.shape[:2]) < 4:
@@ -471,6 +472,8 @@ class GridFlank:
     @cached_property
     def _coefficients(self) -> Array:
         """Polynomials (I - 1, J - 1, 4, 4, 3) of the cells, highest powers first."""
+        if self.cells is not None:
+            return self.cells
         along_i = CubicSpline(np.arange(self.grid.shape[0]), self.grid, axis=0).c
         along_j = CubicSpline(np.arange(self.grid.shape[1]), along_i, axis=2).c
         return np.ascontiguousarray(np.transpose(along_j, (3, 1, 2, 0, 4)))
@@ -500,7 +503,8 @@ class GridFlank:
         # a cell more, and as many lines as a spline needs
         first, last = max(int(inside[0]) - 1, 0), min(int(inside[-1]) + 1, z.shape[1] - 1)
         first = max(min(first, last - 3), 0)
-        return replace(self, grid=self.grid[:, first : max(last, first + 3) + 1])
+        end = max(last, first + 3)
+        return replace(self, grid=self.grid[:, first : end + 1], cells=self._coefficients[:, first:end])
 
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
         return GridField(chart, self, own_to_chart, side)

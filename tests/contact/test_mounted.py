@@ -19,14 +19,14 @@ from gearmesh.kernel.numeric.algebra import rotation_about
 def test_a_table_is_made_once_for_all_mountings(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
     real = meshing.heights
-    monkeypatch.setattr(meshing, "heights", lambda flank: made.append(flank) or real(flank))
+    monkeypatch.setattr(meshing, "heights", lambda *a, **k: made.append(a) or real(*a, **k))
     flanks = solver_pair(pair_of(gm.load(SAMPLES / "rack.toml")))
     gear, rack = flanks.pinion, flanks.gear
     away = Rigid(rotation_about("x", 0.1), np.array([1.0, 2.0, 3.0]))
     there = gear.remount(replace(gear.mount, base=away @ gear.mount.base))
     further = there.remount(replace(gear.mount, base=away @ there.mount.base))
     assert further.heights is there.heights is gear.heights
-    assert made == [gear]
+    assert len(made) == 1
     np.testing.assert_allclose(further.mount.base.translation, away.point(there.mount.base.translation))
     # another flank of the same mounting, and the same along another joint, have their own
     half = replace(further, grid=further.grid[:, : further.grid.shape[1] // 2 + 1])

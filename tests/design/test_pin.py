@@ -267,7 +267,7 @@ def test_pinned_bevel_gears_ask_nothing_of_their_contact(tmp_path: Path, monkeyp
         raise AssertionError("a pinned design leaves nothing to choose")
 
     for rule in (
-        "synthesis.settings.synthesised",
+        "synthesis.settings.synthesise",
         "synthesis.settings.tool_values",
         "blank.blank.suggested_depth_factor",
         "blank.blank.nominal_radius",
