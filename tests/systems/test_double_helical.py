@@ -128,7 +128,7 @@ def test_contact_is_that_of_one_half_and_the_other_one_touches_alike(name: str) 
     assert contact.summary["overlap_ratio"] == pytest.approx(overlap, abs=1e-9)
     for key in ("contact_ratio", "transverse_contact_ratio", "backlash_normal_min_mm"):
         assert contact.summary[key] == pytest.approx(half.summary[key], abs=1e-8)
-    assert any("of one half" in line for line in contact.warnings)
+    assert any("for one half" in line for line in contact.warnings)
     tolerance = 0.004
     parts = {key: part.mesh for key, part in gears.solids(tolerance).parts.items()}
     # both planes of symmetry lie in each other
