@@ -365,7 +365,7 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
         (
             "novikov",
             "pinion.tool_tip_radius=0.6",
-            r"pinion.tool_tip_radius = 0.6: .* too narrow; allowed is at most 0.4486",
+            r"pinion.tool_tip_radius = 0.6: .* too narrow for the fillet; allowed is at most 0.4486",
         ),
         ("modified_involute", "pinion.crowning=lapping", r'pinion.crowning = "lapping": must be one of "worm_plunge"'),
         (
