@@ -85,8 +85,10 @@ class Member:
     others: Mapping[int, Tooth] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
+        if not self.others:
+            return
         self.check_teeth(self.others)
-        if self.others and self.tooth.joint.travel is not None:
+        if self.tooth.joint.travel is not None:
             raise DesignError(self.name, reason="the teeth of a rack cannot differ", allowed="gears whose teeth differ")
         for number, tooth in self.others.items():
             mismatch = _mismatch(tooth, self.tooth)
