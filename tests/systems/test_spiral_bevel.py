@@ -199,13 +199,14 @@ def sensible(rng: np.random.Generator) -> tuple[dict[str, Any], str]:
     return design, name
 
 
-@pytest.mark.parametrize("seed", some(range(5), 1))
-def test_round_trip_of_local_synthesis_through_contact_analysis(seed: int) -> None:
+@pytest.mark.parametrize("part", some(range(5), 1))
+def test_round_trip_of_local_synthesis_through_contact_analysis(part: int) -> None:
     """Second derivative of phi2 to what rounding leaves of it in each design; path angle and axis to fixed tolerances."""
-    rng = np.random.default_rng((23509, seed))
+    rng = np.random.default_rng(23509)
+    designs = [sensible(rng) for _ in range(200)]
     worst = np.zeros((2, 3))
-    for k in range(40):
-        mapping, name = sensible(rng)
+    for k in range(40 * part, 40 * part + 40):
+        mapping, name = designs[k]
         # sliding bases of tilted cutters take their teeth to be found
         tilted = int(k % 4 == 1)
         if tilted:
