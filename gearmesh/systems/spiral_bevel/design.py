@@ -461,12 +461,13 @@ class BevelAssembly(PairRunout):
     d_delta: Annotated[float, Key("angle", "increase of the shaft angle", low=-5, high=5, source="[CR3553] 3.5")] = 0.0
 
 
+DrivingSide = Annotated[str, Key("choice", "driving side of the pinion", choices=("pinion_concave", "pinion_convex"))]
+
+
 class BevelContact(ContactTable):
     """Contact, on one of the pinion's sides."""
 
-    side: Annotated[str, Key("choice", "driving side of the pinion", choices=("pinion_concave", "pinion_convex"))] = (
-        "pinion_concave"
-    )
+    side: DrivingSide = "pinion_concave"
 
     @property
     def pinion_side(self) -> str:

@@ -9,7 +9,7 @@ from pydantic import model_validator
 
 from gearmesh.design.core import GearBody
 from gearmesh.design.keys import Key, conflict
-from gearmesh.systems.spiral_bevel.design import BevelContact, BevelDesign, EdgeRadius
+from gearmesh.systems.spiral_bevel.design import BevelContact, BevelDesign, DrivingSide, EdgeRadius
 
 
 class ConjugateMember(GearBody):
@@ -31,9 +31,7 @@ class ConjugateMember(GearBody):
 class ConjugateContact(BevelContact):
     """Contact, by default on the side that [CR3553] takes."""
 
-    side: Annotated[str, Key("choice", "driving side of the pinion", choices=("pinion_concave", "pinion_convex"))] = (
-        "pinion_convex"
-    )
+    side: DrivingSide = "pinion_convex"
 
 
 class ConjugateDesign(BevelDesign):
