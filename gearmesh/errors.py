@@ -83,13 +83,6 @@ class GearmeshError(Exception):
         name = f"{self.key} {self.entry}".strip()
         return name if self.value is None else f"{name} = {self.shown or shown_value(self.value, self.unit)}"
 
-    def reword(self, words: Callable[[str], str]) -> Self:
-        """The same refusal in other words, as it is read where things are called otherwise."""
-        made = copy(self)
-        for name in ("key", "entry", "reason", "allowed", "remedy"):
-            setattr(made, name, words(getattr(self, name)))
-        return made
-
     def rename(self, key: str) -> Self:
         """The same refusal of what is called otherwise where it is read."""
         made = copy(self)

@@ -213,7 +213,6 @@ def test_one_form_of_sentence() -> None:
     assert (
         str(OutputError("cannot write", Path("a.stl"), reason="it is a folder")) == "cannot write a.stl: it is a folder"
     )
-    assert error.reword(str.upper).key == "GEAR.WEB.THICKNESS"
 
 
 def test_what_is_work_to_find_out_is_asked_for_once_and_late() -> None:

@@ -28,9 +28,9 @@ def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int) -
     if detail["type"] == "conflict":
         key, value, fields = (ctx := dict(detail["ctx"])).pop("key"), ctx.pop("value"), ctx
         prefix = "".join(f"{part}." for part in detail["loc"])
-        return DesignError(prefix + key, value, shown=value_text(value), more=more, **fields)
+        return DesignError(design.name_in_texts(prefix + key), value, shown=value_text(value), more=more, **fields)
     table = _table(design, tables)
-    key = shown_key(detail["loc"])
+    key = design.name_in_texts(shown_key(detail["loc"]))
     if detail["type"] == "extra_forbidden":
         return DesignError(key, reason=f"unknown key; {_suggestion(str(last), tables, table, design)}", more=more)
     allowed = _allowed_values(table, str(last), units)

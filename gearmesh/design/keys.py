@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal, Self, get_args
 
@@ -243,6 +243,14 @@ class Table(BaseModel):
     rank: ClassVar[int] = 1
     #: What a table that may stand in several places is called where its keys are listed once for all of them; "": with the others.
     listed_apart: ClassVar[str] = ""
+    #: What texts call the tables of a design that is part of another one, where that one has other names for them.
+    other_names: ClassVar[Mapping[str, str]] = {}
+
+    @classmethod
+    def name_in_texts(cls, dotted: str) -> str:
+        """What texts call a table, or a dotted key."""
+        head, dot, rest = dotted.partition(".")
+        return cls.other_names.get(head, head) + dot + rest
 
     @model_validator(mode="after")
     def _not_together(self) -> Self:

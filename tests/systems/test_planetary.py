@@ -180,3 +180,15 @@ def test_members_of_a_set_have_the_thickness_allowances_that_are_given() -> None
     one = gm.build(gm.parse({"kind": "planetary", "module": 2, **tables}))
     for mesh in ("sun-planet_1", "planet_1-ring"):
         assert one.contact(pair=mesh).summary["backlash_normal_min_mm"] == pytest.approx(0.035 * cosine, abs=1e-9)
+
+
+def test_refusals_and_warnings_name_members_of_the_set() -> None:
+    """In the fields of a refusal too, and in words where the mesh's own members have other names."""
+    with pytest.raises(DesignError, match=r"^sun\.addendum: the tooth is pointed") as pointed:
+        _ = planetary(18, 27, 72, sun={"teeth": 18, "face_width": 12, "addendum": 2.5}).train
+    assert pointed.value.topic == "sun: pointed"
+    with pytest.raises(DesignError, match=r"42\.2862 mm with sun\.teeth = 18, planet\.teeth = 27$"):
+        planetary(18, 27, 72, assembly={"center_distance": 30})
+    ring = planetary(18, 27, 72, ring={"teeth": 72, "face_width": 12, "shaper": {"teeth": 60}})
+    (trimmed,) = (line for line in ring.warnings if "trims" in line)
+    assert trimmed.startswith("ring.shaper.teeth = 60: the cutter trims the tips")

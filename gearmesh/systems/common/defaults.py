@@ -49,7 +49,8 @@ def unusual_defaults(design: Design, standards: Mapping[str, tuple[float, str]])
     for key, (standard, why) in standards.items():
         value = _value(design, key)
         if abs(value - standard) > SAME * abs(standard) and not design.sets(key):
-            warnings.append(f"{key} = {value:.4g}: the default, instead of {standard:g} because {why}")
+            name = design.name_in_texts(key)
+            warnings.append(f"{name} = {value:.4g}: the default, instead of {standard:g} because {why}")
     return tuple(warnings)
 
 

@@ -28,7 +28,7 @@ from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import HALF, double_helical_member, half_of
 from gearmesh.systems.cylindrical.geometry.geometry import distance_of, sum_of_shifts
 from gearmesh.systems.cylindrical.geometry.interference import interference_warnings
-from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, refuse_thin
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.geometry.shifts import addendum
 from gearmesh.systems.system import Displacements
@@ -70,7 +70,7 @@ def build(design: CylindricalDesign) -> GearTrain:
 
 def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -> Member:
     """A member of a design (in mm), without its mounting. Raises DesignError for teeth or cutters that cannot exist."""
-    spec, own = getattr(design, name), getattr(geometry.mesh, name)
+    spec, own, shown = getattr(design, name), getattr(geometry.mesh, name), design.name_in_texts(name)
     index, letter = (0, "F") if name == "pinion" else (1, "G")
     if own.thickness <= 0.0:
         refuse_thin(design, name, geometry.mesh, own.thickness)
@@ -79,20 +79,20 @@ def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -
     if (tip - root) * own.sense <= 0.0:
         order = "larger" if own.internal else "smaller"
         raise DesignError(
-            f"{name}.{tip_key}", reason=f"the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)"
+            f"{shown}.{tip_key}", reason=f"the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)"
         )
     if spec.shaped:
         cutting = shaping(design, name, geometry)
-        made = shaped_member(name, spec, cutting, tip_key, f"theta_{letter}", f"u_{letter}")
+        made = shaped_member(shown, spec, cutting, tip_key, f"theta_{letter}", f"u_{letter}")
         made = with_modifications(made, spec, internal=own.internal)
         own_flanks = made.tooth.unmodified_tooth is made.tooth
         return with_true_involutes(made, internal=own.internal) if own_flanks else made
-    racks = hobbed_racks(name, spec, own, Heights(tip - own.radius, root - own.radius))
+    racks = hobbed_racks(shown, spec, own, Heights(tip - own.radius, root - own.radius))
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {f"l_{letter}": p, f"u_{letter}": v}
 
-    made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), source_parameters, tip_key)
+    made = member(shown, spec, racks, Roll(own.radius, own.beta, 0.0), source_parameters, tip_key)
     return with_modifications(made, spec)
 
 
@@ -129,7 +129,7 @@ def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[s
     return (
         *unusual_defaults(design, standard),
         *_thickness_warnings(geometry),
-        *interference_warnings(geometry.mesh, geometry.tips, geometry.roots),
+        *interference_warnings(geometry.mesh, geometry.tips, geometry.roots, [*map(design.name_in_texts, MEMBERS)]),
         *other_cutters(design, geometry.mesh),
         *trimming_warnings(design, geometry.mesh, geometry.tips),
     )

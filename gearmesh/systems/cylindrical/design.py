@@ -409,7 +409,8 @@ class ToothingKeys(Design):
         for name in names:
             for key in ("backlash", "circumferential_backlash"):
                 if key in self.model_fields_set and not math.isnan(value := getattr(self, key) or math.nan):
-                    raise conflict(key, value, reason=f"cannot be given together with {name}.thickness_allowance")
+                    other = self.name_in_texts(f"{name}.thickness_allowance")
+                    raise conflict(key, value, reason=f"cannot be given together with {other}")
         return names
 
     def plain(self) -> dict[str, Any]:

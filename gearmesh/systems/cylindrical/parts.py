@@ -1,19 +1,17 @@
-"""Cylindrical pairs as parts of other designs: their keys out of that design's, and refusals in its words."""
+"""Cylindrical pairs as parts of other designs: their keys out of that design's."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from gearmesh.errors import GearmeshError
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry import proportions as closed
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import ToothingKeys
 
-T = TypeVar("T")
+Pair = TypeVar("Pair", bound=CylindricalDesign)
 
 #: keys of the whole that its pairs take over
 SHARED = (
@@ -53,20 +51,7 @@ def nest(own: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, dict[str
     return tables
 
 
-def completed_pair(keys: Mapping[str, Any]) -> CylindricalDesign:
+def completed_pair(kind: type[Pair], keys: Mapping[str, Any]) -> Pair:
     """The design of a pair with everything filled in that its mesh says. Raises DesignError for one that cannot exist."""
-    design = CylindricalDesign(**keys)
+    design = kind(**keys)
     return design if design.complete else design.fill(closed.derived_values(design))
-
-
-def in_words(make: Callable[[], T], names: Mapping[str, str]) -> T:
-    """What is made of a pair; refusals name the members as the whole does, by the pair's names."""
-    try:
-        return make()
-    except GearmeshError as failure:
-        raise failure.reword(lambda text: rename(text, names)) from failure
-
-
-def rename(line: str, names: Mapping[str, str]) -> str:
-    """A line about a pair in the words of the whole: "mating gear" and "internal gear" say what a member is and are no names."""
-    return re.sub(r"(?<!mating )(?<!internal )\b(pinion|gear)\b", lambda match: names[match[0]], line)

@@ -76,11 +76,12 @@ def sharp_shaper(design: CylindricalDesign, name: str, mesh: InvolutePair) -> Sh
     spec, own = getattr(design, name), getattr(with_allowances(design, mesh), name)
     cutter = cutter_of(design, spec)
     if own.internal and cutter.teeth >= own.teeth:
-        raise DesignError(f"{name}.shaper.teeth", cutter.teeth, must_be=f"fewer than the internal gear's, {own.teeth}")
+        key = design.name_in_texts(f"{name}.shaper.teeth")
+        raise DesignError(key, cutter.teeth, must_be=f"fewer than the internal gear's, {own.teeth}")
     apart = generating(cutter, own).distance
     if math.isnan(apart):
         raise DesignError(
-            f"{name}.profile_shift",
+            design.name_in_texts(f"{name}.profile_shift"),
             own.shift,
             reason=f"no cutter of {cutter.teeth} teeth generates it",
             allowed="a smaller one",
@@ -97,9 +98,10 @@ def trimming_warnings(design: CylindricalDesign, mesh: InvolutePair, tips: tuple
         cutter = cutter_of(design, getattr(design, name))
         chosen, teeth = CutterChoice(own, root_radius(design, name, own), cutter), cutter.teeth
         if not chosen.clears(teeth, tip):
+            member = design.name_in_texts(name)
             warnings.append(
-                f"{name}.shaper.teeth = {teeth}: the cutter trims the tips as it is fed in radially; "
-                f"{chosen.possible(name, tip)}"
+                f"{member}.shaper.teeth = {teeth}: the cutter trims the tips as it is fed in radially; "
+                f"{chosen.possible(member, tip)}"
             )
     return tuple(warnings)
 
@@ -111,6 +113,7 @@ def other_cutters(design: CylindricalDesign, mesh: InvolutePair) -> tuple[str, .
         spec, standard = getattr(design, name), standard_teeth(own)
         if own.internal and spec.shaper is None and (teeth := cutter_of(design, spec).teeth) != standard:
             warnings.append(
-                f"{name}.shaper.teeth = {teeth}: the default, instead of {standard}, which leave no involute up to the tip"
+                f"{design.name_in_texts(name)}.shaper.teeth = {teeth}: the default, instead of {standard}, which leave no "
+                "involute up to the tip"
             )
     return tuple(warnings)

@@ -14,7 +14,7 @@ from the line between the axes are equal.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,11 +87,17 @@ def _trimming(members: tuple[Toothing, Toothing], tips: tuple[float, float], bey
     return (of_pinion + beyond[0]) / teeth - of_ring - beyond[1]
 
 
-def interference_warnings(mesh: InvolutePair, tips: tuple[float, float], roots: tuple[float, float]) -> tuple[str, ...]:
-    """A line for every limit that an internal gear of a mesh passes, with its tip diameter from which on it holds."""
+def interference_warnings(
+    mesh: InvolutePair, tips: tuple[float, float], roots: tuple[float, float], names: Sequence[str]
+) -> tuple[str, ...]:
+    """A line for every limit that an internal gear of a mesh passes, with its tip diameter from which on it holds.
+
+    `names`: what the lines call pinion and gear.
+    """
     if not (mesh.pinion.internal or mesh.gear.internal):
         return ()
-    name, which = ("pinion", 0) if mesh.pinion.internal else ("gear", 1)
+    which = 0 if mesh.pinion.internal else 1
+    name = names[which]
     warnings = []
     for limit, why in (
         ("involute", "involute interference: its tip reaches below the mating gear's base circle"),

@@ -49,8 +49,8 @@ def nominal_mesh(design: CylindricalDesign) -> InvolutePair:
             "assembly.center_distance",
             given,
             unit="mm",
-            allowed=f"more than the {between} of the base radii, {at_least(least)} mm with pinion.teeth = "
-            f"{pinion.teeth}, gear.teeth = {gear.teeth}",
+            allowed=f"more than the {between} of the base radii, {at_least(least)} mm with "
+            f"{design.name_in_texts('pinion.teeth')} = {pinion.teeth}, {design.name_in_texts('gear.teeth')} = {gear.teeth}",
         )
     if math.isnan(mesh.distance):
         raise _no_working_angle(design, mesh)
@@ -67,9 +67,9 @@ def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> DesignEr
         for end in (0.0, involute(STEEPEST))
     )
     return DesignError(
-        f"{first}.profile_shift",
+        design.name_in_texts(f"{first}.profile_shift"),
         own,
-        reason=f"with {second}.profile_shift = {other:g} there is no working pressure angle",
+        reason=f"with {design.name_in_texts(second)}.profile_shift = {other:g} there is no working pressure angle",
         allowed=f"a sum between {at_least(ends[0])} and {at_most(ends[1])}",
     )
 
@@ -102,7 +102,7 @@ def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, 
     given = getattr(design, name).thickness_allowance
     if given is not None:
         raise DesignError(
-            f"{name}.thickness_allowance.upper",
+            design.name_in_texts(f"{name}.thickness_allowance.upper"),
             given.upper,
             unit="mm",
             reason="leaves no tooth",
@@ -117,6 +117,6 @@ def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, 
         key,
         getattr(design, key),
         unit="mm",
-        reason=f"leaves no tooth of the {name}",
+        reason=f"leaves no tooth of the {design.name_in_texts(name)}",
         allowed=f"less than {at_most(most)} mm",
     )

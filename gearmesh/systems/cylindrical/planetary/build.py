@@ -7,8 +7,9 @@ turn about fixed axes; phi1 of a mesh counts the sun clockwise about +z, or the 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -19,8 +20,8 @@ from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry import proportions as closed
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
-from gearmesh.systems.cylindrical.geometry.nominal import wanted_backlash
-from gearmesh.systems.cylindrical.parts import completed_pair, in_words, is_given, nest, rename, shared_keys
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, wanted_backlash
+from gearmesh.systems.cylindrical.parts import completed_pair, is_given, nest, shared_keys
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
 from gearmesh.teeth.gear_train import GearPair, GearTrain
 from gearmesh.teeth.mount import Mount
@@ -33,16 +34,28 @@ if TYPE_CHECKING:
 ASSEMBLED = 1e-6
 
 
+class InnerMesh(CylindricalDesign):
+    """Sun and planet as the pair that they are."""
+
+    other_names: ClassVar[Mapping[str, str]] = {"pinion": SUN, "gear": PLANET}
+
+
+class OuterMesh(CylindricalDesign):
+    """Planet and ring as the pair that they are."""
+
+    other_names: ClassVar[Mapping[str, str]] = {"pinion": PLANET, "gear": RING}
+
+
 @dataclass(frozen=True)
 class Meshes:
     """The meshes of a set as designs of cylindrical pairs: sun with planet, planet with ring."""
 
-    inner: CylindricalDesign
-    outer: CylindricalDesign
+    inner: InnerMesh
+    outer: OuterMesh
 
 
 def meshes(design: PlanetaryDesign) -> Meshes:
-    """Both meshes, complete. Raises DesignError, in the words of the set, for a mesh that cannot exist."""
+    """Both meshes, complete. Raises DesignError, with the names of the set, for a mesh that cannot exist."""
     own, shared = dict(design.own()), shared_keys(design)
     distance = design.assembly.center_distance
     inner = {
@@ -52,7 +65,7 @@ def meshes(design: PlanetaryDesign) -> Meshes:
         "assembly": {} if distance is None else {"center_distance": distance},
         **{key: getattr(design, key) for key in ("backlash", "circumferential_backlash") if is_given(design, key)},
     }
-    first = in_words(lambda: completed_pair(inner), {"pinion": SUN, "gear": PLANET})
+    first = completed_pair(InnerMesh, inner)
     geometry = closed.proportions(first)
     planet = first.gear.plain()
     middle = geometry.mesh.gear.allowance
@@ -67,14 +80,13 @@ def meshes(design: PlanetaryDesign) -> Meshes:
     }
     outer["gear"].setdefault("internal", True)
     _check_ring(design, geometry.mesh)
-    names = {"pinion": PLANET, "gear": RING}
-    second = in_words(lambda: completed_pair(outer), names)
+    second = completed_pair(OuterMesh, outer)
     ring = closed.proportions(second)
     wanted = wanted_backlash(design, ring.nominal)
     if wanted is not None:
         rest = (ring.mesh.normal_backlash - wanted) / math.cos(ring.mesh.pinion.alpha)
         outer["gear"] = {**outer["gear"], "thickness_allowance": {"upper": rest, "lower": rest}}
-        second = in_words(lambda: completed_pair(outer), names)
+        second = completed_pair(OuterMesh, outer)
     return Meshes(first, second)
 
 
@@ -114,11 +126,8 @@ def build(design: PlanetaryDesign) -> GearTrain:
     both = meshes(design)
     inner, outer = closed.proportions(both.inner), closed.proportions(both.outer)
     _check_assembly(design, inner.mesh.distance, inner.tips[1])
-    sun, planet = in_words(
-        lambda: [pairs.member_of(both.inner, which, inner) for which in ("pinion", "gear")],
-        {"pinion": SUN, "gear": PLANET},
-    )
-    ring = in_words(lambda: pairs.member_of(both.outer, "gear", outer), {"pinion": PLANET, "gear": RING})
+    sun, planet = (pairs.member_of(both.inner, which, inner) for which in MEMBERS)
+    ring = pairs.member_of(both.outer, "gear", outer)
     flank = Side(design.contact.flank)
     angles = np.radians(design.angles)
     made: list[GearPair] = []
@@ -127,7 +136,7 @@ def build(design: PlanetaryDesign) -> GearTrain:
         own = replace(planet, name=f"{PLANET}_{k + 1}", mount=Mount(place))
         made.append(
             GearPair(
-                pinion=replace(sun, name=SUN, mount=Mount(_facing(angle, design.sun.teeth), sign=-1.0)),
+                pinion=replace(sun, mount=Mount(_facing(angle, design.sun.teeth), sign=-1.0)),
                 gear=own,
                 flanks=(flank, flank),
                 drive=flank.sign,
@@ -139,19 +148,14 @@ def build(design: PlanetaryDesign) -> GearTrain:
         made.append(
             GearPair(
                 pinion=made[k].gear,
-                gear=replace(ring, name=RING, mount=Mount(_facing(angle, design.ring.teeth))),
+                gear=replace(ring, mount=Mount(_facing(angle, design.ring.teeth))),
                 flanks=(flank.other, flank),
                 drive=flank.sign,
                 ratio=design.planet.teeth / design.ring.teeth,
                 delta=design.contact.delta,
             )
         )
-    warnings = dict.fromkeys(
-        [
-            *(rename(line, {"pinion": SUN, "gear": PLANET}) for line in pairs.warnings_of(both.inner, inner)),
-            *(rename(line, {"pinion": PLANET, "gear": RING}) for line in pairs.warnings_of(both.outer, outer)),
-        ]
-    )
+    warnings = dict.fromkeys([*pairs.warnings_of(both.inner, inner), *pairs.warnings_of(both.outer, outer)])
     return GearTrain(design.kind, tuple(made), tuple(warnings), (*[0] * len(angles), *[len(angles)] * len(angles)))
 
 

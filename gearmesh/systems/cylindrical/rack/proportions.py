@@ -203,7 +203,7 @@ def _pair(design: RackDesign, own: Toothing) -> CylindricalDesign:
         table["tool_tip_radius"] = design.pinion.tool_tip_radius
     gear = {"teeth": own.teeth, "face_width": design.pinion.face_width, "profile_shift": -own.shift}
     keys = {**shared_keys(design), "hand": design.hand, "pinion": table, "gear": gear}
-    return completed_pair(keys)
+    return completed_pair(CylindricalDesign, keys)
 
 
 def _shaper_rounding(pair: CylindricalDesign, mesh: RackMesh, standard: float) -> float:
