@@ -27,8 +27,9 @@ def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int) -
     *tables, last = detail["loc"] or ("design",)
     if detail["type"] == "conflict":
         key, value, fields = (ctx := dict(detail["ctx"])).pop("key"), ctx.pop("value"), ctx
-        prefix = "".join(f"{part}." for part in detail["loc"])
-        return DesignError(design.name_in_texts(prefix + key), value, shown=value_text(value), more=more, **fields)
+        # without a key of its own it is about the table
+        dotted = ".".join([*map(str, detail["loc"]), *([key] if key else [])])
+        return DesignError(design.name_in_texts(dotted), value, shown=value_text(value), more=more, **fields)
     table = _table(design, tables)
     key = design.name_in_texts(shown_key(detail["loc"]))
     if detail["type"] == "extra_forbidden":

@@ -12,6 +12,7 @@ from gearmesh.design.core import Design, FlankContact, MemberTable, PairDesign, 
 from gearmesh.design.keys import DERIVED, MM_PER, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
+from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance, DiameterTolerance, ThicknessAllowance
 
 #: Basic racks of ISO 53: addendum, dedendum and rounding of the tool's tip, in normal modules.
 PROFILES = {
@@ -22,25 +23,6 @@ PROFILES = {
 }
 #: Rim of an internal gear that is not given, in normal modules.
 RIM = 3.0
-
-
-class ThicknessAllowance(Table):
-    """Allowances of the normal tooth thickness at the reference cylinder; teeth are made in their middle."""
-
-    upper: Annotated[
-        float, Key("length", "upper allowance A_sne, negative where the tooth is thinned", low=-100, high=100)
-    ]
-    lower: Annotated[float, Key("length", "lower allowance A_sni", low=-100, high=100)]
-
-    @model_validator(mode="after")
-    def _order(self) -> Self:
-        if self.lower > self.upper:
-            raise conflict("lower", self.lower, reason=f"must not be above upper, {self.upper:g}")
-        return self
-
-    @property
-    def middle(self) -> float:
-        return 0.5 * (self.upper + self.lower)
 
 
 class ShaperCutter(Table):
@@ -227,6 +209,7 @@ class CylindricalMember(MemberTable, Modified):
         ),
     ] = None
     thickness_allowance: ThicknessAllowance | None = None
+    tip_diameter_tolerance: DiameterTolerance | None = None
     shaper: ShaperCutter | None = None
     hob: Hob | None = None
 
@@ -289,7 +272,7 @@ class CylindricalMember(MemberTable, Modified):
         return self.internal or self.shaper is not None
 
 
-class CylindricalAssembly(PairRunout):
+class CylindricalAssembly(PairRunout, CenterDistanceAllowance):
     """Position of the gear against its nominal one: assembly errors."""
 
     center_distance: Annotated[
@@ -374,6 +357,23 @@ class ToothingKeys(Design):
             raise conflict(given[1], getattr(self, given[1]), reason=f"cannot be given together with {given[0]}")
         return self
 
+    @model_validator(mode="after")
+    def _series_fit_the_diameters(self) -> Self:
+        for name, allowance in self._series():
+            allowance.check_series(f"{name}.thickness_allowance", self._series_diameter(name), self.mm_per_unit)
+        return self
+
+    def _series(self) -> list[tuple[str, ThicknessAllowance]]:
+        """Names and allowances of the members whose allowances a series says."""
+        given = [(name, getattr(self, name).thickness_allowance) for name in self.toothed]
+        return [(name, table) for name, table in given if table is not None and table.series is not None]
+
+    def _series_diameter(self, name: str) -> float:
+        """Reference diameter of a member, mm, or of the pinion of a rack."""
+        member = getattr(self, name)
+        teeth = member.teeth if isinstance(member, CylindricalMember) else self.counted_teeth
+        return float(teeth * self.given_module * self.mm_per_unit / math.cos(math.radians(self.helix_angle)))
+
     @property
     def given_module(self) -> float:
         """The normal module, in the design's units."""
@@ -401,7 +401,14 @@ class ToothingKeys(Design):
         for name in self.toothed:
             if getattr(self, name).dedendum_counts:
                 defaults[f"{name}.dedendum"] = PROFILES[self.profile][1]
+        for name, allowance in self._series():
+            ends = allowance.by_series(self._series_diameter(name))
+            defaults |= {f"{name}.thickness_allowance.{end}": value / self.mm_per_unit for end, value in ends.items()}
         return defaults
+
+    def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:
+        # they follow from the diameter
+        return super().stays(dotted, values) and "thickness_allowance." not in dotted
 
     def with_allowances(self) -> list[str]:
         """Names of the members with a thickness_allowance. Raises a conflict where a backlash says the thicknesses, too."""

@@ -8,14 +8,15 @@ begin and end is read off the teeth as they are built, undercut and broken edges
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from gearmesh.design.core import DENSITY
+from gearmesh.systems.common.iso286 import Deviations
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.cylindrical.double_helical import half_of, half_width
@@ -32,7 +33,10 @@ from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
+
+T = TypeVar("T")
 
 
 def data_sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
@@ -88,11 +92,15 @@ def member_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> list[She
 
 @dataclass(frozen=True)
 class SheetPair:
-    """A complete design in mm, its geometry and its members as they are built, pinion and gear."""
+    """A complete design in mm, its geometry and its members as they are built, pinion and gear.
+
+    `stated`: the members' thickness allowances as the order states them, where those of the design only say what is made of it.
+    """
 
     design: CylindricalDesign
     geometry: PairProportions
     members: tuple[Member, ...]
+    stated: tuple[ThicknessAllowance | None, ...] | None = field(default=None, kw_only=True)
 
     @property
     def mesh(self) -> InvolutePair:
@@ -119,6 +127,21 @@ class SheetPair:
             for teeth, (root, tip) in zip(self.teeth, self.flanks, strict=True)
         )
         return LineOfAction(self.mesh, (first, second))
+
+    @property
+    def allowances(self) -> tuple[ThicknessAllowance | None, ...]:
+        """Thickness allowances of both members, None of one that has none of its own."""
+        return tuple(spec.thickness_allowance for spec in self.specs) if self.stated is None else self.stated
+
+    @property
+    def ranged(self) -> bool:
+        """Whether a member has a thickness allowance with two ends."""
+        return any(given is not None and given.upper != given.lower for given in self.allowances)
+
+    @property
+    def distance_deviations(self) -> Deviations | None:
+        """Allowances of the centre distance, mm; None where it has none."""
+        return self.design.assembly.center_distance_deviations(self.mesh.distance)
 
     def of_both(self, value: Callable[[int], float | int | str | None]) -> Values:
         """A value of both members, by their number."""
@@ -171,6 +194,7 @@ def _mesh_rows(pair: SheetPair) -> list[Row]:
         ("beta_w", "working helix angle", "deg", _degrees(abs(mesh.working_helix))),
         ("p_et", "transverse base pitch", "mm", pinion.base_pitch),
         ("a", "centre distance", "mm", mesh.distance),
+        *_distance_allowances(pair),
         ("a_d", "reference centre distance", "mm", mesh.reference_distance),
         ("eps_alpha", "transverse contact ratio", "-", line.contact_ratio),
         ("eps_beta", "overlap ratio", "-", pair.overlap_ratio),
@@ -179,10 +203,22 @@ def _mesh_rows(pair: SheetPair) -> list[Row]:
     return [(symbol, words, unit, (value,)) for symbol, words, unit, value in values]
 
 
+def _distance_allowances(pair: SheetPair) -> list[tuple[str, str, str, float]]:
+    """Rows of the allowances of the centre distance, none where it has none."""
+    given = pair.distance_deviations
+    if given is None:
+        return []
+    return [
+        ("A_ae", "upper allowance of the centre distance", "mm", given.upper),
+        ("A_ai", "lower allowance of the centre distance", "mm", given.lower),
+    ]
+
+
 def _backlash(pair: SheetPair) -> tuple[tuple[str, ...], list[Row]]:
-    """Of nominal teeth, of the teeth as made, and of the ends of the thickness allowances where these are given."""
+    """Of nominal teeth, of the teeth as made, and of the ends of the allowances of thickness and centre distance where there are
+    any."""
     meshes = {"theoretical": pair.geometry.nominal, "working": pair.mesh}
-    if any(_is_ranged(spec) for spec in pair.specs):
+    if pair.ranged or pair.distance_deviations is not None:
         meshes |= {"least": _at_end(pair, "upper"), "largest": _at_end(pair, "lower")}
 
     def row(symbol: str, words: str, value: Callable[[InvolutePair], float]) -> Row:
@@ -200,20 +236,22 @@ def _radial_backlash(mesh: InvolutePair) -> float:
     return -away if mesh.pinion.internal or mesh.gear.internal else away
 
 
-def _is_ranged(spec: CylindricalMember) -> bool:
-    given = spec.thickness_allowance
-    return given is not None and given.upper != given.lower
-
-
 def _at_end(pair: SheetPair, end: str) -> InvolutePair:
-    """The mesh with thicknesses at one end, "upper" or "lower", of the allowances that are given."""
+    """The mesh with thicknesses at one end, "upper" or "lower", of the allowances that are given, and at the centre distance that
+    adds to what they do to the backlash."""
     first, second = (_at_allowance(pair, k, end) for k in (0, 1))
-    return replace(pair.mesh, pinion=first, gear=second)
+    given = pair.distance_deviations
+    apart = 0.0
+    if given is not None:
+        # members inside each other come nearer as they go apart
+        nearer = (end == "upper") != (first.internal or second.internal)
+        apart = given.lower if nearer else given.upper
+    return replace(pair.mesh, pinion=first, gear=second, distance=pair.mesh.distance + apart)
 
 
 def _at_allowance(pair: SheetPair, k: int, end: str) -> Toothing:
     """A member's teeth at one end of its allowances, as they are made where it has none."""
-    given = pair.specs[k].thickness_allowance
+    given = pair.allowances[k]
     return pair.teeth[k] if given is None else replace(pair.teeth[k], allowance=getattr(given, end))
 
 
@@ -237,6 +275,7 @@ def _member_rows(pair: SheetPair) -> list[Row]:
         diameter("d", "reference diameter", lambda k: teeth[k].radius),
         diameter("d_b", "base diameter", lambda k: teeth[k].base_radius),
         diameter("d_a", "tip diameter", lambda k: geometry.tips[k]),
+        *_tip_tolerances(pair),
         diameter("d_f", "root diameter", lambda k: geometry.roots[k]),
         diameter("d_w", "working pitch diameter", lambda k: pair.mesh.working_radius(teeth[k])),
         diameter("d_Ff", "root form diameter", lambda k: pair.flanks[k][0]),
@@ -246,6 +285,7 @@ def _member_rows(pair: SheetPair) -> list[Row]:
         ("h", "tooth depth", "mm", pair.of_both(lambda k: abs(geometry.tips[k] - geometry.roots[k]))),
         ("c", "clearance between its tip and the mating root", "mm", pair.of_both(lambda k: _clearance(pair, k))),
         ("A_sn", "allowance of the normal thickness, as made", "mm", pair.of_both(lambda k: teeth[k].allowance)),
+        *_thickness_allowances(pair),
         ("s_n", "normal thickness at d", "mm", pair.of_both(lambda k: teeth[k].thickness)),
         (
             "s_t",
@@ -260,6 +300,39 @@ def _member_rows(pair: SheetPair) -> list[Row]:
             pair.of_both(lambda k: measures.thickness_at(teeth[k], geometry.tips[k])),
         ),
     ]
+
+
+def _tip_tolerances(pair: SheetPair) -> list[Row]:
+    """Deviations of the tip diameters, none where no member has any."""
+    given = [
+        None if spec.tip_diameter_tolerance is None else spec.tip_diameter_tolerance.deviations(2.0 * tip)
+        for spec, tip in zip(pair.specs, pair.geometry.tips, strict=True)
+    ]
+    if not any(given):
+        return []
+    return [
+        ("A_dae", "upper deviation of the tip diameter", "mm", _each(given, lambda own: own.upper)),
+        ("A_dai", "lower deviation of the tip diameter", "mm", _each(given, lambda own: own.lower)),
+    ]
+
+
+def _each(given: Iterable[T | None], value: Callable[[T], float | str | None]) -> Values:
+    """A value of what the members have, None of those that have none."""
+    return tuple(None if own is None else value(own) for own in given)
+
+
+def _thickness_allowances(pair: SheetPair) -> list[Row]:
+    """The ends of the thickness allowances and what is between them, none where no member has any."""
+    given = pair.allowances
+    if not any(given):
+        return []
+    rows: list[Row] = [
+        ("A_sne", "upper allowance of the normal thickness", "mm", _each(given, lambda own: own.upper)),
+        ("A_sni", "lower allowance of the normal thickness", "mm", _each(given, lambda own: own.lower)),
+        ("T_sn", "tolerance of the normal thickness", "mm", _each(given, lambda own: own.upper - own.lower)),
+    ]
+    series = _each(given, lambda own: own.series)
+    return [*rows, ("E_sn", "allowance by DIN 3967", "", series)] if any(series) else rows
 
 
 def _width(pair: SheetPair) -> tuple[str, str]:
@@ -290,14 +363,9 @@ def _measures(pair: SheetPair) -> list[Row]:
     def by(
         sizes: Values, symbol: str, words: str, value: Callable[[Toothing, float], float | None], *, ends: bool = False
     ) -> list[Row]:
-        made = {"": pair.teeth}
-        if ends and any(_is_ranged(spec) for spec in pair.specs):
-            made |= {
-                f", {end}": (_at_allowance(pair, 0, end), _at_allowance(pair, 1, end)) for end in ("upper", "lower")
-            }
         return [
             (
-                symbol + end.replace(", ", "_"),
+                symbol + _suffix(end),
                 words + end,
                 "mm",
                 tuple(
@@ -305,7 +373,7 @@ def _measures(pair: SheetPair) -> list[Row]:
                     for toothing, size in zip(teeth, sizes, strict=True)
                 ),
             )
-            for end, teeth in made.items()
+            for end, teeth in _states(pair, ends=ends).items()
         ]
 
     return [
@@ -332,27 +400,47 @@ def _measures(pair: SheetPair) -> list[Row]:
     ]
 
 
+def _states(pair: SheetPair, *, ends: bool) -> dict[str, tuple[Toothing, Toothing]]:
+    """The teeth as made and, with `ends`, at those of the allowances where there are two, by what words say of them."""
+    states = {"": pair.teeth}
+    if ends and pair.ranged:
+        states |= {f", {end}": (_at_allowance(pair, 0, end), _at_allowance(pair, 1, end)) for end in ("upper", "lower")}
+    return states
+
+
+def _suffix(words: str) -> str:
+    """The end of the symbol of a row, by the end of its words."""
+    return words.replace(", ", "_")
+
+
 def _chord_rows(pair: SheetPair) -> list[Row]:
-    constant = [_on_flank(pair, k, measures.constant_chord, _foot_radius) for k in (0, 1)]
-    normal = [_on_flank(pair, k, measures.chord, lambda teeth: teeth.radius) for k in (0, 1)]
-    return [
-        ("s_c", "constant chord", "mm", tuple(chord for chord, _ in constant)),
-        ("h_c", "height of the tip over it", "mm", tuple(height for _, height in constant)),
-        ("s_nc", "normal chord at d", "mm", tuple(chord for chord, _ in normal)),
-        ("h_nc", "height of the tip over it", "mm", tuple(height for _, height in normal)),
-    ]
+    rows: list[Row] = []
+    for symbol, words, chord, radius in (
+        ("c", "constant chord", measures.constant_chord, _foot_radius),
+        ("nc", "normal chord at d", measures.chord, _reference_radius),
+    ):
+        for end, teeth in _states(pair, ends=True).items():
+            both = [_on_flank(pair, k, teeth[k], chord, radius) for k in (0, 1)]
+            rows.append((f"s_{symbol}{_suffix(end)}", words + end, "mm", tuple(size for size, _ in both)))
+            if not end:
+                rows.append((f"h_{symbol}", "height of the tip over it", "mm", tuple(height for _, height in both)))
+    return rows
 
 
 def _on_flank(
     pair: SheetPair,
     k: int,
+    teeth: Toothing,
     chord: Callable[[Toothing, float], tuple[float, float]],
     radius: Callable[[Toothing], float],
 ) -> tuple[float, float] | tuple[None, None]:
-    """A chord and its height, where its ends are on the flank."""
+    """A chord of a member's teeth and its height, where its ends are on the flank."""
     low, high = sorted(pair.flanks[k])
-    teeth = pair.teeth[k]
     return chord(teeth, pair.geometry.tips[k]) if low < radius(teeth) < high else (None, None)
+
+
+def _reference_radius(teeth: Toothing) -> float:
+    return teeth.radius
 
 
 def _foot_radius(teeth: Toothing) -> float:

@@ -57,12 +57,13 @@ class Meshes:
 def meshes(design: PlanetaryDesign) -> Meshes:
     """Both meshes, complete. Raises DesignError, with the names of the set, for a mesh that cannot exist."""
     own, shared = dict(design.own()), shared_keys(design)
-    distance = design.assembly.center_distance
+    distance, allowance = design.assembly.center_distance, design.assembly.center_distance_allowance
+    tolerated = {} if allowance is None else {"center_distance_allowance": allowance}
     inner = {
         **shared,
         "hand": design.hand,
         **nest(own, {SUN: "pinion", PLANET: "gear"}),
-        "assembly": {} if distance is None else {"center_distance": distance},
+        "assembly": tolerated if distance is None else {"center_distance": distance, **tolerated},
         **{key: getattr(design, key) for key in ("backlash", "circumferential_backlash") if is_given(design, key)},
     }
     first = completed_pair(InnerMesh, inner)
@@ -76,7 +77,7 @@ def meshes(design: PlanetaryDesign) -> Meshes:
         "hand": "left" if design.hand == "right" else "right",
         "pinion": planet,
         **nest(own, {RING: "gear"}),
-        "assembly": {"center_distance": geometry.mesh.distance},
+        "assembly": {"center_distance": geometry.mesh.distance, **tolerated},
     }
     outer["gear"].setdefault("internal", True)
     _check_ring(design, geometry.mesh)

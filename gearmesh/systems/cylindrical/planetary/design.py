@@ -9,8 +9,9 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import FlankContact
-from gearmesh.design.keys import Key, Table, conflict
+from gearmesh.design.keys import Key, conflict
 from gearmesh.design.runout import eccentricity, phase
+from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance
 from gearmesh.systems.cylindrical.design import CylindricalKeys, CylindricalMember
 
 #: Members as a design names them.
@@ -28,7 +29,7 @@ class RingMember(CylindricalMember):
         return keys
 
 
-class PlanetaryAssembly(Table):
+class PlanetaryAssembly(CenterDistanceAllowance):
     """Mounting of sun, planets and ring."""
 
     center_distance: Annotated[

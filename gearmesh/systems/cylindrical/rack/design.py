@@ -12,7 +12,8 @@ from gearmesh.design.core import FlankContact, MemberMaterial
 from gearmesh.design.keys import DERIVED, Key, Table, conflict
 from gearmesh.design.runout import PinionRunout
 from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.cylindrical.design import AccuracyClass, CylindricalMember, ThicknessAllowance, ToothingKeys
+from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
+from gearmesh.systems.cylindrical.design import AccuracyClass, CylindricalMember, ToothingKeys
 
 #: Members as a design names them.
 PINION, RACK = "pinion", "rack"

@@ -31,6 +31,7 @@ from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
     from gearmesh.systems.cylindrical.rack.design import RackDesign
 
 
@@ -85,7 +86,8 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
     pinion, rack = train.members[PINION], train.members[RACK]
     # the pair has what shapes the pinion's teeth alone
     pair = geometry.pair.model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
-    sheet = RackSheetPair(pair, geometry.of_pair, (pinion, pinion), geometry.mesh, rack)
+    stated = own.pinion.thickness_allowance, None
+    sheet = RackSheetPair(pair, geometry.of_pair, (pinion, pinion), geometry.mesh, rack, stated=stated)
     members, measures, *others = (_first_column(of_both) for of_both in member_tables(sheet))
     return Sheet(
         (
@@ -218,6 +220,7 @@ def _rack_rows(design: RackDesign, pair: RackSheetPair, geometry: RackPairPropor
         ("rho_f", "radius of the root fillets, normal", "mm", rack.tool_tip_radius * m),
         ("c", "clearance of its tip and the pinion's root", "mm", mesh.distance - rack.addendum * m - geometry.root),
         ("A_sn", "allowance of the normal thickness, as made", "mm", rack.allowance),
+        *_thickness_allowances(design.rack.thickness_allowance),
         ("s_n", "normal thickness on the reference plane", "mm", mesh.rack_thickness),
         ("s_t", "transverse thickness on the reference plane", "mm", mesh.rack_thickness / math.cos(helix)),
         ("s_an", "normal thickness at the tip", "mm", mesh.rack_land),
@@ -228,6 +231,17 @@ def _rack_rows(design: RackDesign, pair: RackSheetPair, geometry: RackPairPropor
         ("m", "mass", "kg", volume * CUBIC * density),
     )
     return [(symbol, words, unit, (value,)) for symbol, words, unit, value in values]
+
+
+def _thickness_allowances(given: ThicknessAllowance | None) -> list[tuple[str, str, str, float]]:
+    """Rows of the ends of a rack's thickness allowance, none where it has none."""
+    if given is None:
+        return []
+    return [
+        ("A_sne", "upper allowance of the normal thickness", "mm", given.upper),
+        ("A_sni", "lower allowance of the normal thickness", "mm", given.lower),
+        ("T_sn", "tolerance of the normal thickness", "mm", given.upper - given.lower),
+    ]
 
 
 def pin_height(mesh: RackMesh, diameter: float) -> float:

@@ -1,0 +1,161 @@
+"""Keys of a cylindrical design that an order names: tooth thickness, tip diameter and centre distance with their tolerances."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Self
+
+from pydantic import model_validator
+
+from gearmesh.design.keys import DERIVED, Key, Table, conflict
+from gearmesh.systems.common import iso286
+from gearmesh.systems.cylindrical.geometry import din3967
+
+#: letters and grades of tip diameters
+TIP_LETTERS, TIP_GRADES = ("h", "js", "H", "JS"), range(5, 13)
+#: letters and grades of centre distances [DIN 3964]
+CENTER_LETTERS, CENTER_GRADES = ("js",), range(5, 12)
+#: part of a value that is rounding
+ROUNDED = 1e-9
+
+
+class ThicknessAllowance(Table):
+    """Allowances of the normal tooth thickness at the reference cylinder; teeth are made in their middle."""
+
+    series: Annotated[
+        str | None,
+        Key(
+            "text",
+            'letter and tolerance series, as "cd25", which may stand in the place of the table',
+            source="DIN 3967",
+        ),
+    ] = None
+    upper: Annotated[
+        float,
+        Key(
+            "length",
+            "upper allowance A_sne, negative where the tooth is thinned",
+            low=-100,
+            high=100,
+            default="by series",
+        ),
+    ] = DERIVED
+    lower: Annotated[float, Key("length", "lower allowance A_sni", low=-100, high=100, default="by series")] = DERIVED
+
+    @model_validator(mode="before")
+    @classmethod
+    def _text_is_a_series(cls, keys: Any) -> Any:
+        if not isinstance(keys, str):
+            return keys
+        if wrong := din3967.refusal(keys):
+            raise conflict("", keys, must_be=f"{wrong}; or a table with upper and lower")
+        return {"series": keys}
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        given = [key for key in ("upper", "lower") if not math.isnan(getattr(self, key))]
+        if self.series is not None and (wrong := din3967.refusal(self.series)):
+            raise conflict("series", self.series, must_be=wrong)
+        if self.series is None and len(given) < 2:
+            missing = "lower" if given == ["upper"] else "upper"
+            raise conflict(missing, None, reason='missing; give upper and lower, or a series as "cd25"')
+        if self.lower > self.upper:
+            raise conflict("lower", self.lower, reason=f"must not be above upper, {self.upper:g}")
+        return self
+
+    def by_series(self, diameter: float) -> dict[str, float]:
+        """Both ends, mm, as the series says at a reference diameter, mm; empty without a series."""
+        if self.series is None:
+            return {}
+        return dict(zip(("upper", "lower"), din3967.allowances(self.series, diameter), strict=True))
+
+    def check_series(self, table: str, diameter: float, mm_per_unit: float) -> None:
+        """Raise a conflict for a reference diameter (mm) beyond the standard's, and for ends beside the series that are not its
+        own; `table`: the dotted name of this one."""
+        if diameter > din3967.DIAMETERS[-1]:
+            raise conflict(
+                f"{table}.series",
+                self.series,
+                reason=f"DIN 3967 ends at a reference diameter of {din3967.DIAMETERS[-1]} mm, this one is {diameter:.7g} mm",
+                allowed="upper and lower instead",
+            )
+        for key, value in self.by_series(diameter).items():
+            own = getattr(self, key)
+            if not math.isnan(own) and abs(own * mm_per_unit - value) > ROUNDED:
+                raise conflict(f"{table}.{key}", own, reason=f"cannot be given together with series = {self.series}")
+
+    @property
+    def middle(self) -> float:
+        return 0.5 * (self.upper + self.lower)
+
+
+class DiameterTolerance(Table):
+    """Deviations of a diameter."""
+
+    grade: Annotated[
+        str | None,
+        Key(
+            "text",
+            'tolerance class, as "h8", which may stand in the place of the table',
+            source="ISO 286-1",
+        ),
+    ] = None
+    upper: Annotated[float | None, Key("length", "upper deviation", low=-100, high=100)] = None
+    lower: Annotated[float | None, Key("length", "lower deviation", low=-100, high=100)] = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _text_is_a_grade(cls, keys: Any) -> Any:
+        if not isinstance(keys, str):
+            return keys
+        if wrong := iso286.refusal(keys, TIP_LETTERS, TIP_GRADES):
+            raise conflict("", keys, must_be=f"{wrong}; or a table with upper and lower")
+        return {"grade": keys}
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        if self.grade is not None:
+            if wrong := iso286.refusal(self.grade, TIP_LETTERS, TIP_GRADES):
+                raise conflict("grade", self.grade, must_be=wrong)
+            for key in ("upper", "lower"):
+                if (value := getattr(self, key)) is not None:
+                    raise conflict(key, value, reason=f"cannot be given together with grade = {self.grade}")
+        elif self.upper is None or self.lower is None:
+            missing = "upper" if self.upper is None else "lower"
+            raise conflict(missing, None, reason='missing; give upper and lower, or a grade as "h8"')
+        elif self.lower > self.upper:
+            raise conflict("lower", self.lower, reason=f"must not be above upper, {self.upper:g}")
+        return self
+
+    def deviations(self, diameter: float) -> iso286.Deviations | None:
+        """Both deviations of a diameter, lengths in mm; None where ISO 286 has no such size."""
+        if self.grade is not None:
+            return None if diameter > iso286.SIZES[-1] else iso286.deviations(self.grade, diameter)
+        assert self.upper is not None
+        assert self.lower is not None
+        return iso286.Deviations(self.upper, self.lower)
+
+
+class CenterDistanceAllowance(Table):
+    """What the assembly of members on parallel axes has."""
+
+    center_distance_allowance: Annotated[
+        str | None,
+        Key(
+            "text",
+            "allowance of the centre distance, js5 to js11, for backlash and the data sheet",
+            source="DIN 3964",
+        ),
+    ] = None
+
+    @model_validator(mode="after")
+    def _known_allowance(self) -> Self:
+        given = self.center_distance_allowance
+        if given is not None and (wrong := iso286.refusal(given, CENTER_LETTERS, CENTER_GRADES)):
+            raise conflict("center_distance_allowance", given, must_be=wrong)
+        return self
+
+    def center_distance_deviations(self, distance: float) -> iso286.Deviations | None:
+        """Both allowances of a centre distance, mm; None where none are given, or ISO 286 has no such size."""
+        given = self.center_distance_allowance
+        return None if given is None or distance > iso286.SIZES[-1] else iso286.deviations(given, distance)
