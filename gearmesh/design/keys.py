@@ -10,6 +10,7 @@ import math
 import numbers
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, ClassVar, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo, model_validator
@@ -262,12 +263,7 @@ class Table(BaseModel):
     @classmethod
     def names(cls) -> list[str]:
         """The names of the fields, plain keys before tables, and tables by their rank."""
-
-        def place(name: str) -> int:
-            table = cls.table_of(name)
-            return -1 if table is None else table.rank
-
-        return sorted(cls.model_fields, key=place)
+        return list(_names(cls))
 
     @classmethod
     def key_of(cls, name: str) -> Key | None:
@@ -334,6 +330,17 @@ class Table(BaseModel):
             for name, value in values.items()
             if value is not None
         }
+
+
+@cache
+def _names(table: type[Table]) -> tuple[str, ...]:
+    """`Table.names` of a class: a design asks for them some hundred times."""
+
+    def place(name: str) -> int:
+        inner = table.table_of(name)
+        return -1 if inner is None else inner.rank
+
+    return tuple(sorted(table.model_fields, key=place))
 
 
 @dataclass(frozen=True)

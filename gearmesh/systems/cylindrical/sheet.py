@@ -283,7 +283,7 @@ def _member_rows(pair: SheetPair) -> list[Row]:
         diameter("d_Fa", "tip form diameter", lambda k: pair.flanks[k][1]),
         diameter("d_Na", "active tip diameter", lambda k: active[k][1]),
         ("h", "tooth depth", "mm", pair.of_both(lambda k: abs(geometry.tips[k] - geometry.roots[k]))),
-        ("c", "clearance between its tip and the mating root", "mm", pair.of_both(lambda k: _clearance(pair, k))),
+        ("c", "clearance between its tip and the mating root", "mm", pair.of_both(geometry.clearance)),
         ("A_sn", "allowance of the normal thickness, as made", "mm", pair.of_both(lambda k: teeth[k].allowance)),
         *_thickness_allowances(pair),
         ("s_n", "normal thickness at d", "mm", pair.of_both(lambda k: teeth[k].thickness)),
@@ -342,12 +342,6 @@ def _width(pair: SheetPair) -> tuple[str, str]:
 def _alteration(pair: SheetPair, k: int) -> float | None:
     """The tip alteration, where no tip diameter takes its place."""
     return None if pair.specs[k].tip_diameter is not None else pair.specs[k].tip_alteration
-
-
-def _clearance(pair: SheetPair, k: int) -> float:
-    own, mating = pair.teeth[k], pair.teeth[1 - k]
-    tip, root = own.sense * pair.geometry.tips[k], mating.sense * pair.geometry.roots[1 - k]
-    return own.sense * mating.sense * pair.mesh.distance - tip - root
 
 
 # ---------------------------------------------------------------- measures

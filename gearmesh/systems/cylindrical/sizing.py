@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -18,11 +18,8 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, sum_of_shifts
-from gearmesh.systems.cylindrical.geometry.interference import reserves
-from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, form_roll_length, undercut_reserve
-from gearmesh.systems.cylindrical.geometry.measures import thickness_at
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
-from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
+from gearmesh.systems.cylindrical.merit import LEAST_TIP, MeshMerit, mesh_merit, tip_thicknesses
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.system import complete_design
 
 #: fewest teeth of a pinion that are proposed
@@ -31,9 +28,7 @@ FEWEST = 7
 WIDTH = 10.0
 #: decimals of profile shifts and helix angles (deg) that are proposed
 DECIMALS = 4
-#: what a sound pair has at least: contact ratio, tip thickness in modules
-LEAST_RATIO, LEAST_TIP = 1.1, 0.2
-#: mm and teeth that are nothing but rounding
+#: teeth that are nothing but rounding
 ROUNDING = 1e-9
 #: tolerances of the ratio at which the nearest pair is looked for where there is none
 WIDER = (0.02, 0.05, 0.1, 0.2)
@@ -61,25 +56,10 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """A pair that is as wanted: the keys of its design, tooth numbers, helix angle (deg), shifts, and what it is worth.
-
-    `sliding`: specific sliding of the pinion at A and of the gear at E; `tips`: normal tip thicknesses in modules; `undercut`,
-    `interference`: roll lengths left, the less of both members, mm; `faults`: what is wrong with it, in words. What undercut takes
-    of the contact ratio is not taken off.
-    """
+class Candidate(MeshMerit):
+    """A pair that is as wanted: what it is worth, and the keys of its design."""
 
     keys: dict[str, Any]
-    teeth: tuple[int, int]
-    helix_angle: float
-    shifts: tuple[float, float]
-    eps_alpha: float
-    eps_beta: float
-    sliding: tuple[float, float]
-    tips: tuple[float, float]
-    undercut: float
-    interference: float
-    faults: tuple[str, ...]
 
     @property
     def ratio(self) -> float:
@@ -158,13 +138,13 @@ def _keys(wanted: Wanted, first: int, second: int, helix: float) -> dict[str, An
     }
 
 
-def _share_shifts(keys: dict[str, Any]) -> dict[str, Any]:
+def share_shifts(keys: dict[str, Any]) -> dict[str, Any]:
     """The keys with the pinion's profile shift: equal specific sliding, but tips of LEAST_TIP where equal parts have them."""
     own = complete_design(CylindricalDesign(**keys))
     sliding, equal = own.pinion.profile_shift, 0.5 * (own.pinion.profile_shift + own.gear.profile_shift)
 
     def broad(shift: float) -> bool:
-        return min(_tips(proportions(complete_design(CylindricalDesign(**_with_shift(keys, shift)))))) >= LEAST_TIP
+        return min(tip_thicknesses(proportions(complete_design(CylindricalDesign(**_with_shift(keys, shift)))))) >= LEAST_TIP
 
     if not broad(sliding) and broad(equal):
         shifts, _ = last_true(
@@ -183,59 +163,12 @@ def _with_shift(keys: dict[str, Any], shift: float) -> dict[str, Any]:
     return {**keys, "pinion": {**keys["pinion"], "profile_shift": round(shift, DECIMALS) + 0.0}}
 
 
-def _tips(geometry: PairProportions) -> tuple[float, float]:
-    """Normal thicknesses of both tips in modules."""
-    both = geometry.mesh.pinion, geometry.mesh.gear
-    first, second = (
-        thickness_at(toothing, tip) / toothing.module for toothing, tip in zip(both, geometry.tips, strict=True)
-    )
-    return first, second
-
-
 def _judge(keys: dict[str, Any]) -> Candidate:
     """A pair with its shifts shared. Raises DesignError for teeth that cannot exist."""
-    keys = _share_shifts(keys)
+    keys = share_shifts(keys)
     design = complete_design(CylindricalDesign(**keys))
-    geometry = proportions(design)
-    mesh, both = geometry.mesh, (geometry.mesh.pinion, geometry.mesh.gear)
-    line = LineOfAction(mesh, (_flank(design, geometry, 0), _flank(design, geometry, 1)))
-    points = line.points
-    eps_alpha = line.contact_ratio
-    width = min(design.pinion.face_width, design.gear.face_width)
-    first, second = _tips(geometry)
-    for name, thickness, tip in zip(MEMBERS, (first, second), geometry.tips, strict=True):
-        if thickness <= 0.0:
-            raise DesignError(
-                f"{name}.addendum", reason=f"the tooth is pointed below its tip diameter of {2.0 * tip:.6g} mm"
-            )
-    undercut = min(undercut_reserve(design, name, geometry) for name in MEMBERS)
-    interference = min(line.interference_reserve(toothing) for toothing in both)
-    passing = reserves(mesh, geometry.tips).trochoid if design.gear.internal else math.inf
-    faults = {
-        "undercut": undercut < -ROUNDING,
-        "interference": min(interference, passing) < -ROUNDING,
-        f"tip below {LEAST_TIP:g} modules": min(first, second) < LEAST_TIP,
-        f"contact ratio below {LEAST_RATIO:g}": eps_alpha < LEAST_RATIO,
-    }
-    return Candidate(
-        keys=keys,
-        teeth=(both[0].teeth, both[1].teeth),
-        helix_angle=design.helix_angle,
-        shifts=(both[0].shift, both[1].shift),
-        eps_alpha=eps_alpha,
-        eps_beta=width * math.sin(abs(both[0].beta)) / (math.pi * both[0].module),
-        sliding=(line.mesh.sliding(points["A"])[0], line.mesh.sliding(points["E"])[1]),
-        tips=(first, second),
-        undercut=undercut,
-        interference=interference,
-        faults=tuple(fault for fault, there in faults.items() if there),
-    )
-
-
-def _flank(design: CylindricalDesign, geometry: PairProportions, k: int) -> tuple[float, float]:
-    """Roll lengths of a member's flank at root and tip, as its tool leaves it; from the base circle where that undercuts it."""
-    own = (geometry.mesh.pinion, geometry.mesh.gear)[k]
-    return max(0.0, form_roll_length(design, MEMBERS[k], geometry)), own.roll_length(geometry.tips[k])
+    merit = mesh_merit(design)
+    return Candidate(**{field.name: getattr(merit, field.name) for field in fields(merit)}, keys=keys)
 
 
 def _nothing(wanted: Wanted, refusal: DesignError | None) -> str:

@@ -36,6 +36,12 @@ class PairProportions:
     tips: tuple[float, float]
     roots: tuple[float, float]
 
+    def clearance(self, k: int) -> float:
+        """Radial clearance between the tip of a member, 0 the pinion, and the mating root."""
+        own, mating = (self.mesh.pinion, self.mesh.gear)[:: 1 if k == 0 else -1]
+        tip, root = own.sense * self.tips[k], mating.sense * self.roots[1 - k]
+        return own.sense * mating.sense * self.mesh.distance - tip - root
+
 
 def proportions(design: CylindricalDesign) -> PairProportions:
     """Teeth, centre distance, tips and roots of a complete design. Raises DesignError where there is no working pressure angle."""
