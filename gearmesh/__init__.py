@@ -33,6 +33,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from gearmesh.answers.planetary_sizing import size_planetary
     from gearmesh.answers.sizing import size
     from gearmesh.api.gears import Gears, build
     from gearmesh.design.core import Design
@@ -76,6 +77,7 @@ __all__ = [
     "parse",
     "register",
     "size",
+    "size_planetary",
     "system",
     "toml",
 ]
@@ -83,6 +85,7 @@ __all__ = [
 #: where each name is, to be loaded when it is asked for
 _HOMES = {
     "gearmesh.api.gears": ("Gears", "build"),
+    "gearmesh.answers.planetary_sizing": ("size_planetary",),
     "gearmesh.answers.sizing": ("size",),
     "gearmesh.design.core": ("Design",),
     "gearmesh.design.files": ("toml",),

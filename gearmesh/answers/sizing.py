@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from gearmesh import __version__
 from gearmesh.answers.result import Result, columns
@@ -17,6 +17,11 @@ from gearmesh.figures import Content, Figures, figure
 from gearmesh.lengths import Length, in_mm
 from gearmesh.systems.cylindrical.sizing import Candidate, Wanted, candidates
 from gearmesh.systems.designs import parse
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.planetary.sizing import WantedSet
+
+C = TypeVar("C")
 
 #: what each wish may be: lowest, highest value
 RANGES = {
@@ -132,9 +137,7 @@ class Sizing(Result):
 
     def keys(self, number: int = 1) -> Mapping[str, Any]:
         """The keys that a candidate's design file needs. Raises DesignError for a number that there is not."""
-        if not 1 <= number <= len(self.candidates):
-            raise ArgumentError("choose", number, must_be=f"a number from 1 to {len(self.candidates)}")
-        return self.candidates[number - 1].keys
+        return chosen(self.candidates, number).keys
 
     def _write(self, target: Path) -> None:
         from gearmesh.design.files import with_version
@@ -167,18 +170,30 @@ def size(
     return Sizing(wanted, tuple(candidates(wanted)))
 
 
-def _check(wanted: Wanted) -> None:
+def refuse_outside(wanted: Wanted | WantedSet, ranges: Mapping[str, tuple[float, float]]) -> None:
+    """Refuse a wish whose value, or either of two, is not within its range. Raises ArgumentError."""
     for field in fields(wanted):
         value = getattr(wanted, field.name)
-        if field.name not in RANGES or value is None:
+        if field.name not in ranges or value is None:
             continue
-        low, high = RANGES[field.name]
+        low, high = ranges[field.name]
         for number in value if isinstance(value, tuple) else (value,):
             if not low <= number <= high:
                 raise ArgumentError(field.name, number, must_be=f"from {low:g} to {high:g}")
         if isinstance(value, tuple) and value[0] > value[1]:
             both = f"{value[0]:g} to {value[1]:g}"
             raise ArgumentError(field.name, value, shown=both, reason="the first must not be above the second")
+
+
+def chosen(candidates: Sequence[C], number: int) -> C:
+    """One of those that meet a request, numbered from 1. Raises ArgumentError for a number that there is not."""
+    if not 1 <= number <= len(candidates):
+        raise ArgumentError("choose", number, must_be=f"a number from 1 to {len(candidates)}")
+    return candidates[number - 1]
+
+
+def _check(wanted: Wanted) -> None:
+    refuse_outside(wanted, RANGES)
     if wanted.internal and wanted.ratio * (1.0 - wanted.tolerance) <= 1.0:
         raise ArgumentError(
             "ratio",

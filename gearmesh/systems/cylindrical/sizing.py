@@ -18,8 +18,8 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, sum_of_shifts
-from gearmesh.systems.cylindrical.merit import LEAST_TIP, MeshMerit, mesh_merit, tip_thicknesses
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
+from gearmesh.systems.cylindrical.merit import LEAST_TIP, MeshMerit, mesh_merit, tip_thicknesses
 from gearmesh.systems.system import complete_design
 
 #: fewest teeth of a pinion that are proposed
@@ -144,7 +144,10 @@ def share_shifts(keys: dict[str, Any]) -> dict[str, Any]:
     sliding, equal = own.pinion.profile_shift, 0.5 * (own.pinion.profile_shift + own.gear.profile_shift)
 
     def broad(shift: float) -> bool:
-        return min(tip_thicknesses(proportions(complete_design(CylindricalDesign(**_with_shift(keys, shift)))))) >= LEAST_TIP
+        return (
+            min(tip_thicknesses(proportions(complete_design(CylindricalDesign(**_with_shift(keys, shift))))))
+            >= LEAST_TIP
+        )
 
     if not broad(sliding) and broad(equal):
         shifts, _ = last_true(

@@ -1,9 +1,10 @@
-"""The command `size`: pairs of cylindrical gears that have a ratio, a module and a centre distance."""
+"""The command `size`: pairs of cylindrical gears that have a ratio, a module and a centre distance, and planetary sets."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -18,15 +19,39 @@ from gearmesh.lengths import in_mm
 def size(
     ratio: Annotated[float, typer.Option("--ratio", metavar="Z2/Z1", help="Gear ratio.", show_default=False)],
     center_distance: Annotated[
-        str, typer.Option("--center-distance", metavar="LEN", help="Centre distance; bare = mm.", show_default=False)
-    ],
+        str | None,
+        typer.Option("--center-distance", metavar="LEN", help="Centre distance; bare = mm.", show_default=False),
+    ] = None,
     module: Annotated[
-        str, typer.Option("--module", metavar="LEN", help="Normal module; bare = mm.", show_default=False)
-    ],
+        str | None,
+        typer.Option("--module", metavar="LEN", help="Normal module; bare = mm. [default: planetary: those of ISO 54]"),
+    ] = None,
     internal: Annotated[bool, typer.Option("--internal", help="The gear is internal.")] = False,
+    planetary: Annotated[bool, typer.Option("--planetary", help="Planetary sets instead of pairs.")] = False,
+    outside_diameter: Annotated[
+        str | None,
+        typer.Option(
+            "--outside-diameter", metavar="LEN", help="Of the ring with its rim, instead of the centre distance."
+        ),
+    ] = None,
+    planets: Annotated[
+        int | None, typer.Option("--planets", metavar="N", help="Number of planets. [default: 3]")
+    ] = None,
+    fixed: Annotated[
+        str | None,
+        typer.Option(
+            "--fixed",
+            metavar="ring|carrier|sun",
+            help="The member that stands still, for the ratio. [default: ring]",
+        ),
+    ] = None,
+    unequal: Annotated[
+        bool, typer.Option("--unequal", help="Planets that cannot be equally spaced, too, at the nearest angles.")
+    ] = False,
     helix: Annotated[str, typer.Option("--helix", metavar="DEG[:DEG]", help="Helix angle, or its range.")] = "0",
     shifts: Annotated[
-        str, typer.Option("--shifts", metavar="X[:X]", help="Range of the sum of the profile shifts.")
+        str,
+        typer.Option("--shifts", metavar="X[:X]", help="Range of the sum of the profile shifts, of sun and planet."),
     ] = "-0.5:1.2",
     tolerance: Annotated[
         float, typer.Option("--tolerance", metavar="PERCENT", help="Permissible relative error of the ratio.")
@@ -35,7 +60,7 @@ def size(
         float, typer.Option("--pressure-angle", metavar="DEG", help="Normal pressure angle.")
     ] = 20.0,
     face_width: Annotated[
-        str | None, typer.Option("--face-width", metavar="LEN", help="Width of both faces. [default: 10 modules]")
+        str | None, typer.Option("--face-width", metavar="LEN", help="Width of all faces. [default: 10 modules]")
     ] = None,
     most: Annotated[int, typer.Option("--most", metavar="N", help="Number of pairs to print, at most.", min=1)] = 20,
     choose: Annotated[int, typer.Option("--choose", metavar="N", help="The pair whose design to write.")] = 1,
@@ -47,7 +72,8 @@ def size(
 ) -> None:
     """Tooth numbers, helix angles and profile shifts with which cylindrical gears have a ratio and a centre distance.
 
-    All pairs, those without faults first, then by the worst specific sliding. Strength is not considered.
+    All pairs, those without faults first, then by the worst specific sliding. With --planetary sets of sun, planets and ring: those
+    without faults first, then those of exactly the ratio, then of the largest module. Strength is not considered.
     """
     if output is not None:
         refuse_suffix(output, ".toml")
@@ -55,24 +81,72 @@ def size(
             raise OutputError("cannot write", output, reason="it exists already")
     for file in (output, json_file):
         refuse_unwritable(file)
+    shared = Shared(
+        pressure_angle,
+        _range("--helix", helix),
+        _range("--shifts", shifts),
+        0.01 * tolerance,
+        _optional("--face-width", face_width),
+    )
     with working("sizes"):
-        sizing = gm.size(
-            ratio,
-            _length("--center-distance", center_distance),
-            _length("--module", module),
-            internal=internal,
-            pressure_angle=pressure_angle,
-            helix=_range("--helix", helix),
-            shifts=_range("--shifts", shifts),
-            tolerance=0.01 * tolerance,
-            face_width=None if face_width is None else _length("--face-width", face_width),
-        )
-    text = with_version(sizing.keys(choose))
-    write_text(json_file, sizing.json)
+        if planetary:
+            if internal:
+                raise ArgumentError("--internal", None, reason="cannot be given together with --planetary")
+            of_sets: dict[str, Any] = {"planets": planets, "fixed": fixed}
+            sets = gm.size_planetary(
+                ratio,
+                outside_diameter=_optional("--outside-diameter", outside_diameter),
+                center_distance=_optional("--center-distance", center_distance),
+                module=_optional("--module", module),
+                unequal=unequal,
+                **{name: value for name, value in of_sets.items() if value is not None},
+                **vars(shared),
+            )
+            text, document, listings = with_version(sets.keys(choose)), sets.json, sets.first_sets(most)
+        else:
+            given = {
+                "outside-diameter": outside_diameter,
+                "planets": planets,
+                "fixed": fixed,
+                "unequal": unequal or None,
+            }
+            for option, value in given.items():
+                if value is not None:
+                    raise ArgumentError(f"--{option}", None, reason="needs --planetary")
+            pairs = gm.size(
+                ratio,
+                _required("--center-distance", center_distance),
+                _required("--module", module),
+                internal=internal,
+                **vars(shared),
+            )
+            text, document, listings = with_version(pairs.keys(choose)), pairs.json, pairs.first_pairs(most)
+    write_text(json_file, document)
     if output is not None:
         write_text(str(output), lambda: text)
     if json_file != "-":
-        show(sizing.first_pairs(most))
+        show(listings)
+
+
+@dataclass(frozen=True)
+class Shared:
+    """Wishes for pairs and sets alike."""
+
+    pressure_angle: float
+    helix: tuple[float, float]
+    shifts: tuple[float, float]
+    tolerance: float
+    face_width: float | None
+
+
+def _required(option: str, text: str | None) -> float:
+    if text is None:
+        raise ArgumentError(option, None, reason="missing; give a length as 64mm or 2.5in")
+    return _length(option, text)
+
+
+def _optional(option: str, text: str | None) -> float | None:
+    return None if text is None else _length(option, text)
 
 
 def _length(option: str, text: str) -> float:

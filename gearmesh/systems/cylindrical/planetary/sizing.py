@@ -37,8 +37,12 @@ RIMS = (RIM, 8.0)
 LESS = (-2, 4)
 #: what the shifts of planet and ring may add up to, either way
 RING_SHIFTS = 1.2
+#: largest shift of a ring, modules
+REACH = 2.0
 #: a sound set has at least these clearances in modules: of the tips of neighbouring planets, of tips and roots
 APART, CLEARANCE = 0.5, 0.1
+#: why a set is rejected whose planets cannot be equally spaced
+UNEQUAL = "planets cannot be equally spaced"
 #: of the basic rack, modules
 DEDENDUM = PROFILES["A"][1]
 #: decimals (mm) of the rim
@@ -80,7 +84,7 @@ class WantedSet:
 
 
 @dataclass(frozen=True)
-class Trial:
+class SetTrial:
     """Tooth numbers of sun, planet and ring of a module (mm) and a helix angle (deg), at a centre distance (mm)."""
 
     teeth: tuple[int, int, int]
@@ -98,7 +102,7 @@ class SetCandidate:
     """
 
     keys: dict[str, Any]
-    trial: Trial
+    trial: SetTrial
     inner: MeshMerit
     outer: MeshMerit
     shifts: tuple[float, float, float]
@@ -124,7 +128,7 @@ class SetCandidate:
 class RejectedSet:
     """A set that is not proposed: its teeth, why in short, and what there is to say more."""
 
-    trial: Trial
+    trial: SetTrial
     reason: str
     detail: str = ""
 
@@ -182,7 +186,7 @@ def search_sets(wanted: WantedSet) -> SetSearch:
     return search
 
 
-def _trials(wanted: WantedSet) -> Iterator[Trial]:
+def _trials(wanted: WantedSet) -> Iterator[SetTrial]:
     """All teeth and distances that are looked at."""
     low, high = wanted.helix
     helices = sorted({low, high, *map(float, range(math.ceil(low), math.floor(high) + 1))})
@@ -199,7 +203,9 @@ def _ring_teeth(wanted: WantedSet, module: float, transverse: float) -> range:
     if wanted.outside_diameter is not None:
         # the root is a dedendum outside the reference circle, but for the profile shift
         radii = [0.5 * wanted.outside_diameter - (DEDENDUM + rim) * module for rim in RIMS[::-1]]
-        ends = [2.0 * (radius + side * RING_SHIFTS * module) / transverse for radius, side in zip(radii, (-1, 1), strict=True)]
+        ends = [
+            2.0 * (radius + side * REACH * module) / transverse for radius, side in zip(radii, (-1, 1), strict=True)
+        ]
     else:
         assert wanted.center_distance is not None
         # twice the distance is about a quarter of the teeth of ring and sun together, on either side
@@ -209,7 +215,7 @@ def _ring_teeth(wanted: WantedSet, module: float, transverse: float) -> range:
     return range(max(3 * FEWEST, math.ceil(min(ends))), top + 1)
 
 
-def _with_ring(wanted: WantedSet, module: float, helix: float, ring: int) -> Iterator[Trial]:
+def _with_ring(wanted: WantedSet, module: float, helix: float, ring: int) -> Iterator[SetTrial]:
     least, most = wanted.ring_per_sun
     for sun in range(max(FEWEST, math.ceil(ring / most - ROUNDING)), math.floor(ring / least + ROUNDING) + 1):
         for less in range(LESS[0], LESS[1] + 1):
@@ -218,7 +224,7 @@ def _with_ring(wanted: WantedSet, module: float, helix: float, ring: int) -> Ite
                 continue
             teeth = sun, planet, ring
             for distance in _distances(wanted, module, helix, teeth):
-                yield Trial(teeth, module, helix, distance)
+                yield SetTrial(teeth, module, helix, distance)
 
 
 def _distances(wanted: WantedSet, module: float, helix: float, teeth: tuple[int, int, int]) -> list[float]:
@@ -230,7 +236,7 @@ def _distances(wanted: WantedSet, module: float, helix: float, teeth: tuple[int,
     return sorted({round(distance, DECIMALS) for distance in (first, 0.5 * (first + second), second)})
 
 
-def _judge(wanted: WantedSet, trial: Trial) -> SetCandidate:
+def _judge(wanted: WantedSet, trial: SetTrial) -> SetCandidate:
     """A set with its shifts shared. Raises _Rejection for one that cannot exist, or is not as wanted."""
     angles = _angles(wanted, trial)
     totals = _sums_of_shifts(wanted, trial)
@@ -266,7 +272,7 @@ def _judge(wanted: WantedSet, trial: Trial) -> SetCandidate:
     )
 
 
-def _sums_of_shifts(wanted: WantedSet, trial: Trial) -> tuple[float, float]:
+def _sums_of_shifts(wanted: WantedSet, trial: SetTrial) -> tuple[float, float]:
     """Sums of the shifts of sun and planet, and of planet and ring; rejects a distance at which either is too much."""
     alpha, beta = math.radians(wanted.pressure_angle), math.radians(trial.helix_angle)
     sun, planet = (Toothing(teeth, trial.module, alpha, beta) for teeth in trial.teeth[:2])
@@ -280,15 +286,15 @@ def _sums_of_shifts(wanted: WantedSet, trial: Trial) -> tuple[float, float]:
     return totals
 
 
-def _angles(wanted: WantedSet, trial: Trial) -> list[float]:
+def _angles(wanted: WantedSet, trial: SetTrial) -> list[float]:
     """Angles of the planets (deg): equally spaced, or the nearest at which they can be assembled, where that is admitted."""
     total, count = trial.teeth[0] + trial.teeth[2], wanted.planets
     if total % count and not wanted.unequal:
-        raise _Rejection("planets cannot be equally spaced", f"{total} teeth of sun and ring, {count} planets")
+        raise _Rejection(UNEQUAL, f"{total} teeth of sun and ring, {count} planets")
     return [360.0 * round(k * total / count) / total for k in range(count)]
 
 
-def _pair_keys(wanted: WantedSet, trial: Trial) -> dict[str, Any]:
+def _pair_keys(wanted: WantedSet, trial: SetTrial) -> dict[str, Any]:
     """Sun and planet as a pair whose shifts are still to be shared."""
     width = WIDTH * trial.module if wanted.face_width is None else wanted.face_width
     first, second = ({"teeth": teeth, "face_width": width} for teeth in trial.teeth[:2])
@@ -304,7 +310,7 @@ def _pair_keys(wanted: WantedSet, trial: Trial) -> dict[str, Any]:
 
 
 def _keys(
-    wanted: WantedSet, trial: Trial, pair: dict[str, Any], angles: list[float], rim: float | None
+    wanted: WantedSet, trial: SetTrial, pair: dict[str, Any], angles: list[float], rim: float | None
 ) -> dict[str, Any]:
     """Keys of the set's design, from those of sun and planet."""
     equal = (trial.teeth[0] + trial.teeth[2]) % wanted.planets == 0
@@ -336,7 +342,7 @@ class _Outside:
     rim: float | None
 
 
-def _outside(wanted: WantedSet, trial: Trial, shift: float) -> _Outside:
+def _outside(wanted: WantedSet, trial: SetTrial, shift: float) -> _Outside:
     """The outside of a ring with a profile shift. Rejects an outside diameter that leaves too little or too much rim."""
     module, beta = trial.module, math.radians(trial.helix_angle)
     ring = Toothing(trial.teeth[2], module, math.radians(wanted.pressure_angle), beta, internal=True)
@@ -374,4 +380,5 @@ def _nothing(wanted: WantedSet, search: SetSearch) -> str:
             "choose a wider tolerance, or another module or size"
         )
     reasons = "; ".join(f"{count} {reason}" for reason, count in search.reasons.items())
-    return f"none of {len(search.rejected)} sets can be used: {reasons}"
+    more = "; admit unequal spacing" if UNEQUAL in search.reasons else ""
+    return f"none of {len(search.rejected)} sets can be used: {reasons}{more}"
