@@ -10,7 +10,7 @@ from typing import Any
 
 from gearmesh import __version__
 from gearmesh.answers.result import Result, columns
-from gearmesh.answers.sizing import RANGES, chosen, refuse_outside
+from gearmesh.answers.sizing import RANGES, candidate_at, refuse_outside
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
@@ -99,18 +99,18 @@ class PlanetarySizing(Result):
         return [_row(number, candidate) for number, candidate in enumerate(self.candidates, start=1)]
 
     @property
-    def rejected(self) -> list[RejectedFigures]:
+    def rejections(self) -> list[RejectedFigures]:
         """One per set that was rejected."""
         return [
             RejectedFigures(
-                rejected.trial.module,
-                *rejected.trial.teeth,
-                rejected.trial.helix_angle,
-                rejected.trial.distance,
-                rejected.reason,
-                rejected.detail,
+                rejection.trial.module,
+                *rejection.trial.teeth,
+                rejection.trial.helix_angle,
+                rejection.trial.distance,
+                rejection.reason,
+                rejection.detail,
             )
-            for rejected in self.search.rejected
+            for rejection in self.search.rejections
         ]
 
     @property
@@ -146,7 +146,7 @@ class PlanetarySizing(Result):
         which = f"Sets 1 to {len(rows)} of {len(self.candidates)}"
         first = Listing(f"{which} (mm, deg; s_an in modules; eps, zeta, s_an: the worst)", heads, rows)
         counts = [(reason, count) for reason, count in self.search.reasons.items()]
-        return [first, Listing(f"Rejected: {len(self.search.rejected)}", ("", ""), counts)] if counts else [first]
+        return [first, Listing(f"Rejected: {len(self.search.rejections)}", ("", ""), counts)] if counts else [first]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([row.row for row in self.rows])
@@ -157,8 +157,8 @@ class PlanetarySizing(Result):
             "gearmesh": __version__,
             "wanted": asdict(self.wanted),
             "candidates": self.rows,
-            "rejected": self.rejected,
-            "rejected_by_reason": self.search.reasons,
+            "rejections": self.rejections,
+            "rejections_by_reason": self.search.reasons,
         }
 
     def design(self, number: int = 1) -> Design:
@@ -167,7 +167,7 @@ class PlanetarySizing(Result):
 
     def keys(self, number: int = 1) -> Mapping[str, Any]:
         """The keys that a candidate's design file needs. Raises DesignError for a number that there is not."""
-        return chosen(self.candidates, number).keys
+        return candidate_at(self.candidates, number).keys
 
     def _write(self, target: Path) -> None:
         from gearmesh.design.files import with_version

@@ -137,7 +137,7 @@ class Sizing(Result):
 
     def keys(self, number: int = 1) -> Mapping[str, Any]:
         """The keys that a candidate's design file needs. Raises DesignError for a number that there is not."""
-        return chosen(self.candidates, number).keys
+        return candidate_at(self.candidates, number).keys
 
     def _write(self, target: Path) -> None:
         from gearmesh.design.files import with_version
@@ -185,7 +185,7 @@ def refuse_outside(wanted: Wanted | WantedSet, ranges: Mapping[str, tuple[float,
             raise ArgumentError(field.name, value, shown=both, reason="the first must not be above the second")
 
 
-def chosen(candidates: Sequence[C], number: int) -> C:
+def candidate_at(candidates: Sequence[C], number: int) -> C:
     """One of those that meet a request, numbered from 1. Raises ArgumentError for a number that there is not."""
     if not 1 <= number <= len(candidates):
         raise ArgumentError("choose", number, must_be=f"a number from 1 to {len(candidates)}")

@@ -53,7 +53,8 @@ def test_no_set_is_left_out(sizing: PlanetarySizing) -> None:
     rows = sizing.rows
     listed = {((row.teeth_sun, row.teeth_planet, row.teeth_ring), row.center_distance) for row in rows}
     rejected = {
-        ((row.teeth_sun, row.teeth_planet, row.teeth_ring), row.center_distance): row.reason for row in sizing.rejected
+        ((row.teeth_sun, row.teeth_planet, row.teeth_ring), row.center_distance): row.reason
+        for row in sizing.rejections
     }
     expected = by_trial(2.0)
     assert len(listed) == len(rows) >= 4
@@ -68,7 +69,7 @@ def test_no_set_is_left_out(sizing: PlanetarySizing) -> None:
             assert rim + 2.0 < 3.0 or rim - 2.0 > 8.0
     # nothing else is called impossible
     assert {key for key, reason in rejected.items() if reason in reasons} <= expected
-    assert sum(sizing.search.reasons.values()) == len(sizing.rejected)
+    assert sum(sizing.search.reasons.values()) == len(sizing.rejections)
     assert not any(row.faults for row in rows[: rows.index(next((r for r in rows if r.faults), rows[-1]))])
 
 
@@ -122,8 +123,8 @@ def test_the_command_lists_the_search_and_writes_a_design(tmp_path: Path) -> Non
     assert status == 0
     assert max(map(len, out.splitlines())) <= 80
     document = json.loads((tmp_path / "search.json").read_text(encoding="utf-8"))
-    assert f"Rejected: {len(document['rejected'])}" in out
-    assert sum(document["rejected_by_reason"].values()) == len(document["rejected"])
+    assert f"Rejected: {len(document['rejections'])}" in out
+    assert sum(document["rejections_by_reason"].values()) == len(document["rejections"])
     design = gm.load(target).resolve()
     second = document["candidates"][1]
     assert [design[name]["teeth"] for name in ("sun", "planet", "ring")] == [

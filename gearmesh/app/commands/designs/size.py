@@ -42,7 +42,7 @@ def size(
         typer.Option(
             "--fixed",
             metavar="ring|carrier|sun",
-            help="The member that stands still, for the ratio. [default: ring]",
+            help="The fixed member, for the ratio. [default: ring]",
         ),
     ] = None,
     unequal: Annotated[
@@ -115,8 +115,8 @@ def size(
                     raise ArgumentError(f"--{option}", None, reason="needs --planetary")
             pairs = gm.size(
                 ratio,
-                _required("--center-distance", center_distance),
-                _required("--module", module),
+                _length("--center-distance", center_distance),
+                _length("--module", module),
                 internal=internal,
                 **vars(shared),
             )
@@ -139,17 +139,13 @@ class Shared:
     face_width: float | None
 
 
-def _required(option: str, text: str | None) -> float:
-    if text is None:
-        raise ArgumentError(option, None, reason="missing; give a length as 64mm or 2.5in")
-    return _length(option, text)
-
-
 def _optional(option: str, text: str | None) -> float | None:
     return None if text is None else _length(option, text)
 
 
-def _length(option: str, text: str) -> float:
+def _length(option: str, text: str | None) -> float:
+    if text is None:
+        raise ArgumentError(option, None, reason="missing; give a length as 64mm or 2.5in")
     return in_mm(option, text, examples="64mm or 2.5in; bare = mm")
 
 

@@ -138,14 +138,14 @@ class SetSearch:
     """All sets that are as wanted, the best first, and all that were rejected."""
 
     candidates: tuple[SetCandidate, ...]
-    rejected: tuple[RejectedSet, ...]
+    rejections: tuple[RejectedSet, ...]
 
     @property
     def reasons(self) -> dict[str, int]:
         """How many were rejected for which reason, most first."""
         counts: dict[str, int] = {}
-        for rejected in self.rejected:
-            counts[rejected.reason] = counts.get(rejected.reason, 0) + 1
+        for rejection in self.rejections:
+            counts[rejection.reason] = counts.get(rejection.reason, 0) + 1
         return dict(sorted(counts.items(), key=lambda reason: -reason[1]))
 
 
@@ -159,12 +159,12 @@ def search_sets(wanted: WantedSet) -> SetSearch:
 
     Raises DesignError, naming the key and what was rejected, where there is none.
     """
-    candidates, rejected = [], []
+    candidates, rejections = [], []
     for trial in _trials(wanted):
         try:
             candidates.append(_judge(wanted, trial))
         except _Rejection as rejection:
-            rejected.append(RejectedSet(trial, *rejection.args))
+            rejections.append(RejectedSet(trial, *rejection.args))
     search = SetSearch(
         tuple(
             sorted(
@@ -179,7 +179,7 @@ def search_sets(wanted: WantedSet) -> SetSearch:
                 ),
             )
         ),
-        tuple(rejected),
+        tuple(rejections),
     )
     if not candidates:
         raise DesignError("ratio", wanted.ratio, reason=_nothing(wanted, search))
@@ -373,7 +373,7 @@ def _set_faults(both: Meshes, outer: PairProportions, apart: float, clearance: f
 
 def _nothing(wanted: WantedSet, search: SetSearch) -> str:
     """What to say where no set is as wanted: how many were rejected and why."""
-    if not search.rejected:
+    if not search.rejections:
         sizes = "" if wanted.module is None else f" of module {wanted.module:g} mm"
         return (
             f"no numbers of teeth{sizes} have this ratio within {100.0 * wanted.tolerance:g} % in this size; "
@@ -381,4 +381,4 @@ def _nothing(wanted: WantedSet, search: SetSearch) -> str:
         )
     reasons = "; ".join(f"{count} {reason}" for reason, count in search.reasons.items())
     more = "; admit unequal spacing" if UNEQUAL in search.reasons else ""
-    return f"none of {len(search.rejected)} sets can be used: {reasons}{more}"
+    return f"none of {len(search.rejections)} sets can be used: {reasons}{more}"
