@@ -132,7 +132,7 @@ def spur() -> gm.Gears:
 
 # what is called; key, value, what is allowed and reason
 REFUSED: list[tuple[Callable[[gm.Gears], Any], str, Any, str, str]] = [
-    (lambda g: g.sheet(torque=5), "torque", 5, "", "the sheet of kind cylindrical has no forces"),
+    (lambda g: g.sheet(speed=5), "speed", 5, "", "needs a torque"),
     (lambda g: g.sheet(torque=5, member="pinion"), "torque", 5, "", "forces need both members"),
     (lambda g: g.sheet(member="sun"), "member", "sun", "one of pinion, gear", ""),
     (lambda g: g.picture("inside"), "view", "inside", "one of contact", ""),
@@ -188,7 +188,7 @@ def test_errors_have_fields(spur: gm.Gears, case: tuple[Callable[[gm.Gears], Any
 @pytest.mark.parametrize(
     ("arguments", "begins"),
     [
-        ("describe {spur} --torque 5", "--torque = 5: the sheet of kind cylindrical has no forces"),
+        ("describe {spur} --speed 5", "--speed = 5: needs a torque"),
         ("describe {spur} --torque 5 --member pinion", "--torque = 5: forces need both members"),
         ("describe {spur} --member sun", "--member = sun: must be one of pinion, gear"),
         ("solid {spur} --member pinion -o x.stl --tol 1ell", "--tol = 1ell: must be a length as"),

@@ -139,11 +139,13 @@ class Compensation(Filling):
         return self.design.with_values({setting.key: setting.after for setting in self.settings})
 
 
-def sheet_of(gears: GearSet, torque: float | None = None) -> DesignSheet:
+def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = None) -> DesignSheet:
     """What is derived from a design, as `Gears.sheet` says."""
     known = systems.system(gears.design.kind)
     sheet = (known.sheet or plain_sheet)(gears.design, gears.train)
     tables = sheet.tables
+    if speed is not None and torque is None:
+        raise ArgumentError("speed", speed, reason="needs a torque")
     if torque is not None:
         if known.forces is None:
             able = [kind for kind in systems.kinds() if systems.system(kind).forces is not None]
@@ -152,7 +154,7 @@ def sheet_of(gears: GearSet, torque: float | None = None) -> DesignSheet:
                 torque,
                 reason=f"the sheet of kind {gears.design.kind} has no forces; allowed with {' or '.join(able)}",
             )
-        tables = (*tables, known.forces(gears.design, torque))
+        tables = (*tables, *known.forces(gears.design, torque, speed))
     return DesignSheet(gears.design, tables, sheet.values, (*gears.warnings, *sheet.warnings), sheet.replaced)
 
 

@@ -260,18 +260,20 @@ class Gears(SolvedGears):
 
     # ---------------------------------------------------------------- settings
 
-    def sheet(self, *, torque: float | None = None, member: str | None = None) -> DesignSheet:
+    def sheet(
+        self, *, torque: float | None = None, speed: float | None = None, member: str | None = None
+    ) -> DesignSheet:
         """What is derived from the design: the sheet of kinds that have one of their own, else members and pairs.
 
-        With a `torque` (Nm) on the pinion also the forces on the members. For one `member`, what needs no mating gear: of gears
-        built with
-        `alone` no mating gear is then made. Raises DesignError for kinds that do not know forces, for a member that there is
-        not, and for both at once.
+        With a `torque` (Nm) on the pinion, or on the driving member of a planetary set, also the forces on the members, at a
+        `speed` (1/min) of it with their powers. For one `member`, what needs no mating gear: of gears built with `alone` no mating
+        gear is then made. Raises DesignError for kinds that do not know forces, for a member that there is not, for both at once,
+        and for a speed without a torque.
         """
         from gearmesh.answers.sheet import member_sheet_of, sheet_of
 
         if member is None:
-            return sheet_of(self, torque)
+            return sheet_of(self, torque, speed)
         if torque is not None:
             raise ArgumentError("torque", torque, reason="forces need both members; leave member out")
         return member_sheet_of(self, member)

@@ -56,7 +56,14 @@ MOST_POSITIONS = 100_000
 
 SheetTorque = Annotated[
     float | None,
-    typer.Option("--torque", metavar="NM", help="Torque on the pinion of bevel gears: adds the forces on the members."),
+    typer.Option(
+        "--torque", metavar="NM", help="Torque on the pinion (planetary: on the driving member): adds the forces."
+    ),
+]
+
+SheetSpeed = Annotated[
+    float | None,
+    typer.Option("--speed", metavar="RPM", help="Speed of the member that --torque is on: adds speeds and power."),
 ]
 
 
@@ -64,6 +71,12 @@ def refuse_torque(torque: float | None) -> None:
     """Raises DesignError for a torque that is none."""
     if torque is not None and not 0.0 < torque < math.inf:
         raise ArgumentError("torque", torque, must_be="a finite number of Nm above 0")
+
+
+def refuse_speed(speed: float | None) -> None:
+    """Raises DesignError for a speed that is none."""
+    if speed is not None and not 0.0 < speed < math.inf:
+        raise ArgumentError("speed", speed, must_be="a finite number of revolutions per minute above 0")
 
 
 def torques_in_nm(text: str) -> list[float]:

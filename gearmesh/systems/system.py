@@ -121,11 +121,11 @@ class System(Generic[D]):
 
     `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
     `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its gear set, `member_sheet` the
-    tables of one of the `members` without the others, `forces` the table of what a torque (Nm) on the pinion puts on its
-    members, `compensate` the settings that compensate its assembly errors, `refinish` the same by settings of the member
-    named, all of designs in their own units; `vh` makes the V-H check of a design in mm and its gear set, by two of V, H, J and
-    alpha, `first_order` gives, for a design in mm with errors, its transmission error in closed form; `displacements` moves
-    the members of many assemblies at once.
+    tables of one of the `members` without the others, `forces` the tables of what a torque (Nm) on the pinion puts on its
+    members, with the powers at a speed (1/min) of it where one is given, `compensate` the settings that compensate its assembly
+    errors, `refinish` the same by settings of the member named, all of designs in their own units; `vh` makes the V-H check of a
+    design in mm and its gear set, by two of V, H, J and alpha, `first_order` gives, for a design in mm with errors, its
+    transmission error in closed form; `displacements` moves the members of many assemblies at once.
     """
 
     kind: str
@@ -137,7 +137,7 @@ class System(Generic[D]):
     worm: Callable[[D], ToolPart] | None = None
     sheet: Callable[[D, GearTrain], Sheet] | None = None
     member_sheet: Callable[[D, str], tuple[SheetTable, ...]] | None = None
-    forces: Callable[[D, float], SheetTable] | None = None
+    forces: Callable[[D, float, float | None], tuple[SheetTable, ...]] | None = None
     compensate: Callable[[D], list[Setting]] | None = None
     refinish: Callable[[D, str], list[Setting]] | None = None
     vh: Callable[[D, GearTrain, tuple[str, str]], list[PatternShift]] | None = None

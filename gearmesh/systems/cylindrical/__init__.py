@@ -3,6 +3,7 @@
 from gearmesh.systems.cylindrical import planetary, rack
 from gearmesh.systems.cylindrical.build import DISPLACEMENTS, build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
+from gearmesh.systems.cylindrical.force_tables import pair_forces
 from gearmesh.systems.cylindrical.geometry.proportions import derived_values
 from gearmesh.systems.cylindrical.pinned import pair_values
 from gearmesh.systems.cylindrical.sheet import data_sheet
@@ -15,6 +16,7 @@ SYSTEMS = (
         build,
         derive=derived_values,
         sheet=data_sheet,
+        forces=pair_forces,
         displacements=DISPLACEMENTS,
         pinned=pair_values,
     ),

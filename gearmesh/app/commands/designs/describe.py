@@ -9,7 +9,7 @@ import typer
 
 import gearmesh as gm
 from gearmesh.answers.tables import Listing
-from gearmesh.app.options import Json, Set, SheetTorque, load_alone, load_gears, refuse_torque
+from gearmesh.app.options import Json, Set, SheetSpeed, SheetTorque, load_alone, load_gears, refuse_speed, refuse_torque
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import ArgumentError
 
@@ -21,6 +21,7 @@ def describe(
     what: Annotated[str | None, typer.Argument(metavar="[KIND|DESIGN]", show_default=False)] = None,
     json_file: Json = None,
     torque: SheetTorque = None,
+    speed: SheetSpeed = None,
     member: Annotated[
         str | None,
         typer.Option("--member", metavar="NAME", help="Only this member, without its mating gear.", show_default=False),
@@ -36,21 +37,28 @@ def describe(
 ) -> None:
     """The gear systems, every key of one of them, the data sheet of a design, or the meaning of figures."""
     if figures:
-        for option, given in (("--torque", torque), ("--member", member), ("--set", settings)):
+        for option, given in (("--torque", torque), ("--speed", speed), ("--member", member), ("--set", settings)):
             if given:
                 raise ArgumentError(option, must_be="left out with --figures")
         _figures(what or "", json_file)
         return
     if what is not None and Path(what).suffix in (".toml", ".json"):
         refuse_torque(torque)
+        refuse_speed(speed)
         refuse_unwritable(json_file)
-        sheet = _sheet(Path(what), settings, torque, member)
+        sheet = _sheet(Path(what), settings, (torque, speed), member)
         write_text(json_file, sheet.json)
         if json_file != "-":
             show(sheet.listings)
         warn(sheet.warnings)
         return
-    for option, given in (("--json", json_file), ("--torque", torque), ("--member", member), ("--set", settings)):
+    for option, given in (
+        ("--json", json_file),
+        ("--torque", torque),
+        ("--speed", speed),
+        ("--member", member),
+        ("--set", settings),
+    ):
         if given:
             raise ArgumentError(option, reason="needs a design file to describe")
     show([_kinds()] if what is None else _keys(what))
@@ -70,11 +78,14 @@ def _figures(word: str, json_file: str | None) -> None:
         show([group.listing for group in groups])
 
 
-def _sheet(design_file: Path, settings: list[str] | None, torque: float | None, member: str | None) -> DesignSheet:
-    """The sheet of a design, or of one of its members."""
+def _sheet(
+    design_file: Path, settings: list[str] | None, load: tuple[float | None, float | None], member: str | None
+) -> DesignSheet:
+    """The sheet of a design, or of one of its members; `load`: torque and speed."""
+    torque, speed = load
     if member is None:
-        return load_gears(design_file, settings).sheet(torque=torque)
-    return load_alone(design_file, settings).sheet(torque=torque, member=member)
+        return load_gears(design_file, settings).sheet(torque=torque, speed=speed)
+    return load_alone(design_file, settings).sheet(torque=torque, speed=speed, member=member)
 
 
 def _kinds() -> Listing:

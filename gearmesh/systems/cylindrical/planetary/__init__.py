@@ -2,10 +2,17 @@
 
 from gearmesh.systems.cylindrical.planetary.build import build, derived_values
 from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
+from gearmesh.systems.cylindrical.planetary.force_tables import set_forces
 from gearmesh.systems.cylindrical.planetary.pinned import planetary_values
 from gearmesh.systems.cylindrical.planetary.sheet import planetary_sheet
 from gearmesh.systems.system import System
 
 SYSTEM = System(
-    "planetary", PlanetaryDesign, build, derive=derived_values, sheet=planetary_sheet, pinned=planetary_values
+    "planetary",
+    PlanetaryDesign,
+    build,
+    derive=derived_values,
+    sheet=planetary_sheet,
+    forces=set_forces,
+    pinned=planetary_values,
 )

@@ -2,9 +2,12 @@
 
 from gearmesh.systems.cylindrical.rack.build import build
 from gearmesh.systems.cylindrical.rack.design import RackDesign
+from gearmesh.systems.cylindrical.rack.force_tables import rack_forces
 from gearmesh.systems.cylindrical.rack.pinned import rack_values
 from gearmesh.systems.cylindrical.rack.proportions import derived_values
 from gearmesh.systems.cylindrical.rack.sheet import rack_sheet
 from gearmesh.systems.system import System
 
-SYSTEM = System("rack", RackDesign, build, derive=derived_values, sheet=rack_sheet, pinned=rack_values)
+SYSTEM = System(
+    "rack", RackDesign, build, derive=derived_values, sheet=rack_sheet, forces=rack_forces, pinned=rack_values
+)

@@ -12,6 +12,8 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.kernel.surface.stations import along
+from gearmesh.systems.common.running import running_rows
+from gearmesh.systems.common.symbol_table import table
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank, Proportions
 from gearmesh.systems.spiral_bevel.blank.cone_blank import ConeData, cone_dimensions
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTORS
@@ -170,14 +172,19 @@ def _offset_table(design: HypoidDesign, given: Proportions, unit: float, noun: s
     )
 
 
-def tooth_forces(design: FaceMilledDesign, torque: float) -> SheetTable:
-    """Forces on the members of a design for a torque (Nm) on the pinion. Raises as `settings_sheet`."""
+def tooth_forces(design: FaceMilledDesign, torque: float, speed: float | None) -> tuple[SheetTable, ...]:
+    """Forces on the members of a design for a torque (Nm) on the pinion, which turns at a speed (1/min). Raises as
+    `settings_sheet`."""
     own = design.in_mm()
     made = bevel_teeth(own)
     blank, gear = made.cut.blank, made.cut.gear
     base = nominal_base(blank, HANDS[own.hand])
     means = {name: mean_point(own, blank, gear[MATING[name]], base, made.choices[name]) for name in SIDES}
-    return thrust_table(blank, means, base, torque)
+    ratio = own.gear.teeth / own.pinion.teeth
+    speeds = None if speed is None else (speed, speed / ratio)
+    running = table("Torque, speed and power", ("pinion", "gear"), running_rows((torque, torque * ratio), speeds))
+    forces = thrust_table(blank, means, base, torque)
+    return (forces,) if speed is None else (forces, running)
 
 
 def fit_edge_radius(side: Generated, member: Member) -> Generated:
