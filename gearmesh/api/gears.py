@@ -276,6 +276,8 @@ class Gears(SolvedGears):
             return sheet_of(self, torque, speed)
         if torque is not None:
             raise ArgumentError("torque", torque, reason="forces need both members; leave member out")
+        if speed is not None:
+            raise ArgumentError("speed", speed, reason="needs a torque, and both members; leave member out")
         return member_sheet_of(self, member)
 
     def pin(self) -> Pinned:
