@@ -59,6 +59,7 @@ def test_what_is_said_of_a_cutter_is_possible(path: Path) -> None:
     (line,) = (each for each in many if "trims the tips" in each)
     for message in (line, str(few.value)):
         assert "more than 15 trim the tips" in message
+        assert 'or gear.manufacture = "formed", which needs no cutter' in message
         ((least, teeth),) = re.findall(
             r"allowed is gear\.tip_diameter of at least ([\d.]+) mm with (\d+) teeth", message
         )

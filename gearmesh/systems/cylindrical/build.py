@@ -1,4 +1,5 @@
-"""Cylindrical gears [ISO 21771]: external members by a rack or a shaper cutter, internal ones by a shaper cutter.
+"""Cylindrical gears [ISO 21771]: external members by a rack or a shaper cutter, internal ones by a shaper cutter
+or a form tool.
 
 Fixed frame: the pinion's own, its axis z, the middle of both faces at z = 0; the gear's axis is at x = a, or at x = -a where one of
 the two is internal and the pinion the smaller one. phi1 turns the pinion clockwise about +z; at phi1 = 0 one of its teeth, or of
@@ -23,7 +24,7 @@ from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights
 from gearmesh.systems.cylindrical.cutting.cutter import other_cutters, trimming_warnings
 from gearmesh.systems.cylindrical.cutting.hobbed import hobbed_racks
-from gearmesh.systems.cylindrical.cutting.shaped import shaped_member, shaping
+from gearmesh.systems.cylindrical.cutting.shaped import cut_of, shaped_member
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import HALF, double_helical_member, half_of
 from gearmesh.systems.cylindrical.geometry.geometry import distance_of, sum_of_shifts
@@ -81,9 +82,8 @@ def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -
         raise DesignError(
             f"{shown}.{tip_key}", reason=f"the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)"
         )
-    if spec.shaped:
-        cutting = shaping(design, name, geometry)
-        made = shaped_member(shown, spec, cutting, tip_key, f"theta_{letter}", f"u_{letter}")
+    if not spec.hobbed:
+        made = shaped_member(shown, spec, cut_of(design, name, geometry), tip_key, f"theta_{letter}", f"u_{letter}")
         made = with_modifications(made, spec, internal=own.internal)
         own_flanks = made.tooth.unmodified_tooth is made.tooth
         return with_true_involutes(made, internal=own.internal) if own_flanks else made

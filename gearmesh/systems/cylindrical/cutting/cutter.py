@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.systems.cylindrical.cutting.cutter_choice import CutterChoice, generating, sharp_tool, standard_teeth
+from gearmesh.systems.cylindrical.cutting.formed import form_tool
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, nominal_mesh, toothing, with_allowances
@@ -49,7 +50,7 @@ def cut_addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> fl
     """The addendum that is not given: `shifts.addendum`, or, of an internal gear, what there is a cutter for."""
     spec, own = getattr(design, name), getattr(with_allowances(design, mesh), name)
     height = addendum(design, name, mesh)
-    if not own.internal or spec.tip_diameter is not None:
+    if not own.internal or spec.formed or spec.tip_diameter is not None:
         return height
     chosen = CutterChoice(own, root_radius(design, name, own), _cutter(design, spec))
     tip = tip_radius(spec, own, height, 0.0)
@@ -69,11 +70,13 @@ def root_radius(design: CylindricalDesign, name: str, own: Toothing) -> float:
 
 
 def sharp_shaper(design: CylindricalDesign, name: str, mesh: InvolutePair) -> Shaper:
-    """The cutter of a shaped member as a tool in the transverse section, without rounding.
+    """The cutter of a shaped member, or the form tool of a formed one, in the transverse section, without rounding.
 
     Raises DesignError for one that cannot cut these teeth.
     """
     spec, own = getattr(design, name), getattr(with_allowances(design, mesh), name)
+    if spec.formed:
+        return form_tool(design.name_in_texts(name), spec, own, root_radius(design, name, own))
     cutter = cutter_of(design, spec)
     if own.internal and cutter.teeth >= own.teeth:
         key = design.name_in_texts(f"{name}.shaper.teeth")
@@ -93,9 +96,10 @@ def trimming_warnings(design: CylindricalDesign, mesh: InvolutePair, tips: tuple
     """A line for an internal gear whose tips its cutter trims as it is fed in radially, with the cutters that do not."""
     warnings = []
     for name, own, tip in (("pinion", mesh.pinion, tips[0]), ("gear", mesh.gear, tips[1])):
-        if not own.internal:
+        spec = getattr(design, name)
+        if not own.internal or spec.formed:
             continue
-        cutter = cutter_of(design, getattr(design, name))
+        cutter = cutter_of(design, spec)
         chosen, teeth = CutterChoice(own, root_radius(design, name, own), cutter), cutter.teeth
         if not chosen.clears(teeth, tip):
             member = design.name_in_texts(name)
@@ -111,7 +115,12 @@ def other_cutters(design: CylindricalDesign, mesh: InvolutePair) -> tuple[str, .
     warnings = []
     for name, own in zip(MEMBERS, (mesh.pinion, mesh.gear), strict=True):
         spec, standard = getattr(design, name), standard_teeth(own)
-        if own.internal and spec.shaper is None and (teeth := cutter_of(design, spec).teeth) != standard:
+        if (
+            own.internal
+            and spec.shaped
+            and spec.shaper is None
+            and (teeth := cutter_of(design, spec).teeth) != standard
+        ):
             warnings.append(
                 f"{design.name_in_texts(name)}.shaper.teeth = {teeth}: the default, instead of {standard}, which leave no "
                 "involute up to the tip"

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.cylindrical.cutting.shaped import shaping
+from gearmesh.systems.cylindrical.cutting.shaped import cut_of
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
 
@@ -30,9 +30,8 @@ Flank = tuple[float, float]
 def form_roll_length(design: CylindricalDesign, name: str, geometry: PairProportions) -> float:
     """Roll length of what the end of the tool's straight flank, or involute, generates; negative where it undercuts the flank."""
     spec, own = getattr(design, name), getattr(geometry.mesh, name)
-    if spec.shaped:
-        made = shaping(design, name, geometry)
-        return float(made.generator - own.sense * made.shaper.form_point[0] * made.shaper.base_radius)
+    if not spec.hobbed:
+        return cut_of(design, name, geometry).form_roll_length
     depth = own.radius - geometry.roots[0 if name == "pinion" else 1]
     return float(own.rack_form_roll_length(depth, spec.tool_tip_radius * own.module))
 
@@ -41,12 +40,12 @@ def undercut_reserve(design: CylindricalDesign, name: str, geometry: PairProport
     """Roll length by which the flank stays clear of undercut, negative where it does not.
 
     Of an external member from the base circle to what the end of the tool's flank generates, of an internal one from the last point
-    that the cutter's involute generates to the tip.
+    that the cutter's involute generates to the tip, of a formed one from the base circle.
     """
     own = getattr(geometry.mesh, name)
     if not own.internal:
         return form_roll_length(design, name, geometry)
-    made = shaping(design, name, geometry)
+    made = cut_of(design, name, geometry)
     return float(own.roll_length(made.tip) - made.generator)
 
 

@@ -6,13 +6,13 @@ Everything is in the design's own unit of length, so that it can be reported und
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gearmesh.design.keys import given_or
-from gearmesh.systems.common.defaults import deepest, straight_rounding
-from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, cutter_of, root_radius, sharp_shaper
-from gearmesh.systems.cylindrical.cutting.cutter_choice import generating
+from gearmesh.systems.common.defaults import straight_rounding
+from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, root_radius, sharp_shaper
+from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut, LastCut
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, nominal_mesh, with_allowances
@@ -94,7 +94,7 @@ def _rounding(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float
     spec, own = getattr(design, name), getattr(mesh, name)
     standard, m = PROFILES[design.profile][2], own.module
     alpha = math.degrees(own.alpha)
-    if not spec.shaped:
+    if spec.hobbed:
         if spec.root_diameter is not None:
             depth = own.shift + (own.radius - 0.5 * spec.root_diameter) / m
         else:
@@ -115,17 +115,5 @@ def _clear(design: CylindricalDesign, name: str, mesh: InvolutePair, sharp: Shap
     mating = getattr(mesh, other)
     tip = mating.roll_length(tip_radius(getattr(design, other), mating))
     reached = mesh.mating_roll_length(tip, mating)
-    return clearing(generating(cutter_of(design, getattr(design, name)), own), sharp, reached, most)
-
-
-def clearing(cutting: InvolutePair, sharp: Shaper, reached: float, most: float) -> float:
-    """The largest rounding of a cutter, up to `most`, that leaves the member's involute from the roll length `reached` on.
-
-    `cutting`: cutter and member; `sharp`: the cutter without rounding; `most` where no rounding does.
-    """
-
-    def clears(radius: float) -> bool:
-        form_point = replace(sharp, tip_radius=radius).form_point[0] * sharp.base_radius
-        return bool(cutting.gear.sense * (reached - cutting.mating_roll_length(form_point, cutting.pinion)) >= 0.0)
-
-    return deepest(clears, 0.0, most)
+    cut = FixedCut if getattr(design, name).formed else LastCut
+    return cut(sharp, own, root_radius(design, name, own)).largest_rounding(reached, most)

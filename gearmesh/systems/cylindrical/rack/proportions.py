@@ -14,12 +14,12 @@ from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import straight_rounding
-from gearmesh.systems.cylindrical.cutting.cutter import cutter_of, sharp_shaper
-from gearmesh.systems.cylindrical.cutting.cutter_choice import generating
+from gearmesh.systems.cylindrical.cutting.cutter import sharp_shaper
+from gearmesh.systems.cylindrical.cutting.last_cut import LastCut
 from gearmesh.systems.cylindrical.design import PROFILES, CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin, teeth_of, wanted_backlash
-from gearmesh.systems.cylindrical.geometry.proportions import ROOM, PairProportions, clearing, proportions, still_open
+from gearmesh.systems.cylindrical.geometry.proportions import ROOM, PairProportions, proportions, still_open
 from gearmesh.systems.cylindrical.parts import completed_pair, nest, shared_keys
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions
@@ -212,6 +212,5 @@ def _shaper_rounding(pair: CylindricalDesign, mesh: RackMesh, standard: float) -
     own, of_pair = mesh.pinion, proportions(pair)
     sharp = sharp_shaper(pair, "pinion", of_pair.nominal)
     most = min(standard * own.module, ROOM * sharp.largest_tip_radius)
-    cutting = generating(cutter_of(pair, pair.pinion), own)
     reached = mesh.roll_length_at((mesh.rack.addendum + BEYOND) * own.module)
-    return clearing(cutting, sharp, reached, most) / own.module
+    return LastCut(sharp, own, of_pair.roots[0]).largest_rounding(reached, most) / own.module

@@ -1,0 +1,128 @@
+r"""Internal gears that are not generated: broached, wire cut, moulded.
+
+The tool has the profile of the spaces, and that is the profile of the gear's external counterpart: as many teeth, involutes of the
+same base circle, roundings of the tips that touch involute and top circle; in the transverse section:
+
+        |    space     |
+         \  = tooth   /   involute, on the base circle inwards of which no flank can be
+          \  of the  /
+           (  tool  )     arc of the radius that is given: the root fillet
+            `------'      root circle
+
+It is a `Shaper` that stands where it is; a helical gear is its section, twisted along the axis. Broached internal teeth have
+such fillets on their drawings, too [DIN 5480, ANSI B92.1]; without generating there are neither undercut nor trimmed tips.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.design.keys import given_or
+from gearmesh.errors import DesignError
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.kernel.surface.surface import PlacedSurface
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.teeth.region import Side
+from gearmesh.tools.description import ToolDescription
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import RackSurface
+from gearmesh.tools.shaper import Shaper
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalMember
+
+
+def counterpart(own: Toothing) -> Toothing:
+    """The external teeth that fill the spaces of internal ones."""
+    shift = -own.shift - 0.5 * own.allowance / (own.module * math.tan(own.alpha))
+    return replace(own, internal=False, shift=shift, allowance=0.0)
+
+
+def form_tool(name: str, spec: CylindricalMember, own: Toothing, root: float) -> Shaper:
+    """The tool of an internal gear of a root radius in the transverse section, without rounding.
+
+    Raises DesignError naming key, value and limit: a root inside the base circle, spaces that are pointed above it.
+    """
+    _check_root(name, spec, own, root)
+    filling = counterpart(own)
+    return Shaper(
+        teeth=filling.teeth,
+        module=filling.transverse_module,
+        pressure_angle=filling.alpha_t,
+        addendum=root - filling.radius,
+        profile_shift=filling.shift * math.cos(filling.beta),
+    )
+
+
+def with_rounding(name: str, radius: float, own: Toothing, sharp: Shaper) -> Shaper:
+    """The tool with roundings of a radius (normal modules). Raises DesignError for more than the spaces have room for."""
+    largest = sharp.largest_tip_radius
+    if radius * own.module > largest:
+        raise DesignError(
+            f"{name}.tool_tip_radius",
+            radius,
+            reason="the spaces are too narrow for such root fillets",
+            allowed=f"at most {at_most(largest / own.module)}, with which a space has one round root",
+        )
+    return replace(sharp, tip_radius=radius * own.module)
+
+
+def _check_root(name: str, spec: CylindricalMember, own: Toothing, root: float) -> None:
+    half_pitch = math.pi / own.teeth
+
+    def open_at(radius: float) -> bool:
+        return own.half_angle(radius) < half_pitch
+
+    if root > own.base_radius and open_at(root):
+        return
+    by_diameter = spec.root_diameter is not None
+    bounds = [own.base_radius]
+    if root > own.base_radius:
+        most, _ = last_true(
+            lambda r, _: np.array([open_at(float(x)) for x in r]), np.array([own.base_radius]), np.array([root])
+        )
+        bounds = [float(most[0])]
+    values = [2.0 * r if by_diameter else (r - own.radius) / own.module + own.shift for r in bounds]
+    deep = root > own.base_radius
+    raise DesignError(
+        f"{name}.{'root_diameter' if by_diameter else 'dedendum'}",
+        spec.root_diameter if by_diameter else given_or(spec.dedendum, math.nan),
+        unit="mm" if by_diameter else "",
+        reason="the spaces are pointed before the root" if deep else "the root is inside the base circle",
+        allowed=f"less than {at_most(values[0])}" if deep else f"more than {at_least(values[0])}",
+    )
+
+
+@dataclass(frozen=True)
+class Forming(FixedCut):
+    """A form tool in the spaces of an internal gear, and its tip radius (mm)."""
+
+    tip: float
+
+    def section(self, profile: Profile, which: Side) -> PlacedSurface:
+        """What a profile of the tool leaves on one side of the tooth in the transverse section."""
+        # the tool's space, towards -x of its axis, is where the member's tooth is: on +x
+        place = Rigid.about_z(math.pi) @ Rigid(np.eye(3), np.array([-self.shaper.pitch_radius, 0.0, 0.0]))
+        return PlacedSurface(RackSurface(profile, 0.0, 0.0, -which.sign), place)
+
+    @property
+    def description(self) -> ToolDescription:
+        return replace(self.shaper.description, name="form tool")
+
+    def refuse_tip(self, name: str, spec: CylindricalMember, tip_key: str) -> None:
+        """Refuse a tip inside the base circle, where there is no involute."""
+        base = self.own.base_radius
+        if self.tip < base:
+            raise DesignError(
+                f"{name}.{tip_key}",
+                spec.tip_diameter if spec.tip_diameter is not None else spec.addendum,
+                reason="the involute ends on the base circle, before the tip",
+                allowed=f"a tip diameter of at least {at_least(2.0 * base)} mm, instead of {2.0 * self.tip:.7g} mm",
+            )

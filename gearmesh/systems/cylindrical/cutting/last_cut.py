@@ -1,0 +1,63 @@
+"""A tool with the profile of a shaper cutter over a member, as it is when the last cut is made: what it leaves, in closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from gearmesh.systems.common.defaults import deepest
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.tools.shaper import Shaper
+
+
+@dataclass(frozen=True)
+class LastCut:
+    """The tool in the transverse section, the teeth that it is to leave, and their root radius (mm)."""
+
+    shaper: Shaper
+    own: Toothing
+    root: float
+
+    @property
+    def distance(self) -> float:
+        """Between the axes of tool and member, mm."""
+        return self.root + self.own.sense * self.shaper.top_radius
+
+    @property
+    def generator(self) -> float:
+        """Length of the line of action between the base circles, mm."""
+        between = self.own.base_radius + self.own.sense * self.shaper.base_radius
+        return math.sqrt(self.distance**2 - between**2)
+
+    @property
+    def form_roll_length(self) -> float:
+        """Roll length (mm) of the member's root form point, which the end of the tool's involute leaves."""
+        return float(self.generator - self.own.sense * self.shaper.form_point[0] * self.shaper.base_radius)
+
+    def theta(self, radius: float) -> float:
+        """Parameter theta_s (rad) of the tool's involute that leaves a radius (mm) of the member."""
+        length = self.own.roll_length(radius) - self.generator
+        return -self.own.sense * length / self.shaper.base_radius
+
+    def largest_rounding(self, reached: float, most: float) -> float:
+        """The largest rounding (mm) of the tool, up to `most`, that leaves involute from the roll length `reached` on; `most` where
+        none does."""
+
+        def leaves(radius: float) -> bool:
+            rounded = replace(self, shaper=replace(self.shaper, tip_radius=radius))
+            return self.own.sense * (reached - rounded.form_roll_length) >= 0.0
+
+        return deepest(leaves, 0.0, most)
+
+
+@dataclass(frozen=True)
+class FixedCut(LastCut):
+    """A tool that fills the member's spaces: as many teeth on the same axis, the same base circle."""
+
+    @property
+    def distance(self) -> float:
+        return 0.0
+
+    @property
+    def generator(self) -> float:
+        return 0.0
