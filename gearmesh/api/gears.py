@@ -159,15 +159,48 @@ class Gears(SolvedGears):
 
         return cad_of(self, member, self.within(tolerance, TOLERANCE))
 
-    def section(self, member: str, z: Length | None = None, tolerance: Length | None = None) -> Section:
-        """The transverse section of one member at z (mm, by default mid face), within `tolerance` (mm; 0.0001) of the exact one.
+    def section(
+        self,
+        member: str,
+        z: Length | None = None,
+        tolerance: Length | None = None,
+        *,
+        curves: str = "splines",
+        offset: Length = 0.0,
+    ) -> Section:
+        """The transverse section of one member, as contours for drawings, wires and lasers.
 
-        Raises DesignError for a member that there is not or whose end faces are not planes, and for z beyond its face.
+        Parameters
+        ----------
+        z : mm
+            Its place, by default mid face.
+        tolerance : mm
+            Largest distance from the exact section, or from its parallel, 0.0001 by default.
+        curves : "splines", "arcs" or "polyline"
+            Flanks and fillets are cubic splines, arcs that are tangent to each other, or chords; "polyline" makes chords of all
+            arcs too. With "arcs" and "polyline" a DXF file has one closed polyline for every contour.
+        offset : mm
+            Distance of the contours from the section: positive away from the material, all round teeth, bore, keyway and holes,
+            as for a wire whose radius and spark gap it is; negative into the material. Where the tool does not reach, in inner
+            corners sharper than itself, the contour is trimmed; `measured.stock_left` is the most that is left there.
+
+        Raises
+        ------
+        DesignError
+            For a member that there is not or whose end faces are not planes, for z beyond its face, and for an offset that a
+            contour has no room for.
+        NoSolutionError
+            Where the tolerance is not met.
+
+        Examples
+        --------
+        >>> gears.section("pinion", curves="arcs", offset="0.135mm", tolerance="1um").save("pinion.dxf")
         """
         from gearmesh.answers.bodies.section import section_of
         from gearmesh.cad.brep import TOLERANCE
 
-        return section_of(self, member, None if z is None else in_mm("z", z), self.within(tolerance, TOLERANCE))
+        place = None if z is None else in_mm("z", z)
+        return section_of(self, member, place, self.within(tolerance, TOLERANCE), curves, in_mm("offset", offset))
 
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
         """All that modifications remove of a "right" or "left" flank, as a grid of amounts.

@@ -1,4 +1,5 @@
-"""DXF files of sections: ARC, CIRCLE, LINE and SPLINE entities in mm, a layer for every kind of contour."""
+"""DXF files of sections in mm, a layer for every kind of contour: ARC, CIRCLE, LINE and SPLINE entities, or a closed LWPOLYLINE
+round each contour, its arcs as bulges."""
 
 from __future__ import annotations
 
@@ -9,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.cad.section import MemberSection, PlaneArc, PlaneCurve, PlaneSpline
+from gearmesh.cad.contours.curves import Contour, PlaneArc, PlaneCurve, PlaneSpline
+from gearmesh.cad.section import MemberSection
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
 
@@ -27,10 +29,11 @@ def require_ezdxf() -> None:
         raise OutputError(reason='DXF needs ezdxf: pip install ".[cad]"') from None
 
 
-def write_dxf(section: MemberSection, path: PathLike, description: str) -> None:
+def write_dxf(section: MemberSection, path: PathLike, description: str, joined: bool = False) -> None:
     """Write a section, its contours one after the other, the curves of each in order, on layers named after member and contour.
 
-    `description` is a comment at the beginning. Raises OutputError for a file that cannot be written and where ezdxf is missing.
+    `description` is a comment at the beginning; `joined`: contours are of arcs and lines, and one polyline each. Raises
+    OutputError for a file that cannot be written and where ezdxf is missing.
     """
     require_ezdxf()
     from ezdxf import units
@@ -44,6 +47,9 @@ def write_dxf(section: MemberSection, path: PathLike, description: str) -> None:
         for layer, contour in zip(section.layers, section.contours, strict=True):
             if layer not in document.layers:
                 document.layers.add(layer)
+            if joined:
+                _add_joined(space, contour, layer)
+                continue
             for curve in contour.curves:
                 _add(space, curve, layer)
         stream = StringIO()
@@ -67,6 +73,19 @@ def _add(space: Any, curve: PlaneCurve, layer: str) -> None:
         # DXF knows counterclockwise arcs only
         first, last = sorted((np.degrees(curve.first), np.degrees(curve.first + curve.width)))
         space.add_arc(curve.centre.tolist(), curve.radius, float(first), float(last), dxfattribs=attributes)
+
+
+def _add_joined(space: Any, contour: Contour, layer: str) -> None:
+    first = contour.curves[0]
+    if isinstance(first, PlaneArc) and first.closed:
+        _add(space, first, layer)
+        return
+    points = [
+        # the bulge is the tangent of a quarter of the arc's angle
+        (*curve.start.tolist(), float(np.tan(0.25 * curve.width)) if isinstance(curve, PlaneArc) else 0.0)
+        for curve in contour.curves
+    ]
+    space.add_lwpolyline(points, format="xyb", close=True, dxfattribs={"layer": layer})
 
 
 @contextmanager

@@ -34,11 +34,13 @@ MOST = 200
 
 @dataclass(frozen=True)
 class Nodes:
-    """Nodes `y` (N,) from 0 to 1 of a spline of a degree, and the bend that takes them to the curve's own parameter."""
+    """Nodes `y` (N,) from 0 to 1 of a spline of a degree, at most `most` of them and one or two, and the bend that takes them to
+    the curve's own parameter."""
 
     y: Array
     bend: float = 0.0
     degree: int = DEGREE
+    most: int = MOST
 
     @property
     def fine(self) -> Array:
@@ -51,7 +53,7 @@ class Nodes:
 
     def spread(self, excess: Array, strictness: int = 0) -> Nodes:
         """New nodes by the errors (N - 1,) between the present ones, as multiples of what is allowed."""
-        return replace(self, y=_spread(self.y, excess, TARGET * TIGHTER**strictness, self.degree))
+        return replace(self, y=_spread(self.y, excess, TARGET * TIGHTER**strictness, self.degree, self.most))
 
 
 def warp(y: Array, bend: float) -> Array:
@@ -98,14 +100,14 @@ def plan(points: Array, excess: Callable[[Array, Array], Array], degree: int = D
     return best
 
 
-def _spread(nodes: Array, excess: Array, target: float, degree: int) -> Array:
+def _spread(nodes: Array, excess: Array, target: float, degree: int, most: int) -> Array:
     """Nodes that give every interval the error `target`: errors go with the spacing to the power of the degree and one."""
     # one interval's error is also its neighbours' doing
     around = np.pad(np.log(np.maximum(excess, 1e-12)), 1, mode="edge")
     error = np.exp(0.25 * (around[:-2] + 2.0 * around[1:-1] + around[2:]))
     wanted = np.maximum((error / target) ** (1.0 / (degree + 1)), 1.0 / WIDEST)
     place = np.concatenate(([0.0], np.cumsum(wanted)))
-    count = min(max(int(np.ceil(place[-1])), degree), MOST + 1)
+    count = min(max(int(np.ceil(place[-1])), degree), most + 1)
     spread = np.asarray(PchipInterpolator(place, nodes)(np.linspace(0.0, place[-1], count + 1)))
     spread[0], spread[-1] = nodes[0], nodes[-1]
     return spread

@@ -6,7 +6,8 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from gearmesh.cad.section import Contour, MemberSection, PlaneArc, PlaneCurve, PlaneSpline
+from gearmesh.cad.contours.curves import Contour, PlaneArc, PlaneCurve, PlaneSpline
+from gearmesh.cad.section import MemberSection
 from gearmesh.io.atomic import PathLike, whole_text
 from gearmesh.kernel.numeric.algebra import Array
 

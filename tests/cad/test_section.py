@@ -12,11 +12,12 @@ import pytest
 from oracles import built, ring
 from oracles.command_line import refused, run
 from oracles.places import SAMPLES
-from scipy.spatial import cKDTree
+from oracles.plane_curves import evenly, from_polylines
 
 import gearmesh as gm
 from gearmesh.cad.brep import Piece, exact_volume
-from gearmesh.cad.section import PlaneArc, PlaneCurve, PlaneLine, PlaneSpline, member_section
+from gearmesh.cad.contours.curves import PlaneArc, PlaneLine, PlaneSpline
+from gearmesh.cad.section import member_section
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
@@ -49,23 +50,6 @@ def member_of(case: str) -> tuple[Member, float]:
     member = built.pair_of(load(SAMPLES / f"{sample}.toml", changes)).members[name]
     low, high = member.tooth.blank.body.ends
     return member, low + share * (high - low)
-
-
-def from_polylines(points: Array, lines: list[Array]) -> Array:
-    """Distances (K,) of points (K, 2) from polylines (N, 2): from the segments beside their nearest corners."""
-    starts = np.concatenate([line[:-1] for line in lines])
-    ends = np.concatenate([line[1:] for line in lines])
-    _, near = cKDTree(0.5 * (starts + ends)).query(points, k=4)
-    a, b = starts[near], ends[near]
-    along, to = b - a, points[:, None] - a
-    share = np.clip((to * along).sum(-1) / np.maximum((along**2).sum(-1), 1e-300), 0.0, 1.0)
-    return np.asarray(np.linalg.norm(to - share[..., None] * along, axis=-1).min(axis=1))
-
-
-def evenly(curve: PlaneCurve, apart: float = 0.02) -> Array:
-    """Points (N, 2) of a curve, so far apart (mm) at most, about."""
-    length = np.linalg.norm(np.diff(curve.at(np.linspace(0.0, 1.0, 33)), axis=0), axis=-1).sum()
-    return curve.at(np.linspace(0.0, 1.0, int(length / apart) + 9))
 
 
 def exact_lines(member: Member, z: float, count: int = DENSE) -> list[Array]:

@@ -12,10 +12,12 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad import dxf, svg
 from gearmesh.design.core import Design
+from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 
 if TYPE_CHECKING:
-    from gearmesh.cad.section import Contour, MemberSection
+    from gearmesh.cad.contours.curves import Contour
+    from gearmesh.cad.section import MemberSection
 
 #: suffixes of the files that hold sections
 SUFFIXES = (dxf.SUFFIX, svg.SUFFIX)
@@ -34,6 +36,8 @@ class SectionFigures(Figures):
     max_deviation: float = figure("largest distance between the curves and the exact section", "um")
     tolerance: float = figure("largest distance that was allowed", "um")
     largest_gap: float = figure("largest gap between one curve and the next", "mm")
+    offset: float = figure("distance of the curves from the exact section, positive away from the material", "mm")
+    stock_left: float = figure("most stock that a tool at the offset leaves on the section, in corners", "um")
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,9 @@ class Section(Result):
     cut: MemberSection
     tolerance: float
     warnings: tuple[str, ...] = ()
+    curves: str = "splines"
+    offset: float = 0.0
+    stock_left: float = 0.0
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -62,7 +69,7 @@ class Section(Result):
 
     @property
     def loops(self) -> tuple[Contour, ...]:
-        """Closed loops of arcs, lines and cubic splines, from outside inwards."""
+        """Closed loops of arcs, lines and, if it is drawn with them, cubic splines, from outside inwards."""
         return self.cut.contours
 
     @property
@@ -81,6 +88,8 @@ class Section(Result):
             max_deviation=1e3 * self.cut.deviation,
             tolerance=1e3 * self.tolerance,
             largest_gap=self.cut.gap,
+            offset=self.offset,
+            stock_left=1e3 * self.stock_left,
         )
 
     @property
@@ -98,7 +107,8 @@ class Section(Result):
     @property
     def description(self) -> str:
         """The header of a file."""
-        return f"{self.design.name or self.design.kind}, {self.headline} of the exact section; mm"
+        of = f"of the parallel at {self.offset:+g} mm to the exact section" if self.offset else "of the exact section"
+        return f"{self.design.name or self.design.kind}, {self.headline} {of}; mm"
 
     @property
     def complaints(self) -> list[str]:
@@ -118,16 +128,32 @@ class Section(Result):
         return {**header(self.design), "section": {self.cut.name: self.measured}, "warnings": self.warnings}
 
     def _write(self, target: Path) -> None:
-        write = dxf.write_dxf if target.suffix.lower() == dxf.SUFFIX else svg.write_svg
-        write(self.cut, target, self.description)
+        if target.suffix.lower() == dxf.SUFFIX:
+            dxf.write_dxf(self.cut, target, self.description, joined=self.curves != "splines")
+        else:
+            svg.write_svg(self.cut, target, self.description)
 
 
-def section_of(gears: GearSet, member: str, z: float | None, tolerance: float) -> Section:
+def section_of(
+    gears: GearSet, member: str, z: float | None, tolerance: float, curves: str = "splines", offset: float = 0.0
+) -> Section:
     """The section of a member at z, by default mid face, as `Gears.section` says; in mm."""
+    from gearmesh.cad.contours.paths import base_tolerance, drawn_section
+    from gearmesh.cad.contours.redrawn import Curves
     from gearmesh.cad.section import member_section
 
+    if curves not in tuple(Curves):
+        raise ArgumentError("curves", curves, must_be=f"one of {', '.join(Curves)}")
+    kind = Curves(curves)
     part = gears.part(member)
     # of a double helical member the middle of its first half, where there are teeth
     low, high = part.member.tooth.blank.body.ends
-    cut = member_section(part.member, 0.5 * (low + high) if z is None else z, tolerance)
-    return Section(gears.design, cut, tolerance, (*gears.warnings, *part.warnings))
+    exact = member_section(part.member, 0.5 * (low + high) if z is None else z, base_tolerance(kind, offset, tolerance))
+    section = drawn_section(exact, kind, offset, tolerance)
+    warnings = [*gears.warnings, *part.warnings]
+    stock = section.stock if section.stock > tolerance else 0.0
+    if stock:
+        warnings.append(
+            f"{member}: a tool at this offset leaves up to {stock:.3g} mm of stock in corners sharper than itself"
+        )
+    return Section(gears.design, section.cut, tolerance, tuple(warnings), curves, offset, stock)

@@ -53,6 +53,24 @@ def solid(
             help="Position of the section of .dxf and .svg along the axis: 5mm, -0.1in; bare = mm. [default: mid face]",
         ),
     ] = None,
+    curves: Annotated[
+        str | None,
+        typer.Option(
+            "--curves",
+            metavar="splines|arcs|polyline",
+            help="What flanks and fillets of .dxf and .svg are drawn with; with arcs and polyline a .dxf has one closed polyline "
+            "for every contour. [default: splines]",
+        ),
+    ] = None,
+    offset: Annotated[
+        str | None,
+        typer.Option(
+            "--offset",
+            metavar="LEN",
+            help="Distance of the contours of .dxf and .svg from the section, positive away from the material: wire radius and "
+            "spark gap, 0.135mm; bare = mm. [default: 0]",
+        ),
+    ] = None,
     teeth: Annotated[int | None, typer.Option("--teeth", metavar="K", help="Only the first K teeth.")] = None,
     settings: Set = None,
 ) -> None:
@@ -73,14 +91,16 @@ def solid(
             "both",
             reason=f"{suffix} holds one part; for both use {', '.join((*io.formats(several=True), *SUFFIXES))}",
         )
-    if section is not None and suffix not in SECTIONS:
-        raise ArgumentError(
-            "section", section, must_be=f"left out for {suffix}; formats of sections are {', '.join(SECTIONS)}"
-        )
+    for name, value in (("section", section), ("curves", curves), ("offset", offset)):
+        if value is not None and suffix not in SECTIONS:
+            raise ArgumentError(
+                name, value, must_be=f"left out for {suffix}; formats of sections are {', '.join(SECTIONS)}"
+            )
     if suffix == DXF:
         require_ezdxf()
     refuse_unwritable(output)
     tolerance, z = tolerance_in_mm(tol), _place_in_mm(section)
+    away = 0.0 if offset is None else in_mm("--offset", offset)
     gears = load_alone(design_file, settings) if member not in (BOTH, WORM) else load_gears(design_file, settings)
     _refuse_member(gears, member)
     if teeth is not None:
@@ -88,7 +108,7 @@ def solid(
     with working(f"solid of the {member}" if member != BOTH else "solids"):
         made: Cad | Section | Solid | Solids
         if suffix in SECTIONS:
-            made = gears.section(member, z, tolerance)
+            made = gears.section(member, z, tolerance, curves=curves or "splines", offset=away)
         elif suffix in SUFFIXES:
             made = gears.cad(None if member == BOTH else member, tolerance)
         else:

@@ -1,0 +1,122 @@
+"""What machines are given of a section: its contours as tangent arcs, splines or chords, or their parallels at an offset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from gearmesh.cad.contours.curves import Contour
+from gearmesh.cad.contours.parallel import parallels, points_along
+from gearmesh.cad.contours.redrawn import Curves, redraw
+from gearmesh.cad.section import MemberSection
+from gearmesh.errors import ArgumentError
+
+#: share of the tolerance within which the section itself is known where normals are asked of it, and the most of it, mm
+EXACT, SMOOTH = 0.25, 2.5e-5
+#: smallest offset, mm
+LEAST = 0.01
+#: mm between the points by which stock is measured that is left in corners
+APART = 0.01
+#: the offset that a contour has room for is looked for so many times, by halves
+HALVINGS = 14
+
+
+@dataclass(frozen=True)
+class DrawnSection:
+    """A section as it is written: its contours, and the largest distance (mm) from it of what a tool with that offset leaves."""
+
+    cut: MemberSection
+    offset: float
+    stock: float = 0.0
+
+
+def base_tolerance(kind: Curves, offset: float, tolerance: float) -> float:
+    """Tolerance (mm) that a section needs to be drawn with `kind` at `offset` within `tolerance`."""
+    return tolerance if kind is Curves.SPLINES and not offset else min(EXACT * tolerance, SMOOTH)
+
+
+def drawn_section(section: MemberSection, kind: Curves, offset: float, tolerance: float) -> DrawnSection:
+    """The contours of a section, known within `base_tolerance`, drawn anew within `tolerance` (mm) of the exact ones, or of
+    their parallels.
+
+    `offset`: mm, positive away from the material. Raises ArgumentError for an offset without room for it, NoSolutionError
+    where the tolerance is not met.
+    """
+    if offset and abs(offset) < LEAST:
+        raise ArgumentError("offset", offset, unit="mm", must_be=f"0, or at least {LEAST:g} mm either way")
+    allowed = tolerance - section.deviation
+    if not offset:
+        if kind is Curves.SPLINES:
+            return DrawnSection(section, 0.0)
+        redrawings = [_redraw_contour(contour, kind, allowed) for contour in section.contours]
+        contours, largest = tuple(contour for contour, _ in redrawings), max(miss for _, miss in redrawings)
+        return DrawnSection(replace(section, contours=contours, deviation=section.deviation + largest), 0.0)
+    paths = [parallels(contour, offset, kind, allowed) for contour in section.contours]
+    for contour, (room, _) in zip(section.contours, paths, strict=True):
+        if not room:
+            _refuse(section, contour, offset)
+    _refuse_thin(section, offset)
+    contours = tuple(contour for some, _ in paths for contour in some)
+    largest = max(miss for _, miss in paths)
+    cut = replace(section, contours=contours, deviation=section.deviation + largest)
+    return DrawnSection(cut, offset, _stock(section, cut, abs(offset)))
+
+
+def _redraw_contour(contour: Contour, kind: Curves, tolerance: float) -> tuple[Contour, float]:
+    pieces = [redraw(curve, kind, tolerance) for curve in contour.curves]
+    curves = tuple(curve for some, _ in pieces for curve in some)
+    return replace(contour, curves=curves), max(miss for _, miss in pieces)
+
+
+def _refuse(section: MemberSection, contour: Contour, offset: float) -> None:
+    """Raise for a contour that has no room for an offset, with the largest for which it has."""
+    low, high = 0.0, offset
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        room = parallels(contour, middle, Curves.ARCS, 0.1 * abs(offset))[0]
+        low, high = (middle, high) if room else (low, middle)
+    what = f"the {contour.name.replace('_', ' ')} of the {section.name}"
+    raise ArgumentError(
+        "offset",
+        offset,
+        unit="mm",
+        reason=f"{what} has no room for it",
+        allowed=f"{'less than' if offset > 0.0 else 'more than'} {_floor(low):g} mm",
+    )
+
+
+def _refuse_thin(section: MemberSection, offset: float) -> None:
+    """Raise where two contours are nearer to each other than twice an offset into the material between them."""
+    if offset > 0.0 or len(section.contours) < 2:
+        return
+    points = [points_along(contour.curves, 0.1 * abs(offset)) for contour in section.contours]
+    for k, one in enumerate(points):
+        for j in range(k):
+            thick = float(cKDTree(one).query(points[j])[0].min())
+            if thick <= 2.0 * abs(offset):
+                names = [section.contours[i].name for i in (j, k)]
+                raise ArgumentError(
+                    "offset",
+                    offset,
+                    unit="mm",
+                    reason=f"between {names[0]} and {names[1]} of the {section.name} are {thick:.4g} mm",
+                    allowed=f"more than {-_floor(0.5 * thick):g} mm",
+                )
+
+
+def _floor(value: float) -> float:
+    """The value to three digits, towards 0."""
+    scale = 10.0 ** (np.floor(np.log10(abs(value))) - 2.0) if value else 1.0
+    return float(np.trunc(value / scale) * scale)
+
+
+def _stock(section: MemberSection, cut: MemberSection, distance: float) -> float:
+    """How much farther than `distance` (mm) a place of the section may be from the path of the tool."""
+    points, path = (
+        points_along([c for contour in of.contours for c in contour.curves], APART) for of in (section, cut)
+    )
+    near, _ = cKDTree(path).query(points)
+    # points of the path are so far from each other
+    return max(0.0, float(near.max()) - distance - 0.5 * APART**2 / distance)
