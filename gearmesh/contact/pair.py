@@ -105,6 +105,14 @@ class Pair:
         """Edges of `bounds` over which the teeth go on smoothly."""
         return np.array([name in self.flanks[member].smooth for member, name in NUMBERED])
 
+    def next_winding(self, phi1: Array, r: Array) -> NDArray[np.bool_]:
+        """Which of the pinion's own points r (..., 3) rotations phi1 (...,), rad, have taken more than half round from where they
+        face the gear: what has gone round to it again does so as another tooth of it."""
+        if self.pinion.winding + np.abs(phi1).max(initial=0.0) <= np.pi:
+            return np.zeros(r.shape[:-1], dtype=bool)
+        farther: NDArray[np.bool_] = np.abs(self.pinion.azimuth(r) + self.pinion.mount.sign * phi1) > np.pi
+        return farther
+
     @cached_property
     def all_bounds(self) -> tuple[Bound, ...]:
         """Those edges that there are."""

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import last_true
@@ -49,6 +50,8 @@ BESIDE = 1e-6
 EVEN_STATIONS = 25
 #: heights of the tooth that a face counts as wide, at most
 MOST_HEIGHTS = 64
+#: stations in a turn of a tooth that winds round its axis
+TURN_STATIONS = 24
 #: stations at which a tooth is tried before anything else is made of it
 PROOF_STATIONS = 9
 #: share of a link from its ends within which a break is none of its seams
@@ -233,17 +236,32 @@ class Tooth:
     def even(self) -> Sections:
         """Sections at EVEN_STATIONS from toe to heel, made once: what contact, clearance and the like start from.
 
-        There are more, two for every tooth's height, where the face is wide: contact is about as long as teeth are high.
+        There are more, two for every tooth's height, where the face is wide: contact is about as long as teeth are high; and so
+        many for every turn of a thread.
         """
         toe, heel = self.blank.extent
-        wanted = 2 * int(np.ceil(min(abs(heel - toe) / self.height, MOST_HEIGHTS))) + 1
-        return self.sections(np.linspace(0.0, 1.0, max(wanted, EVEN_STATIONS)))
+        wide = 2 * int(np.ceil(min(abs(heel - toe) / self.height, MOST_HEIGHTS))) + 1
+        wound = int(np.ceil(TURN_STATIONS * self.windings)) + 1
+        return self.sections(np.linspace(0.0, 1.0, max(wide, wound, EVEN_STATIONS)))
 
     @cached_property
     def height(self) -> float:
         """Height (mm) of the tip over the root, at mid face."""
-        tip = self._tip(self.right, self.stations([0.5]), np.array([0.5]))[1].r
-        return abs(float(self.blank.root.value(tip)[0]))
+        return abs(float(self.blank.root.value(self._middle_tip.r)[0]))
+
+    @cached_property
+    def windings(self) -> float:
+        """How often it goes round its axis along the face, by its slope at mid face; 0 of what slides."""
+        tip, (toe, heel) = self._middle_tip, self.blank.extent
+        along_axis, around = self.blank.axial.gradient(tip.r), self.joint.velocity(Rigid.identity(), tip.r)
+        spin = float(np.linalg.norm(self.joint.spin(Rigid.identity())))
+        turning = float((dot(tip.n, along_axis) / dot(tip.n, around))[0])
+        return spin * abs((heel - toe) * turning) / (2.0 * np.pi)
+
+    @cached_property
+    def _middle_tip(self) -> Jet:
+        """The right side's tip at mid face (1,)."""
+        return self._tip(self.right, self.stations([0.5]), np.array([0.5]))[1]
 
     @cached_property
     def _folded_sides(self) -> dict[Side, bool]:

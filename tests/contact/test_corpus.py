@@ -225,4 +225,7 @@ def test_the_overlap_ratio_of_few_teeth_is_the_closed_form(file: Path) -> None:
     face = min(design.pinion.face_width, design.gear.face_width)
     overlap = face * np.sin(np.radians(abs(design.pinion.helix_angle))) / (np.pi * design.module)
     assert cycle.overlap_ratio == pytest.approx(overlap, abs=1e-9)
+    # involute helicoids are conjugate, on whichever winding they touch
+    assert cycle.peak_to_peak < 1e-10
+    assert cycle.transverse_ratio > 0.0
     assert cycle.transverse_ratio + cycle.overlap_ratio == pytest.approx(cycle.contact_ratio, abs=1e-12)

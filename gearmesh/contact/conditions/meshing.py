@@ -82,6 +82,12 @@ class Flank:
         return angle_about_middle
 
     @cached_property
+    def winding(self) -> float:
+        """The greatest azimuth of its points, rad, either way: how far it goes round its axis."""
+        grid = self.grid.reshape(-1, 2)
+        return float(np.abs(self.azimuth(self.surface.jet(grid[:, 0], grid[:, 1]).r)).max())
+
+    @cached_property
     def _winding(self) -> tuple[Array, Array]:
         """Station coordinates (J,), mm, ascending, and the polar angles (J,) of the flank there, half way up, without jumps."""
         middle = self.grid[self.grid.shape[0] // 2]
@@ -113,9 +119,10 @@ class Bound:
 
 @dataclass(frozen=True)
 class Touch:
-    """Both flanks at unknowns x (M, 5) and rotations phi1 (M,): jets in own frames and in the fixed frame, and the rotations
+    """Both flanks at unknowns x (M, 5) and rotations phi1 (M,), rad: jets in own frames and in the fixed frame, and the rotations
     (M, 3, 3) from the one to the other."""
 
+    phi1: Array
     own: tuple[Jet, Jet]
     fixed: tuple[Jet, Jet]
     turns: tuple[Array, Array]
@@ -123,7 +130,7 @@ class Touch:
     def __getitem__(self, which: NDArray[np.intp]) -> Touch:
         """Some of the positions."""
         first, second = (tuple(jet[which] for jet in jets) for jets in (self.own, self.fixed))
-        return Touch((first[0], first[1]), (second[0], second[1]), (self.turns[0][which], self.turns[1][which]))
+        return Touch(self.phi1[which], (first[0], first[1]), (second[0], second[1]), (self.turns[0][which], self.turns[1][which]))
 
 
 @dataclass(frozen=True)
@@ -164,7 +171,7 @@ class Conditions:
         first, second = self.mounts(index)
         placed = first.at(self.phi1[index]), second.at(x[:, 4])
         fixed = own[0].move(placed[0]), own[1].move(placed[1])
-        return Touch(own, fixed, (placed[0].rotation, placed[1].rotation))
+        return Touch(self.phi1[index], own, fixed, (placed[0].rotation, placed[1].rotation))
 
     def repeat(self, index: NDArray[np.intp]) -> Conditions:
         """The same conditions at positions `index` (M,), which may come more than once, as positions of their own."""

@@ -273,13 +273,14 @@ def at_positions(
 
 
 def margins(pair: Pair, touch: Touch, x: Array) -> tuple[Array, Array]:
-    """Distance (mm) outside each edge of both flanks (M, B), -inf for those that there are not; past the ends of fillets (M,)."""
+    """Distance (mm) outside each edge of both flanks (M, B), -inf for those that there are not; past the ends of fillets (M,),
+    infinite of places on the next winding of the pinion's tooth."""
     outside = np.full((len(x), len(pair.bounds)), -np.inf)
     for k in pair.ends:
         bound = pair.bounds[k]
         assert bound is not None
         outside[:, k] = bound.level.value(touch.own[bound.member].r)
-    ends = np.full(len(x), -np.inf)
+    ends = np.where(pair.next_winding(touch.phi1, touch.own[0].r), np.inf, -np.inf)
     for member, flank in enumerate(pair.flanks):
         if flank.beyond_ends is not None:
             parameters = x[:, 2 * member : 2 * member + 2]

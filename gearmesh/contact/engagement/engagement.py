@@ -23,8 +23,10 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 
 #: nodes in a pitch
 PER_PITCH = 12
-#: no pair is followed farther than this many pitches either way
+#: no pair is followed farther than this many pitches either way, or its thread's windings
 MOST_PITCHES = 8
+#: pitches beyond those in which the pinion's tooth goes round its axis in which it may touch
+BESIDE = 3
 #: cosine between the rotations of members one of which turns inside the other
 INSIDE = 0.9
 #: by how much (rad) what collides is ahead of any pair in mesh
@@ -252,10 +254,13 @@ def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
 
 
 def _reach(pair: Pair, pitch: float) -> int:
-    """Pitches either way in which the pair's teeth may come near each other: half a turn of what turns inside an internal gear."""
+    """Pitches either way in which the pair's teeth may come near each other: half a turn of what turns inside an internal gear, all
+    windings of a thread."""
     first, second = (flank.mount.spin for flank in pair.flanks)
     alike = float(np.min(np.sum(first * second, axis=-1))) > INSIDE
-    return max(MOST_PITCHES, int(np.ceil(_half_turn(pair) / pitch))) if alike else MOST_PITCHES
+    wound = int(np.ceil(pair.pinion.winding / pitch)) + BESIDE
+    inside = int(np.ceil(_half_turn(pair) / pitch)) if alike else 0
+    return max(MOST_PITCHES, wound, inside)
 
 
 def _half_turn(pair: Pair) -> float:

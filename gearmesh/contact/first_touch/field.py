@@ -152,10 +152,7 @@ def advances(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp
     # one turn of the gear is one contact: count phi2 - phi1 N1/N2 from -90 to 270 deg, as the sources do
     ahead = joint.wrap(phi2 - lag)
     pushes = pair.drive * second.sign * joint.along(target, normal) > 0.0
-    azimuth, turned = pair.pinion.azimuth(r), first.sign * phi1[index][:, None]
-    if np.abs(azimuth).max(initial=0.0) + np.abs(turned).max(initial=0.0) > np.pi:
-        # what has gone round to the gear again does so as another tooth
-        pushes &= np.abs(azimuth + turned) <= np.pi
+    pushes &= ~pair.next_winding(phi1[index][:, None], r)
     return Advances(np.where(pushes, pair.drive * ahead, np.nan), circles.beyond, rho, z)
 
 
