@@ -130,7 +130,9 @@ class Touch:
     def __getitem__(self, which: NDArray[np.intp]) -> Touch:
         """Some of the positions."""
         first, second = (tuple(jet[which] for jet in jets) for jets in (self.own, self.fixed))
-        return Touch(self.phi1[which], (first[0], first[1]), (second[0], second[1]), (self.turns[0][which], self.turns[1][which]))
+        return Touch(
+            self.phi1[which], (first[0], first[1]), (second[0], second[1]), (self.turns[0][which], self.turns[1][which])
+        )
 
 
 @dataclass(frozen=True)
