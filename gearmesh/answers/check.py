@@ -140,7 +140,8 @@ class Check(Result):
     @property
     def headline(self) -> str:
         worst = max(solid.measured.max_deviation for solid in self.solids.values())
-        return f"meshes within {worst:.3g} um; rolled: {self.roll.headline}"
+        rolled = f"; rolled: {self.roll.headline}" if self.roll.rows or self.roll.verdicts else ""
+        return f"meshes within {worst:.3g} um{rolled}"
 
     @property
     def complaints(self) -> list[str]:

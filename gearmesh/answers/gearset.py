@@ -32,13 +32,13 @@ class PartsAlone(Mapping[str, systems.ToolPart]):
         return self._known[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in systems.system(self._design.kind).members
+        return name in systems.system_of(self._design).members
 
     def __iter__(self) -> Iterator[str]:
-        return iter(systems.system(self._design.kind).members)
+        return iter(systems.system_of(self._design).members)
 
     def __len__(self) -> int:
-        return len(systems.system(self._design.kind).members)
+        return len(systems.system_of(self._design).members)
 
 
 class MembersAlone(Mapping[str, Member]):
@@ -102,7 +102,7 @@ class GearSet:
     @cached_property
     def _parts(self) -> PartsAlone | None:
         """Members that are built one without the other, None where the gear set is built, or the kind has none."""
-        alone = self._train is None and systems.system(self.design.kind).members
+        alone = self._train is None and systems.system_of(self.design).members
         return PartsAlone(self.design) if alone else None
 
     @property
@@ -156,7 +156,7 @@ class GearSet:
 
         Raises NoSolutionError where a pair has none there.
         """
-        places: dict[str, Rigid] = {}
+        places = {member.name: member.mount.at(0.0) for member in self.as_built.unpaired}
         turns: dict[str, float] = {}
         for pair in self.pairs:
             if pair.gear.name in places:

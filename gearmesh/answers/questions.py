@@ -48,7 +48,7 @@ class SolvedGears(GearSet):
         from gearmesh.answers.contact.contact import contact_of
         from gearmesh.answers.load.loaded import loaded_contact_of
 
-        known, mesh = systems.system(self.design.kind).first_order, self.train.pair(pair)
+        known, mesh = systems.system_of(self.design).first_order, self.train.pair(pair)
 
         def shares(path: ContactPath, whole: Cycle | None) -> tuple[Array, list[str]]:
             """Share (P,) of the torque on the tooth pair along its path, and the warnings about it."""
@@ -107,9 +107,13 @@ class SolvedGears(GearSet):
         )
 
     def check_solved(self, contacts: Mapping[int, Contact], solids: dict[str, Solid]) -> Check:
-        """The check of solved contacts, by the numbers of their pairs, and of solids by the names of their members."""
-        from gearmesh.answers.check import Check, roll_test
+        """The check of solved contacts, by the numbers of their pairs, and of solids by the names of their members; of gears that do
+        not mesh that of the solids."""
+        from gearmesh.answers.check import Check, RollTest, roll_test
 
+        if not contacts:
+            alone = ", ".join(f"{name}: no mating gear, so nothing is rolled" for name in solids)
+            return Check(self.design, solids, RollTest([], ()), (*self.warnings, alone))
         checks = [
             Check(
                 self.design,

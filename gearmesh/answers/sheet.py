@@ -141,7 +141,7 @@ class Compensation(Filling):
 
 def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = None) -> DesignSheet:
     """What is derived from a design, as `Gears.sheet` says."""
-    known = systems.system(gears.design.kind)
+    known = systems.system_of(gears.design)
     sheet = (known.sheet or plain_sheet)(gears.design, gears.train)
     tables = sheet.tables
     if speed is not None and torque is None:
@@ -160,7 +160,7 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
 
 def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
     """What is derived of one member, as `Gears.sheet` says."""
-    part, own = gears.part(name), systems.system(gears.design.kind).member_sheet
+    part, own = gears.part(name), systems.system_of(gears.design).member_sheet
     tables = (*(() if own is None else own(gears.design, name)), member_table(part.member))
     left_out = f"{name}: one member alone: its sheet has no axes, ratio, backlash, contact ratios or forces"
     return DesignSheet(gears.design, tables, {}, (*gears.warnings, *part.warnings, left_out))
@@ -168,7 +168,7 @@ def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
 
 def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation:
     """Settings that compensate assembly errors, as `Gears.compensate`."""
-    own = systems.system(gears.design.kind)
+    own = systems.system_of(gears.design)
     if own.compensate is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).compensate is not None]
         raise DesignError("kind", gears.design.kind, reason="has no compensating settings", allowed=" or ".join(able))

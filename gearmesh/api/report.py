@@ -95,6 +95,7 @@ def report_page(
     is the contact under torque of pairs, by their numbers. Raises OutputError for a folder without a study,
     NoSolutionError where a pair has no contact at any position.
     """
+    gears.train.pair(0)
     for contact in contacts.values():
         if not contact.path.touching.any():
             raise NoSolutionError(

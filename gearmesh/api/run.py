@@ -24,7 +24,7 @@ from gearmesh.figures import Content
 from gearmesh.files.reading import MIB, is_file, read_json
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
-from gearmesh.systems.system import system
+from gearmesh.systems.system import system_of
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view import opengl, pictures
 from gearmesh.view.diagrams.flank_diagrams import plot_flanks
@@ -219,6 +219,7 @@ def run(
     Files of an earlier run that this one does not write are removed: those that its report lists. Raises NoSolutionError
     where no position has contact.
     """
+    gears.train.pair(0)
     folder.mkdir(parents=True, exist_ok=True)
     stale, written = _listed_files(folder), RunFolder(gears, folder, timing)
     contacts, loaded = _solve(gears, torque, progress)
@@ -239,7 +240,7 @@ def run(
         progress(0.9, "report page")
         html = report_page(gears, contacts, check=check, images=images, source=source, loaded=drawn)
         html.save(written.file(PAGE))
-    sheet = sheet_of(gears) if system(gears.design.kind).sheet is not None else None
+    sheet = sheet_of(gears) if system_of(gears.design).sheet is not None else None
     files, several = (*written.files, folder / REPORT), tuple(contacts.values()) if written.several else ()
     under_load = tuple(loaded.values()) if several else ()
     report = Report(check, contact, folder, files, skipped, sheet, several, loaded.get(0), under_load)

@@ -240,6 +240,8 @@ class Table(BaseModel):
 
     #: Pairs (first, second): a given `first` replaces `second`, and only one of them may be given.
     replaces: ClassVar[tuple[tuple[str, str], ...]] = ()
+    #: Keys that the tables of other designs have and this one does not, and why not.
+    absent: ClassVar[Mapping[str, str]] = {}
     #: Tables of lower rank stand first in a file.
     rank: ClassVar[int] = 1
     #: What a table that may stand in several places is called where its keys are listed once for all of them; "": with the others.
@@ -252,6 +254,15 @@ class Table(BaseModel):
         """What texts call a table, or a dotted key."""
         head, dot, rest = dotted.partition(".")
         return cls.other_names.get(head, head) + dot + rest
+
+    @model_validator(mode="before")
+    @classmethod
+    def _not_absent(cls, keys: Any) -> Any:
+        """Refuse a key that makes no sense here, by name."""
+        for name, why in cls.absent.items() if isinstance(keys, Mapping) else ():
+            if name in keys:
+                raise conflict(name, None, reason=why)
+        return keys
 
     @model_validator(mode="after")
     def _not_together(self) -> Self:
@@ -340,7 +351,7 @@ def _names(table: type[Table]) -> tuple[str, ...]:
         inner = table.table_of(name)
         return -1 if inner is None else inner.rank
 
-    return tuple(sorted(table.model_fields, key=place))
+    return tuple(sorted((name for name in table.model_fields if name not in table.absent), key=place))
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complet
     data = files.read(path)
     kind = files.override(data, overrides).get("kind")
     if isinstance(kind, str) and kind in kinds():
-        data = files.anchor(data, system(kind).design, Path(path).parent)
+        data = files.anchor(data, system(kind).of_keys(data).design, Path(path).parent)
     design = parse_as_stated(files.override(data, overrides)).with_changed_keys(files.overridden_keys(overrides))
     return complete_design(design) if complete else design
 
@@ -37,7 +37,7 @@ def parse_as_stated(mapping: Mapping[str, Any]) -> Design:
     """As `parse`, without the defaults that only geometry knows: the geometry may be impossible."""
     if "kind" not in mapping:
         raise DesignError("kind", reason="missing", must_be=one_of_kinds())
-    design: Design = system(mapping["kind"]).design(**mapping)
+    design: Design = system(mapping["kind"]).of_keys(mapping).design(**mapping)
     return design
 
 

@@ -125,7 +125,8 @@ class System(Generic[D]):
     members, with the powers at a speed (1/min) of it where one is given, `compensate` the settings that compensate its assembly
     errors, `refinish` the same by settings of the member named, all of designs in their own units; `vh` makes the V-H check of a
     design in mm and its gear set, by two of V, H, J and alpha, `first_order` gives, for a design in mm with errors, its
-    transmission error in closed form; `displacements` moves the members of many assemblies at once.
+    transmission error in closed form; `displacements` moves the members of many assemblies at once. `single` makes designs of the
+    same kind of one member without a mating gear, those whose keys `is_single`.
     """
 
     kind: str
@@ -144,6 +145,12 @@ class System(Generic[D]):
     first_order: Callable[[D], FirstOrder | None] | None = None
     displacements: Displacements[D] | None = None
     pinned: Callable[[D, GearTrain], dict[str, Any]] | None = None
+    single: System[Any] | None = None
+    is_single: Callable[[Mapping[str, Any]], bool] | None = None
+
+    def of_keys(self, keys: Mapping[str, Any]) -> System[Any]:
+        """The system itself, or that of single members where the keys of a design are those of one."""
+        return self if self.single is None or self.is_single is None or not self.is_single(keys) else self.single
 
 
 #: kinds of the systems that come with gearmesh, and the folders beside this file that hold them
@@ -187,6 +194,12 @@ def system(kind: Any) -> System[Any]:
     raise DesignError("kind", kind, shown=value_text(kind), must_be=f"{one_of_kinds()}{hint}")
 
 
+def system_of(design: Design) -> System[Any]:
+    """The gear system of a design: that of its kind, or of single members of it."""
+    own = system(design.kind)
+    return own.single if own.single is not None and isinstance(design, own.single.design) else own
+
+
 def one_of_kinds() -> str:
     """What a kind may be, in words."""
     return "one of " + ", ".join(f'"{kind}"' for kind in kinds())
@@ -198,13 +211,13 @@ def complete_design(design: D) -> D:
 
 
 def _fill(design: D) -> D:
-    derive = system(design.kind).derive
+    derive = system_of(design).derive
     return design if derive is None or design.complete else design.fill(derive(design))
 
 
 def _train(design: Design) -> GearTrain:
     own = _fill(design).in_mm()
-    train: GearTrain = system(own.kind).build(own)
+    train: GearTrain = system_of(own).build(own)
     return _eccentric(own, train)
 
 
@@ -224,7 +237,7 @@ def _eccentric(design: Design, train: GearTrain) -> GearTrain:
 
 
 def _try_build(design: Design) -> object:
-    own = system(design.kind)
+    own = system_of(design)
     return own.build(_fill(design).in_mm()) if own.tried is None else own.tried(design.in_mm())
 
 
@@ -237,7 +250,7 @@ def build(design: Design) -> GearTrain:
 
 def member(design: Design, name: str) -> ToolPart:
     """One of the members that the kind of a design, complete or not, makes one without the other. Raises as `build`."""
-    make = system(design.kind).members[name]
+    make = system_of(design).members[name]
 
     def alone(design: Design) -> ToolPart:
         return make(design.in_mm())
@@ -286,7 +299,7 @@ def pin(design: D, train: GearTrain) -> D:
     from gearmesh.systems.common.pinned import body_values
 
     whole = complete_design(design)
-    own, of_kind = whole.in_mm(), system(design.kind).pinned
+    own, of_kind = whole.in_mm(), system_of(design).pinned
     values = {**body_values(own, train), **({} if of_kind is None else of_kind(own, train))}
     given = {key: _in_units(whole, key, value) for key, value in values.items() if value is not None}
     return whole.with_values({**given, **dict.fromkeys(key for key, value in values.items() if value is None)})
@@ -315,7 +328,7 @@ def worm(design: Design) -> ToolPart:
 
     Raises DesignError, with key, value and limit, for a worm that cannot exist, and for kinds without one.
     """
-    made = system(design.kind).worm
+    made = system_of(design).worm
     if made is None:
         raise ArgumentError("member", "worm", must_be=f"pinion or gear; kind {design.kind} has no worm")
     return made(complete_design(design).in_mm())

@@ -328,7 +328,7 @@ class GearPair:
 class GearTrain:
     """What every further step starts from: all members by their names, and the pairs that mesh.
 
-    `warnings`: what the design's owner should know of the geometry, one line each; `alike`: for every pair the number of the first
+    `unpaired`: members that mesh with none, and `lacking` what a design calls the one that they would mesh with. `warnings`: what the design's owner should know of the geometry, one line each; `alike`: for every pair the number of the first
     one that meshes as it does, but for the phase; empty where all are different.
     """
 
@@ -336,6 +336,8 @@ class GearTrain:
     pairs: tuple[GearPair, ...]
     warnings: tuple[str, ...] = field(default=())
     alike: tuple[int, ...] = field(default=())
+    unpaired: tuple[Member, ...] = field(default=())
+    lacking: str = ""
 
     @property
     def different(self) -> tuple[int, ...]:
@@ -344,8 +346,9 @@ class GearTrain:
 
     @property
     def members(self) -> dict[str, Member]:
-        """Every member once, in the order of the pairs."""
-        return {member.name: member for pair in self.pairs for member in pair.both}
+        """Every member once, in the order of the pairs, and after them those without one."""
+        paired = (member for pair in self.pairs for member in pair.both)
+        return {member.name: member for member in (*paired, *self.unpaired)}
 
     def with_member(self, member: Member) -> GearTrain:
         """The same gear set with another member of that name in all its pairs. Of pairs that were alike those with it stay so."""
@@ -355,7 +358,8 @@ class GearTrain:
 
         pairs = tuple(replace(pair, pinion=instead(pair.pinion), gear=instead(pair.gear)) for pair in self.pairs)
         kinds = [(kind, member.name in pair.members) for kind, pair in zip(self.alike, pairs, strict=False)]
-        return replace(self, pairs=pairs, alike=tuple(kinds.index(kind) for kind in kinds))
+        alike = tuple(kinds.index(kind) for kind in kinds)
+        return replace(self, pairs=pairs, alike=alike, unpaired=tuple(instead(old) for old in self.unpaired))
 
     def like(self, which: int | str) -> int:
         """How many pairs mesh as one of them does, itself counted: the planets of a set. Raises DesignError as `pair`."""
@@ -365,10 +369,21 @@ class GearTrain:
         return numbers.count(own)
 
     def pair(self, which: int | str) -> GearPair:
-        """A pair by its number, or its members' names in either order, as "sun-planet_1". Raises DesignError for another."""
+        """A pair by its number, or its members' names in either order, as "sun-planet_1". Raises DesignError for another, and where
+        no members mesh."""
+        if not self.pairs:
+            raise self._without_pair()
         if not isinstance(which, str):
             return self.pairs[which]
         for pair in self.pairs:
             if which in (f"{pair.pinion.name}-{pair.gear.name}", f"{pair.gear.name}-{pair.pinion.name}"):
                 return pair
         raise ArgumentError("pair", which, must_be=f"one of {', '.join(pair.name for pair in self.pairs)}")
+
+    def _without_pair(self) -> DesignError:
+        """The refusal of what needs members that mesh."""
+        return DesignError(
+            self.lacking,
+            reason=f"the {', '.join(self.members)} has no mating gear, which contact, load and all figures of a mesh need",
+            remedy=f"add the table [{self.lacking}]",
+        )

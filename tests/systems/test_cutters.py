@@ -20,7 +20,7 @@ def choice_of(path: Path, *keys: str) -> tuple[CutterChoice, float]:
     design: Any = gm.load(path, list(keys))
     found = proportions(design)
     own = found.mesh.gear
-    return CutterChoice(own, root_radius(design, "gear", own), cutter_of(design, design.gear)), found.tips[1]
+    return CutterChoice(own, root_radius(found.gear("gear")), cutter_of(found.gear("gear"))), found.tips[1]
 
 
 @pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.stem)

@@ -100,7 +100,7 @@ def test_measures_are_those_of_the_exact_surfaces(name: str) -> None:
             assert measured[0] == pytest.approx(own[symbol], abs=EXACT)
             assert sense * (own["d_a"] / 2 - measured[1]) == pytest.approx(own[height], abs=EXACT)
         # where the flank begins: read off the teeth, and the tool's form point
-        form_point = form_roll_length(gears.design, member.name, proportions(gears.design))
+        form_point = form_roll_length(proportions(gears.design).gear(member.name))
         assert 2.0 * math.hypot(base, form_point) == pytest.approx(own["d_Ff"], abs=EXACT)
 
 

@@ -161,7 +161,7 @@ def _side(side: str) -> str:
 
 def vh_of(gears: GearSet, moved: tuple[str, str]) -> VHCheck:
     """The V-H check of gears, as `Gears.vh` says."""
-    made = systems.system(gears.design.kind).vh
+    made = systems.system_of(gears.design).vh
     if made is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).vh is not None]
         raise DesignError("kind", gears.design.kind, reason="has no V-H check", allowed=" or ".join(able))

@@ -313,7 +313,7 @@ def _bases(
     design: Design, train: GearTrain, pair: GearPair, own: Mapping[str, float], errors: Mapping[str, Array]
 ) -> tuple[Rigid, Rigid]:
     count = len(next(iter(errors.values())))
-    known = systems.system(design.kind).displacements
+    known = systems.system_of(design).displacements
     bases = tuple(mount.base for mount in pair.mounts)
     if known is not None:
         values = {}

@@ -23,16 +23,15 @@ def body_values(design: Design, train: GearTrain) -> Values:
         spec = getattr(design, table)
         if isinstance(spec, GearBody):
             values_given |= {f"{table}.{key}": value for key, value in _of_body(spec, member).items()}
-            values_given |= _of_mount(
-                design.mount(name), table, next(pair for pair in train.pairs if name in pair.members), name
-            )
+            pair = next((pair for pair in train.pairs if name in pair.members), None)
+            values_given |= _of_mount(design.mount(name), table, pair, name)
     return values_given
 
 
-def _of_mount(mount: MemberMount, table: str, pair: GearPair, name: str) -> Values:
-    """How a member of a pair is held: where its body is, and the position of its elastic mount."""
+def _of_mount(mount: MemberMount, table: str, pair: GearPair | None, name: str) -> Values:
+    """How a member is held: where its body is, and, in a pair, the position of its elastic mount."""
     values: Values = {f"{table}.mount.held": mount.held}
-    if mount.stiffness is not None and mount.z is None:
+    if pair is not None and mount.stiffness is not None and mount.z is None:
         values[f"{table}.mount.z"] = pair.middle(pair.members[name])
     return values
 

@@ -29,8 +29,8 @@ from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import HALF, double_helical_member, half_of
 from gearmesh.systems.cylindrical.geometry.geometry import distance_of, sum_of_shifts
 from gearmesh.systems.cylindrical.geometry.interference import interference_warnings
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, refuse_thin
-from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, ToothedGear, refuse_thin
+from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, PairProportions, proportions
 from gearmesh.systems.cylindrical.geometry.shifts import addendum
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
@@ -53,7 +53,7 @@ def build(design: CylindricalDesign) -> GearTrain:
     geometry = proportions(design)
     members = [member_of(design, name, geometry) for name in ("pinion", "gear")]
     if whole.double_helical:
-        members = [double_helical_member(whole, member.name, member, geometry) for member in members]
+        members = [double_helical_member(whole, *half) for half in zip(members, geometry.gears, strict=True)]
     flank = Side(design.contact.flank)
     inside = design.pinion.internal or design.gear.internal
     first, second = _mounts(design, geometry)
@@ -70,29 +70,34 @@ def build(design: CylindricalDesign) -> GearTrain:
 
 
 def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -> Member:
-    """A member of a design (in mm), without its mounting. Raises DesignError for teeth or cutters that cannot exist."""
-    spec, own, shown = getattr(design, name), getattr(geometry.mesh, name), design.name_in_texts(name)
-    index, letter = (0, "F") if name == "pinion" else (1, "G")
-    if own.thickness <= 0.0:
-        refuse_thin(design, name, geometry.mesh, own.thickness)
-    tip, root = geometry.tips[index], geometry.roots[index]
+    """A member of a pair (in mm), without its mounting. Raises DesignError for teeth or cutters that cannot exist."""
+    gear = geometry.gear(name)
+    if gear.own.thickness <= 0.0:
+        refuse_thin(design, name, geometry.mesh, gear.own.thickness)
+    return gear_member(gear)
+
+
+def gear_member(gear: GearProportions) -> Member:
+    """A gear (in mm) as a member, without its mounting. Raises DesignError for teeth or cutters that cannot exist."""
+    name, spec, own, tip, root = gear.name, gear.spec, gear.own, gear.tip, gear.root
+    letter = "F" if gear.table == "pinion" else "G"
     tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
     if (tip - root) * own.sense <= 0.0:
         order = "larger" if own.internal else "smaller"
         raise DesignError(
-            f"{shown}.{tip_key}", reason=f"the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)"
+            f"{name}.{tip_key}", reason=f"the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)"
         )
     if not spec.hobbed:
-        made = shaped_member(shown, spec, cut_of(design, name, geometry), tip_key, f"theta_{letter}", f"u_{letter}")
+        made = shaped_member(name, spec, cut_of(gear), tip_key, f"theta_{letter}", f"u_{letter}")
         made = with_modifications(made, spec, internal=own.internal)
         own_flanks = made.tooth.unmodified_tooth is made.tooth
         return with_true_involutes(made, internal=own.internal) if own_flanks else made
-    racks = hobbed_racks(shown, spec, own, Heights(tip - own.radius, root - own.radius))
+    racks = hobbed_racks(name, spec, own, Heights(tip - own.radius, root - own.radius))
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {f"l_{letter}": p, f"u_{letter}": v}
 
-    made = member(shown, spec, racks, Roll(own.radius, own.beta, 0.0), source_parameters, tip_key)
+    made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), source_parameters, tip_key)
     return with_modifications(made, spec)
 
 
@@ -118,8 +123,7 @@ DISPLACEMENTS = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displac
 
 def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[str, ...]:
     """Warnings about a design: adapted defaults, interference of an internal gear."""
-    room = "the tool's tooth has no room for it"
-    standard = {f"{name}.tool_tip_radius": (PROFILES[design.profile][2], room) for name in ("pinion", "gear")}
+    standard = {key: value for gear in geometry.gears for key, value in standard_rounding(gear).items()}
     for name in ("pinion", "gear"):
         spec = getattr(design, name)
         if spec.internal and spec.tip_diameter is None:
@@ -130,9 +134,14 @@ def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[s
         *unusual_defaults(design, standard),
         *_thickness_warnings(geometry),
         *interference_warnings(geometry.mesh, geometry.tips, geometry.roots, [*map(design.name_in_texts, MEMBERS)]),
-        *other_cutters(design, geometry.mesh),
-        *trimming_warnings(design, geometry.mesh, geometry.tips),
+        *other_cutters(geometry.gears),
+        *trimming_warnings(geometry.gears),
     )
+
+
+def standard_rounding(gear: ToothedGear) -> dict[str, tuple[float, str]]:
+    """The rounding of the profile, and why a default may be another, by the key of a gear's."""
+    return {f"{gear.table}.tool_tip_radius": (PROFILES[gear.profile][2], "the tool's tooth has no room for it")}
 
 
 def _thickness_warnings(geometry: PairProportions) -> tuple[str, ...]:

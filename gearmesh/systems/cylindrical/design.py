@@ -404,7 +404,7 @@ class ToothingKeys(Design):
 
     def _series(self) -> list[tuple[str, ThicknessAllowance]]:
         """Names and allowances of the members whose allowances a series says."""
-        given = [(name, getattr(self, name).thickness_allowance) for name in self.toothed]
+        given = [(name, spec.thickness_allowance) for name, spec in self.specs.items()]
         return [(name, table) for name, table in given if table is not None and table.series is not None]
 
     def _series_diameter(self, name: str) -> float:
@@ -437,8 +437,8 @@ class ToothingKeys(Design):
         defaults = super().derived_values()
         if self.transverse_pressure_angle is None:
             defaults["pressure_angle"] = 20.0
-        for name in self.toothed:
-            if getattr(self, name).dedendum_counts:
+        for name, spec in self.specs.items():
+            if spec.dedendum_counts:
                 defaults[f"{name}.dedendum"] = PROFILES[self.profile][1]
         for name, allowance in self._series():
             ends = allowance.by_series(self._series_diameter(name))
@@ -449,9 +449,15 @@ class ToothingKeys(Design):
         # they follow from the diameter
         return super().stays(dotted, values) and "thickness_allowance." not in dotted
 
+    @property
+    def specs(self) -> dict[str, Any]:
+        """The tables of the members by their names."""
+        given = {name: getattr(self, name) for name in self.toothed}
+        return {name: spec for name, spec in given.items() if spec is not None}
+
     def with_allowances(self) -> list[str]:
         """Names of the members with a thickness_allowance. Raises a conflict where a backlash says the thicknesses, too."""
-        names = [name for name in self.toothed if getattr(self, name).thickness_allowance is not None]
+        names = [name for name, spec in self.specs.items() if spec.thickness_allowance is not None]
         for name in names:
             for key in ("backlash", "circumferential_backlash"):
                 if key in self.model_fields_set and not math.isnan(value := getattr(self, key) or math.nan):
@@ -463,7 +469,7 @@ class ToothingKeys(Design):
         values = super().plain()
         if self.with_allowances():
             # the thicknesses say it
-            del values["backlash"]
+            values.pop("backlash", None)
         return values
 
 
@@ -482,19 +488,9 @@ class CylindricalKeys(ToothingKeys):
     accuracy_class: AccuracyClass = 6
 
 
-class CylindricalDesign(CylindricalKeys, PairDesign):
-    """A pair of spur or helical gears on parallel axes."""
+class HalvesKeys(CylindricalKeys):
+    """What the designs of gears that may be double helical have beside that."""
 
-    own_kind: ClassVar[str] = "cylindrical"
-    example: ClassVar[Mapping[str, Any]] = {
-        "module": 2,
-        "pinion": {"teeth": 18, "face_width": 20},
-        "gear": {"teeth": 45, "face_width": 20},
-    }
-    about: ClassVar[str] = "spur and helical gears on parallel axes, external and internal [ISO 21771]"
-
-    pinion: CylindricalMember
-    gear: CylindricalMember
     arrangement: Annotated[
         str,
         Key(
@@ -509,6 +505,49 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
         float,
         Key("length", "width of the gap between the halves of double helical gears; 0: they meet in a plane", low=0),
     ] = 0.0
+
+    @model_validator(mode="after")
+    def _sound_halves(self) -> Self:
+        if not self.double_helical:
+            if self.gap != 0.0:
+                raise conflict("gap", self.gap, reason='needs arrangement = "double_helical"')
+        elif self.helix_angle == 0.0:
+            raise conflict("helix_angle", 0.0, must_be="above 0 for double helical gears")
+        for name, spec in self.specs.items():
+            if self.double_helical and spec.face_width <= self.gap:
+                raise conflict(
+                    f"{name}.face_width", spec.face_width, must_be=f"above gap, {self.gap:g}, which is part of it"
+                )
+            if spec.gap_diameter is not None and self.gap == 0.0:
+                raise conflict(f"{name}.gap_diameter", spec.gap_diameter, reason="needs a gap above 0")
+        return self
+
+    @property
+    def double_helical(self) -> bool:
+        return self.arrangement == "double_helical"
+
+    def plain(self) -> dict[str, Any]:
+        values = super().plain()
+        if not self.double_helical and "arrangement" not in self.model_fields_set:
+            del values["arrangement"], values["gap"]
+        return values
+
+
+class CylindricalDesign(HalvesKeys, PairDesign):
+    """A pair of spur or helical gears on parallel axes."""
+
+    own_kind: ClassVar[str] = "cylindrical"
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 2,
+        "pinion": {"teeth": 18, "face_width": 20},
+        "gear": {"teeth": 45, "face_width": 20},
+    }
+    about: ClassVar[str] = (
+        "spur and helical gears on parallel axes, external and internal, or one gear alone [ISO 21771]"
+    )
+
+    pinion: CylindricalMember
+    gear: CylindricalMember
     assembly: CylindricalAssembly = CylindricalAssembly()
     contact: FlankContact = FlankContact()
 
@@ -518,25 +557,12 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
         return self
 
     @model_validator(mode="after")
-    def _sound_halves(self) -> Self:
-        if not self.double_helical:
-            if self.gap != 0.0:
-                raise conflict("gap", self.gap, reason='needs arrangement = "double_helical"')
-        elif self.helix_angle == 0.0:
-            raise conflict("helix_angle", 0.0, must_be="above 0 for double helical gears")
+    def _evenly_loaded(self) -> Self:
         for key in ("dz", "gamma_h", "gamma_v") if self.double_helical else ():
             if (value := getattr(self.assembly, key)) != 0.0:
                 raise conflict(
                     f"assembly.{key}", value, must_be="0 for double helical gears: it would load their halves unequally"
                 )
-        for name in ("pinion", "gear"):
-            spec = getattr(self, name)
-            if self.double_helical and spec.face_width <= self.gap:
-                raise conflict(
-                    f"{name}.face_width", spec.face_width, must_be=f"above gap, {self.gap:g}, which is part of it"
-                )
-            if spec.gap_diameter is not None and self.gap == 0.0:
-                raise conflict(f"{name}.gap_diameter", spec.gap_diameter, reason="needs a gap above 0")
         return self
 
     @model_validator(mode="after")
@@ -552,13 +578,3 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
                 reason=f"an internal gear needs more teeth than its mating gear, {other.teeth}",
             )
         return self
-
-    @property
-    def double_helical(self) -> bool:
-        return self.arrangement == "double_helical"
-
-    def plain(self) -> dict[str, Any]:
-        values = super().plain()
-        if not self.double_helical and "arrangement" not in self.model_fields_set:
-            del values["arrangement"], values["gap"]
-        return values

@@ -7,19 +7,21 @@ symmetry beyond it at z > 0. Face widths are those of both halves and the gap to
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bodies.body import body_features, disc_body, holes_in
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
+from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.halves import DoubleHelical
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys
+
+D = TypeVar("D", bound="HalvesKeys")
 
 #: how far (normal modules) the gap is turned down below the root, and which part of the rim it may take, by default
 BELOW, SHARE = 0.25, 0.5
@@ -34,64 +36,65 @@ def half_of(design: CylindricalDesign) -> CylindricalDesign:
     """The first halves of a double helical design (in mm) as a helical pair of their own; any other design as it is."""
     if not design.double_helical:
         return design
-    bare = {"keyway": None, "hub": None, "web": None, "holes": None, "gap_diameter": None}
-    pinion, gear = (
-        spec.model_copy(update={**bare, "face_width": half_width(design, spec)})
-        for spec in (design.pinion, design.gear)
-    )
+    halves = first_halves(design)
     # the planes of symmetry lie in each other, so that halves of other widths have their middles elsewhere
-    aside = 0.5 * (pinion.face_width - gear.face_width)
-    return design.model_copy(
-        update={
-            "pinion": pinion,
-            "gear": gear,
-            "arrangement": "single",
-            "gap": 0.0,
-            "assembly": design.assembly.model_copy(update={"dz": aside}),
-        }
-    )
+    aside = 0.5 * (halves.pinion.face_width - halves.gear.face_width)
+    return halves.model_copy(update={"assembly": design.assembly.model_copy(update={"dz": aside})})
 
 
-def half_width(design: CylindricalDesign, spec: CylindricalMember) -> float:
+def first_halves(design: D) -> D:
+    """A design (in mm) of which every double helical member is its first half, with a plain body; any other design as it is."""
+    if not design.double_helical:
+        return design
+    bare = {"keyway": None, "hub": None, "web": None, "holes": None, "gap_diameter": None}
+    halves = {
+        name: spec.model_copy(update={**bare, "face_width": half_width(design, spec)})
+        for name, spec in design.specs.items()
+    }
+    return design.model_copy(update={**halves, "arrangement": "single", "gap": 0.0})
+
+
+def half_width(design: HalvesKeys, spec: CylindricalMember) -> float:
     """Face width b_B of one half of a member."""
     return 0.5 * (spec.face_width - design.gap)
 
 
-def double_helical_member(design: CylindricalDesign, name: str, half: Member, geometry: PairProportions) -> Member:
-    """A member of a double helical design (in mm) of its first half: both halves, the gap, and the features of the body.
+def double_helical_member(design: HalvesKeys, half: Member, gear: GearProportions) -> Member:
+    """A member of a double helical design (in mm) of its first half, the `gear`: both halves, the gap, and the features of the body.
 
     Raises DesignError naming key, value and limit.
     """
-    spec: CylindricalMember = getattr(design, name)
-    internal = getattr(geometry.mesh, name).internal
-    tip, root = (radii[0 if name == "pinion" else 1] for radii in (geometry.tips, geometry.roots))
+    name = gear.name
+    spec: CylindricalMember = design.specs[gear.table]
+    internal, tip, root = gear.own.internal, gear.tip, gear.root
     near = 0.5 * half_width(design, spec)
     plane = near + 0.5 * design.gap
     own = half.tooth.blank.body
     if internal:
         rim = own.profile[0][0]
         body = Body.tube(rim, 2.0 * plane + near, -near, Region.RIM)
-        groove = _groove(design, name, root, rim, geometry)
+        groove = _groove(design, gear, rim)
         rows = DoubleHelical(plane, near, False, groove, body)
         holes = None if spec.holes is None else holes_in(name, spec.holes, root if groove is None else groove, rim)
         return replace(half, holes=holes, rows=rows)
     body = disc_body(name, spec, own.bore_radius, root, tip - root).shift(plane)
     floor = own.bore_radius if body.web is None else body.web.outer
-    groove = _groove(design, name, root, floor, geometry)
+    groove = _groove(design, gear, floor)
     smallest = root if groove is None else groove
     keyway, hub, holes = body_features(name, spec, own.bore_radius, smallest, root, body.web)
     return replace(half, keyway=keyway, hub=hub, holes=holes, rows=DoubleHelical(plane, near, True, groove, body))
 
 
-def _groove(design: CylindricalDesign, name: str, root: float, floor: float, geometry: PairProportions) -> float | None:
+def _groove(design: HalvesKeys, gear: GearProportions, floor: float) -> float | None:
     """Radius of the gap, between the root and the `floor` of the rim that it is turned into; None without a gap."""
-    spec: CylindricalMember = getattr(design, name)
+    name, root = gear.name, gear.root
+    spec: CylindricalMember = design.specs[gear.table]
     if design.gap == 0.0:
         return None
     depth = abs(root - floor)
     sense = 1.0 if floor > root else -1.0
     if spec.gap_diameter is None:
-        return root + sense * min(BELOW * geometry.mesh.pinion.module, SHARE * depth)
+        return root + sense * min(BELOW * gear.own.module, SHARE * depth)
     radius = 0.5 * spec.gap_diameter
     if not 0.0 < sense * (radius - root) < depth:
         low, high = sorted((root, floor))

@@ -11,7 +11,7 @@ from gearmesh.systems.cylindrical.geometry.interference import reserves
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, form_roll_length, undercut_reserve
 from gearmesh.systems.cylindrical.geometry.measures import thickness_at
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
-from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
+from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, PairProportions, proportions
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
@@ -47,7 +47,7 @@ def mesh_merit(design: CylindricalDesign) -> MeshMerit:
     """What the mesh of a complete design is worth. Raises DesignError for teeth that cannot exist."""
     geometry = proportions(design)
     mesh, both = geometry.mesh, (geometry.mesh.pinion, geometry.mesh.gear)
-    line = LineOfAction(mesh, (_flank(design, geometry, 0), _flank(design, geometry, 1)))
+    line = LineOfAction(mesh, (_flank(geometry.gears[0]), _flank(geometry.gears[1])))
     points = line.points
     eps_alpha = line.contact_ratio
     width = min(design.pinion.face_width, design.gear.face_width)
@@ -57,7 +57,7 @@ def mesh_merit(design: CylindricalDesign) -> MeshMerit:
             raise DesignError(
                 f"{name}.addendum", reason=f"the tooth is pointed below its tip diameter of {2.0 * tip:.6g} mm"
             )
-    undercut = min(undercut_reserve(design, name, geometry) for name in MEMBERS)
+    undercut = min(undercut_reserve(gear) for gear in geometry.gears)
     interference = min(line.interference_reserve(toothing) for toothing in both)
     passing = reserves(mesh, geometry.tips).trochoid if design.gear.internal else math.inf
     faults = {
@@ -89,7 +89,6 @@ def tip_thicknesses(geometry: PairProportions) -> tuple[float, float]:
     return first, second
 
 
-def _flank(design: CylindricalDesign, geometry: PairProportions, k: int) -> tuple[float, float]:
+def _flank(gear: GearProportions) -> tuple[float, float]:
     """Roll lengths of a member's flank at root and tip, as its tool leaves it; from the base circle where that undercuts it."""
-    own = (geometry.mesh.pinion, geometry.mesh.gear)[k]
-    return max(0.0, form_roll_length(design, MEMBERS[k], geometry)), own.roll_length(geometry.tips[k])
+    return max(0.0, form_roll_length(gear)), gear.own.roll_length(gear.tip)

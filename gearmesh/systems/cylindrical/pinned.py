@@ -14,7 +14,7 @@ from gearmesh.systems.cylindrical.geometry.proportions import proportions
 if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values
     from gearmesh.systems.cylindrical.design import CylindricalDesign
-    from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
+    from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
     from gearmesh.teeth.gear_train import GearTrain, Member
 
 
@@ -25,24 +25,21 @@ def pair_values(design: CylindricalDesign, train: GearTrain) -> Values:
     values: Values = {"arrangement": design.arrangement, "assembly.center_distance": pair.mesh.distance}
     for name in MEMBERS:
         member = train.members[name]
-        values |= member_values(own, (name, name), pair, member)
+        values |= member_values(pair.gear(name), name, member)
         values |= {f"{name}.gap_diameter": gap.diameter for gap in member.gaps}
     return values
 
 
-def member_values(design: CylindricalDesign, names: tuple[str, str], pair: PairProportions, member: Member) -> Values:
-    """Of one member of a pair, by its names in the pair and in the design: the cutter's teeth and the rim of an internal gear, and
-    the hob's angles."""
-    name, called = names
-    spec, values = getattr(design, name), dict[str, float]()
+def member_values(gear: GearProportions, called: str, member: Member) -> Values:
+    """Of one gear, by what the design calls it: the cutter's teeth and the rim of an internal gear, and the hob's angles."""
+    spec, values = gear.spec, dict[str, float]()
     if spec.shaped:
-        cutter = cutter_of(design, spec)
+        cutter = cutter_of(gear)
         values |= {"shaper.teeth": cutter.teeth, "shaper.profile_shift": cutter.shift}
     if spec.internal:
-        root = pair.roots[0 if name == "pinion" else 1]
-        values["rim"] = member.tooth.blank.body.profile[0][0] - root
+        values["rim"] = member.tooth.blank.body.profile[0][0] - gear.root
     if spec.hob is not None and spec.hob.protuberance and spec.hob.protuberance_angle is None:
-        values["hob.protuberance_angle"] = math.degrees(0.5 * getattr(pair.mesh, name).alpha)
+        values["hob.protuberance_angle"] = math.degrees(0.5 * gear.own.alpha)
     if spec.hob is not None and spec.hob.chamfer_diameter is not None and spec.hob.chamfer_angle is None:
         values["hob.chamfer_angle"] = CHAMFER
     return {f"{called}.{key}": value for key, value in values.items()}

@@ -26,7 +26,7 @@ from gearmesh.systems.cylindrical.geometry.interference import reserves
 from gearmesh.systems.cylindrical.geometry.line_of_action import Flank, LineOfAction, tight_distance, undercut_reserve
 from gearmesh.systems.cylindrical.geometry.mass import Bulk, bulk
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
-from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
+from gearmesh.systems.cylindrical.geometry.proportions import GearsProportions, PairProportions, proportions
 from gearmesh.systems.cylindrical.geometry.root import CriticalSection, critical_section, lever
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
 from gearmesh.teeth.gear_train import GearTrain, Member
@@ -34,7 +34,7 @@ from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
-    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys
 
 T = TypeVar("T")
 
@@ -47,22 +47,22 @@ def data_sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
     half = half_of(own)
     pair = SheetPair(half, proportions(half), members)
     warnings = pair.line.fillet_interference(MEMBERS)
-    return Sheet((derived, *_halves(own, members), *pair_tables(pair), *plain), {}, warnings=warnings)
+    return Sheet((derived, *half_tables(own, members), *pair_tables(pair), *plain), {}, warnings=warnings)
 
 
-def _halves(design: CylindricalDesign, members: tuple[Member, ...]) -> list[SheetTable]:
+def half_tables(design: HalvesKeys, members: tuple[Member, ...]) -> list[SheetTable]:
     """The table of what is on both halves together; none of gears that have but one."""
     if not design.double_helical:
         return []
-    widths = tuple(getattr(design, name).face_width for name in MEMBERS)
+    specs = tuple(design.specs.values())
     gaps = tuple(next((gap.diameter for gap in member.gaps), None) for member in members)
     rows: list[Row] = [
-        ("b", "face width, 2 b_B and the gap", "mm", widths),
-        ("b_B", "face width of one half", "mm", tuple(half_width(design, getattr(design, name)) for name in MEMBERS)),
-        ("gap", "width of the gap", "mm", (design.gap, design.gap)),
+        ("b", "face width, 2 b_B and the gap", "mm", tuple(spec.face_width for spec in specs)),
+        ("b_B", "face width of one half", "mm", tuple(half_width(design, spec) for spec in specs)),
+        ("gap", "width of the gap", "mm", tuple(design.gap for _ in specs)),
         ("d_gap", "diameter of the gap", "mm", gaps),
     ]
-    return [table("Double helical", MEMBERS, rows)]
+    return [table("Double helical", tuple(design.specs), rows)]
 
 
 def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> list[SheetTable]:
@@ -78,8 +78,9 @@ def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> list[Sheet
     ]
 
 
-def member_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> list[SheetTable]:
-    """The tables with one column per member: members, measures, root, reserves, bodies, tolerances."""
+def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBERS) -> list[SheetTable]:
+    """The tables with one column per member: members, measures, root, reserves, bodies, tolerances; of gears that do not mesh
+    without what their mesh says of them."""
     return [
         table("Members", names, _member_rows(pair)),
         table("Measures of the tooth thickness", names, _measures(pair)),
@@ -91,34 +92,64 @@ def member_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> list[She
 
 
 @dataclass(frozen=True)
-class SheetPair:
-    """A complete design in mm, its geometry and its members as they are built, pinion and gear.
+class SheetGears:
+    """A complete design in mm, its gears in closed form and as they are built: one alone, or the pinion and the gear of a mesh.
 
     `stated`: the members' thickness allowances as the order states them, where those of the design only say what is made of it.
     """
 
-    design: CylindricalDesign
-    geometry: PairProportions
+    design: HalvesKeys
+    geometry: GearsProportions
     members: tuple[Member, ...]
     stated: tuple[ThicknessAllowance | None, ...] | None = field(default=None, kw_only=True)
+
+    @property
+    def teeth(self) -> tuple[Toothing, ...]:
+        return tuple(gear.own for gear in self.geometry.gears)
+
+    @property
+    def specs(self) -> tuple[CylindricalMember, ...]:
+        return tuple(gear.spec for gear in self.geometry.gears)
+
+    @cached_property
+    def flanks(self) -> tuple[Flank, ...]:
+        """Radii of all where the usable flank begins and ends, d_Ff and d_Fa over 2, in the middle of the face."""
+        return tuple(_flank_radii(member) for member in self.members)
+
+    def of_all(self, value: Callable[[int], float | int | str | None]) -> Values:
+        """A value of all members, by their number."""
+        return tuple(value(k) for k in range(len(self.members)))
+
+    @property
+    def allowances(self) -> tuple[ThicknessAllowance | None, ...]:
+        """Thickness allowances of all members, None of one that has none of its own."""
+        return tuple(spec.thickness_allowance for spec in self.specs) if self.stated is None else self.stated
+
+    @property
+    def ranged(self) -> bool:
+        """Whether a member has a thickness allowance with two ends."""
+        return any(given is not None and given.upper != given.lower for given in self.allowances)
+
+    @property
+    def meshing(self) -> SheetPair | None:
+        """The pair, where the gears mesh."""
+        return None
+
+
+@dataclass(frozen=True)
+class SheetPair(SheetGears):
+    """A complete design in mm, its geometry and its members as they are built, pinion and gear."""
+
+    design: CylindricalDesign
+    geometry: PairProportions
 
     @property
     def mesh(self) -> InvolutePair:
         return self.geometry.mesh
 
     @property
-    def teeth(self) -> tuple[Toothing, Toothing]:
-        return self.mesh.pinion, self.mesh.gear
-
-    @property
-    def specs(self) -> tuple[CylindricalMember, CylindricalMember]:
-        return self.design.pinion, self.design.gear
-
-    @cached_property
-    def flanks(self) -> tuple[Flank, Flank]:
-        """Radii of both where the usable flank begins and ends, d_Ff and d_Fa over 2, in the middle of the face."""
-        first, second = (_flank_radii(member) for member in self.members)
-        return first, second
+    def meshing(self) -> SheetPair:
+        return self
 
     @cached_property
     def line(self) -> LineOfAction:
@@ -129,23 +160,9 @@ class SheetPair:
         return LineOfAction(self.mesh, (first, second))
 
     @property
-    def allowances(self) -> tuple[ThicknessAllowance | None, ...]:
-        """Thickness allowances of both members, None of one that has none of its own."""
-        return tuple(spec.thickness_allowance for spec in self.specs) if self.stated is None else self.stated
-
-    @property
-    def ranged(self) -> bool:
-        """Whether a member has a thickness allowance with two ends."""
-        return any(given is not None and given.upper != given.lower for given in self.allowances)
-
-    @property
     def distance_deviations(self) -> Deviations | None:
         """Allowances of the centre distance, mm; None where it has none."""
         return self.design.assembly.center_distance_deviations(self.mesh.distance)
-
-    def of_both(self, value: Callable[[int], float | int | str | None]) -> Values:
-        """A value of both members, by their number."""
-        return value(0), value(1)
 
     @property
     def overlap(self) -> float:
@@ -249,7 +266,7 @@ def _at_end(pair: SheetPair, end: str) -> InvolutePair:
     return replace(pair.mesh, pinion=first, gear=second, distance=pair.mesh.distance + apart)
 
 
-def _at_allowance(pair: SheetPair, k: int, end: str) -> Toothing:
+def _at_allowance(pair: SheetGears, k: int, end: str) -> Toothing:
     """A member's teeth at one end of its allowances, as they are made where it has none."""
     given = pair.allowances[k]
     return pair.teeth[k] if given is None else replace(pair.teeth[k], allowance=getattr(given, end))
@@ -258,51 +275,52 @@ def _at_allowance(pair: SheetPair, k: int, end: str) -> Toothing:
 # ---------------------------------------------------------------- members
 
 
-def _member_rows(pair: SheetPair) -> list[Row]:
+def _member_rows(pair: SheetGears) -> list[Row]:
     teeth, specs, geometry = pair.teeth, pair.specs, pair.geometry
-    active = [[math.hypot(toothing.base_radius, length) for length in pair.line.active(toothing)] for toothing in teeth]
     hands = ("left", "spur", "right")
 
     def diameter(symbol: str, words: str, radius: Callable[[int], float]) -> Row:
-        return symbol, words, "mm", pair.of_both(lambda k: 2.0 * radius(k))
+        return symbol, words, "mm", pair.of_all(lambda k: 2.0 * radius(k))
 
     return [
-        ("z", "teeth; internal: negative", "-", pair.of_both(lambda k: teeth[k].signed_teeth)),
-        ("hand", "hand of the helix", "", pair.of_both(lambda k: hands[1 + int(np.sign(teeth[k].beta))])),
-        (*_width(pair), "mm", pair.of_both(lambda k: specs[k].face_width)),
-        ("x", "profile shift", "m_n", pair.of_both(lambda k: teeth[k].shift)),
-        ("k", "tip alteration", "m_n", pair.of_both(lambda k: _alteration(pair, k))),
+        ("z", "teeth; internal: negative", "-", pair.of_all(lambda k: teeth[k].signed_teeth)),
+        ("hand", "hand of the helix", "", pair.of_all(lambda k: hands[1 + int(np.sign(teeth[k].beta))])),
+        (*_width(pair), "mm", pair.of_all(lambda k: specs[k].face_width)),
+        ("x", "profile shift", "m_n", pair.of_all(lambda k: teeth[k].shift)),
+        ("k", "tip alteration", "m_n", pair.of_all(lambda k: _alteration(pair, k))),
         diameter("d", "reference diameter", lambda k: teeth[k].radius),
         diameter("d_b", "base diameter", lambda k: teeth[k].base_radius),
         diameter("d_a", "tip diameter", lambda k: geometry.tips[k]),
         *_tip_tolerances(pair),
         diameter("d_f", "root diameter", lambda k: geometry.roots[k]),
-        diameter("d_w", "working pitch diameter", lambda k: pair.mesh.working_radius(teeth[k])),
+        *_meshing_row(pair, "d_w", "working pitch diameter", lambda both, k: 2.0 * both.mesh.working_radius(teeth[k])),
         diameter("d_Ff", "root form diameter", lambda k: pair.flanks[k][0]),
-        diameter("d_Nf", "active root diameter", lambda k: active[k][0]),
+        *_meshing_row(pair, "d_Nf", "active root diameter", lambda both, k: 2.0 * _active_radius(both, k, 0)),
         diameter("d_Fa", "tip form diameter", lambda k: pair.flanks[k][1]),
-        diameter("d_Na", "active tip diameter", lambda k: active[k][1]),
-        ("h", "tooth depth", "mm", pair.of_both(lambda k: abs(geometry.tips[k] - geometry.roots[k]))),
-        ("c", "clearance between its tip and the mating root", "mm", pair.of_both(geometry.clearance)),
-        ("A_sn", "allowance of the normal thickness, as made", "mm", pair.of_both(lambda k: teeth[k].allowance)),
+        *_meshing_row(pair, "d_Na", "active tip diameter", lambda both, k: 2.0 * _active_radius(both, k, 1)),
+        ("h", "tooth depth", "mm", pair.of_all(lambda k: abs(geometry.tips[k] - geometry.roots[k]))),
+        *_meshing_row(
+            pair, "c", "clearance between its tip and the mating root", lambda both, k: both.geometry.clearance(k)
+        ),
+        ("A_sn", "allowance of the normal thickness, as made", "mm", pair.of_all(lambda k: teeth[k].allowance)),
         *_thickness_allowances(pair),
-        ("s_n", "normal thickness at d", "mm", pair.of_both(lambda k: teeth[k].thickness)),
+        ("s_n", "normal thickness at d", "mm", pair.of_all(lambda k: teeth[k].thickness)),
         (
             "s_t",
             "transverse thickness at d",
             "mm",
-            pair.of_both(lambda k: teeth[k].thickness / math.cos(teeth[k].beta)),
+            pair.of_all(lambda k: teeth[k].thickness / math.cos(teeth[k].beta)),
         ),
         (
             "s_an",
             "normal thickness at d_a",
             "mm",
-            pair.of_both(lambda k: measures.thickness_at(teeth[k], geometry.tips[k])),
+            pair.of_all(lambda k: measures.thickness_at(teeth[k], geometry.tips[k])),
         ),
     ]
 
 
-def _tip_tolerances(pair: SheetPair) -> list[Row]:
+def _tip_tolerances(pair: SheetGears) -> list[Row]:
     """Deviations of the tip diameters, none where no member has any."""
     given = [
         None if spec.tip_diameter_tolerance is None else spec.tip_diameter_tolerance.deviations(2.0 * tip)
@@ -321,7 +339,7 @@ def _each(given: Iterable[T | None], value: Callable[[T], float | str | None]) -
     return tuple(None if own is None else value(own) for own in given)
 
 
-def _thickness_allowances(pair: SheetPair) -> list[Row]:
+def _thickness_allowances(pair: SheetGears) -> list[Row]:
     """The ends of the thickness allowances and what is between them, none where no member has any."""
     given = pair.allowances
     if not any(given):
@@ -335,11 +353,22 @@ def _thickness_allowances(pair: SheetPair) -> list[Row]:
     return [*rows, ("E_sn", "allowance by DIN 3967", "", series)] if any(series) else rows
 
 
-def _width(pair: SheetPair) -> tuple[str, str]:
+def _meshing_row(pair: SheetGears, symbol: str, words: str, value: Callable[[SheetPair, int], float]) -> list[Row]:
+    """A row (mm) of what the mesh says of its members; none of gears that do not mesh."""
+    both = pair.meshing
+    return [] if both is None else [(symbol, words, "mm", both.of_all(lambda k: value(both, k)))]
+
+
+def _active_radius(pair: SheetPair, k: int, end: int) -> float:
+    """Radius where the active flank begins (0) or ends (1)."""
+    return math.hypot(pair.teeth[k].base_radius, pair.line.active(pair.teeth[k])[end])
+
+
+def _width(pair: SheetGears) -> tuple[str, str]:
     return pair.members[0].rows.face_width
 
 
-def _alteration(pair: SheetPair, k: int) -> float | None:
+def _alteration(pair: SheetGears, k: int) -> float | None:
     """The tip alteration, where no tip diameter takes its place."""
     return None if pair.specs[k].tip_diameter is not None else pair.specs[k].tip_alteration
 
@@ -347,10 +376,10 @@ def _alteration(pair: SheetPair, k: int) -> float | None:
 # ---------------------------------------------------------------- measures
 
 
-def _measures(pair: SheetPair) -> list[Row]:
+def _measures(pair: SheetGears) -> list[Row]:
     """Span, balls and chords, of the teeth as made and at the ends of the allowances where these are given."""
-    counts = pair.of_both(lambda k: measures.span_teeth(pair.teeth[k], pair.flanks[k], pair.specs[k].face_width))
-    balls = pair.of_both(
+    counts = pair.of_all(lambda k: measures.span_teeth(pair.teeth[k], pair.flanks[k], pair.specs[k].face_width))
+    balls = pair.of_all(
         lambda k: measures.ball_diameter(pair.teeth[k], pair.flanks[k], (pair.geometry.tips[k], pair.geometry.roots[k]))
     )
 
@@ -394,11 +423,13 @@ def _measures(pair: SheetPair) -> list[Row]:
     ]
 
 
-def _states(pair: SheetPair, *, ends: bool) -> dict[str, tuple[Toothing, Toothing]]:
+def _states(pair: SheetGears, *, ends: bool) -> dict[str, tuple[Toothing, ...]]:
     """The teeth as made and, with `ends`, at those of the allowances where there are two, by what words say of them."""
     states = {"": pair.teeth}
     if ends and pair.ranged:
-        states |= {f", {end}": (_at_allowance(pair, 0, end), _at_allowance(pair, 1, end)) for end in ("upper", "lower")}
+        states |= {
+            f", {end}": tuple(_at_allowance(pair, k, end) for k in range(len(pair.teeth))) for end in ("upper", "lower")
+        }
     return states
 
 
@@ -407,14 +438,14 @@ def _suffix(words: str) -> str:
     return words.replace(", ", "_")
 
 
-def _chord_rows(pair: SheetPair) -> list[Row]:
+def _chord_rows(pair: SheetGears) -> list[Row]:
     rows: list[Row] = []
     for symbol, words, chord, radius in (
         ("c", "constant chord", measures.constant_chord, _foot_radius),
         ("nc", "normal chord at d", measures.chord, _reference_radius),
     ):
         for end, teeth in _states(pair, ends=True).items():
-            both = [_on_flank(pair, k, teeth[k], chord, radius) for k in (0, 1)]
+            both = [_on_flank(pair, k, teeth[k], chord, radius) for k in range(len(pair.teeth))]
             rows.append((f"s_{symbol}{_suffix(end)}", words + end, "mm", tuple(size for size, _ in both)))
             if not end:
                 rows.append((f"h_{symbol}", "height of the tip over it", "mm", tuple(height for _, height in both)))
@@ -422,7 +453,7 @@ def _chord_rows(pair: SheetPair) -> list[Row]:
 
 
 def _on_flank(
-    pair: SheetPair,
+    pair: SheetGears,
     k: int,
     teeth: Toothing,
     chord: Callable[[Toothing, float], tuple[float, float]],
@@ -465,38 +496,38 @@ def _contact_rows(pair: SheetPair) -> list[Row]:
     return rows
 
 
-def _root_rows(pair: SheetPair) -> list[Row]:
+def _root_rows(pair: SheetGears) -> list[Row]:
     sections: list[CriticalSection] = [
         critical_section(member.tooth, teeth) for member, teeth in zip(pair.members, pair.teeth, strict=True)
     ]
     return [
         ("s_Fn", "chord at the tangent", "mm", tuple(section.chord for section in sections)),
-        (
+        *_meshing_row(
+            pair,
             "h_F",
             "lever of a force at the outer point of single contact",
-            "mm",
-            tuple(lever(teeth, pair.line, section) for teeth, section in zip(pair.teeth, sections, strict=True)),
+            lambda both, k: lever(both.teeth[k], both.line, sections[k]),
         ),
         ("rho_F", "radius of the fillet at the tangent", "mm", tuple(section.fillet_radius for section in sections)),
         ("d_F", "diameter of the chord's middle", "mm", tuple(2.0 * section.radius for section in sections)),
     ]
 
 
-def _reserves(pair: SheetPair) -> list[Row]:
+def _reserves(pair: SheetGears) -> list[Row]:
     return [
         (
             "undercut",
             "undercut: roll length to where it begins",
             "mm",
-            pair.of_both(lambda k: undercut_reserve(pair.design, MEMBERS[k], pair.geometry)),
+            pair.of_all(lambda k: undercut_reserve(pair.geometry.gears[k])),
         ),
-        (
+        *_meshing_row(
+            pair,
             "interference",
             "interference: roll length from d_Ff to the mating tip",
-            "mm",
-            pair.of_both(lambda k: pair.line.interference_reserve(pair.teeth[k])),
+            lambda both, k: both.line.interference_reserve(both.teeth[k]),
         ),
-        *_internal_reserves(pair),
+        *([] if pair.meshing is None else _internal_reserves(pair.meshing)),
     ]
 
 
@@ -508,7 +539,7 @@ def _internal_reserves(pair: SheetPair) -> list[Row]:
     turns = reserves(pair.mesh, pair.geometry.tips)
 
     def of_ring(value: float) -> Values:
-        return pair.of_both(lambda k: _degrees(value) if pair.teeth[k].internal else None)
+        return pair.of_all(lambda k: _degrees(value) if pair.teeth[k].internal else None)
 
     return [
         ("trochoid", "tips passing each other in rotation", "deg", of_ring(turns.trochoid)),
@@ -516,25 +547,25 @@ def _internal_reserves(pair: SheetPair) -> list[Row]:
     ]
 
 
-def _bodies(pair: SheetPair) -> list[Row]:
+def _bodies(pair: SheetGears) -> list[Row]:
     density = DENSITY if pair.design.material.density is None else pair.design.material.density
     bulks: list[Bulk] = [bulk(member) for member in pair.members]
     return [
-        ("rho", "density", "kg/m^3", (density, density)),
+        ("rho", "density", "kg/m^3", pair.of_all(lambda _: density)),
         ("V", "volume", "mm^3", tuple(bulk.volume for bulk in bulks)),
         ("m", "mass", "kg", tuple(bulk.mass(density) for bulk in bulks)),
         ("J", "moment of inertia about the axis", "kg mm^2", tuple(bulk.inertia(density) for bulk in bulks)),
     ]
 
 
-def _tolerances(pair: SheetPair) -> list[Row]:
+def _tolerances(pair: SheetGears) -> list[Row]:
     """None of them beyond the range of the standard."""
     limits = [
         accuracy.tolerances(pair.design.accuracy_class, teeth, spec.face_width) or {}
         for teeth, spec in zip(pair.teeth, pair.specs, strict=True)
     ]
     return [
-        ("A", "flank tolerance class", "-", pair.of_both(lambda _: pair.design.accuracy_class)),
+        ("A", "flank tolerance class", "-", pair.of_all(lambda _: pair.design.accuracy_class)),
         *(
             (symbol, words, "um", tuple(of_member.get(symbol) for of_member in limits))
             for symbol, words in accuracy.NAMES.items()

@@ -3,40 +3,35 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.systems.cylindrical.cutting.cutter_choice import CutterChoice, generating, sharp_tool, standard_teeth
 from gearmesh.systems.cylindrical.cutting.formed import form_tool
 from gearmesh.systems.cylindrical.design import PROFILES
-from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, nominal_mesh, toothing, with_allowances
-from gearmesh.systems.cylindrical.geometry.shifts import addendum, tip_radius
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.systems.cylindrical.geometry.nominal import ToothedGear
+from gearmesh.systems.cylindrical.geometry.shifts import tip_radius
 from gearmesh.tools.shaper import Shaper
 
-if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
 
-
-def cutter_of(design: CylindricalDesign, spec: CylindricalMember) -> Toothing:
-    """The teeth of the cutter that shapes a member: those given, or about two fifths of the member's.
+def cutter_of(gear: ToothedGear) -> Toothing:
+    """The teeth of the cutter that shapes a gear: those given, or about two fifths of the gear's.
 
     Of an internal gear whose tips that cutter would leave without involute: the fewest that do not.
     """
-    cutter, name = _cutter(design, spec), "pinion" if spec is design.pinion else "gear"
-    if spec.shaper is not None or not spec.internal:
+    cutter = _cutter(gear)
+    if gear.spec.shaper is not None or not gear.spec.internal:
         return cutter
-    own = getattr(with_allowances(design, nominal_mesh(design)), name)
-    chosen = CutterChoice(own, root_radius(design, name, own), cutter)
-    return replace(cutter, teeth=chosen.default_teeth(tip_radius(spec, own)))
+    chosen = CutterChoice(gear.own, root_radius(gear), cutter)
+    return replace(cutter, teeth=chosen.default_teeth(tip_radius(gear.spec, gear.own)))
 
 
-def _cutter(design: CylindricalDesign, spec: CylindricalMember) -> Toothing:
+def _cutter(gear: ToothedGear) -> Toothing:
     """The cutter that is given, or the standard one."""
-    own = toothing(design, "pinion" if spec is design.pinion else "gear")
-    given = spec.shaper
+    own, given = gear.own, gear.spec.shaper
     return Toothing(
         teeth=standard_teeth(own) if given is None else given.teeth,
         module=own.module,
@@ -46,83 +41,75 @@ def _cutter(design: CylindricalDesign, spec: CylindricalMember) -> Toothing:
     )
 
 
-def cut_addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
-    """The addendum that is not given: `shifts.addendum`, or, of an internal gear, what there is a cutter for."""
-    spec, own = getattr(design, name), getattr(with_allowances(design, mesh), name)
-    height = addendum(design, name, mesh)
+def cut_addendum(gear: ToothedGear, height: float) -> float:
+    """The addendum that is not given: the `height` that its mating gear leaves room for, or, of an internal gear, what there is a
+    cutter for."""
+    spec, own = gear.spec, gear.own
     if not own.internal or spec.formed or spec.tip_diameter is not None:
         return height
-    chosen = CutterChoice(own, root_radius(design, name, own), _cutter(design, spec))
+    chosen = CutterChoice(own, root_radius(gear), _cutter(gear))
     tip = tip_radius(spec, own, height, 0.0)
     return float(height - (chosen.default_tip(tip, given=spec.shaper is not None) - tip) / own.module)
 
 
-def root_radius(design: CylindricalDesign, name: str, own: Toothing) -> float:
-    """Root radius of a member: from its root diameter, its cutter's addendum or its dedendum, which the profile says by default."""
-    spec = getattr(design, name)
+def root_radius(gear: ToothedGear) -> float:
+    """Root radius of a gear: from its root diameter, its cutter's addendum or its dedendum, which the profile says by default."""
+    spec, own = gear.spec, gear.own
     if spec.root_diameter is not None:
         return float(0.5 * spec.root_diameter)
     if spec.shaper is not None and spec.shaper.addendum is not None:
-        cutter = cutter_of(design, spec)
+        cutter = cutter_of(gear)
         top = cutter.radius + (spec.shaper.addendum + cutter.shift) * own.module
         return float(generating(cutter, own).distance - own.sense * top)
-    return own.radius_at((own.shift - given_or(spec.dedendum, PROFILES[design.profile][1])) * own.module)
+    return own.radius_at((own.shift - given_or(spec.dedendum, PROFILES[gear.profile][1])) * own.module)
 
 
-def sharp_shaper(design: CylindricalDesign, name: str, mesh: InvolutePair) -> Shaper:
-    """The cutter of a shaped member, or the form tool of a formed one, in the transverse section, without rounding.
+def sharp_shaper(gear: ToothedGear) -> Shaper:
+    """The cutter of a shaped gear, or the form tool of a formed one, in the transverse section, without rounding.
 
     Raises DesignError for one that cannot cut these teeth.
     """
-    spec, own = getattr(design, name), getattr(with_allowances(design, mesh), name)
-    if spec.formed:
-        return form_tool(design.name_in_texts(name), spec, own, root_radius(design, name, own))
-    cutter = cutter_of(design, spec)
+    name, own = gear.name, gear.own
+    if gear.spec.formed:
+        return form_tool(name, gear.spec, own, root_radius(gear))
+    cutter = cutter_of(gear)
     if own.internal and cutter.teeth >= own.teeth:
-        key = design.name_in_texts(f"{name}.shaper.teeth")
-        raise DesignError(key, cutter.teeth, must_be=f"fewer than the internal gear's, {own.teeth}")
+        raise DesignError(f"{name}.shaper.teeth", cutter.teeth, must_be=f"fewer than the internal gear's, {own.teeth}")
     apart = generating(cutter, own).distance
     if math.isnan(apart):
         raise DesignError(
-            design.name_in_texts(f"{name}.profile_shift"),
+            f"{name}.profile_shift",
             own.shift,
             reason=f"no cutter of {cutter.teeth} teeth generates it",
             allowed="a smaller one",
         )
-    return sharp_tool(generating(cutter, own), root_radius(design, name, own))
+    return sharp_tool(generating(cutter, own), root_radius(gear))
 
 
-def trimming_warnings(design: CylindricalDesign, mesh: InvolutePair, tips: tuple[float, float]) -> tuple[str, ...]:
+def trimming_warnings(gears: Iterable[ToothedGear]) -> tuple[str, ...]:
     """A line for an internal gear whose tips its cutter trims as it is fed in radially, with the cutters that do not."""
     warnings = []
-    for name, own, tip in (("pinion", mesh.pinion, tips[0]), ("gear", mesh.gear, tips[1])):
-        spec = getattr(design, name)
-        if not own.internal or spec.formed:
+    for gear in gears:
+        if not gear.own.internal or gear.spec.formed:
             continue
-        cutter = cutter_of(design, spec)
-        chosen, teeth = CutterChoice(own, root_radius(design, name, own), cutter), cutter.teeth
+        cutter, tip = cutter_of(gear), tip_radius(gear.spec, gear.own)
+        chosen, teeth = CutterChoice(gear.own, root_radius(gear), cutter), cutter.teeth
         if not chosen.clears(teeth, tip):
-            member = design.name_in_texts(name)
             warnings.append(
-                f"{member}.shaper.teeth = {teeth}: the cutter trims the tips as it is fed in radially; "
-                f"{chosen.possible(member, tip)}"
+                f"{gear.name}.shaper.teeth = {teeth}: the cutter trims the tips as it is fed in radially; "
+                f"{chosen.possible(gear.name, tip)}"
             )
     return tuple(warnings)
 
 
-def other_cutters(design: CylindricalDesign, mesh: InvolutePair) -> tuple[str, ...]:
+def other_cutters(gears: Iterable[ToothedGear]) -> tuple[str, ...]:
     """A line for an internal gear whose cutter is not given and not the standard one."""
     warnings = []
-    for name, own in zip(MEMBERS, (mesh.pinion, mesh.gear), strict=True):
-        spec, standard = getattr(design, name), standard_teeth(own)
-        if (
-            own.internal
-            and spec.shaped
-            and spec.shaper is None
-            and (teeth := cutter_of(design, spec).teeth) != standard
-        ):
+    for gear in gears:
+        spec, own, standard = gear.spec, gear.own, standard_teeth(gear.own)
+        generated = own.internal and spec.shaped and spec.shaper is None
+        if generated and (teeth := cutter_of(gear).teeth) != standard:
             warnings.append(
-                f"{design.name_in_texts(name)}.shaper.teeth = {teeth}: the default, instead of {standard}, which leave no "
-                "involute up to the tip"
+                f"{gear.name}.shaper.teeth = {teeth}: the default, instead of {standard}, which leave no involute up to the tip"
             )
     return tuple(warnings)

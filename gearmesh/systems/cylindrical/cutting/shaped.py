@@ -40,8 +40,8 @@ from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import RackSurface
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
-    from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
+    from gearmesh.systems.cylindrical.design import CylindricalMember
+    from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
 
 
 @dataclass(frozen=True)
@@ -100,18 +100,16 @@ class Shaping(LastCut):
         )
 
 
-def cut_of(design: CylindricalDesign, name: str, geometry: PairProportions) -> Shaping | Forming:
-    """The cutter over a shaped member, or the form tool in a formed one, as it is built.
+def cut_of(gear: GearProportions) -> Shaping | Forming:
+    """The cutter over a shaped gear, or the form tool in a formed one, as the gear is built.
 
     Raises DesignError for one that cannot cut these teeth.
     """
-    spec, own = getattr(design, name), getattr(geometry.mesh, name)
-    index = 0 if name == "pinion" else 1
-    tip, root, sharp = geometry.tips[index], geometry.roots[index], sharp_shaper(design, name, geometry.nominal)
+    spec, own, sharp = gear.spec, gear.own, sharp_shaper(gear)
     if spec.formed:
-        return Forming(with_rounding(design.name_in_texts(name), spec.tool_tip_radius, own, sharp), own, root, tip)
+        return Forming(with_rounding(gear.name, spec.tool_tip_radius, own, sharp), own, gear.root, gear.tip)
     return Shaping(
-        replace(sharp, tip_radius=spec.tool_tip_radius * own.module), own, root, tip, cutter_of(design, spec)
+        replace(sharp, tip_radius=spec.tool_tip_radius * own.module), own, gear.root, gear.tip, cutter_of(gear)
     )
 
 

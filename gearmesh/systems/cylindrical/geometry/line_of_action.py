@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.cutting.shaped import cut_of
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of
-from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalDesign
+    from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
 
 #: what is less, in modules, is rounding
 ROUNDING = 1e-9
@@ -27,26 +26,24 @@ ROUNDING = 1e-9
 Flank = tuple[float, float]
 
 
-def form_roll_length(design: CylindricalDesign, name: str, geometry: PairProportions) -> float:
+def form_roll_length(gear: GearProportions) -> float:
     """Roll length of what the end of the tool's straight flank, or involute, generates; negative where it undercuts the flank."""
-    spec, own = getattr(design, name), getattr(geometry.mesh, name)
-    if not spec.hobbed:
-        return cut_of(design, name, geometry).form_roll_length
-    depth = own.radius - geometry.roots[0 if name == "pinion" else 1]
-    return float(own.rack_form_roll_length(depth, spec.tool_tip_radius * own.module))
+    if not gear.spec.hobbed:
+        return cut_of(gear).form_roll_length
+    own = gear.own
+    return float(own.rack_form_roll_length(own.radius - gear.root, gear.spec.tool_tip_radius * own.module))
 
 
-def undercut_reserve(design: CylindricalDesign, name: str, geometry: PairProportions) -> float:
+def undercut_reserve(gear: GearProportions) -> float:
     """Roll length by which the flank stays clear of undercut, negative where it does not.
 
     Of an external member from the base circle to what the end of the tool's flank generates, of an internal one from the last point
     that the cutter's involute generates to the tip, of a formed one from the base circle.
     """
-    own = getattr(geometry.mesh, name)
-    if not own.internal:
-        return form_roll_length(design, name, geometry)
-    made = cut_of(design, name, geometry)
-    return float(own.roll_length(made.tip) - made.generator)
+    if not gear.own.internal:
+        return form_roll_length(gear)
+    made = cut_of(gear)
+    return float(gear.own.roll_length(made.tip) - made.generator)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from gearmesh.errors import DesignError
@@ -11,11 +11,29 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.geometry.geometry import STEEPEST, InvolutePair, Toothing, distance_of, involute
 
 if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, ToothingKeys
     from gearmesh.systems.cylindrical.rack.member import RackMesh
 
 #: Names of the members.
 MEMBERS = ("pinion", "gear")
+
+
+@dataclass(frozen=True)
+class ToothedGear:
+    """A gear as a design says it, whatever it meshes with: its table, its name in texts, its part `spec` of the design, its teeth
+    with their allowance, and the profile of its basic rack."""
+
+    table: str
+    name: str
+    spec: CylindricalMember
+    own: Toothing
+    profile: str
+
+
+def toothed_gear(design: CylindricalDesign, name: str, mesh: InvolutePair) -> ToothedGear:
+    """A member of a mesh, which has the allowances of the thicknesses."""
+    return ToothedGear(name, design.name_in_texts(name), getattr(design, name), getattr(mesh, name), design.profile)
 
 
 def toothing(design: CylindricalDesign, name: str) -> Toothing:
@@ -25,8 +43,8 @@ def toothing(design: CylindricalDesign, name: str) -> Toothing:
     return teeth_of(design, getattr(design, name), -1.0 if name == "gear" and not ring else 1.0)
 
 
-def teeth_of(design: ToothingKeys, spec: CylindricalMember, hand: float = 1.0) -> Toothing:
-    """The nominal teeth of a part `spec` of a design; `hand` -1: of the other hand than the pinion."""
+def teeth_of(design: ToothingKeys, spec: CylindricalMember, hand: float = 1.0, allowance: float = 0.0) -> Toothing:
+    """The teeth of a part `spec` of a design, nominal but for an `allowance` (mm); `hand` -1: of the other hand than the pinion."""
     return Toothing(
         teeth=spec.teeth,
         module=design.given_module,
@@ -34,6 +52,7 @@ def teeth_of(design: ToothingKeys, spec: CylindricalMember, hand: float = 1.0) -
         beta=(1.0 if design.hand == "right" else -1.0) * hand * math.radians(design.helix_angle),
         shift=0.0 if math.isnan(spec.profile_shift) else spec.profile_shift,
         internal=spec.internal,
+        allowance=allowance,
     )
 
 
@@ -99,15 +118,7 @@ def wanted_backlash(design: ToothingKeys, nominal: InvolutePair | RackMesh) -> f
 
 def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, thickness: float) -> None:
     """Refuse the allowance or backlash that leaves a member no tooth: a `thickness` (mm), as it is, of less than nothing."""
-    given = getattr(design, name).thickness_allowance
-    if given is not None:
-        raise DesignError(
-            design.name_in_texts(f"{name}.thickness_allowance.upper"),
-            given.upper,
-            unit="mm",
-            reason="leaves no tooth",
-            allowed=f"more than {at_least(given.upper - thickness)} mm",
-        )
+    refuse_thin_allowance(design.name_in_texts(name), getattr(design, name).thickness_allowance, thickness)
     key = "backlash" if design.circumferential_backlash is None else "circumferential_backlash"
     # the allowances of both are the same: how much less of either leaves none of this member
     most = mesh.normal_backlash + 2.0 * math.cos(mesh.pinion.alpha) * thickness
@@ -120,3 +131,15 @@ def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, 
         reason=f"leaves no tooth of the {design.name_in_texts(name)}",
         allowed=f"less than {at_most(most)} mm",
     )
+
+
+def refuse_thin_allowance(name: str, given: ThicknessAllowance | None, thickness: float) -> None:
+    """Refuse the allowance, if there is one, that leaves a gear no tooth: a `thickness` (mm) of less than nothing."""
+    if given is not None:
+        raise DesignError(
+            f"{name}.thickness_allowance.upper",
+            given.upper,
+            unit="mm",
+            reason="leaves no tooth",
+            allowed=f"more than {at_least(given.upper - thickness)} mm",
+        )

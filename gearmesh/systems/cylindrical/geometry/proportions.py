@@ -15,9 +15,14 @@ from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, root_radiu
 from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut, LastCut
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, nominal_mesh, with_allowances
-from gearmesh.systems.cylindrical.geometry.shifts import shifts, tip_alterations, tip_radius
-from gearmesh.tools.shaper import Shaper
+from gearmesh.systems.cylindrical.geometry.nominal import (
+    MEMBERS,
+    ToothedGear,
+    nominal_mesh,
+    toothed_gear,
+    with_allowances,
+)
+from gearmesh.systems.cylindrical.geometry.shifts import addendum, shifts, tip_alterations, tip_radius
 
 if TYPE_CHECKING:
     from gearmesh.design.core import Design
@@ -28,13 +33,64 @@ ROOM = 0.8
 
 
 @dataclass(frozen=True)
-class PairProportions:
+class GearProportions(ToothedGear):
+    """A gear with the radii of its tip and its root."""
+
+    tip: float
+    root: float
+
+
+def gear_proportions(gear: ToothedGear) -> GearProportions:
+    """Tip and root of a gear of a complete design."""
+    return GearProportions(
+        gear.table,
+        gear.name,
+        gear.spec,
+        gear.own,
+        gear.profile,
+        tip=tip_radius(gear.spec, gear.own),
+        root=root_radius(gear),
+    )
+
+
+@dataclass(frozen=True)
+class GearsProportions:
+    """Gears, whether they mesh or not."""
+
+    gears: tuple[GearProportions, ...]
+
+    @property
+    def tips(self) -> tuple[float, ...]:
+        """Tip radii of all."""
+        return tuple(gear.tip for gear in self.gears)
+
+    @property
+    def roots(self) -> tuple[float, ...]:
+        """Root radii of all."""
+        return tuple(gear.root for gear in self.gears)
+
+
+@dataclass(frozen=True)
+class PairProportions(GearsProportions):
     """A pair with everything that its mesh says: teeth with their allowances, centre distance, radii of tips and roots."""
 
+    gears: tuple[GearProportions, GearProportions]
     mesh: InvolutePair
     nominal: InvolutePair
-    tips: tuple[float, float]
-    roots: tuple[float, float]
+
+    @property
+    def tips(self) -> tuple[float, float]:
+        """Tip radii of both."""
+        return self.gears[0].tip, self.gears[1].tip
+
+    @property
+    def roots(self) -> tuple[float, float]:
+        """Root radii of both."""
+        return self.gears[0].root, self.gears[1].root
+
+    def gear(self, name: str) -> GearProportions:
+        """One of both by its name."""
+        return self.gears[MEMBERS.index(name)]
 
     def clearance(self, k: int) -> float:
         """Radial clearance between the tip of a member, 0 the pinion, and the mating root."""
@@ -47,10 +103,8 @@ def proportions(design: CylindricalDesign) -> PairProportions:
     """Teeth, centre distance, tips and roots of a complete design. Raises DesignError where there is no working pressure angle."""
     nominal = nominal_mesh(design)
     mesh = with_allowances(design, nominal)
-    tips = tip_radius(design.pinion, mesh.pinion), tip_radius(design.gear, mesh.gear)
-    return PairProportions(
-        mesh, nominal, tips, (root_radius(design, "pinion", mesh.pinion), root_radius(design, "gear", mesh.gear))
-    )
+    first, second = (gear_proportions(toothed_gear(design, name, mesh)) for name in MEMBERS)
+    return PairProportions((first, second), mesh, nominal)
 
 
 def derived_values(design: CylindricalDesign) -> dict[str, float]:
@@ -62,13 +116,16 @@ def derived_values(design: CylindricalDesign) -> dict[str, float]:
     made = design.fill(defaults)
     nominal = nominal_mesh(made)
     tips = dict(zip(_keys("tip_alteration"), tip_alterations(made, nominal), strict=True))
-    defaults |= still_open(
-        design, {**tips, **{f"{name}.addendum": cut_addendum(made, name, nominal) for name in MEMBERS}}
-    )
+    mesh = with_allowances(made, nominal)
+    addenda = {
+        f"{name}.addendum": cut_addendum(toothed_gear(made, name, mesh), addendum(made, name, nominal))
+        for name in MEMBERS
+    }
+    defaults |= still_open(design, {**tips, **addenda})
     made = design.fill(defaults)
-    roundings = {f"{name}.tool_tip_radius": _rounding(made, name, nominal) for name in MEMBERS}
-    backlash = with_allowances(made, nominal).normal_backlash
-    return defaults | still_open(design, {**roundings, "backlash": backlash})
+    mesh = with_allowances(made, nominal)
+    roundings = {f"{name}.tool_tip_radius": _rounding(made, name, mesh) for name in MEMBERS}
+    return defaults | still_open(design, {**roundings, "backlash": mesh.normal_backlash})
 
 
 def _keys(key: str) -> list[str]:
@@ -90,30 +147,33 @@ def _counts_and_is_open(plain: dict[str, object], dotted: str) -> bool:
 
 
 def _rounding(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
-    """The tip rounding of the profile, or what the tool's tooth has room for."""
-    spec, own = getattr(design, name), getattr(mesh, name)
-    standard, m = PROFILES[design.profile][2], own.module
-    alpha = math.degrees(own.alpha)
-    if spec.hobbed:
-        if spec.root_diameter is not None:
-            depth = own.shift + (own.radius - 0.5 * spec.root_diameter) / m
-        else:
-            depth = given_or(spec.dedendum, PROFILES[design.profile][1])
-        given = getattr(with_allowances(design, mesh), name).allowance
-        if spec.hob is not None:
-            # the tip's flanks stand out of the finished flanks by this
-            given -= 2.0 * (spec.hob.protuberance - spec.hob.stock) / math.cos(own.alpha)
-        return straight_rounding(0.5 * math.pi - given / m, depth, (alpha, alpha), standard)
-    sharp = sharp_shaper(design, name, mesh)
-    return float(_clear(design, name, mesh, sharp, min(standard * m, ROOM * sharp.largest_tip_radius)) / m)
-
-
-def _clear(design: CylindricalDesign, name: str, mesh: InvolutePair, sharp: Shaper, most: float) -> float:
-    """The largest rounding of a cutter, up to `most`, with which the involute begins before the mating gear's tip; `most` if
-    none does."""
-    own, other = getattr(with_allowances(design, mesh), name), "gear" if name == "pinion" else "pinion"
+    """The tip rounding of the profile, or what the tool's tooth has room for; of a cutter the largest with which the involute
+    begins before the mating gear's tip, if one does."""
+    gear = toothed_gear(design, name, mesh)
+    most = tool_rounding(gear)
+    if gear.spec.hobbed:
+        return most
+    other = "gear" if name == "pinion" else "pinion"
     mating = getattr(mesh, other)
     tip = mating.roll_length(tip_radius(getattr(design, other), mating))
-    reached = mesh.mating_roll_length(tip, mating)
-    cut = FixedCut if getattr(design, name).formed else LastCut
-    return cut(sharp, own, root_radius(design, name, own)).largest_rounding(reached, most)
+    reached, m = mesh.mating_roll_length(tip, mating), gear.own.module
+    cut = FixedCut if gear.spec.formed else LastCut
+    return cut(sharp_shaper(gear), gear.own, root_radius(gear)).largest_rounding(reached, most * m) / m
+
+
+def tool_rounding(gear: ToothedGear) -> float:
+    """The tip rounding of the profile, in modules, or what the tool's tooth has room for."""
+    spec, own = gear.spec, gear.own
+    _, dedendum, standard = PROFILES[gear.profile]
+    if not spec.hobbed:
+        return min(standard, ROOM * sharp_shaper(gear).largest_tip_radius / own.module)
+    m, alpha = own.module, math.degrees(own.alpha)
+    if spec.root_diameter is not None:
+        depth = own.shift + (own.radius - 0.5 * spec.root_diameter) / m
+    else:
+        depth = given_or(spec.dedendum, dedendum)
+    given = own.allowance
+    if spec.hob is not None:
+        # the tip's flanks stand out of the finished flanks by this
+        given -= 2.0 * (spec.hob.protuberance - spec.hob.stock) / math.cos(own.alpha)
+    return straight_rounding(0.5 * math.pi - given / m, depth, (alpha, alpha), standard)

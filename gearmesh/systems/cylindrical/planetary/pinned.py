@@ -23,10 +23,10 @@ def planetary_values(design: PlanetaryDesign, train: GearTrain) -> Values:
         "assembly.center_distance": inner.mesh.distance,
         "assembly.planet_angles": ", ".join(repr(angle) for angle in design.angles),
     }
-    for mesh, pair, name, part, member in (
-        (both.inner, inner, SUN, "pinion", SUN),
-        (both.inner, inner, PLANET, "gear", f"{PLANET}_1"),
-        (both.outer, outer, RING, "gear", RING),
+    for gear, name, member in (
+        (inner.gear("pinion"), SUN, SUN),
+        (inner.gear("gear"), PLANET, f"{PLANET}_1"),
+        (outer.gear("gear"), RING, RING),
     ):
-        values |= member_values(mesh, (part, name), pair, train.members[member])
+        values |= member_values(gear, name, train.members[member])
     return values

@@ -20,7 +20,7 @@ from gearmesh.systems.cylindrical.geometry.geometry import Toothing, sum_of_shif
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.merit import ROUNDING, MeshMerit, mesh_merit
 from gearmesh.systems.cylindrical.planetary import motion
-from gearmesh.systems.cylindrical.planetary.build import Meshes, meshes
+from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN, PlanetaryDesign
 from gearmesh.systems.cylindrical.sizing import DECIMALS, FEWEST, WIDTH, share_shifts
 
@@ -267,7 +267,7 @@ def _judge(wanted: WantedSet, trial: SetTrial) -> SetCandidate:
         faults=(
             *(f"{INNER}: {fault}" for fault in inner.faults),
             *(f"{OUTER}: {fault}" for fault in outer.faults),
-            *_set_faults(both, second, apart / trial.module, clearance),
+            *_set_faults(second, apart / trial.module, clearance),
         ),
     )
 
@@ -362,9 +362,9 @@ def _least_clearance(first: PairProportions, second: PairProportions) -> float:
     return min(geometry.clearance(k) for geometry in (first, second) for k in (0, 1))
 
 
-def _set_faults(both: Meshes, outer: PairProportions, apart: float, clearance: float) -> tuple[str, ...]:
+def _set_faults(outer: PairProportions, apart: float, clearance: float) -> tuple[str, ...]:
     faults = {
-        f"{OUTER}: cutter trims the tips": bool(trimming_warnings(both.outer, outer.mesh, outer.tips)),
+        f"{OUTER}: cutter trims the tips": bool(trimming_warnings(outer.gears)),
         f"planets closer than {APART:g} modules": apart < APART,
         f"tip to root below {CLEARANCE:g} modules": clearance < CLEARANCE,
     }

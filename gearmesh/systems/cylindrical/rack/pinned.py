@@ -21,5 +21,5 @@ def rack_values(design: RackDesign, train: GearTrain) -> Values:
         "assembly.mounting_distance": geometry.mesh.mounting_distance,
         f"{RACK}.teeth": design.rack_teeth,
         f"{RACK}.length": design.rack_teeth * design.pitch + 2.0 * design.overhang,
-        **member_values(geometry.pair, ("pinion", PINION), geometry.of_pair, train.members[PINION]),
+        **member_values(geometry.of_pair.gear("pinion"), PINION, train.members[PINION]),
     }

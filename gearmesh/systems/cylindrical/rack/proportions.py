@@ -210,7 +210,7 @@ def _shaper_rounding(pair: CylindricalDesign, mesh: RackMesh, standard: float) -
     """The tip rounding of a shaped pinion's cutter: the profile's, or what it has room for and leaves the involute that the rack's
     tips need."""
     own, of_pair = mesh.pinion, proportions(pair)
-    sharp = sharp_shaper(pair, "pinion", of_pair.nominal)
+    sharp = sharp_shaper(of_pair.gear("pinion"))
     most = min(standard * own.module, ROOM * sharp.largest_tip_radius)
     reached = mesh.roll_length_at((mesh.rack.addendum + BEYOND) * own.module)
     return LastCut(sharp, own, of_pair.roots[0]).largest_rounding(reached, most) / own.module

@@ -1,0 +1,11 @@
+"""One cylindrical gear without a mating gear: its keys, the member built of it, its data sheet."""
+
+from gearmesh.systems.cylindrical.single.build import build, derived_values
+from gearmesh.systems.cylindrical.single.design import SingleGearDesign, is_single
+from gearmesh.systems.cylindrical.single.pinned import single_values
+from gearmesh.systems.cylindrical.single.sheet import single_sheet
+from gearmesh.systems.system import System
+
+SYSTEM = System("cylindrical", SingleGearDesign, build, derive=derived_values, sheet=single_sheet, pinned=single_values)
+
+__all__ = ["SYSTEM", "is_single"]

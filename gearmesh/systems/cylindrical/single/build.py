@@ -1,0 +1,94 @@
+"""One cylindrical gear without a mating gear: its proportions by the basic rack alone, and the member built of it [ISO 21771].
+
+Fixed frame: the gear's own, its axis z, the middle of the face at z = 0, a tooth (of an internal gear as of an external one) on +x.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from gearmesh.errors import DesignError
+from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.common.defaults import unusual_defaults
+from gearmesh.systems.cylindrical.build import gear_member, standard_rounding
+from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, other_cutters, trimming_warnings
+from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.double_helical import double_helical_member, first_halves
+from gearmesh.systems.cylindrical.geometry.nominal import ToothedGear, refuse_thin_allowance, teeth_of
+from gearmesh.systems.cylindrical.geometry.proportions import (
+    GearProportions,
+    gear_proportions,
+    still_open,
+    tool_rounding,
+)
+from gearmesh.teeth.gear_train import GearTrain
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.single.design import SingleGearDesign
+
+#: what a finite-element model of a double helical gear is of
+HALF = "double helical: finite elements are for one half, and the other half is its mirror image"
+
+
+def single_gear(design: SingleGearDesign) -> ToothedGear:
+    """The teeth of the gear, with the middle of their allowances."""
+    given = design.spec.thickness_allowance
+    own = teeth_of(design, design.spec, allowance=0.0 if given is None else given.middle)
+    return ToothedGear(design.member_name, design.member_name, design.spec, own, design.profile)
+
+
+def derived_values(design: SingleGearDesign) -> dict[str, float]:
+    """What the basic rack says of keys that the file leaves out, by dotted key, in the design's units.
+
+    Raises DesignError for cutters that cannot exist.
+    """
+    name = design.member_name
+    defaults = still_open(design, {f"{name}.profile_shift": 0.0, f"{name}.tip_alteration": 0.0})
+    gear = single_gear(design.fill(defaults))
+    defaults |= still_open(design, {f"{name}.addendum": cut_addendum(gear, PROFILES[design.profile][0])})
+    rounding = tool_rounding(single_gear(design.fill(defaults)))
+    return defaults | still_open(design, {f"{name}.tool_tip_radius": rounding})
+
+
+def proportions(design: SingleGearDesign) -> GearProportions:
+    """Teeth, tip and root of a complete design; of a double helical gear those of its first half."""
+    return gear_proportions(single_gear(first_halves(design)))
+
+
+def build(design: SingleGearDesign) -> GearTrain:
+    """The gear of a design (in mm), which meshes with none.
+
+    Raises DesignError naming key, value and limit: teeth or cutters that cannot exist.
+    """
+    gear = proportions(design)
+    _refuse_thin(gear)
+    member = gear_member(gear)
+    if design.double_helical:
+        member = double_helical_member(design, member, gear)
+    lacking = "gear" if gear.name == "pinion" else "pinion"
+    return GearTrain(design.kind, (), _warnings(design, gear), unpaired=(member,), lacking=lacking)
+
+
+def _refuse_thin(gear: GearProportions) -> None:
+    """Refuse a thickness allowance or a profile shift that leaves no tooth."""
+    own = gear.own
+    if own.thickness > 0.0:
+        return
+    refuse_thin_allowance(gear.name, gear.spec.thickness_allowance, own.thickness)
+    raise DesignError(
+        f"{gear.name}.profile_shift",
+        own.shift,
+        reason="leaves no tooth",
+        allowed=f"more than {at_least(-0.25 * math.pi / math.tan(own.alpha))}",
+    )
+
+
+def _warnings(design: SingleGearDesign, gear: GearProportions) -> tuple[str, ...]:
+    """Warnings about a design: adapted defaults, cutters."""
+    standard = standard_rounding(gear)
+    if gear.own.internal and gear.spec.tip_diameter is None:
+        why = "its cutter generates involute up to there"
+        standard[f"{gear.name}.addendum"] = (PROFILES[design.profile][0], why)
+    said = (HALF,) if design.double_helical else ()
+    return (*unusual_defaults(design, standard), *other_cutters((gear,)), *trimming_warnings((gear,)), *said)

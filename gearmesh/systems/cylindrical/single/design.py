@@ -1,0 +1,57 @@
+"""Design of one spur or helical gear without a mating gear [ISO 21771]: the keys of a pair that need none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import model_validator
+
+from gearmesh.design.keys import Key, conflict
+from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
+
+#: tables of a pair, one of which is the gear
+MEMBERS = ("pinion", "gear")
+#: why a key has no meaning
+ALONE = "needs a mating gear: give both tables, [pinion] and [gear]"
+
+
+def is_single(keys: Mapping[str, Any]) -> bool:
+    """Whether the keys of a design of kind cylindrical have the table of one gear alone."""
+    return sum(name in keys for name in MEMBERS) == 1
+
+
+class SingleGearDesign(HalvesKeys):
+    """One spur or helical gear, external or internal, without a mating gear: the table pinion or the table gear."""
+
+    own_kind: ClassVar[str] = "cylindrical"
+    absent: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("assembly", "contact", "backlash", "circumferential_backlash", "shift_sharing"), ALONE
+    )
+    example: ClassVar[Mapping[str, Any]] = {"module": 1, "gear": {"teeth": 30, "face_width": 10}}
+    about: ClassVar[str] = "one spur or helical gear, external or internal, without a mating gear [ISO 21771]"
+
+    hand: Annotated[str, Key("choice", "hand of the gear's helix", choices=("right", "left"))] = "right"
+    pinion: CylindricalMember | None = None
+    gear: CylindricalMember | None = None
+
+    @model_validator(mode="after")
+    def _one_gear(self) -> Self:
+        if len(self.specs) != 1:
+            raise conflict("gear", None, reason="a single gear is given by one of the tables [pinion] and [gear]")
+        return self
+
+    @property
+    def member_name(self) -> str:
+        """What the gear is called: as its table."""
+        return next(iter(self.specs))
+
+    @property
+    def spec(self) -> CylindricalMember:
+        """Its table."""
+        spec: CylindricalMember = self.specs[self.member_name]
+        return spec
+
+    @property
+    def counted_teeth(self) -> int:
+        return self.spec.teeth

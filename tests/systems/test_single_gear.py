@@ -1,0 +1,148 @@
+"""One cylindrical gear without a mating gear: the same gear as in a pair, by its own keys alone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearmesh as gm
+from gearmesh.errors import DesignError
+from gearmesh.systems.cylindrical.geometry import measures
+from gearmesh.systems.cylindrical.single.build import single_gear
+
+#: one of each kind: spur, helical and left, internal helical, double helical with a gap, shaped external, hob with protuberance
+GEARS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "spur": ({"module": 1}, {"teeth": 30, "face_width": 10}),
+    "helical": (
+        {"module": 2.5, "helix_angle": 17, "hand": "left", "profile": "D", "pressure_angle": 17.5},
+        {"teeth": 23, "face_width": 21, "profile_shift": 0.3, "tip_chamfer": 0.2, "bore": 20, "keyway": {}},
+    ),
+    "internal": (
+        {"module": 1.5, "helix_angle": 10},
+        {
+            "teeth": 62,
+            "internal": True,
+            "face_width": 12,
+            "thickness_allowance": {"upper": -0.03, "lower": -0.07},
+            "addendum": 0.8,
+        },
+    ),
+    "double_helical": (
+        {"module": 2, "helix_angle": 25, "arrangement": "double_helical", "gap": 6},
+        {"teeth": 27, "face_width": 46, "web": {"thickness": 20}},
+    ),
+    "shaped": ({"module": 3}, {"teeth": 19, "face_width": 9, "shaper": {"teeth": 25}}),
+}
+
+
+def alone_and_in_pair(name: str, table: str) -> tuple[gm.Gears, gm.Gears]:
+    """A gear by itself, and pinned in a pair with another one whose shift is its own with the other sign."""
+    keys, own = GEARS[name]
+    alone = gm.build(gm.parse({"kind": "cylindrical", **keys, table: own}))
+    spec = getattr(alone.design, table)
+    defaults = ("profile_shift", "addendum", "tip_alteration", "tool_tip_radius")
+    pinned = {**own, **{key: getattr(spec, key) for key in defaults}}
+    # the other member's hand is that of the pinion where one of both is internal
+    turned = {"left": "right", "right": "left"}
+    hand = keys.get("hand", "right")
+    if table == "gear" and not spec.internal:
+        keys = {**keys, "hand": turned[hand]}
+    other = {
+        "teeth": 24 if spec.internal else 40,
+        "face_width": own["face_width"],
+        "profile_shift": -spec.profile_shift,
+        "thickness_allowance": {"upper": 0, "lower": 0},
+    }
+    if "thickness_allowance" not in own:
+        pinned["thickness_allowance"] = {"upper": 0, "lower": 0}
+    mating = "gear" if table == "pinion" else "pinion"
+    return alone, gm.build(gm.parse({"kind": "cylindrical", **keys, table: pinned, mating: other}))
+
+
+@pytest.mark.parametrize(
+    ("name", "table"),
+    [
+        ("spur", "gear"),
+        ("helical", "pinion"),
+        ("helical", "gear"),
+        ("internal", "gear"),
+        ("double_helical", "gear"),
+        ("shaped", "pinion"),
+    ],
+)
+def test_is_the_same_gear_as_in_a_pair(name: str, table: str) -> None:
+    """Second route: the pair's own defaults, sheet and mesh, bit for bit."""
+    alone, pair = alone_and_in_pair(name, table)
+    one, other = (gears.solid(table, 0.05).mesh for gears in (alone, pair))
+    assert np.array_equal(one.vertices, other.vertices)
+    assert np.array_equal(one.triangles, other.triangles)
+    column = ("pinion", "gear").index(table)
+    theirs = pair.sheet().plain_tables
+    compared = 0
+    for title, rows in alone.sheet().plain_tables.items():
+        if title in ("Derived keys (lengths in mm)", "Gear"):
+            continue
+        for symbol, (unit, value) in rows.items():
+            assert theirs[title][symbol][0] == unit
+            assert theirs[title][symbol][1 + column] == value, (title, symbol)
+            compared += 1
+    assert compared > 40
+
+
+def test_measures_are_the_published_ones() -> None:
+    """Spans: 30 teeth of module 1 as in tables of base tangent lengths; m 3, z 24, x 0.4 as in Elements of Metric Gear Technology
+    (SDP/SI), table 10-12. Over pins of 1.728 modules: Machinery's Handbook, 20 deg, 30 teeth."""
+    for keys, teeth, span in (
+        ({"module": 1}, {"teeth": 30}, 10.7526),
+        ({"module": 3}, {"teeth": 24, "profile_shift": 0.4}, 32.8266),
+    ):
+        alone = gm.build(gm.parse({"kind": "cylindrical", **keys, "gear": {"face_width": 30, **teeth}}))
+        measured = alone.sheet().plain_tables["Measures of the tooth thickness"]
+        assert measured["k_W"][1] == 4
+        assert measured["W_k"][1] == pytest.approx(span, abs=5e-5)
+    design: Any = gm.parse({"kind": "cylindrical", "module": 1, "gear": {"teeth": 30, "face_width": 10}})
+    assert measures.over_pins(single_gear(design).own, 1.728) == pytest.approx(32.4102, abs=5e-5)
+
+
+def test_answers_that_need_no_mating_gear() -> None:
+    gears = gm.build(gm.parse({"kind": "cylindrical", "module": 1, "pinion": {"teeth": 12, "face_width": 4}}))
+    assert [limits.fewest_teeth for limits in gears.limits().members.values()] == [18]
+    check = gears.check(0.02)
+    assert [verdict.ok for verdict in check.verdicts] == [True, True]
+    assert gears.solids(0.02).parts["pinion"].measured.watertight
+    again = gm.parse(gears.pin().design.resolve())
+    assert np.array_equal(
+        gm.build(again).solid("pinion", 0.05).mesh.vertices, gears.solid("pinion", 0.05).mesh.vertices
+    )
+
+
+@pytest.mark.parametrize(
+    ("keys", "line"),
+    [
+        ({"assembly": {"dx": 1}}, "assembly: needs a mating gear: give both tables, [pinion] and [gear]"),
+        ({"backlash": 0.1}, "backlash: needs a mating gear: give both tables, [pinion] and [gear]"),
+        ({"contact": {"flank": "left"}}, "contact: needs a mating gear: give both tables, [pinion] and [gear]"),
+        ({"gap": 1.0}, 'gap = 1.0: needs arrangement = "double_helical"'),
+        ({"gear.profile_shift": -3.0}, "gear.profile_shift = -3: leaves no tooth; allowed is more than -2.157"),
+        (
+            {"gear.thickness_allowance": {"upper": -2, "lower": -3}},
+            "gear.thickness_allowance.upper = -2 mm: leaves no tooth; allowed is more than -1.07",
+        ),
+    ],
+)
+def test_refusals_name_the_key(keys: dict[str, Any], line: str) -> None:
+    gear = {"teeth": 30, "face_width": 10, **{key[5:]: value for key, value in keys.items() if key.startswith("gear.")}}
+    top = {key: value for key, value in keys.items() if not key.startswith("gear.")}
+    with pytest.raises(DesignError) as refused:
+        gm.build(gm.parse({"kind": "cylindrical", "module": 1, "gear": gear, **top}))
+    assert str(refused.value).startswith(line)
+
+
+def test_what_needs_a_mating_gear_says_so() -> None:
+    gears = gm.build(gm.parse({"kind": "cylindrical", "module": 1, "gear": {"teeth": 30, "face_width": 10}}))
+    line = "pinion: the gear has no mating gear, which contact, load and all figures of a mesh need: add the table \\[pinion\\]"
+    for ask in (gears.contact, lambda: gears.loaded_contact(10), gears.ease_off, lambda: gears.picture("contact")):
+        with pytest.raises(DesignError, match=f"^{line}$"):
+            ask()
