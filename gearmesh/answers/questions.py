@@ -107,8 +107,8 @@ class SolvedGears(GearSet):
         )
 
     def check_solved(self, contacts: Mapping[int, Contact], solids: dict[str, Solid]) -> Check:
-        """The check of solved contacts, by the numbers of their pairs, and of solids by the names of their members; of gears that do
-        not mesh that of the solids."""
+        """The check of solved contacts, by the numbers of their pairs, and of solids by the names of their members; of gears that
+        do not mesh that of the solids."""
         from gearmesh.answers.check import Check, RollTest, roll_test
 
         if not contacts:

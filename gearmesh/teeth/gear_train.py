@@ -328,8 +328,9 @@ class GearPair:
 class GearTrain:
     """What every further step starts from: all members by their names, and the pairs that mesh.
 
-    `unpaired`: members that mesh with none, and `lacking` what a design calls the one that they would mesh with. `warnings`: what the design's owner should know of the geometry, one line each; `alike`: for every pair the number of the first
-    one that meshes as it does, but for the phase; empty where all are different.
+    `unpaired`: members that mesh with none, and `lacking` what a design calls the one that they would mesh with; `warnings`: what
+    the design's owner should know of the geometry, one line each; `alike`: for every pair the number of the first one that meshes
+    as it does, but for the phase; empty where all are different.
     """
 
     kind: str

@@ -60,7 +60,7 @@ def half_width(design: HalvesKeys, spec: CylindricalMember) -> float:
 
 
 def double_helical_member(design: HalvesKeys, half: Member, gear: GearProportions) -> Member:
-    """A member of a double helical design (in mm) of its first half, the `gear`: both halves, the gap, and the features of the body.
+    """A member of a double helical design (in mm) of its first half, the `gear`: both halves, the gap, the features of the body.
 
     Raises DesignError naming key, value and limit.
     """
