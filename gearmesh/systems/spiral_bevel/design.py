@@ -588,7 +588,7 @@ class FaceMilledDesign(BevelDesign):
     ] = DERIVED
     accuracy_grade: Annotated[
         int,
-        Key("count", "grade of accuracy, for the default backlash", low=2, high=11, source="ISO 17485"),
+        Key("count", "grade of accuracy, for tolerances and the default backlash", low=2, high=11, source="ISO 17485"),
     ] = 7
     spiral_angle: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="ISO 23509")] = 35.0
     pressure_angle: Annotated[

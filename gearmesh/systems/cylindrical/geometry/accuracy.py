@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from gearmesh.systems.common.tolerance_rounding import round_tolerance
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 
 #: what tolerances are called, by symbol, in the order of the standard
@@ -25,8 +26,6 @@ NAMES = {
 #: largest helix angle, rad, and ranges of teeth, diameter, module and width (mm)
 STEEPEST_HELIX = math.radians(45.0)
 TEETH, DIAMETER, MODULE, WIDTH = (5, 1000), (5.0, 15000.0), (0.5, 70.0), (4.0, 1200.0)
-#: um up to which tolerances are rounded to 0.1 and to 0.5; beyond it is to 1
-FINE, MIDDLE = 5.0, 10.0
 
 
 def tolerances(accuracy_class: int, teeth: Toothing, width: float) -> dict[str, float] | None:
@@ -48,12 +47,6 @@ def tolerances(accuracy_class: int, teeth: Toothing, width: float) -> dict[str, 
         helix_slope,
         math.hypot(helix_form, helix_slope),
     )
-    factor = math.sqrt(2.0) ** (accuracy_class - 5)
+    # exact where it is a whole power of 2: halves are halves
+    factor = 2.0 ** (0.5 * (accuracy_class - 5))
     return {symbol: round_tolerance(factor * value) for symbol, value in zip(NAMES, values, strict=True)}
-
-
-def round_tolerance(tolerance: float) -> float:
-    """A tolerance (um) as the standard rounds it: to 0.1 below 5 um, to 0.5 up to 10 um, to 1 beyond; halves go up."""
-    step = 0.1 if tolerance < FINE else 0.5 if tolerance <= MIDDLE else 1.0
-    # a tenth has no exact number: what is printed is
-    return round(math.floor(tolerance / step + 0.5) * step, 1)

@@ -8,6 +8,7 @@ import numpy as np
 
 from gearmesh.systems.spiral_bevel.build import cut_alone
 from gearmesh.systems.spiral_bevel.machine.pair import SIDES, index_angles
+from gearmesh.systems.spiral_bevel.sheet.accuracy import tolerance_table
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutTooth, measured_table, point_width
 from gearmesh.systems.spiral_bevel.sheet.sheet import (
     fit_edge_radius,
@@ -56,4 +57,5 @@ def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
             noun,
         ),
         measured_table((tooth,), blank.clearance, unit, noun),
+        tolerance_table(own_design.accuracy_grade, blank, (name,)),
     )

@@ -24,6 +24,7 @@ from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.maker_settings import maker_table
 from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES, nominal_base
+from gearmesh.systems.spiral_bevel.sheet.accuracy import tolerance_table
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutPair, dimension_tables
 from gearmesh.systems.spiral_bevel.sheet.form_tables import form_tables
 from gearmesh.systems.spiral_bevel.sheet.thrusts import thrust_table
@@ -73,6 +74,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
         SheetTable("Pair", ("",), pair_rows_of(blank, unit, design.units)),
         *setting_tables(made_sides, sides, tuple(index.values()), unit, design.units),
         *dimension_tables(cut, own.hand, (float(slots[0].min()), float(slots[1].min())), unit, design.units),
+        tolerance_table(own.accuracy_grade, blank, ("pinion", "gear")),
     )
     if isinstance(own, HypoidDesign):
         tables = (*tables, _offset_table(own, made.proportions, unit, design.units))
