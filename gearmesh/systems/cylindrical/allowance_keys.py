@@ -8,7 +8,7 @@ from typing import Annotated, Any, Self
 from pydantic import model_validator
 
 from gearmesh.design.keys import DERIVED, Key, Table, conflict
-from gearmesh.systems.common import iso286
+from gearmesh.systems.common.standards import iso286
 from gearmesh.systems.cylindrical.geometry import din3967
 
 #: letters and grades of tip diameters

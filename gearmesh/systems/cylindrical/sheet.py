@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from gearmesh.design.core import DENSITY
-from gearmesh.systems.common.iso286 import Deviations
 from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.common.standards.iso286 import Deviations
 from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.cylindrical.double_helical import half_of, half_width
 from gearmesh.systems.cylindrical.geometry import accuracy, measures

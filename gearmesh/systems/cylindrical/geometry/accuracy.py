@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from gearmesh.systems.common.tolerance_rounding import round_tolerance
+from gearmesh.systems.common.standards.tolerance_rounding import round_tolerance
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 
 #: what tolerances are called, by symbol, in the order of the standard

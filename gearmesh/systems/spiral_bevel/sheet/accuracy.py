@@ -11,8 +11,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from gearmesh.systems.common.standards.tolerance_rounding import round_tolerance
 from gearmesh.systems.common.symbol_table import Row, Values, table
-from gearmesh.systems.common.tolerance_rounding import round_tolerance
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
 from gearmesh.systems.system import SheetTable
 
