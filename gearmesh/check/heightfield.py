@@ -481,13 +481,12 @@ class GridFlank:
     def jet(self, index: Array) -> tuple[Array, Array, Array]:
         """Points and their partials (N, 3) at fractional indices (N, 2)."""
         cell = np.clip(index.astype(np.int64), 0, np.array(self._coefficients.shape[:2]) - 1)
-        powers, slopes = _powers(index - cell)
-        local = self._coefficients[cell[:, 0], cell[:, 1]]
-        # contraction over j once for the value and once for the slope, then over i
-        value = (powers[:, 1, None, None, :] @ local)[:, :, 0]
-        turned = (slopes[:, 1, None, None, :] @ local)[:, :, 0]
-        point = (powers[:, 0, None, :] @ value)[:, 0]
-        return point, (slopes[:, 0, None, :] @ value)[:, 0], (powers[:, 0, None, :] @ turned)[:, 0]
+        along_i, along_j = np.moveaxis(np.stack(_powers(index - cell), axis=-2), 1, 0)
+        # contraction over i for the value and the slope at once, then over j: two products of small matrices a place
+        over_i = along_i @ self._coefficients[cell[:, 0], cell[:, 1]].reshape(-1, 4, 12)
+        over_i = over_i.reshape(-1, 2, 4, 3)
+        at_place = along_j @ over_i[:, 0]
+        return at_place[:, 0], (along_j[:, None, 0] @ over_i[:, 1])[:, 0], at_place[:, 1]
 
     @cached_property
     def nodes(self) -> tuple[Array, Array, Array]:

@@ -86,21 +86,28 @@ class MemberRoll:
 
 
 def roll_members(
-    pair: GearPair, phi1: ArrayLike, cells: int = HALF_CELLS, guess_phi2: ArrayLike | None = None
+    pair: GearPair,
+    phi1: ArrayLike,
+    cells: int = HALF_CELLS,
+    guess_phi2: ArrayLike | None = None,
+    *,
+    coast: bool = True,
 ) -> tuple[MemberRoll, ...]:
     """Roll whole members at pinion rotations phi1 (P,), rad: first touch on the drive side and on the coast side.
 
-    Whole turns are added to phi2 to bring it next to `guess_phi2` (P,) or (), by default ratio * phi1. Raises TrimError
+    Without `coast` the drive side alone, half of the work. Whole turns are added to phi2 to bring it next to `guess_phi2` (P,) or (), by default ratio * phi1. Raises TrimError
     where a tooth cannot be trimmed.
     """
     angles, guesses = _rotations(pair, phi1, guess_phi2)
-    sides = [_RolledSide.of(pair, coast, cells) for coast in (False, True)]
+    drive_side = _RolledSide.of(pair, coast=False, cells=cells)
+    coast_side = _RolledSide.of(pair, coast=True, cells=cells) if coast else None
     rolls = []
     for angle, guess in zip(angles.tolist(), guesses.tolist(), strict=True):
-        drive, coast = (side.at(angle, guess) for side in sides)
-        if drive[0] is not None and coast[0] is None:
-            coast = sides[1].at(angle, drive[0].phi2)
-        rolls.append(MemberRoll(angle, pair.drive, drive[0], coast[0], drive[1], coast[1]))
+        drive, drive_pairs = drive_side.at(angle, guess)
+        back, back_pairs = (None, dict[int, float]()) if coast_side is None else coast_side.at(angle, guess)
+        if coast_side is not None and drive is not None and back is None:
+            back, back_pairs = coast_side.at(angle, drive.phi2)
+        rolls.append(MemberRoll(angle, pair.drive, drive, back, drive_pairs, back_pairs))
     return tuple(rolls)
 
 

@@ -51,7 +51,7 @@ NEAR_UNDERCUT = 0.2
 #: top land (mean normal modules) that a pinion keeps when its addendum grows
 LAND = 0.2
 #: designs whose teeth are remembered
-REMEMBERED = 8
+REMEMBERED = 64
 
 
 @dataclass(frozen=True)
