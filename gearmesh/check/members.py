@@ -95,8 +95,8 @@ def roll_members(
 ) -> tuple[MemberRoll, ...]:
     """Roll whole members at pinion rotations phi1 (P,), rad: first touch on the drive side and on the coast side.
 
-    Without `coast` the drive side alone, half of the work. Whole turns are added to phi2 to bring it next to `guess_phi2` (P,) or (), by default ratio * phi1. Raises TrimError
-    where a tooth cannot be trimmed.
+    Without `coast` the drive side alone, half of the work. Whole turns are added to phi2 to bring it next to `guess_phi2` (P,)
+    or (), by default ratio * phi1. Raises TrimError where a tooth cannot be trimmed.
     """
     angles, guesses = _rotations(pair, phi1, guess_phi2)
     drive_side = _RolledSide.of(pair, coast=False, cells=cells)

@@ -61,7 +61,6 @@ for line in '''
     solid @spur.toml --member pinion -o section.dxf
     solid @spur.toml --member gear --section 2mm -o section.svg
     fe @spur.toml --no-timing --teeth 1 --set fe.flank=4 --set fe.fillet=3 -o model.inp --json fe.json
-    render @spur.toml --size 320x240 -o picture.png
     new face_gear -o new.toml
     run @spur.toml --no-timing --tol 0.1 --set contact.phi1.count=3 -o out
 '''.strip().splitlines():
@@ -91,7 +90,7 @@ SOME = {
         "check.json",
         "worm.stl",
     ),
-    *("pair.step", "section.dxf", "section.svg", "fe.json", "picture.png", "out/report.json", "out/report.html"),
+    *("pair.step", "section.dxf", "section.svg", "fe.json", "out/pair.png", "out/report.json", "out/report.html"),
 }
 
 
@@ -99,7 +98,7 @@ def test_two_processes_write_the_same(tmp_path: Path) -> None:
     needs = {
         "pair.step": find_spec("OCP") is not None,
         "section.dxf": find_spec("ezdxf") is not None,
-        "picture.png": missing_opengl_message() is None,
+        "out/pair.png": missing_opengl_message() is None,
     }
     missing = {file for file, there in needs.items() if not there}
     lines = (FORMATS + COMMANDS).splitlines(keepends=True)
