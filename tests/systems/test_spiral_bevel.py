@@ -235,6 +235,16 @@ def test_round_trip_of_local_synthesis_through_contact_analysis(part: int) -> No
     assert (worst < ((1.0, 1e-6, 1e-11), (1.0, 1e-6, 1e-9))).all(), worst
 
 
+def test_bare_contact_beside_a_saddle_of_the_advance() -> None:
+    """The grid showed the saddle alone, where the surfaces cross; the second derivative is what the synthesis was asked for."""
+    design = load(Path(__file__).parents[1] / "corpus" / "saddle_spiral_bevel_tilted.toml")
+    path, mean, pair = bare_path(design, "convex", STEP * np.arange(-3.0, 4.0))
+    assert (path.kind == "point").all()
+    assert abs(path.phi2[3]) < 1e-12
+    asked = contact_asked(design, basic_blank(design), "convex").ratio_derivative
+    assert abs(measured(path, mean, pair.ratio)[0] / asked - 1.0) < second_tolerance(path, pair, asked)
+
+
 def test_hands_are_mirror_images() -> None:
     found = {}
     for hand in HANDS:

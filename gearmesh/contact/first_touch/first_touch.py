@@ -48,11 +48,14 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
                 sharp = sharpen(part, phi1, trial.position[lost], trial.start[lost])
                 again = Trial.of(trial.position[lost], sharp, trial.edges[lost])
                 refine_candidates(part, phi1, again, contacts, number, edges=edges)
-            missed = np.flatnonzero((places.best > contacts.advance + UNSEEN) & (places.top >= 0))
-            if edges and missed.size:
-                missed = _confirm_missed(part, phi1, missed, places, contacts)
-            if edges and missed.size:
-                _on_finer_grid(part, phi1, missed, places, contacts, number)
+            if edges:
+                missed = np.flatnonzero((places.best > contacts.advance + UNSEEN) & (places.top >= 0))
+                missed = _confirm_missed(part, phi1, missed, places, contacts) if missed.size else missed
+            else:
+                # of the summit of a ridge a coarse grid may show nothing but the saddle beside it
+                missed = np.flatnonzero(~contacts.touching & (places.top >= 0))
+            if missed.size:
+                _on_finer_grid(part, phi1, missed, places, contacts, number, edges=edges)
             if number == 0:
                 flanks = contacts.at(np.arange(len(phi1)))
     return contacts, flanks
@@ -69,12 +72,23 @@ def _confirm_missed(
 
 
 def _on_finer_grid(
-    pair: Pair, phi1: Array, missed: NDArray[np.intp], coarse: Candidates, contacts: Contacts, number: int
+    pair: Pair,
+    phi1: Array,
+    missed: NDArray[np.intp],
+    coarse: Candidates,
+    contacts: Contacts,
+    number: int,
+    *,
+    edges: bool,
 ) -> None:
     """Positions at which a sample is ahead that was not solved for: on a finer grid, on which candidates are
-    refined."""
-    fine = candidates(pair, phi1, only=missed, finer=True)
-    refine_candidates(pair, phi1, Trial.of(fine.position, fine.x, fine.edges), contacts, number)
+    refined, without `edges` those inside both flanks."""
+    fine = candidates(pair, phi1, trimmed=edges, only=missed, finer=True)
+    own = np.flatnonzero(edges | (fine.edges == INTERIOR).all(axis=1))
+    trial = Trial.of(fine.position[own], fine.x[own], fine.edges[own])
+    refine_candidates(pair, phi1, trial, contacts, number, edges=edges)
+    if not edges:
+        return
     # only nodes of the coarse grid are on the very ends of flanks, and only nodes are sure to be on both: where lines of the grid
     # cross an edge of the gear is a guess
     nodes = np.flatnonzero(~np.isin(coarse.edges[:, 0], OF_GEAR))
