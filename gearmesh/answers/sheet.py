@@ -15,7 +15,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.systems import system as systems
-from gearmesh.systems.common.plain_sheet import member_table, plain_sheet
+from gearmesh.systems.common.plain_sheet import member_table, plain_sheet, tool_table
 from gearmesh.systems.system import Setting, SheetTable
 
 
@@ -143,7 +143,9 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
     """What is derived from a design, as `Gears.sheet` says."""
     known = systems.system_of(gears.design)
     sheet = (known.sheet or plain_sheet)(gears.design, gears.train)
-    tables = sheet.tables
+    # planets, which are numbered, are made alike
+    members = {gears.design.table_named(name): member for name, member in gears.train.members.items()}
+    tables = (*sheet.tables, tool_table(members))
     if speed is not None and torque is None:
         raise ArgumentError("speed", speed, reason="needs a torque")
     if torque is not None:
@@ -161,7 +163,8 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
 def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
     """What is derived of one member, as `Gears.sheet` says."""
     part, own = gears.part(name), systems.system_of(gears.design).member_sheet
-    tables = (*(() if own is None else own(gears.design, name)), member_table(part.member))
+    of_member = () if own is None else own(gears.design, name)
+    tables = (*of_member, member_table(part.member), tool_table({name: part.member}))
     left_out = f"{name}: one member alone: its sheet has no axes, ratio, backlash, contact ratios or forces"
     return DesignSheet(gears.design, tables, {}, (*gears.warnings, *part.warnings, left_out))
 

@@ -26,11 +26,12 @@ class HeightZero(StrEnum):
 
 @dataclass(frozen=True)
 class Dimension:
-    """A dimension of a tool by its name, in `unit`: mm, deg, or "" for a number."""
+    """A dimension of a tool by its name, in `unit`: mm, deg, or "" for a number; `symbol` as of ISO 21771 with the index 0."""
 
     name: str
     value: float
     unit: str
+    symbol: str = ""
 
     def __str__(self) -> str:
         return " ".join(filter(None, (self.name, f"{self.value:.6g}", self.unit)))

@@ -75,8 +75,8 @@ class Disk:
     def description(self, rack: ToolDescription) -> ToolDescription:
         """The disk of a rack cutter: heights of its profile are the rack's."""
         dimensions = (
-            Dimension("pitch diameter", 2.0 * self.radius, "mm"),
-            Dimension("crossing angle", float(np.degrees(self.crossing_angle)), "deg"),
+            Dimension("pitch diameter", 2.0 * self.radius, "mm", "d_0"),
+            Dimension("crossing angle", float(np.degrees(self.crossing_angle)), "deg", "Sigma_0"),
         )
         return replace(rack, name="grinding disk", drawing=TurnedDrawing(), dimensions=dimensions)
 

@@ -115,9 +115,9 @@ class Blade:
     @property
     def description(self) -> ToolDescription:
         dimensions = (
-            Dimension("point radius", self.tip_radius, "mm"),
-            Dimension("blade angle", float(np.degrees(self.blade_angle)), "deg"),
-            Dimension("edge radius", self.edge_radius, "mm"),
+            Dimension("point radius", self.tip_radius, "mm", "r_P0"),
+            Dimension("blade angle", float(np.degrees(self.blade_angle)), "deg", "alpha_0"),
+            Dimension("edge radius", self.edge_radius, "mm", "rho_a0"),
         )
         zero = HeightZero.TIP_PLANE
         return ToolDescription("head cutter", TurnedDrawing(), dimensions, self.flank, self.tip, self.edge_radius, zero)

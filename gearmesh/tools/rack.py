@@ -213,8 +213,8 @@ class RackSurface:
     def cutter(self, tip: Profile, tip_radius: float, radius: float) -> ToolDescription:
         """The rack cutter with this flank, and with `tip` what generates the fillet, that rolls on a pitch `radius` (mm)."""
         dimensions = (
-            Dimension("helix angle", float(np.degrees(self.helix)), "deg"),
-            Dimension("tip radius", tip_radius, "mm"),
+            Dimension("helix angle", float(np.degrees(self.helix)), "deg", "beta_0"),
+            Dimension("tip radius", tip_radius, "mm", "rho_a0"),
         )
         rack = RolledRack(self, radius)
         return ToolDescription(

@@ -118,9 +118,11 @@ class Shaper:
     @property
     def description(self) -> ToolDescription:
         dimensions = (
-            Dimension("teeth", float(self.teeth), ""),
-            Dimension("tip diameter", 2.0 * self.top_radius, "mm"),
-            Dimension("tip radius", self.tip_radius, "mm"),
+            Dimension("teeth", float(self.teeth), "", "z_0"),
+            Dimension("tip diameter", 2.0 * self.top_radius, "mm", "d_a0"),
+            Dimension("tip radius", self.tip_radius, "mm", "rho_a0"),
+            Dimension("transverse module", self.module, "mm", "m_t0"),
+            Dimension("transverse pressure angle", float(np.degrees(self.pressure_angle)), "deg", "alpha_t0"),
         )
         zero = HeightZero.PITCH_PLANE
         return ToolDescription(

@@ -94,9 +94,9 @@ class ShaperWorm:
     def description(self) -> ToolDescription:
         """The worm; heights of its profile are the shaper's."""
         dimensions = (
-            Dimension("threads", float(self.threads), ""),
-            Dimension("pitch diameter", 2.0 * self.radius, "mm"),
-            Dimension("lead angle", float(np.degrees(self.lead_angle)), "deg"),
+            Dimension("threads", float(self.threads), "", "z_0"),
+            Dimension("pitch diameter", 2.0 * self.radius, "mm", "d_0"),
+            Dimension("lead angle", float(np.degrees(self.lead_angle)), "deg", "gamma_0"),
         )
         behind = self.shaper.description
         return replace(behind, name="grinding worm", drawing=PartDrawing(), dimensions=dimensions)

@@ -98,9 +98,9 @@ class Worm:
     @property
     def dimensions(self) -> tuple[Dimension, ...]:
         return (
-            Dimension("threads", float(self.threads), ""),
-            Dimension("pitch diameter", 2.0 * self.radius, "mm"),
-            Dimension("lead angle", float(np.degrees(self.lead_angle)), "deg"),
+            Dimension("threads", float(self.threads), "", "z_0"),
+            Dimension("pitch diameter", 2.0 * self.radius, "mm", "d_0"),
+            Dimension("lead angle", float(np.degrees(self.lead_angle)), "deg", "gamma_0"),
         )
 
     def thread(self, rack: RackSurface) -> Envelope:

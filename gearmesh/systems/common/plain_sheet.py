@@ -10,9 +10,11 @@ import numpy as np
 from gearmesh.design.core import Design
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
-from gearmesh.teeth.region import Region
+from gearmesh.teeth.region import Region, Side
+from gearmesh.tools.description import ToolDescription
 
 
 def plain_sheet(design: Design, train: GearTrain) -> Sheet:
@@ -33,6 +35,25 @@ def plain_sheet(design: Design, train: GearTrain) -> Sheet:
 def member_table(member: Member) -> SheetTable:
     """What the middle of the face says of one member."""
     return SheetTable("Members at mid face", (member.name,), _beside([_at_mid_face(member)]))
+
+
+def tool_table(members: Mapping[str, Member]) -> SheetTable:
+    """What makes the flanks of members, one column for both flanks of one where their tools are alike."""
+    columns: dict[str, ToolDescription] = {}
+    for name, member in members.items():
+        right, left = (member.one_tooth.side(side).tool for side in Side)
+        alike = (right.name, right.dimensions) == (left.name, left.dimensions)
+        columns |= (
+            {name: right}
+            if alike
+            else {f"{name}, {side}": tool for side, tool in zip(Side, (right, left), strict=True)}
+        )
+    tools = [*columns.values()]
+    rows: list[Row] = [("", "tool", "", tuple(tool.name for tool in tools))]
+    for symbol, words, unit in dict.fromkeys((d.symbol, d.name, d.unit) for tool in tools for d in tool.dimensions):
+        of = [{d.name: d.value for d in tool.dimensions if d.symbol == symbol} for tool in tools]
+        rows.append((symbol, words, unit or "-", tuple(values.get(words) for values in of)))
+    return table("Tools", tuple(columns), rows)
 
 
 def _beside(parts: Sequence[Mapping[tuple[str, str], float | None]]) -> tuple[tuple[Any, ...], ...]:
