@@ -1,14 +1,18 @@
-"""Designs built, as most tests ask for them."""
+"""Designs built, as most tests ask for them; what several tests ask for is built once."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
 
 import gearmesh as gm
 from gearmesh.answers.bodies.finite_elements import FiniteElements
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.design.core import Design
 from gearmesh.teeth.gear_train import GearPair
+from oracles.places import SAMPLES
 
 
 def pair_of(design: Design) -> GearPair:
@@ -25,3 +29,19 @@ def contact_of(design: Design, torque: float | None = None) -> Contact:
 def model_of(design: Design, phi1: float = 0.0, members: Sequence[str] | None = None) -> FiniteElements:
     """Its finite-element model at phi1, deg."""
     return gm.build(design).finite_elements(phi1, members=members)
+
+
+def built(keys: dict[str, Any]) -> gm.Gears:
+    """The gears of a design by its keys."""
+    return _built(json.dumps(keys))
+
+
+@lru_cache(maxsize=64)
+def _built(text: str) -> gm.Gears:
+    return gm.build(gm.parse(json.loads(text)))
+
+
+@lru_cache(maxsize=64)
+def built_sample(sample: str, *overrides: str) -> gm.Gears:
+    """The gears of a sample with some keys overridden."""
+    return gm.build(gm.load(SAMPLES / f"{sample}.toml", list(overrides)))

@@ -116,10 +116,35 @@ class CradleRoll:
             state = replace(state, tau=state.tau + more, tau_phi=state.tau_phi + more_phi)
         return self._tilt(state, phi) if self.tilt or self.swivel else state
 
+    @cached_property
+    def _leaning(self) -> tuple[tuple[Array, Array, Array], ...]:
+        """Coefficients of tilt and swivel and their first two derivatives, highest first."""
+        return _derivatives(self.tilt), _derivatives(self.swivel)
+
+    @cached_property
+    def _standing(self) -> Array | None:
+        """Rotation (3, 3) of a tool that leans alike all the time, None of another."""
+        if any(self.tilt[1:]) or any(self.swivel[1:]):
+            return None
+        tilt, swivel = (np.array(angle[0] if angle else 0.0) for angle in (self.tilt, self.swivel))
+        return rotation_about("z", swivel) @ rotation_about("y", tilt)
+
     def _tilt(self, carried: MotionState, phi: Array) -> MotionState:
         """The motion of the tool that is tilted on its carrier."""
+        rates = carried.omega, carried.tau, carried.omega_phi, carried.tau_phi
+        standing, place = self._standing, carried.tool_to_blank
+        if standing is None:
+            standing, rates = self._leant(carried, phi)
+        back = np.swapaxes(standing, -1, -2)
+        return MotionState(
+            Rigid(place.rotation @ standing, place.translation),
+            *(turn(back, rate) for rate in rates),
+        )
+
+    def _leant(self, carried: MotionState, phi: Array) -> tuple[Array, tuple[Array, Array, Array, Array]]:
+        """Rotations (..., 3, 3) of a tool whose tilt or swivel changes, and the carrier's rates with its own."""
         (tilt, tilt_phi, tilt_2), (swivel, swivel_phi, swivel_2) = (
-            tuple(_polynomial(p, phi)[..., 0] for p in _derivatives(setting)) for setting in (self.tilt, self.swivel)
+            tuple(_polynomial(p, phi)[..., 0] for p in setting) for setting in self._leaning
         )
         c, s = np.cos(swivel), np.sin(swivel)
         # over the carrier the tool turns about its z axis and about the y axis swivelled
@@ -127,16 +152,11 @@ class CradleRoll:
         turning = swivel_phi[..., None] * AXIS + tilt_phi[..., None] * y
         turning_phi = swivel_2[..., None] * AXIS + tilt_2[..., None] * y
         turning_phi = turning_phi + (tilt_phi * swivel_phi)[..., None] * cross(AXIS, y)
-        standing = rotation_about("z", swivel) @ rotation_about("y", tilt)
-        back = np.swapaxes(standing, -1, -2)
         omega, tau = carried.omega + turning, carried.tau
         omega_phi = carried.omega_phi + turning_phi - cross(turning, omega)
         tau_phi = carried.tau_phi - cross(turning, tau)
-        place = carried.tool_to_blank
-        return MotionState(
-            Rigid(place.rotation @ standing, place.translation),
-            *(turn(back, rate) for rate in (omega, tau, omega_phi, tau_phi)),
-        )
+        standing = rotation_about("z", swivel) @ rotation_about("y", tilt)
+        return standing, (omega, tau, omega_phi, tau_phi)
 
     def _transform(self, cradle: tuple[Array, Array], blank: tuple[Array, Array], centre: Array, fed: Array) -> Rigid:
         """Rz(blank) base Rz(cradle) by cosines and sines, written out: a third of the time of general products."""

@@ -72,7 +72,7 @@ def bevel_teeth(design: FaceMilledDesign) -> BevelTeeth:
     Raises DesignError for blanks and teeth that cannot exist, before any contact has been looked for, NoSolutionError where no
     pinion gives the contact asked for.
     """
-    return _best_teeth(_Remembered.of(design))
+    return _best_teeth(_key(design))
 
 
 def closing_teeth(design: FaceMilledDesign) -> BevelTeeth:
@@ -80,7 +80,7 @@ def closing_teeth(design: FaceMilledDesign) -> BevelTeeth:
 
     Raises as `bevel_teeth` does, and where a contact would have to be chosen for there to be any.
     """
-    plain = _plain(_Remembered.of(design))
+    plain = _plain(_key(design))
     if plain.teeth is None:
         raise plain.unsolved or NoSolutionError(reason="no pinion gives the default contact")
     return plain.teeth
@@ -107,7 +107,7 @@ def gear_alone(design: FaceMilledDesign) -> CutAlone:
         sides = gear_sides(design, blank)
         places = beside_space(sides, blank.gear.teeth)
         return CutAlone(blank, sides, places, member_of(design, blank, "gear", sides, places))
-    key = _Remembered.of(design)
+    key = _key(design)
     first = _plain(key)
     if first.teeth is not None and not _may_become_shallower(design, first):
         made = first.teeth
@@ -159,6 +159,14 @@ class _Remembered:
             cutter = design.gear.cutter.model_copy(update={BASE: DERIVED})
             opened["gear"] = design.gear.model_copy(update={"cutter": cutter})
         return _Remembered.of(design.model_copy(update=opened).fill({}))
+
+
+def _key(design: FaceMilledDesign) -> _Remembered:
+    """The design by which its teeth are chosen: as it is stated, so that derived sliding bases are those of the proportions that
+    are chosen; but where machine settings are given, as a sheet has them, derived sliding bases stay with them."""
+    key = _Remembered.of(design)
+    cutters = design.pinion.concave, design.pinion.convex, design.gear.cutter
+    return key if any(cutter.radial is not None for cutter in cutters) else key.stated_design
 
 
 @dataclass(frozen=True)
