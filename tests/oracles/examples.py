@@ -47,6 +47,14 @@ def some(values: Iterable[Any], kept: int, *, whole: bool = False) -> list[Any]:
     return [value if k in spread else _swept(value, whole=whole) for k, value in enumerate(values)]
 
 
+def in_turn(first: Iterable[Any], second: Iterable[Any]) -> list[Any]:
+    """Values of two arguments for `parametrize`: each of the `first` with one of the `second` in turn, the others with the mark
+    sweep."""
+    second = list(second)
+    pairs = [(k, j, (one, other)) for k, one in enumerate(first) for j, other in enumerate(second)]
+    return [pair if j == k % len(second) else _swept(pair, whole=False) for k, j, pair in pairs]
+
+
 def _swept(value: Any, *, whole: bool) -> Any:
     if hasattr(value, "marks"):
         return pytest.param(*value.values, marks=(*value.marks, pytest.mark.sweep), id=value.id)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracles.examples import some
+from oracles.examples import in_turn
 
 import gearmesh as gm
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
@@ -90,8 +90,7 @@ def parameters_of_map(design: gm.Design, gears: gm.Gears) -> tuple[np.ndarray, n
     return parameters[1:], um - columns @ parameters
 
 
-@pytest.mark.parametrize("side", some(["concave", "convex"], 5))
-@pytest.mark.parametrize("name", PAIRS)
+@pytest.mark.parametrize(("name", "side"), in_turn(PAIRS, ["concave", "convex"]))
 def test_the_exact_map_is_what_was_asked_for(name: str, side: str) -> None:
     target = TARGETS[name]
     design = asked(PAIRS[name], side, target)

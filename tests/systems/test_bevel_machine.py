@@ -435,8 +435,10 @@ def test_blades_of_a_cutter_may_differ() -> None:
 
 
 def test_the_sheet_shows_tilt_and_motions_and_loads_back() -> None:
-    concave = {**ALONG_RADIUS["concave"], "helical_motion": [0.0, 0.05]}
-    convex = {**ALONG_RADIUS["convex"], "tilt_motion": [0.3]}
+    # with the contact given there is none to look for
+    fixed = {"path_angle": 90.0, "mean_offset": 0.0, "mean_shift": 0.0, "semi_major_axis": 0.25}
+    concave = {**fixed, **ALONG_RADIUS["concave"], "ratio_derivative": -0.008, "helical_motion": [0.0, 0.05]}
+    convex = {**fixed, **ALONG_RADIUS["convex"], "ratio_derivative": 0.008, "tilt_motion": [0.3]}
     pinion = {"teeth": 15, "concave": concave, "convex": convex, "bore": 0.2}
     gears = gears_of(units="inch", module=0.16, pinion=pinion)
     design, sheet = gears.design, gears.sheet()

@@ -153,7 +153,7 @@ def test_backlash_of_a_completing_cutter_is_what_the_pair_has() -> None:
     assert tables_of("completing")[PAIR]["j_mt"][1] == pytest.approx(found, rel=0.1)
 
 
-@pytest.mark.parametrize("name", ["right", "spiral_bevel_formate", "hypoid"])
+@pytest.mark.parametrize("name", some(["right", "spiral_bevel_formate", "hypoid"], 2))
 def test_crowns_and_mounting_are_those_of_the_solids(name: str) -> None:
     """Vertices of the solids are exact points of their surfaces; the standard's diameters of the pinion, for which it counts the
     clearance across the pitch cone, are some micrometres off its own tip cone."""
@@ -206,7 +206,7 @@ def mean_frame(member: Any, station: float) -> tuple[Array, Array, Array]:
     return tip, up, along / np.linalg.norm(along)
 
 
-@pytest.mark.parametrize("name", ["right", "zerol"])
+@pytest.mark.parametrize("name", some(["right", "zerol"], 1))
 def test_the_chord_is_what_a_calliper_reads(name: str) -> None:
     """Of dense grids, looked at from along the tooth."""
     gears, tables = gm.build(design_named(name)), tables_of(name)

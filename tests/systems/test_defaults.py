@@ -47,7 +47,7 @@ def test_where_there_is_room_the_standard_stays() -> None:
         assert gm.build(gm.load(SAMPLES / f"{sample}.toml")).warnings == ()
 
 
-@pytest.mark.parametrize("module", [0.05, 0.1, 0.2])
+@pytest.mark.parametrize("module", some([0.05, 0.1, 0.2], 1))
 def test_small_bevel_teeth(module: float) -> None:
     """The marking compound is no thicker than small teeth bear: the same gears in any size."""
     small, large = (

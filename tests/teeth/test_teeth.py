@@ -9,17 +9,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from oracles.built import built_sample
 from oracles.examples import some
 from oracles.places import SAMPLES
 
-import gearmesh as gm
 from gearmesh.cad.brep import exact_volume
 from gearmesh.check.deviation import deviations
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import dot
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.systems.designs import load
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 
@@ -30,7 +29,7 @@ BENCH = ["pinion.bore=0"]
 
 
 def members(sample: str, *overrides: str) -> dict[str, Member]:
-    return gm.build(load(SAMPLES / f"{sample}.toml", list(overrides))).members
+    return built_sample(sample, *overrides).members
 
 
 def pinion(sample: str, *overrides: str) -> Member:
