@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Protocol, Self
 
 from pydantic import PrivateAttr, ValidationError, model_validator
 
@@ -194,19 +194,38 @@ class GearBody(Table):
         return self
 
 
+#: Broken edges of the tip
+TipChamfer = Annotated[float | None, Key("length", "45 deg chamfer between flank and top land", low=0)]
+TipRounding = Annotated[float | None, Key("length", "rounding between flank and top land", low=0)]
+
+
+class BrokenEdges(Protocol):
+    """A table whose tip edges may be broken."""
+
+    @property
+    def tip_chamfer(self) -> float | None: ...
+    @property
+    def tip_rounding(self) -> float | None: ...
+
+
+def refuse_both_edges(table: BrokenEdges) -> None:
+    """Refuse a chamfer and a rounding of the same tip."""
+    if table.tip_chamfer and table.tip_rounding:
+        raise conflict("tip_rounding", table.tip_rounding, reason="cannot be given together with tip_chamfer")
+
+
 class MemberTable(GearBody):
     """A member between plane end faces."""
 
     face_width: Annotated[float, Key("length", "width of the gear blank along its axis", low=0, above=True)]
-    tip_chamfer: Annotated[float | None, Key("length", "45 deg chamfer between flank and top land", low=0)] = None
-    tip_rounding: Annotated[float | None, Key("length", "rounding between flank and top land", low=0)] = None
+    tip_chamfer: TipChamfer = None
+    tip_rounding: TipRounding = None
     web: Web | None = None
     holes: Holes | None = None
 
     @model_validator(mode="after")
     def _tip(self) -> Self:
-        if self.tip_chamfer and self.tip_rounding:
-            raise conflict("tip_rounding", self.tip_rounding, reason="cannot be given together with tip_chamfer")
+        refuse_both_edges(self)
         return self
 
 

@@ -25,7 +25,11 @@ Begun = Annotated[
 class ProfileRelief(Table):
     """Relief from a start on the profile to its tip or root form circle."""
 
-    replaces: ClassVar = (("start_roll_length", "start_diameter"),)
+    replaces: ClassVar = (
+        ("start_roll_length", "start_diameter"),
+        ("start_height", "start_diameter"),
+        ("start_height", "start_roll_length"),
+    )
 
     amount: Removed
     start_diameter: Annotated[
@@ -34,13 +38,31 @@ class ProfileRelief(Table):
     start_roll_length: Annotated[
         float | None, Key("length", "roll length at which it begins", low=0, above=True, default="by start_diameter")
     ] = None
+    start_height: Annotated[
+        float | None,
+        Key("length", "of a rack: height over the reference plane at which it begins", default="gears: by diameter"),
+    ] = None
     shape: Begun = "linear"
 
     @model_validator(mode="after")
     def _one_start(self) -> Self:
-        if self.start_diameter is None and self.start_roll_length is None:
-            raise conflict("start_diameter", None, reason="missing; give start_diameter or start_roll_length")
+        if all(value is None for value in (self.start_diameter, self.start_roll_length, self.start_height)):
+            raise conflict(
+                "start_diameter",
+                None,
+                reason="missing; give start_diameter or start_roll_length, of a rack start_height",
+            )
         return self
+
+    @property
+    def start(self) -> tuple[str, float]:
+        """Where it begins: "roll_length", "diameter" or "height", and that, in the design's units."""
+        starts = {
+            "roll_length": self.start_roll_length,
+            "diameter": self.start_diameter,
+            "height": self.start_height,
+        }
+        return next((name, value) for name, value in starts.items() if value is not None)
 
 
 class EndRelief(Table):

@@ -17,6 +17,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.modification import Modification
+from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.micro_geometry.topography_knots import topography_of
 from gearmesh.teeth.region import Side
@@ -35,6 +36,10 @@ def flank_topography(design: Design, member: Member, flank: str, tolerance: floa
     if flank not in tuple(Side):
         raise ArgumentError("flank", flank, must_be=f"one of {', '.join(Side)}")
     surface = member.one_tooth.side(Side(flank)).flank
+    if isinstance(surface, PlaneFlank):
+        raise ArgumentError(
+            "member", member.name, reason="a rack's flank has no roll lengths, and a rack takes no topography"
+        )
     amount = surface.amount if isinstance(surface, ScrewInvolute) else None
     if not isinstance(amount, Modification):
         raise ArgumentError(

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross, plane_cross, polar_angle
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, components, cross, plane_cross, polar_angle
 
 #: an angle (rad), torque or radius, or an array of them
 Quantity = TypeVar("Quantity", float, Array)
@@ -85,6 +85,9 @@ class Joint(Protocol):
 
     def angle(self, r: Array) -> Array:
         """Angle at which points are."""
+
+    def place(self, angle: Array, radius: Array) -> Array:
+        """x and y (..., 2), mm, of points at an angle and a radius."""
 
     def angle_gradient(self, r: Array) -> Array:
         """Gradient (..., 3), 1/mm, of that angle."""
@@ -168,6 +171,9 @@ class Revolute:
 
     def angle(self, r: Array) -> Array:
         return polar_angle(r)
+
+    def place(self, angle: Array, radius: Array) -> Array:
+        return components(radius * np.cos(angle), radius * np.sin(angle))
 
     def angle_gradient(self, r: Array) -> Array:
         square = r[..., 0] ** 2 + r[..., 1] ** 2
@@ -262,6 +268,9 @@ class Prismatic:
     def angle(self, r: Array) -> Array:
         angle: Array = r[..., 1] / self.travel
         return angle
+
+    def place(self, angle: Array, radius: Array) -> Array:
+        return components(radius, self.travel * angle)
 
     def angle_gradient(self, r: Array) -> Array:
         return np.broadcast_to(np.array([0.0, 1.0 / self.travel, 0.0]), r.shape)

@@ -11,7 +11,6 @@ import numpy as np
 from gearmesh.design.modifications import EndRelief, Modifications, Modified, ProfileRelief, TriangularRelief
 from gearmesh.design.topography_file import TopographyGrid, read_topography
 from gearmesh.errors import DesignError
-from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry import modification as fields
@@ -24,7 +23,7 @@ from gearmesh.teeth.micro_geometry.modification import (
     ProfileEnd,
     Topography,
 )
-from gearmesh.teeth.micro_geometry.modified import TrueFlank, modified_side
+from gearmesh.teeth.micro_geometry.modified import TrueFlank, TrueInvolute, modified_side, true_flank
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
@@ -48,11 +47,13 @@ def with_modifications(member: Member, spec: Modified, *, internal: bool = False
     }
     if not any(table is not None for both in tables.values() for table in both.values()):
         return member
-    right, left = (_side(tooth, side, both, internal) for side, both in tables.items())
+    flanks = {side: true_flank(tooth, side, internal=internal) for side in tables}
+    right, left = (_side(tooth, side, both, flanks[side]) for side, both in tables.items())
+    first, second = flanks[Side.RIGHT].parameters
     return replace(
         member,
         tooth=replace(tooth, right=right, left=left),
-        source_parameters=_by_roll_length,
+        source_parameters=lambda p, v: {first: p, second: v},
         tool_parameters=member.source_parameters,
     )
 
@@ -64,23 +65,18 @@ def with_true_involutes(member: Member, *, internal: bool = False) -> Member:
     """
     tooth = member.tooth
     right, left = (
-        modified_side(tooth, side, TrueFlank.of(tooth, side, internal=internal), None)
+        modified_side(tooth, side, TrueInvolute.of(tooth, side, internal=internal), None)
         for side in (Side.RIGHT, Side.LEFT)
     )
     return replace(
         member,
         tooth=replace(tooth, right=right, left=left),
-        source_parameters=_by_roll_length,
+        source_parameters=lambda p, v: {"roll_length_mm": p, "z_mm": v},
         tool_parameters=member.source_parameters,
     )
 
 
-def _by_roll_length(p: Array, v: Array) -> dict[str, Array]:
-    return {"roll_length_mm": p, "z_mm": v}
-
-
-def _side(tooth: Tooth, which: Side, tables: dict[str, Modifications | None], internal: bool) -> ToothSide:
-    true = TrueFlank.of(tooth, which, internal=internal)
+def _side(tooth: Tooth, which: Side, tables: dict[str, Modifications | None], true: TrueFlank) -> ToothSide:
     asked = [entry for name, table in tables.items() if table is not None for entry in _fields(name, table, true)]
     for key, value, field in asked:
         _prove(key, value, field, true.extent)
@@ -122,28 +118,24 @@ def _fields(name: str, table: Modifications, true: TrueFlank) -> Iterator[Asked]
 
 
 def _profile_relief(key: str, table: ProfileRelief, true: TrueFlank, end: ProfileEnd) -> Asked:
-    e, r_b = true.extent, true.involute.base_radius
+    e = true.extent
     low, high = sorted((e.root, e.tip))
-    if table.start_roll_length is not None:
-        start, key, given, bounds = (
-            table.start_roll_length,
-            f"{key}.start_roll_length",
-            table.start_roll_length,
-            (low, high),
-        )
-    else:
-        assert table.start_diameter is not None
-        start, given = true.roll_length(table.start_diameter), table.start_diameter
-        key, bounds = f"{key}.start_diameter", (2.0 * np.hypot(r_b, low), 2.0 * np.hypot(r_b, high))
+    name, given = table.start
+    place, start_key = true.places.get(name), f"{key}.start_{name}"
+    if place is None:
+        others = " or ".join(f"{key}.start_{other}" for other in sorted(true.places))
+        raise DesignError(start_key, given, unit="mm", reason="this flank has none", allowed=others)
+    start = place(given)
     if not low < start < high:
+        bounds = [true.given_as(name, end) for end in (low, high)]
         raise DesignError(
-            key,
+            start_key,
             given,
             unit="mm",
             allowed=f"between the flank's own ends, above {at_least(bounds[0])} and below {at_most(bounds[1])} mm",
         )
     make = fields.tip_relief if end == "tip" else fields.root_relief
-    return f"{key.rpartition('.')[0]}.amount", f"{table.amount:g} mm", make(table.amount, start, e, _shape(table.shape))
+    return f"{key}.amount", f"{table.amount:g} mm", make(table.amount, start, e, _shape(table.shape))
 
 
 def _end_relief(key: str, table: EndRelief, e: Extent, end: FaceEnd) -> Asked:
@@ -171,15 +163,17 @@ def _shape(name: str) -> fields.Shape:
 
 
 def _topography(key: str, grid: TopographyGrid, true: TrueFlank) -> FlankField:
-    lengths = grid.across
-    if grid.diameters:
-        lengths = tuple(true.roll_length(diameter) for diameter in grid.across)
-        if not np.isfinite(lengths).all():
-            raise DesignError(
-                key,
-                reason=f"diameter_mm = {grid.across[0]:g}: allowed is from the base circle on, "
-                f"{at_least(2.0 * true.involute.base_radius)} mm",
-            )
+    name = "diameter" if grid.diameters else "roll_length"
+    place = true.places.get(name)
+    if place is None:
+        raise DesignError(key, reason=f"this flank has no {name.replace('_', ' ')}s; a rack takes no topography")
+    lengths = tuple(place(across) for across in grid.across)
+    if not np.isfinite(lengths).all():
+        raise DesignError(
+            key,
+            reason=f"diameter_mm = {grid.across[0]:g}: allowed is from the base circle on, "
+            f"{at_least(true.given_as(name, 0.0))} mm",
+        )
     return Topography(lengths, grid.z, grid.amounts)
 
 

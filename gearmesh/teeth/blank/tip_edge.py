@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.stations import TrimError, along
@@ -18,10 +19,11 @@ EdgePoints = tuple[Array, Array, Array]
 
 @dataclass(frozen=True)
 class TipEdge:
-    """A 45 deg chamfer or a rounding of `size` mm; stations must be planes across the axis."""
+    """A 45 deg chamfer or a rounding of `size` mm; stations must be planes across the axis, or across a rack."""
 
     size: float
     rounded: bool = False
+    joint: Joint = REVOLUTE
 
     def between(
         self, flank: Surface, blank: Blank, sign: int, ends: tuple[Array, Array], stations: Array
@@ -32,18 +34,17 @@ class TipEdge:
         Raises TrimError where the edge is larger than the flank.
         """
         form_point, tip = ends
-        axial = blank.axial
+        axial, joint = blank.axial, self.joint
 
         def begins(p: Array, at: Array) -> tuple[Array, Array, Array, Array]:
             jet = along(flank, p, at, axial)[1]
             tip_radius = blank.tip.at(jet.r[:, 2])
-            # away from the axis, or towards it on an internal gear
-            towards = np.sign((blank.tip.gradient(jet.r) * jet.r)[:, :2].sum(axis=-1))
+            # out of the body: away from the axis, or towards it on an internal gear
+            towards = np.sign((blank.tip.gradient(jet.r)[:, :2] * joint.outward(jet.r)).sum(axis=-1))
             inward = -jet.n[:, :2] / np.hypot(jet.n[:, 0], jet.n[:, 1])[:, None]
             centre = jet.r.copy()
             centre[:, :2] += self.size * inward
-            rho = np.hypot(jet.r[:, 0], jet.r[:, 1])
-            reach = np.hypot(centre[:, 0], centre[:, 1]) if self.rounded else rho
+            reach = joint.radius(centre if self.rounded else jet.r)
             return towards * (reach - tip_radius) + self.size, jet.r, centre, tip_radius
 
         roots = bracketed_root(lambda p, index: begins(p, stations[index])[0], form_point, tip)
@@ -52,9 +53,9 @@ class TipEdge:
         p = roots.values
         _, on_flank, centre, tip_radius = begins(p, stations)
         on_land = on_flank.copy()
-        sharp = polar_angle(along(flank, tip, stations, axial)[1].r)
-        angle = polar_angle(centre) if self.rounded else sharp + sign * self.size / tip_radius
-        on_land[:, 0], on_land[:, 1] = tip_radius * np.cos(angle), tip_radius * np.sin(angle)
+        sharp = along(flank, tip, stations, axial)[1].r
+        angle = joint.angle(centre) if self.rounded else joint.angle(sharp) + sign * self.size / joint.arm(sharp)
+        on_land[:, :2] = joint.place(angle, tip_radius)
         return p, (on_flank, on_land, centre)
 
     def section_curve(self, edge: EdgePoints, s: Array) -> tuple[Array, Array]:

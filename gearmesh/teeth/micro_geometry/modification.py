@@ -1,5 +1,7 @@
 """Micro-geometry of involute flanks: amounts over roll length and face position, with exact partials [ISO 21771-1; REXS 1.6].
 
+Of racks they are over the height above the reference plane.
+
 Every amount is in mm, positive where material is removed, along the line of action in the transverse plane. Fields add up. Each is
 a bend, a function of one variable, along a direction of the (L, z) plane, a product of two of them, or a spline over a grid:
 
@@ -38,12 +40,14 @@ LEVELLING = 0.5
 
 @dataclass(frozen=True)
 class Extent:
-    """Where a flank is evaluated: roll lengths at the root and tip form circles, face positions of toe and heel, mm."""
+    """Where a flank is evaluated: roll lengths at the root and tip form circles, or heights of a rack, face positions of toe and
+    heel, mm. `levels`: amounts level off below it, towards the base circle."""
 
     root: float
     tip: float
     toe: float
     heel: float
+    levels: bool = True
 
     @property
     def least(self) -> float:
@@ -217,7 +221,8 @@ class Modification:
 
     def jet(self, length: Array, z: Array) -> AmountJet:
         length, z = np.broadcast_arrays(np.asarray(length, dtype=float), np.asarray(z, dtype=float))
-        x, x_l, x_ll = level_off(length, self.extent.least)
+        one = np.ones_like(length)
+        x, x_l, x_ll = level_off(length, self.extent.least) if self.extent.levels else (length, one, 0.0 * one)
         parts = [field.jet(x, z) for field in self.fields]
         a, a_l, a_z, a_ll, a_lz, a_zz = (
             sum((getattr(part, name) for part in parts), np.zeros(length.shape))

@@ -1,23 +1,27 @@
-"""Sides of teeth with micro-geometry, whatever tool generated them, as long as their flanks are screw involutes.
+"""Sides of teeth with micro-geometry, whatever tool generated them, as long as flanks are screw involutes or planes of racks.
 
-The flank becomes the involute in closed form less the amounts (see `ScrewInvolute`). What the tool generates beside it, fillet
-and rounding of the tip, turns about the axis with its end of the flank, section by section: so does the tool that moves along the
-face as the modification wants it, and no step is left where they meet.
+The flank becomes the involute, or the plane, in closed form less the amounts (see `ScrewInvolute`, `PlaneFlank`). What the tool
+generates beside it, fillet and rounding of the tip, turns about the axis, or slides along the rack, with its end of the flank,
+section by section: so does the tool that moves along the face as the modification wants it, and no step is left where they meet.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
+from typing import Protocol
 
 import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.sheared import Sheared
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.kernel.surface.twisted import Twisted
 from gearmesh.teeth.micro_geometry.modification import Extent, Kinks, Modification, Topography
-from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
+from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
+from gearmesh.teeth.micro_geometry.screw_involute import Amount, ScrewInvolute
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
@@ -26,73 +30,181 @@ from gearmesh.teeth.tooth_side import ToothSide
 POINTS, INVOLUTE = 5, 1e-11
 
 
+class TrueFlank(Protocol):
+    """What a flank is before it is modified, in closed form, and where it is evaluated: from where it begins to where the tip, or
+    what breaks it, does. Places on the profile are roll lengths of involutes, heights of planes; mm."""
+
+    @property
+    def extent(self) -> Extent: ...
+
+    @property
+    def lean(self) -> float:
+        """Contact lines are l + lean z = const, l the place on the profile."""
+
+    @property
+    def places(self) -> Mapping[str, Callable[[float], float]]:
+        """Lengths (mm) that say where on the profile, and the place that they mean, NaN for none."""
+
+    @property
+    def parameters(self) -> tuple[str, str]:
+        """What the flank's parameters are called."""
+
+    def given_as(self, name: str, place: float) -> float:
+        """A place as the length called `name`."""
+
+    def place(self, jet: Jet) -> Array:
+        """Places (...,) of points by their jets."""
+
+    def surface(self, amount: Amount | None) -> Surface:
+        """The flank less an amount; with None as it is."""
+
+    def follow(self, surface: Surface, modification: Modification, place: float) -> Surface:
+        """What lies beside the flank, moved section by section as its point of a place is."""
+
+
 @dataclass(frozen=True)
-class TrueFlank:
-    """The involute that a flank is, and where it is evaluated: from where it begins to where the tip, or what breaks it, does."""
+class TrueInvolute:
+    """A flank that is a screw involute."""
 
     involute: ScrewInvolute
     extent: Extent
 
     @staticmethod
-    def of(tooth: Tooth, which: Side, *, internal: bool = False) -> TrueFlank:
+    def of(tooth: Tooth, which: Side, *, internal: bool = False) -> TrueInvolute:
         """Raises DesignError where the flank is no screw involute, TrimError where the tooth cannot be trimmed."""
-        grid = tooth.flank_grid(which, np.linspace(0.0, 1.0, POINTS), [0.0, 0.5, 1.0])
-        assert grid.jet is not None
-        tip = Jet(*(getattr(grid.jet, field.name)[-1, 1:2] for field in fields(Jet)))
+        jet, tip = _proof_jets(tooth, which)
         involute = ScrewInvolute.through(tip, which.sign, internal)
-        length, z = ScrewInvolute.roll_length(grid.jet, internal), grid.points[..., 2]
-        if np.abs(involute.jet(length, z).r - grid.points).max() > INVOLUTE * involute.base_radius:
+        length, z = ScrewInvolute.roll_length(jet, internal), jet.r[..., 2]
+        if np.abs(involute.jet(length, z).r - jet.r).max() > INVOLUTE * involute.base_radius:
             raise DesignError("modifications", reason="only involute flanks of cylindrical gears may have them")
-        return TrueFlank(involute, Extent(float(length[0, 1]), float(length[-1, 1]), *tooth.blank.extent))
+        return TrueInvolute(involute, Extent(float(length[0, 1]), float(length[-1, 1]), *tooth.blank.extent))
 
     @property
     def lean(self) -> float:
-        """Contact lines are L + lean z = const."""
         return self.involute.hand * self.involute.rate * self.involute.base_radius
+
+    @property
+    def places(self) -> Mapping[str, Callable[[float], float]]:
+        return {"roll_length": lambda length: length, "diameter": self.roll_length}
+
+    @property
+    def parameters(self) -> tuple[str, str]:
+        return "roll_length_mm", "z_mm"
+
+    def given_as(self, name: str, place: float) -> float:
+        return place if name == "roll_length" else 2.0 * float(np.hypot(self.involute.base_radius, place))
 
     def roll_length(self, diameter: float) -> float:
         """Roll length (mm) at a diameter (mm), NaN below the base circle."""
         square = (0.5 * diameter) ** 2 - self.involute.base_radius**2
         return float(np.sqrt(square)) if square >= 0.0 else float("nan")
 
+    def place(self, jet: Jet) -> Array:
+        return ScrewInvolute.roll_length(jet, self.involute.internal)
+
+    def surface(self, amount: Amount | None) -> Surface:
+        return replace(self.involute, amount=amount)
+
+    def follow(self, surface: Surface, modification: Modification, place: float) -> Surface:
+        per_mm = self.involute.side / self.involute.base_radius
+        return Twisted(surface, 0.0, _Motion(modification, place, per_mm))
+
 
 @dataclass(frozen=True)
-class _Turn:
-    """The angle by which sections turn with the flank's point of a roll length."""
+class TruePlane:
+    """A flank of a rack, a plane."""
 
-    involute: ScrewInvolute
+    plane: PlaneFlank
+    extent: Extent
+
+    @staticmethod
+    def of(tooth: Tooth, which: Side) -> TruePlane:
+        """Raises DesignError where the flank is no plane, TrimError where the tooth cannot be trimmed."""
+        jet, tip = _proof_jets(tooth, which)
+        plane = PlaneFlank.through(tip, which.sign)
+        x, z = jet.r[..., 0], jet.r[..., 2]
+        if np.abs(plane.jet(x, z).r - jet.r).max() > INVOLUTE * tooth.joint.arm(jet.r).max():
+            raise DesignError("modifications", reason="only plane flanks of racks may have them")
+        extent = Extent(float(x[0, 1]), float(x[-1, 1]), *tooth.blank.extent, levels=False)
+        return TruePlane(plane, extent)
+
+    @property
+    def lean(self) -> float:
+        # of the plane and the line of action, square to it: x (tan(alpha_t) + 1 / tan(alpha_t)) + s z tan(beta) = const
+        return self.plane.side * self.plane.slope * float(np.sin(self.plane.alpha_t) * np.cos(self.plane.alpha_t))
+
+    @property
+    def places(self) -> Mapping[str, Callable[[float], float]]:
+        return {"height": lambda height: height}
+
+    @property
+    def parameters(self) -> tuple[str, str]:
+        return "height_mm", "z_mm"
+
+    def given_as(self, name: str, place: float) -> float:
+        return place
+
+    def place(self, jet: Jet) -> Array:
+        return jet.r[..., 0]
+
+    def surface(self, amount: Amount | None) -> Surface:
+        return replace(self.plane, amount=amount)
+
+    def follow(self, surface: Surface, modification: Modification, place: float) -> Surface:
+        per_mm = self.plane.side / float(np.cos(self.plane.alpha_t))
+        return Sheared(surface, _Motion(modification, place, per_mm))
+
+
+def true_flank(tooth: Tooth, which: Side, *, internal: bool = False) -> TrueFlank:
+    """What a flank is: a plane of a sliding member, a screw involute of a turning one. Raises as `TrueInvolute.of`."""
+    return (
+        TrueInvolute.of(tooth, which, internal=internal) if tooth.joint.travel is None else TruePlane.of(tooth, which)
+    )
+
+
+def _proof_jets(tooth: Tooth, which: Side) -> tuple[Jet, Jet]:
+    """Jets at which a flank is compared with what it should be, and that (1,) of its tip in the middle of the face."""
+    jet = tooth.flank_grid(which, np.linspace(0.0, 1.0, POINTS), [0.0, 0.5, 1.0]).jet
+    assert jet is not None
+    return jet, Jet(*(getattr(jet, field.name)[-1, 1:2] for field in fields(Jet)))
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """The angle or way by which sections move with the flank's point of a place on the profile, per mm of its amount."""
+
     modification: Modification
-    length: float
+    place: float
+    per_mm: float
 
     def __call__(self, z: Array) -> tuple[Array, Array, Array]:
-        jet = self.modification.jet(np.full_like(z, self.length), z)
-        per_mm = self.involute.side / self.involute.base_radius
-        return per_mm * jet.a, per_mm * jet.a_z, per_mm * jet.a_zz
+        jet = self.modification.jet(np.full_like(z, self.place), z)
+        return self.per_mm * jet.a, self.per_mm * jet.a_z, self.per_mm * jet.a_zz
 
 
 @dataclass(frozen=True)
 class _Smooth:
-    """A modified flank about a place (roll length and z, mm), as if it had no corners."""
+    """A modified flank about a place (on the profile, and z, mm), as if it had no corners."""
 
-    involute: ScrewInvolute
+    true: TrueFlank
     modification: Modification
 
-    def __call__(self, length: float, z: float) -> Surface:
-        return replace(self.involute, amount=self.modification.smooth(length, z))
+    def __call__(self, place: float, z: float) -> Surface:
+        return self.true.surface(self.modification.smooth(place, z))
 
 
 def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modification | None) -> ToothSide:
-    """The side of a tooth less the amounts of a modification; with None its true involute."""
-    side, involute = tooth.side(which), true.involute
+    """The side of a tooth less the amounts of a modification; with None its true flank."""
+    side = tooth.side(which)
     kinks = Kinks() if modification is None else modification.kinks
 
     def twist(surface: Surface, length: float) -> Surface:
-        return surface if modification is None else Twisted(surface, 0.0, _Turn(involute, modification, length))
+        return surface if modification is None else true.follow(surface, modification, length)
 
     def length_at(p: float) -> float:
         middle = tooth.stations([0.5])
         jet = along(side.flank, np.full_like(middle, p), middle, tooth.blank.axial)[1]
-        return float(ScrewInvolute.roll_length(jet, involute.internal)[0])
+        return float(true.place(jet)[0])
 
     begins = true.extent.root
     tip_corner = side.tip_corner
@@ -102,7 +214,7 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
             tip_corner, surface=twist(tip_corner.surface, ends), form_point=(ends, tip_corner.form_point[1])
         )
     return ToothSide(
-        flank=replace(involute, amount=modification),
+        flank=true.surface(modification),
         fillet=twist(side.fillet, begins),
         form_point=(length_at(side.form_point[0]), side.form_point[1]),
         root=side.root,
@@ -114,7 +226,7 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
         creases=kinks.creases,
         ridges=kinks.ridges,
         tabulated=modification is not None and any(isinstance(field, Topography) for field in modification.fields),
-        smooth_flank=None if modification is None else _Smooth(involute, modification),
+        smooth_flank=None if modification is None else _Smooth(true, modification),
         generated=side,
         sharp=side.sharp,
         tool=side.tool,

@@ -1,6 +1,6 @@
 """Micro-geometry as measuring machines draw it: profile and helix diagrams of both flanks, and the topography as a map.
 
-What is drawn is how far a flank lies behind its true involute, along the line of action in the transverse plane.
+What is drawn is how far a flank lies behind its true involute, or a rack's plane, along the line of action in the transverse plane.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Side
 from gearmesh.view.diagrams.plots import save_figure
@@ -22,19 +23,23 @@ from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
 TRACE, MAP = 401, 161
 #: traces of a diagram lie at these shares of the face, or of the profile
 PLACES = (0.1, 0.5, 0.9)
+#: flanks whose amounts are known
+IN_CLOSED_FORM = (ScrewInvolute, PlaneFlank)
 #: steps of colour in a map, about
 LEVELS = 14
 
 
 @dataclass(frozen=True)
 class FlankMap:
-    """What is removed of a flank, um (L, Z), at roll lengths (L,) and face positions (Z,), mm; lines where it is not smooth."""
+    """What is removed of a flank, um (L, Z), at roll lengths, or heights of a rack, (L,) and positions z (Z,), mm; lines where it
+    is not smooth; what the lengths are."""
 
     side: Side
     length: Array
     z: Array
     removed: Array
     breaks: tuple[tuple[float, ...], tuple[float, ...]]
+    measure: str
 
 
 def flank_map(member: Member, which: Side, count: int = MAP) -> FlankMap:
@@ -42,21 +47,22 @@ def flank_map(member: Member, which: Side, count: int = MAP) -> FlankMap:
     tooth = member.tooth
     side = tooth.side(which)
     flank = side.flank
-    assert isinstance(flank, ScrewInvolute)
+    assert isinstance(flank, IN_CLOSED_FORM)
     begins, ends = tooth.flank_grid(which, [0.0, 1.0], [0.5]).parameters[:, 0, 0]
     toe, heel = tooth.blank.extent
     length, z = np.linspace(begins, ends, count), np.linspace(toe, heel, count)
     grid = np.meshgrid(length, z, indexing="ij")
     removed = np.zeros(grid[0].shape) if flank.amount is None else 1e3 * flank.amount.jet(*grid).a
-    return FlankMap(which, length, z, removed, (side.flank_breaks, side.face_breaks))
+    measure = "roll length" if isinstance(flank, ScrewInvolute) else "height"
+    return FlankMap(which, length, z, removed, (side.flank_breaks, side.face_breaks), measure)
 
 
 def is_modified(member: Member) -> bool:
     """Whether a member has flanks whose micro-geometry can be drawn: both known by their amounts, not by deviations, one of them
     modified."""
     flanks = [member.tooth.side(side).flank for side in Side]
-    involutes = [flank for flank in flanks if isinstance(flank, ScrewInvolute)]
-    return len(involutes) == len(flanks) and any(flank.amount is not None for flank in involutes)
+    closed = [flank for flank in flanks if isinstance(flank, IN_CLOSED_FORM)]
+    return len(closed) == len(flanks) and any(flank.amount is not None for flank in closed)
 
 
 def plot_modifications(file: Path | str, member: Member) -> None:
@@ -97,14 +103,16 @@ def _profile(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> Non
         )
     for place in flank_map.breaks[0]:
         axes.axhline(place, color=FAINT, lw=0.8, ls="-.")
-    axes.set(title=f"{flank_map.side} flank: profile", xlabel="removed (µm)", ylabel="roll length (mm)", xlim=limits)
+    axes.set(
+        title=f"{flank_map.side} flank: profile", xlabel="removed (µm)", ylabel=f"{flank_map.measure} (mm)", xlim=limits
+    )
     _finish(axes)
 
 
 def _helix(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> None:
     for share, style in zip(PLACES, ("--", "-", ":"), strict=True):
         k = round(share * (flank_map.length.size - 1))
-        label = f"roll length {flank_map.length[k]:.4g} mm"
+        label = f"{flank_map.measure} {flank_map.length[k]:.4g} mm"
         axes.plot(flank_map.z, flank_map.removed[k], style, color=CURVES[0], lw=1.6, label=label)
     for place in flank_map.breaks[1]:
         axes.axvline(place, color=FAINT, lw=0.8, ls="-.")
@@ -121,7 +129,9 @@ def _map(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> Any:
         axes.axhline(place, color="white", lw=0.8, ls="-.")
     for place in flank_map.breaks[1]:
         axes.axvline(place, color="white", lw=0.8, ls="-.")
-    axes.set(title=f"{flank_map.side} flank: topography", xlabel="z along the face (mm)", ylabel="roll length (mm)")
+    axes.set(
+        title=f"{flank_map.side} flank: topography", xlabel="z along the face (mm)", ylabel=f"{flank_map.measure} (mm)"
+    )
     return drawn
 
 

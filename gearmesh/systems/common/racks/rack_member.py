@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
@@ -35,7 +36,7 @@ from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import RackSurface
 
 if TYPE_CHECKING:
-    from gearmesh.design.core import MemberTable
+    from gearmesh.design.core import BrokenEdges, MemberTable
 
 #: parameter of a tip rounding where the cutter's tip plane begins
 ROOT = 0.5 * np.pi
@@ -228,10 +229,11 @@ def _rho(r: Array) -> Array:
     return np.hypot(r[..., 0], r[..., 1])
 
 
-def tip_edge(spec: MemberTable) -> TipEdge | None:
+def tip_edge(spec: BrokenEdges, joint: Joint = REVOLUTE) -> TipEdge | None:
+    """The broken tip edge that a part of a design asks for."""
     if spec.tip_chamfer:
-        return TipEdge(spec.tip_chamfer)
-    return TipEdge(spec.tip_rounding, rounded=True) if spec.tip_rounding else None
+        return TipEdge(spec.tip_chamfer, joint=joint)
+    return TipEdge(spec.tip_rounding, rounded=True, joint=joint) if spec.tip_rounding else None
 
 
 def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:
@@ -245,12 +247,8 @@ def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:
 
 
 def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: TrimError) -> DesignError:
-    edge = tooth.tip_edge
-    if edge and failure.what in ("edge", "pointed") and _fits(replace(tooth, tip_edge=None), 1.0):
-        key, size = ("tip_rounding" if edge.rounded else "tip_chamfer"), edge.size
-        limit = _largest(lambda share: _fits(replace(tooth, tip_edge=replace(edge, size=share * size)), 1.0))
-        larger, most = "larger than the tooth's tip allows", f"at most {at_most(limit * size)} mm"
-        return DesignError(f"{name}.{key}", size, unit="mm", reason=larger, allowed=most)
+    if (refusal := edge_refusal(name, tooth, failure)) is not None:
+        return refusal
     place = f"at z = {tooth.stations(failure.station):.4g} mm"
     if failure.what == "undercut":
         return DesignError(
@@ -277,6 +275,17 @@ def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
     if not _fits(_with_tip(tooth, radius), 1.0):
         return DesignError(f"{name}.{tip_key}", reason=f"{asked}; no other tip diameter leaves a tooth")
     return DesignError(f"{name}.{tip_key}", reason=asked, allowed=f"at most {at_most(2.0 * radius)} mm")
+
+
+def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | None:
+    """The refusal of a broken tip edge that is too large, None where that is not what made the trimming fail."""
+    edge = tooth.tip_edge
+    if edge is None or failure.what not in ("edge", "pointed") or not _fits(replace(tooth, tip_edge=None), 1.0):
+        return None
+    key, size = ("tip_rounding" if edge.rounded else "tip_chamfer"), edge.size
+    limit = _largest(lambda share: _fits(replace(tooth, tip_edge=replace(edge, size=share * size)), 1.0))
+    larger, most = "larger than the tooth's tip allows", f"at most {at_most(limit * size)} mm"
+    return DesignError(f"{name}.{key}", size, unit="mm", reason=larger, allowed=most)
 
 
 def _with_tip(tooth: Tooth, radius: float) -> Tooth:

@@ -37,7 +37,7 @@ def build(design: RackDesign) -> GearTrain:
     """
     geometry = rack_proportions(design)
     pinion = member_of(geometry.pair, PINION, geometry.of_pair)
-    rack = rack_member(RACK, geometry.mesh.rack, geometry.mesh.pinion)
+    rack = rack_member(RACK, geometry.mesh.rack, geometry.mesh.pinion, design.rack)
     flank = Side(design.contact.flank)
     mount = rack_mount(geometry.mesh.pinion, geometry.mesh.distance, flank, _errors(design))
     pair = rack_pair(

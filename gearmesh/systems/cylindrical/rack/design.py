@@ -8,8 +8,9 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import FlankContact, MemberMaterial
-from gearmesh.design.keys import DERIVED, Key, Table, conflict
+from gearmesh.design.core import FlankContact, MemberMaterial, TipChamfer, TipRounding, refuse_both_edges
+from gearmesh.design.keys import DERIVED, Key, conflict
+from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PinionRunout
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
@@ -21,7 +22,7 @@ PINION, RACK = "pinion", "rack"
 ROUNDED = 1e-9
 
 
-class RackTable(Table):
+class RackTable(Modified):
     """The rack: a bar with teeth, as many pitches long as it has teeth, or longer."""
 
     rank: ClassVar[int] = 0
@@ -69,6 +70,8 @@ class RackTable(Table):
             source="ISO 53",
         ),
     ] = DERIVED
+    tip_chamfer: TipChamfer = None
+    tip_rounding: TipRounding = None
     thickness_allowance: ThicknessAllowance | None = None
     material: MemberMaterial | None = None
 
@@ -77,6 +80,7 @@ class RackTable(Table):
 
     @model_validator(mode="after")
     def _some_length(self) -> Self:
+        refuse_both_edges(self)
         if self.teeth is None and self.length is None:
             raise conflict("teeth", None, reason="missing; give teeth or length")
         return self

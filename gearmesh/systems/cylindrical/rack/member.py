@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,8 +23,10 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.flat import FlatLevel
 from gearmesh.kernel.surface.levels import PlaneLevel
+from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.common.racks.rack_member import ROOT
+from gearmesh.systems.common.micro_geometry import with_modifications
+from gearmesh.systems.common.racks.rack_member import ROOT, edge_refusal, tip_edge
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.blank.blank import Blank
@@ -35,6 +38,9 @@ from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import HeightZero, ToolDescription
 from gearmesh.tools.rack import Line, RackSurface
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.rack.design import RackTable
 
 
 @dataclass(frozen=True)
@@ -165,10 +171,11 @@ class RackMesh:
         return self.distance + self.rack.dedendum * self.pinion.module - self.tip
 
 
-def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
-    """A rack (in mm) that meshes with a pinion, without its mounting; its helix has the other hand.
+def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackTable | None = None) -> Member:
+    """A rack (in mm) that meshes with a pinion, without its mounting; its helix has the other hand. `table` is its part of the
+    design, which says what edges are broken and what flanks modified.
 
-    Raises DesignError naming key, value and limit: no room for the fillet, no tooth, no bar.
+    Raises DesignError naming key, value and limit: no room for the fillet, no tooth, no bar, a tip edge larger than the tooth.
     """
     m, helix = pinion.module, -pinion.beta
     heights = Heights(spec.addendum * m, -spec.dedendum * m)
@@ -198,14 +205,19 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
             FlatLevel(heights.root, joint),
             Body.tube(back, -half, half, Region.BACK),
         ),
+        tip_edge=None if table is None else tip_edge(table, joint),
         joint=joint,
     )
-    tooth.prove()
+    try:
+        tooth.prove()
+    except TrimError as failure:
+        raise edge_refusal(name, tooth, failure) or failure from failure
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {"l_R": p, "u_R": v}
 
-    return Member(name, tooth, source_parameters, overhang=spec.overhang)
+    member = Member(name, tooth, source_parameters, overhang=spec.overhang)
+    return member if table is None else with_modifications(member, table)
 
 
 def _side(rack: RackTooth, helix: float, side: int) -> ToothSide:

@@ -1,0 +1,78 @@
+"""Flanks of racks in closed form, with micro-geometry: planes along the tooth traces [ISO 21771-1, ISO 53].
+
+In a rack's own frame (x out of the bar from the reference plane, y along it, z across) the flank of side s, +1 right (y < 0), is
+
+    y = s (-half + x tan(alpha_t) + a / cos(alpha_t)) + z tan(beta)
+
+An amount a(x, z) along the line of action in the transverse plane, positive where material is removed, moves the point of a height,
+which stays at its height, along the bar into the material: as that of an involute turns about the axis (see `screw_involute`).
+
+            | x  \\
+            |     \\ flank        N = (Y_x, -1, Y_z) of the right side y = Y(x, z), its opposite of the left one
+    --------+------\\------ y
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.surface import Jet
+from gearmesh.teeth.micro_geometry.screw_involute import NO_AMOUNT, Amount
+
+
+@dataclass(frozen=True)
+class PlaneFlank:
+    """A rack's flank; parameters: height x over the reference plane and z, both mm. The normal leaves the material.
+
+    `alpha_t`: transverse pressure angle, rad; `slope`: dy/dz along the tooth trace; `half`: transverse half thickness of the tooth
+    on the reference plane at z = 0, mm. `amount`: micro-geometry over height and z, None for the plane.
+    """
+
+    alpha_t: float
+    slope: float
+    half: float
+    side: int = 1
+    amount: Amount | None = None
+
+    @staticmethod
+    def through(jet: Jet, side: int) -> PlaneFlank:
+        """The plane of a jet (1,) of it."""
+        (r,), (n,) = jet.r, side * jet.n / np.abs(jet.n[..., 1:2])
+        # n = (Y_x, -1, Y_z)
+        made = PlaneFlank(float(np.arctan(side * n[0])), float(n[2]), 0.0, side)
+        return replace(made, half=float(side * (r[0] * n[0] + r[2] * n[2] - r[1])))
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        x, z = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        given = NO_AMOUNT if self.amount is None else self.amount.jet(x, z)
+        s, tangent, over = self.side, np.tan(self.alpha_t), 1.0 / np.cos(self.alpha_t)
+        by_x, by_z = s * (tangent + over * given.a_l), self.slope + s * over * given.a_z
+        y = s * (-self.half + x * tangent + over * given.a) + self.slope * z
+        normal = _vectors(x, by_x, -1.0, by_z)
+        size = s / np.sqrt(dot(normal, normal))[..., None]
+        n = size * normal
+
+        def normal_change(to_x: Array, to_z: Array) -> Array:
+            changed = size * _vectors(x, s * over * to_x, 0.0, s * over * to_z)
+            change: Array = changed - n * dot(n, changed)[..., None]
+            return change
+
+        return Jet(
+            r=_vectors(x, x, y, z),
+            n=n,
+            r_u=_vectors(x, 1.0, by_x, 0.0),
+            r_v=_vectors(x, 0.0, by_z, 1.0),
+            n_u=normal_change(given.a_ll, given.a_lz),
+            n_v=normal_change(given.a_lz, given.a_zz),
+        )
+
+
+def _vectors(like: Array, *components: Array | float) -> Array:
+    """Vectors (..., 3) of components (...,) or numbers, of the shape of `like`."""
+    made = np.empty((*like.shape, 3))
+    for k, component in enumerate(components):
+        made[..., k] = component
+    return made
