@@ -1,4 +1,4 @@
-r"""A rack as a solid with named faces for CAD: planes and cylinders, as they are.
+r"""A rack as a solid with named faces for CAD: planes and cylinders, as they are, or spline patches where flanks are modified.
 
                  __ land __                      columns: where links of the section begin, from end to end of the bar
     flank_right /          \ flank_left          rows: toe and heel, planes across z
@@ -6,7 +6,8 @@ r"""A rack as a solid with named faces for CAD: planes and cylinders, as they ar
     root    fillet          fillet    root       along the tooth traces every edge is straight
 
 What a plane across z cuts of a root fillet is an arc, of helical teeth that of an ellipse; the fillet is that arc drawn along the
-trace, of spur teeth a cylinder by name.
+trace, of spur teeth a cylinder by name. Teeth with modified flanks or rounded tip edges are patches as those of gears, between bars
+of planes.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.cad.brep import NARROWEST
-from gearmesh.cad.occ import PRECISION, edge, face, point, straight2d, straight_edge, vertex, wire
-from gearmesh.cad.solid_part import whole_part
+from gearmesh.cad.brep import NARROWEST, Patch, SplineTooth
+from gearmesh.cad.occ import PRECISION, edge, face, point, spline_curve, straight2d, straight_edge, vertex, wire
+from gearmesh.cad.solid_part import LinkCurves, Sides, drawn_faces, link_border, whole_part
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.teeth.gear_train import Member
@@ -158,6 +159,122 @@ def bar_part(member: Member) -> tuple[Part, float]:
     outline = [(across_back[0], True), (along_back[1], True), (across_back[1], False), (along_back[0], False)]
     faces.append(NamedFace(_plane(back[0, 0], np.array([-1.0, 0.0, 0.0]), outline), Region.BACK, Region.BACK))
     return whole_part(member, tuple(faces), (*member.tooth.regions, *member.body_regions)), miss
+
+
+def has_straight_faces(member: Member) -> bool:
+    """Whether all faces of a rack are planes and cylinders along the tooth traces."""
+    tooth = member.tooth
+    rounded = tooth.tip_edge is not None and tooth.tip_edge.rounded
+    return tooth.unmodified_tooth is tooth and not rounded
+
+
+def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
+    """The whole rack with spline patches on its teeth, its faces named by region and number of the tooth.
+
+    Raises DesignError for what is no solid, OutputError where OpenCASCADE is missing.
+    """
+    require_occ()
+    tooth, links, rows = teeth.tooth, len(teeth.links), range(len(teeth.bounds))
+    rooted = teeth.links[0].region is Region.ROOT
+    places, curves = tooth.joint.places(tooth.teeth), [LinkCurves.of(teeth, i) for i in range(links)]
+    ways = [np.asarray(tooth.joint.to(place * tooth.pitch_angle).translation) for place in places.tolist()]
+    # the first root is half of one, and behind the last tooth is another
+    columns = [(k, i) for k in range(tooth.teeth) for i in range(links)][1 if rooted else 0 :]
+    last_corner = [patch.control[-1, end] for patch, end in _row_ends(teeth)]
+    corners = np.array([teeth.corners[i] + ways[k] for k, i in columns] + [np.array(last_corner) + ways[-1]])
+    vertices = [[vertex(r) for r in column] for column in corners]
+    borders = [*curves, LinkCurves({}, [spline_curve(*border) for border in link_border(teeth, links)])]
+    starts = [*columns, (tooth.teeth - 1, links)]
+    along = [
+        [
+            edge(_moved(curve, ways[k]), vertices[n][g], vertices[n][g + 1], 0.0, 1.0)
+            for g, curve in enumerate(borders[i].along)
+        ]
+        for n, (k, i) in enumerate(starts)
+    ]
+    across = [
+        {
+            row: edge(_moved(curve, ways[k]), vertices[n][row], vertices[n + 1][row], 0.0, last)
+            for row, (curve, last) in curves[i].across.items()
+        }
+        for n, (k, i) in enumerate(columns)
+    ]
+    drawn = [drawn_faces(teeth, i) for i in range(links)]
+    faces = []
+    for n, (k, i) in enumerate(columns):
+        for patch in drawn[i]:
+            toe, heel = (across[n][row] for row in patch.rows)
+            span = slice(*patch.rows)
+            shape = patch.face(_moved(patch.surface, ways[k]), Sides(toe, along[n + 1][span], heel, along[n][span]))
+            faces.append(NamedFace(shape, f"{patch.region}_{k + 1}", patch.region))
+    outline = [[(edges[row], True) for edges in across] for row in (rows[0], rows[-1])]
+    return _closed_bar(member, faces, (corners, vertices, along), (outline[0], outline[1]))
+
+
+def _row_ends(teeth: SplineTooth) -> list[tuple[Patch, int]]:
+    """For every bound a patch of the last link that reaches it, and which end of the patch it is."""
+    row = teeth.patches[teeth.links[-1]]
+    return [*((patch, 0) for patch in row), (row[-1], -1)]
+
+
+def _moved(shape: Any, way: Array) -> Any:
+    """A curve or surface moved by `way` (3,)."""
+    from OCP.gp import gp_Trsf, gp_Vec
+
+    made = gp_Trsf()
+    made.SetTranslation(gp_Vec(*way.tolist()))
+    return shape.Transformed(made)
+
+
+def _closed_bar(
+    member: Member,
+    faces: list[NamedFace],
+    teeth: tuple[Array, list[list[Any]], list[list[Any]]],
+    outline: tuple[list[tuple[Any, bool]], list[tuple[Any, bool]]],
+) -> Part:
+    """The part of the faces of all teeth, the roots at both ends and the bar under them.
+
+    `teeth`: corners (N, G, 3), mm, their vertices and the edges along the face where columns begin, the last where the teeth end;
+    `outline`: the edges of the teeth on toe and heel, from end to end.
+    """
+    tooth, (corners, vertices, along) = member.tooth, teeth
+    ways = [tooth.joint.to(place * tooth.pitch_angle).translation[1] for place in tooth.joint.places(tooth.teeth)]
+    far = ways[-1] + tooth.joint.to(tooth.pitch_angle).translation[1]
+    ends = corners[[0, -1]][:, [0, -1]]
+    for end, way, beyond in zip(ends, (ways[0], far), (-member.overhang, member.overhang), strict=True):
+        end[:, 1] = tooth.root_middle(end[:, 2]) + way + beyond
+    back = np.array(ends)
+    back[..., 0] = tooth.blank.body.profile[0][0]
+    top, under = ([[vertex(r) for r in column] for column in places] for places in (ends, back))
+    up = np.array([1.0, 0.0, 0.0])
+    # the half roots: from the first end to the first tooth, and from the last tooth to the last end
+    roots = [
+        [straight_edge(top[0][row], vertices[0][end]) for row, end in ((0, 0), (1, -1))],
+        [straight_edge(vertices[-1][end], top[1][row]) for row, end in ((0, 0), (1, -1))],
+    ]
+    across_top = [straight_edge(*column) for column in top]
+    across_back = [straight_edge(*column) for column in under]
+    down = [[straight_edge(top[n][row], under[n][row]) for row in (0, 1)] for n in (0, 1)]
+    along_back = [straight_edge(under[0][row], under[1][row]) for row in (0, 1)]
+    sides = (Sides(roots[0][0], along[0], roots[0][1], [across_top[0]]),
+             Sides(roots[1][0], [across_top[1]], roots[1][1], along[-1]))  # fmt: skip
+    for number, side in zip((1, tooth.teeth + 1), sides, strict=True):
+        faces.append(NamedFace(_plane(ends[0, 0], up, side.wire), f"root_{number}", Region.ROOT))
+    for row, region, z in ((0, Region.FACE_TOE, -1.0), (1, Region.FACE_HEEL, 1.0)):
+        loop = [(roots[0][row], True), *outline[row], (roots[1][row], True), (down[1][row], True)]
+        loop += [(along_back[row], False), (down[0][row], False)]
+        faces.append(
+            NamedFace(_plane(ends[0, row], np.array([0.0, 0.0, z]), loop if row else _reverse(loop)), region, region)
+        )
+    for n, sense in ((0, -1.0), (1, 1.0)):
+        loop = [(across_top[n], True), (down[n][1], True), (across_back[n], False), (down[n][0], False)]
+        normal = sense * np.cross(ends[n, 1] - ends[n, 0], up)
+        faces.append(
+            NamedFace(_plane(ends[n, 0], normal, loop if n == 0 else _reverse(loop)), f"end_{n + 1}", Region.END)
+        )
+    loop = [(across_back[0], True), (along_back[1], True), (across_back[1], False), (along_back[0], False)]
+    faces.append(NamedFace(_plane(back[0, 0], -up, loop), Region.BACK, Region.BACK))
+    return whole_part(member, tuple(faces), (*tooth.regions, *member.body_regions))
 
 
 def _links(member: Member) -> tuple[list[BarLink], Array, float]:

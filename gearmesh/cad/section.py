@@ -24,7 +24,7 @@ from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLETS, Region
-from gearmesh.teeth.section import BottomLink, DrawnLink, GeneratedLink, Sections
+from gearmesh.teeth.section import BottomLink, DrawnLink, GeneratedLink, Sections, TurnedLink
 from gearmesh.teeth.tooth import Tooth
 
 #: the contour round all teeth
@@ -142,7 +142,7 @@ def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, 
     # from the middle of the root before the first tooth to the middle of that behind the last
     root = float(tooth.blank.root.at(z))
     rooted = abs(one[0].start[0] - root) + abs(one[0].end[0] - root) < NARROWEST
-    middle = 0.5 * (one[0].start + one[0].end) if rooted else one[0].start
+    middle = np.array([root, float(tooth.root_middle(np.array(z)))])
     ends = [middle + (places[0] + k * tooth.teeth) * pitch for k in (0, 1)]
     first, last = (end + np.array([0.0, sign * member.overhang]) for end, sign in zip(ends, (-1.0, 1.0), strict=True))
     row = row[1:] if rooted else row
@@ -203,7 +203,13 @@ def _of_gear(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -
 def _of_rack(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneCurve, float]:
     """A link of a rack at one station, and its deviation (mm): fillets are arcs of ellipses, of circles across spur teeth."""
     link = tooth.chain[piece.region]
+    if isinstance(link, DrawnLink):
+        return _of_gear(tooth, piece, sections, tolerance)
     first, last = link.grid([0.0, 1.0], sections).points[:, 0, :2]
+    if isinstance(link, TurnedLink):
+        return PlaneLine(first, last), 0.0
+    if isinstance(link, GeneratedLink) and tooth.side(link.side).generated is not None:
+        return _fit(tooth, piece, sections, tolerance)
     if piece.region not in FILLETS.values():
         return PlaneLine(first, last), 0.0
     trace = np.diff(tooth.grid(piece.region, np.zeros(1), tooth.sections([0.0, 1.0])).points[0], axis=0)[0]

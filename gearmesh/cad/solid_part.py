@@ -128,7 +128,7 @@ def _tooth_faces(
     for row, (corners, _) in (shared or {}).items():
         for places, corner in zip(vertices, corners, strict=True):
             places[row] = corner
-    outlines = [_LinkCurves.of(teeth, i) for i in range(links)]
+    outlines = [LinkCurves.of(teeth, i) for i in range(links)]
 
     def place(curve: Any, n: int) -> Any:
         return curve.Transformed(turns[n // links])
@@ -151,12 +151,12 @@ def _tooth_faces(
         ]
         for n in range(count)
     ]
-    drawn = [_drawn_faces(teeth, i) for i in range(links)]
+    drawn = [drawn_faces(teeth, i) for i in range(links)]
     faces = []
     for n in range(count):
         k, i = divmod(n, links)
         for part in drawn[i]:
-            sides = _Sides(
+            sides = Sides(
                 across[n][part.rows[0]],
                 along[(n + 1) % count][slice(*part.rows)],
                 across[n][part.rows[1]],
@@ -214,7 +214,7 @@ def _next_corner(teeth: SplineTooth, link: int, row: int) -> Array:
 
 
 @dataclass(frozen=True)
-class _LinkCurves:
+class LinkCurves:
     """The curves of a link of tooth 1: `across` at those bounds where it has any, with the last parameter of each, and where it
     begins, `along` the face between the bounds."""
 
@@ -222,16 +222,16 @@ class _LinkCurves:
     along: list[Any]
 
     @staticmethod
-    def of(teeth: SplineTooth, i: int) -> _LinkCurves:
+    def of(teeth: SplineTooth, i: int) -> LinkCurves:
         from OCP.Geom import Geom_Circle
 
         rows = range(len(teeth.bounds))
-        along = [spline_curve(control, knots) for control, knots in _border(teeth, i)]
+        along = [spline_curve(control, knots) for control, knots in link_border(teeth, i)]
         if teeth.links[i] in teeth.patches:
             knots = teeth.patches[teeth.links[i]][0].s_knots
-            return _LinkCurves({row: (spline_curve(_row(teeth, i, row), knots), 1.0) for row in rows}, along)
+            return LinkCurves({row: (spline_curve(_row(teeth, i, row), knots), 1.0) for row in rows}, along)
         arcs = {row: _Arc.of(teeth, i, row) for row in (rows[0], rows[-1])}
-        return _LinkCurves(
+        return LinkCurves(
             {
                 row: (Geom_Circle(frame((0.0, 0.0, arc.z), 1.0, arc.start).Ax2(), arc.rho), arc.width)
                 for row, arc in arcs.items()
@@ -246,24 +246,25 @@ def _row(teeth: SplineTooth, i: int, row: int) -> Array:
     return patches[row].control[:, 0] if row < len(patches) else patches[-1].control[:, -1]
 
 
-def _border(teeth: SplineTooth, i: int) -> list[tuple[Array, Array]]:
+def link_border(teeth: SplineTooth, i: int) -> list[tuple[Array, Array]]:
     """Control polygons (T, 3) and knots, from bound to bound, of the curve where link i of tooth 1 begins.
 
     It may be one more than the last: where the next tooth begins.
     """
-    turn = Rigid.about_z(teeth.tooth.pitch_angle * (i // len(teeth.links)))
+    joint, pitch = teeth.tooth.joint, teeth.tooth.pitch_angle
+    turn = joint.to(pitch * (i // len(teeth.links)))
     i %= len(teeth.links)
     own = teeth.patches.get(teeth.links[i])
     if own is not None:
         return [(turn.point(patch.control[0]), patch.t_knots) for patch in own]
     if i == 0:
-        turn = Rigid.about_z(-teeth.tooth.pitch_angle) @ turn
+        turn = joint.to(-pitch) @ turn
     before = teeth.patches[teeth.links[i - 1]]
     return [(turn.point(patch.control[-1]), patch.t_knots) for patch in before]
 
 
 @dataclass(frozen=True)
-class _Sides:
+class Sides:
     """Edges round a face: at its toe side, farther on along the chain (several from toe to heel), heel side, nearer."""
 
     toe: Any
@@ -286,7 +287,7 @@ class _Sides:
 class _DrawnFace:
     """A face of tooth 1 between two of the bounds, `rows`, and the sense of its surface.
 
-    `curves` are those of its edges in the surface's parameters, with their tolerances, in the order of `_Sides.wire`; none
+    `curves` are those of its edges in the surface's parameters, with their tolerances, in the order of `Sides.wire`; none
     for a plane. `with_chain`: the surface's normal is the vector product of the directions along the chain and from toe to heel;
     `outward`: that product leaves the material.
     """
@@ -298,7 +299,7 @@ class _DrawnFace:
     with_chain: bool
     outward: bool
 
-    def face(self, surface: Any, sides: _Sides) -> Any:
+    def face(self, surface: Any, sides: Sides) -> Any:
         """The face on this surface turned to its tooth, with that tooth's edges."""
         from OCP.BRep import BRep_Builder
         from OCP.TopLoc import TopLoc_Location
@@ -313,7 +314,7 @@ class _DrawnFace:
         return face(surface, [wire(*parts)], self.outward == self.with_chain)
 
 
-def _drawn_faces(teeth: SplineTooth, i: int) -> list[_DrawnFace]:
+def drawn_faces(teeth: SplineTooth, i: int) -> list[_DrawnFace]:
     """The faces of a link of tooth 1."""
     if teeth.links[i] not in teeth.patches:
         return [_turned_link(teeth, i)]
@@ -352,7 +353,8 @@ def _turned_link(teeth: SplineTooth, i: int) -> _DrawnFace:
         return turned.curve(trace, np.pi), max(PRECISION, trace.miss)
 
     near, far = (
-        [curve(Trace.of(knots, control, middle)) for control, knots in _border(teeth, column)] for column in (i, i + 1)
+        [curve(Trace.of(knots, control, middle)) for control, knots in link_border(teeth, column)]
+        for column in (i, i + 1)
     )
     low, high = (
         curve(Trace.arc(arc.width, arc.rho, arc.z, _within_half_turn(arc.start - middle))) for arc in (toe, heel)

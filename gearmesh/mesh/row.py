@@ -50,10 +50,11 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
     # the bar begins in the middle of the first root, and its last one is half of another
     triangles = (one.triangles + first_numbers).reshape(-1, 3)[root:]
     first, last = one.firsts[1], one.firsts[0] + teeth * count
-    half = overhang + 0.5 * float(one.vertices[one.firsts[1][0], 1] - one.vertices[one.firsts[0][0], 1])
     (low, high), (toe, heel) = ((k * len(first) + np.arange(len(first)) + len(vertices) for k in (0, 1)), (0, -1))
     corners = len(vertices) + 2 * len(first) + np.arange(4)
-    ends = [vertices[line] + np.array([0.0, way, 0.0]) for line, way in ((first, -half), (last, half))]
+    ends = [vertices[line] for line in (first, last)]
+    for end, way, beyond in zip(ends, ways[[0, -1]], (-overhang, overhang), strict=True):
+        end[:, 1] = tooth.root_middle(end[:, 2]) + way[1] + beyond
     back = np.stack([end[k] for end in ends for k in (toe, heel)])
     back[:, 0] = tooth.blank.body.profile[0][0]
     vertices = np.concatenate((vertices, *ends, back))

@@ -306,6 +306,12 @@ class Tooth:
         sides = (self.side(which) for which in Side)
         return np.array([self._root_jet(side, stations).r for side in sides])
 
+    def root_middle(self, z: Array) -> Array:
+        """y (...,), mm, of the middle of the root before a rack's tooth, as its tools leave it, at z (...,): where bars end."""
+        right, left = self.unmodified_tooth.root_ends
+        middle = 0.5 * (right + left - self.joint.to(self.pitch_angle).translation)
+        return np.asarray(np.interp(z, middle[:, 2], middle[:, 1]))
+
     def grid(self, region: Region, s: ArrayLike, sections: Sections) -> Grid:
         """Exact points and normals of one link at s (S,), or s (S, T), by the sections' stations (T,)."""
         return self.chain[region].grid(s, sections)

@@ -90,16 +90,18 @@ def cad_solid(member: Member, tolerance: float) -> tuple[Part, CadFigures]:
 
     Raises DesignError for a body that does not make a solid, OutputError where OpenCASCADE is missing.
     """
-    from gearmesh.cad.bar import bar_part
+    from gearmesh.cad.bar import bar_part, has_straight_faces, spline_bar_part
     from gearmesh.cad.brep import exact_volume, spline_tooth
     from gearmesh.cad.solid_part import solid_part, volume
 
     started = time.perf_counter()
-    if member.tooth.joint.travel is not None:
+    slides = member.tooth.joint.travel is not None
+    if slides and has_straight_faces(member):
         part, deviation = bar_part(member)
     else:
         teeth = spline_tooth(member.one_tooth, tolerance)
-        part, deviation = solid_part(member, teeth), max(teeth.deviation.values())
+        part = spline_bar_part(member, teeth) if slides else solid_part(member, teeth)
+        deviation = max(teeth.deviation.values())
     measured = volume(part)
     return part, CadFigures(
         faces=len(part.faces),
