@@ -187,14 +187,14 @@ def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
     starts = [*columns, (tooth.teeth - 1, links)]
     along = [
         [
-            edge(_moved(curve, ways[k]), vertices[n][g], vertices[n][g + 1], 0.0, 1.0)
+            edge(_move(curve, ways[k]), vertices[n][g], vertices[n][g + 1], 0.0, 1.0)
             for g, curve in enumerate(borders[i].along)
         ]
         for n, (k, i) in enumerate(starts)
     ]
     across = [
         {
-            row: edge(_moved(curve, ways[k]), vertices[n][row], vertices[n + 1][row], 0.0, last)
+            row: edge(_move(curve, ways[k]), vertices[n][row], vertices[n + 1][row], 0.0, last)
             for row, (curve, last) in curves[i].across.items()
         }
         for n, (k, i) in enumerate(columns)
@@ -205,7 +205,7 @@ def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
         for patch in drawn[i]:
             toe, heel = (across[n][row] for row in patch.rows)
             span = slice(*patch.rows)
-            shape = patch.face(_moved(patch.surface, ways[k]), Sides(toe, along[n + 1][span], heel, along[n][span]))
+            shape = patch.face(_move(patch.surface, ways[k]), Sides(toe, along[n + 1][span], heel, along[n][span]))
             faces.append(NamedFace(shape, f"{patch.region}_{k + 1}", patch.region))
     outline = [[(edges[row], True) for edges in across] for row in (rows[0], rows[-1])]
     return _closed_bar(member, faces, (corners, vertices, along), (outline[0], outline[1]))
@@ -217,7 +217,7 @@ def _row_ends(teeth: SplineTooth) -> list[tuple[Patch, int]]:
     return [*((patch, 0) for patch in row), (row[-1], -1)]
 
 
-def _moved(shape: Any, way: Array) -> Any:
+def _move(shape: Any, way: Array) -> Any:
     """A curve or surface moved by `way` (3,)."""
     from OCP.gp import gp_Trsf, gp_Vec
 

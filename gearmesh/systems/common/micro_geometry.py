@@ -127,7 +127,7 @@ def _profile_relief(key: str, table: ProfileRelief, true: TrueFlank, end: Profil
         raise DesignError(start_key, given, unit="mm", reason="this flank has none", allowed=others)
     start = place(given)
     if not low < start < high:
-        bounds = [true.given_as(name, end) for end in (low, high)]
+        bounds = [true.length_of(name, end) for end in (low, high)]
         raise DesignError(
             start_key,
             given,
@@ -172,7 +172,7 @@ def _topography(key: str, grid: TopographyGrid, true: TrueFlank) -> FlankField:
         raise DesignError(
             key,
             reason=f"diameter_mm = {grid.across[0]:g}: allowed is from the base circle on, "
-            f"{at_least(true.given_as(name, 0.0))} mm",
+            f"{at_least(true.length_of(name, 0.0))} mm",
         )
     return Topography(lengths, grid.z, grid.amounts)
 

@@ -49,7 +49,7 @@ class TrueFlank(Protocol):
     def parameters(self) -> tuple[str, str]:
         """What the flank's parameters are called."""
 
-    def given_as(self, name: str, place: float) -> float:
+    def length_of(self, name: str, place: float) -> float:
         """A place as the length called `name`."""
 
     def place(self, jet: Jet) -> Array:
@@ -91,7 +91,7 @@ class TrueInvolute:
     def parameters(self) -> tuple[str, str]:
         return "roll_length_mm", "z_mm"
 
-    def given_as(self, name: str, place: float) -> float:
+    def length_of(self, name: str, place: float) -> float:
         return place if name == "roll_length" else 2.0 * float(np.hypot(self.involute.base_radius, place))
 
     def roll_length(self, diameter: float) -> float:
@@ -141,7 +141,7 @@ class TruePlane:
     def parameters(self) -> tuple[str, str]:
         return "height_mm", "z_mm"
 
-    def given_as(self, name: str, place: float) -> float:
+    def length_of(self, name: str, place: float) -> float:
         return place
 
     def place(self, jet: Jet) -> Array:
