@@ -68,9 +68,10 @@ def test_flanks_lie_behind_their_planes_by_what_is_removed(helix: int) -> None:
 def test_the_transmission_error_is_that_of_an_involute_on_the_profile() -> None:
     """A true spur pinion on a crowned rack, in closed form.
 
-    At the height h the profile leans by alpha', tan alpha' = tan alpha + a'(h) / cos alpha. Its normal n = (sin, cos) alpha' touches
-    the base circle where an involute meets it, X cos alpha' - Y sin alpha' = r_b with X = D - h, which says where the bar is; and the
-    involute's tangents lie r_b (phi + alpha' - alpha) farther out than at the pitch point, which says where the pinion is.
+    At the height h the profile leans by alpha', tan alpha' = tan alpha + a'(h) / cos alpha. Its normal n = (sin, cos) alpha'
+    touches the base circle where an involute meets it, X cos alpha' - Y sin alpha' = r_b with X = D - h, which says where the bar
+    is; and the involute's tangents lie r_b (phi + alpha' - alpha) farther out than at the pitch point, which says where the pinion
+    is.
     """
     gears = rack({"modifications": {"profile_crowning": 0.006}})
     contact, tooth = gears.contact(), gears.members["rack"].tooth
@@ -170,7 +171,7 @@ def test_heights_are_for_racks_alone() -> None:
 
 @pytest.mark.quick
 def test_contact_lines_lean_as_the_rolled_pinion_s_do() -> None:
-    """A triangular relief begins along a contact line: its pinion's contact lines on the rack's plane are level lines of h + lean z."""
+    """A triangular relief begins along a contact line: those on the rack's plane are level lines of h + lean z."""
     gears = rack({"modifications": {"triangular_end_relief_tip": {"amount": 0.009, "length": 4}}}, helix_angle=20)
     flank = gears.members["rack"].tooth.side(Side.RIGHT).flank
     assert isinstance(flank, PlaneFlank)
