@@ -54,7 +54,17 @@ def test_flanks_of_every_kind_say_what_made_them(sample: str) -> None:
             form_point, tip = side.tool.height(np.array([side.form_point[0], side.tip]))
             assert form_point < tip
             if side.generation is not None:
-                assert side.generation == (side.flank, side.fillet)
+                grid = member.tooth.unmodified_tooth.flank_grid(which, [0.0, 0.5, 1.0], [0.0, 0.5, 1.0])
+                fillet = np.linspace(side.form_point[1], side.root, 3)[:, None], grid.parameters[..., 1]
+                for surface, generated, at in zip(
+                    (side.flank, side.fillet),
+                    side.generation,
+                    (np.moveaxis(grid.parameters, -1, 0), fillet),
+                    strict=True,
+                ):
+                    # of a helical shaper by its own helicoid, which rolls, and by its section, twisted
+                    assert np.abs(surface.jet(*at).r - generated.jet(*at).r).max() < 1e-11
+                    assert np.abs(surface.jet(*at).n - generated.jet(*at).n).max() < 1e-11
                 assert side.tool.drawing is not None
                 assert all(each.unit in ("mm", "deg", "") and np.isfinite(each.value) for each in side.tool.dimensions)
 
@@ -142,6 +152,19 @@ def eroded(side: ToothSide, radius: float) -> ToothSide:
         "wire", WireDrawing(), (Dimension("diameter", 0.2, "mm"),), side.tool.profile, zero=HeightZero.PITCH_PLANE
     )
     return replace(side, flank=flank, fillet=fillet, tool=tool, generation=(flank, fillet))
+
+
+def test_sheets_have_the_dimensions_of_the_tools() -> None:
+    """One column for both flanks where one tool, or tools that are alike, cut them; planets are one column."""
+    ground = gm.build(gm.load(SAMPLES / "novikov.toml")).sheet().plain_tables["Tools"]
+    assert ground["tool"] == ["", "grinding worm", "rack cutter"]
+    assert ground["d_0"] == ["mm", 196.0, None]
+    assert ground["z_0"] == ["-", 1.0, None]
+    cut = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml")).sheet()
+    (table,) = (table for table in cut.tables if table.title == "Tools")
+    assert table.columns == ("pinion, right", "pinion, left", "gear, right", "gear, left")
+    alone = gm.build(gm.load(SAMPLES / "planetary.toml")).sheet(member="ring").plain_tables["Tools"]
+    assert alone["z_0"] == ["-", 29.0]
 
 
 def test_a_tool_of_another_kind_needs_what_the_protocols_ask_alone() -> None:

@@ -130,12 +130,31 @@ def test_view_of_the_worm_is_that_of_the_member_that_it_grinds() -> None:
         pinion.picture("contact_lines", "worm")
 
 
-def test_unknown_tool_is_refused() -> None:
+def test_helical_shaper_stands_in_its_place() -> None:
+    """It touches the flank where it generates it, one tooth's flanks on either side; in a ring it has the ring's hand."""
     gears = gm.build(gm.load(SAMPLES / "internal.toml"))
+    tooth = gears.members["gear"].tooth.unmodified_tooth
+    tool = tool_in_place(tooth, Side.LEFT)
+    flank = tooth.side(Side.LEFT).flank.jet(*tool.place)
+    assert np.abs(tool.touching.r - flank.r).max() < 1e-11
+    assert np.abs(tool.touching.n - flank.n).max() < 1e-11
+    sheets = [sheet for sheet in tool.sheets if sheet.region == "flank"]
+    assert len(sheets) == 2
+    own = {dimension.symbol: dimension.value for dimension in tool.description.dimensions}
+    radius = 0.5 * own["z_0"] * own["m_t0"]
+    twist = np.tan(np.radians(gears.design.helix_angle)) * (1.0 if gears.design.hand == "right" else -1.0) / radius
+    for sheet in sheets:
+        x, y, z = np.moveaxis(sheet.points[:, [0, -1]], -1, 0)
+        turned = np.diff(np.unwrap(np.arctan2(y, x - radius)), axis=1) / np.diff(z, axis=1)
+        assert turned == pytest.approx(np.full_like(turned, twist), rel=1e-12)
+
+
+def test_unknown_tool_is_refused() -> None:
+    gears = gm.build(gm.load(SAMPLES / "rack.toml"))
     with pytest.raises(
         DesignError,
-        match="view = tool: the shaper that cuts this flank cannot be shown; allowed is a flank of head cutters",
+        match="view = tool: the planing tool that cuts this flank cannot be shown; allowed is a flank of head cutters",
     ):
-        gears.picture("tool", "gear")
+        gears.picture("tool", "rack")
     with pytest.raises(DesignError, match="phi1 = 3"):
         gears.picture("tool", "pinion", phi1=3.0)

@@ -49,7 +49,7 @@ def tool_table(members: Mapping[str, Member]) -> SheetTable:
             else {f"{name}, {side}": tool for side, tool in zip(Side, (right, left), strict=True)}
         )
     tools = [*columns.values()]
-    rows: list[Row] = [("", "tool", "", tuple(tool.name for tool in tools))]
+    rows: list[Row] = [("tool", "name", "", tuple(tool.name for tool in tools))]
     for symbol, words, unit in dict.fromkeys((d.symbol, d.name, d.unit) for tool in tools for d in tool.dimensions):
         of = [{d.name: d.value for d in tool.dimensions if d.symbol == symbol} for tool in tools]
         rows.append((symbol, words, unit or "-", tuple(values.get(words) for values in of)))

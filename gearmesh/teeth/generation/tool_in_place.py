@@ -95,7 +95,7 @@ def not_drawn(side: ToothSide, view: str) -> DesignError:
         "view",
         view,
         reason=f"the {side.tool.name} that cuts this flank cannot be shown",
-        allowed="a flank of head cutters, rack cutters, spur shapers, grinding worms or disks",
+        allowed="a flank of head cutters, rack cutters, shapers, grinding worms or disks",
     )
 
 

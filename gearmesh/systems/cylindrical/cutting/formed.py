@@ -32,7 +32,6 @@ from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.region import Side
 from gearmesh.tools.description import ToolDescription
 from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.shaper import Shaper
 
 if TYPE_CHECKING:
@@ -106,11 +105,12 @@ class Forming(FixedCut):
 
     tip: float
 
-    def section(self, profile: Profile, which: Side) -> PlacedSurface:
-        """What a profile of the tool leaves on one side of the tooth in the transverse section."""
+    def section(self, profile: Profile, which: Side, twist: float = 0.0) -> PlacedSurface:
+        """What a profile of the tool leaves on one side of the tooth in the transverse section; with its `twist` (rad/mm) on
+        helical teeth."""
         # the tool's space, towards -x of its axis, is where the member's tooth is: on +x
         place = Rigid.about_z(math.pi) @ Rigid(np.eye(3), np.array([-self.shaper.pitch_radius, 0.0, 0.0]))
-        return PlacedSurface(RackSurface(profile, 0.0, 0.0, -which.sign), place)
+        return PlacedSurface(self.tool(profile, -which.sign, twist), place)
 
     @property
     def description(self) -> ToolDescription:

@@ -5,8 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.surface.surface import PlacedSurface, Surface
+from gearmesh.kernel.surface.twisted import Twisted
 from gearmesh.systems.common.defaults import deepest
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.shaper import Shaper
 
 
@@ -33,6 +40,20 @@ class LastCut:
     def form_roll_length(self) -> float:
         """Roll length (mm) of the member's root form point, which the end of the tool's involute leaves."""
         return float(self.generator - self.own.sense * self.shaper.form_point[0] * self.shaper.base_radius)
+
+    @property
+    def tool_twist(self) -> float:
+        """Twist (rad/mm) of the helical tool of a helical member: both turn with the stroke as they do with each other."""
+        return -self.own.sense * self.own.twist * self.own.teeth / self.shaper.teeth
+
+    def tool(self, profile: Profile, side: int, twist: float) -> Surface:
+        """What a profile is of the tool on one side of it, in its frame (see `tools.shaper`): its section, with a `twist`
+        (rad/mm) about its axis."""
+        section = RackSurface(profile, 0.0, 0.0, side)
+        if twist == 0.0:
+            return section
+        to_axis = Rigid(np.eye(3), np.array([-self.shaper.pitch_radius, 0.0, 0.0]))
+        return PlacedSurface(Twisted(PlacedSurface(section, to_axis), twist), to_axis.inverse)
 
     def theta(self, radius: float) -> float:
         """Parameter theta_s (rad) of the tool's involute that leaves a radius (mm) of the member."""
@@ -61,3 +82,7 @@ class FixedCut(LastCut):
     @property
     def generator(self) -> float:
         return 0.0
+
+    @property
+    def tool_twist(self) -> float:
+        return self.own.twist

@@ -37,7 +37,6 @@ from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import ToolDescription
 from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import RackSurface
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalMember
@@ -69,10 +68,11 @@ class Shaping(LastCut):
             harmonic=True,
         )
 
-    def section(self, profile: Profile, which: Side) -> Envelope:
-        """What a profile of the cutter generates on one side of the tooth in the transverse section, as that of spur teeth."""
+    def section(self, profile: Profile, which: Side, twist: float = 0.0) -> Envelope:
+        """What a profile of the cutter generates on one side of the tooth in the transverse section, as that of spur teeth; with
+        the `twist` (rad/mm) of the tool on helical teeth."""
         # turned by 180 deg the cutter's right side is the left one of an internal tooth
-        return Envelope(RackSurface(profile, 0.0, 0.0, self.own.sense * which.sign), self.motion, branch=1)
+        return Envelope(self.tool(profile, self.own.sense * which.sign, twist), self.motion, branch=1)
 
     @property
     def description(self) -> ToolDescription:
@@ -172,7 +172,10 @@ def _check_flank(name: str, spec: CylindricalMember, cut: Shaping | Forming) -> 
 def _side(cut: Shaping | Forming, which: Side) -> ToothSide:
     shaper, twist = cut.shaper, cut.own.twist
     # a helical cutter turns as it strokes: what it leaves is that of a spur one, twisted
-    flank, fillet = spur = cut.section(shaper.involute, which), cut.section(shaper.rounding, which)
+    profiles = shaper.involute, shaper.rounding
+    flank, fillet = (cut.section(profile, which) for profile in profiles)
+    tool_twist = 0.0 if twist == 0.0 else cut.tool_twist
+    by_flank, by_fillet = (cut.section(profile, which, tool_twist) for profile in profiles)
     return ToothSide(
         flank=flank if twist == 0.0 else Twisted(flank, twist),
         fillet=fillet if twist == 0.0 else Twisted(fillet, twist),
@@ -180,7 +183,7 @@ def _side(cut: Shaping | Forming, which: Side) -> ToothSide:
         root=shaper.root,
         tip=cut.theta(cut.tip),
         tool=cut.description,
-        generation=spur if twist == 0.0 else None,
+        generation=(by_flank, by_fillet),
     )
 
 
