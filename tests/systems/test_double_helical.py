@@ -227,3 +227,66 @@ def test_limits_are_those_of_either_half() -> None:
     assert [line for line in half.warnings if line not in half.train.warnings] == [
         line for line in whole.warnings if "undercut" in line
     ]
+
+
+def test_a_planetary_set_of_halves_of_other_widths_meshes_on_both() -> None:
+    """Planes of symmetry in one place, no overlap as it stands, the same in both halves of a planet that is turned; the ring's mesh
+    as far ahead of the sun's as the solver begins both."""
+    tables = {
+        "sun": {"teeth": 18, "face_width": 30},
+        "planet": {"teeth": 27, "face_width": 26},
+        "ring": {"teeth": -72, "face_width": 24, "manufacture": "formed", "addendum": 0.8},
+    }
+    keys = {"module": 2, "helix_angle": 25, "arrangement": "double_helical", "gap": 4, "planets": 2, "backlash": 0.08}
+    gears = gm.build(gm.parse({"kind": "planetary", **keys, **tables}))
+    members = gears.members
+    planes = [member.mount.base.translation[2] + plane_of(member) for member in members.values()]
+    np.testing.assert_allclose(planes, planes[0], atol=1e-12)
+    gaps = gears.sheet().plain_tables["Double helical"]["d_gap"][1:]
+    for name, gap in zip(("sun", "planet_1", "ring"), gaps, strict=True):
+        half = members[name].tooth
+        groove = np.pi * 4.0 * abs(0.25 * gap**2 - half.blank.body.profile[0][0] ** 2)
+        assert exact_volume(members[name]) == pytest.approx(2.0 * half.volume() + groove, rel=1e-11)
+    tolerance = 0.01
+    parts = {name: part.mesh for name, part in gears.solids(tolerance).parts.items()}
+    sun, planet, ring = (body(parts[name]) for name in ("sun", "planet_1", "ring"))
+    assert (sun ^ planet).volume() + (planet ^ ring).volume() < 4.0 * tolerance * 26.0
+    mount = members["planet_1"].mount.base
+    turned = body(parts["planet_1"].move(mount.inverse).move(Rigid.about_z(0.02)).move(mount))
+    for other in (sun, ring):
+        below, above = (piece.volume() for piece in (turned ^ other).split_by_plane((0.0, 0.0, 1.0), planes[0]))
+        assert min(below, above) > 1.0
+        assert below == pytest.approx(above, rel=0.01)
+    inner, outer = (gears.contact([0.0], pair=mesh) for mesh in ("sun-planet_1", "planet_1-ring"))
+    begins = [
+        np.sort(np.radians(contact.summary["engagement_phi1_deg"]) - before)[0] / contact.pair.pitch
+        for contact, before in ((inner, 0.0), (outer, inner.path.phi2[0]))
+    ]
+    of_set = gears.sheet().plain_tables["Set"]
+    apart = begins[0] - begins[1] - of_set["phi_r"][1]
+    assert apart - round(apart) == pytest.approx(0.0, abs=5e-7)
+    for contact, symbol in ((inner, "eps_s"), (outer, "eps_r")):
+        assert contact.summary["contact_ratio"] == pytest.approx(of_set[symbol][1], abs=1e-8)
+        assert contact.summary["backlash_normal_min_mm"] == pytest.approx(0.08, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("keys", "named"),
+    [
+        ({"helix_angle": 0}, "helix_angle = 0.0: must be above 0"),
+        ({"gap": 24}, "planet.face_width = 24.0: must be above gap, 24"),
+        ({"arrangement": "single"}, 'gap = 6.0: needs arrangement = "double_helical"'),
+        ({"sun": {"teeth": 18, "face_width": 30, "gap_diameter": 60}}, "sun.gap_diameter = 60 mm: allowed is between"),
+        (
+            {"gap": 0, "ring": {"teeth": 72, "face_width": 30, "gap_diameter": 170}},
+            "ring.gap_diameter = 170.0: needs a gap",
+        ),
+    ],
+)
+def test_what_no_set_can_be_is_refused(keys: dict[str, Any], named: str) -> None:
+    tables = {name: {"teeth": teeth, "face_width": 30} for name, teeth in (("sun", 18), ("ring", 72))}
+    whole = {"kind": "planetary", "module": 2, "helix_angle": 25, "arrangement": "double_helical", "gap": 6, **tables}
+    with pytest.raises(DesignError) as failure:
+        gm.build(gm.parse({**whole, "planet": {"teeth": 27, "face_width": 24}, **keys}))
+    assert named in str(failure.value)
+    assert "\n" not in str(failure.value)

@@ -38,7 +38,7 @@ from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalDesign
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
 
 #: allowance of the tooth thickness (modules) from which on a warning says that teeth are thicker
 THICKER = 0.01
@@ -51,9 +51,7 @@ def build(design: CylindricalDesign) -> GearTrain:
     """
     whole, design = design, half_of(design)
     geometry = proportions(design)
-    members = [member_of(design, name, geometry) for name in ("pinion", "gear")]
-    if whole.double_helical:
-        members = [double_helical_member(whole, *half) for half in zip(members, geometry.gears, strict=True)]
+    members = [whole_member(whole, name, geometry) for name in MEMBERS]
     flank = Side(design.contact.flank)
     inside = design.pinion.internal or design.gear.internal
     first, second = _mounts(design, geometry)
@@ -67,6 +65,15 @@ def build(design: CylindricalDesign) -> GearTrain:
     )
     said = (HALF,) if whole.double_helical else ()
     return GearTrain(design.kind, (pair,), (*warnings_of(design, geometry), *said))
+
+
+def whole_member(design: CylindricalDesign, name: str, geometry: PairProportions) -> Member:
+    """A member of a pair (in mm), of a double helical one both halves, without its mounting; `geometry`: that of `half_of` it.
+
+    Raises DesignError as `member_of`.
+    """
+    half = member_of(design, name, geometry)
+    return double_helical_member(design, half, geometry.gear(name)) if design.double_helical else half
 
 
 def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -> Member:
@@ -127,8 +134,8 @@ def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[s
     for name in ("pinion", "gear"):
         spec = getattr(design, name)
         if spec.internal and spec.tip_diameter is None:
-            own_end = spec.addendum < addendum(design, name, geometry.nominal)
-            why = "its cutter generates involute up to there" if own_end else "the mating gear's involute ends there"
+            shortened = spec.addendum < addendum(design, name, geometry.nominal)
+            why = own_end(spec) if shortened else "the mating gear's involute ends there"
             standard[f"{name}.addendum"] = (PROFILES[design.profile][0], why)
     return (
         *unusual_defaults(design, standard),
@@ -137,6 +144,11 @@ def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[s
         *other_cutters(geometry.gears),
         *trimming_warnings(geometry.gears),
     )
+
+
+def own_end(spec: CylindricalMember) -> str:
+    """Why the default tip of an internal gear stays where it does, whatever gear it meshes with."""
+    return "its involute ends on the base circle" if spec.formed else "its cutter generates involute up to there"
 
 
 def standard_rounding(gear: ToothedGear) -> dict[str, tuple[float, str]]:

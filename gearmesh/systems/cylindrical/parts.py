@@ -25,6 +25,8 @@ SHARED = (
     "transverse_pressure_angle",
     "helix_angle",
     "shift_sharing",
+    "arrangement",
+    "gap",
 )
 
 

@@ -24,15 +24,16 @@ def pair_values(design: CylindricalDesign, train: GearTrain) -> Values:
     pair = proportions(own)
     values: Values = {"arrangement": design.arrangement, "assembly.center_distance": pair.mesh.distance}
     for name in MEMBERS:
-        member = train.members[name]
-        values |= member_values(pair.gear(name), name, member)
-        values |= {f"{name}.gap_diameter": gap.diameter for gap in member.gaps}
+        values |= member_values(pair.gear(name), name, train.members[name])
     return values
 
 
 def member_values(gear: GearProportions, called: str, member: Member) -> Values:
-    """Of one gear, by what the design calls it: the cutter's teeth and the rim of an internal gear, and the hob's angles."""
+    """Of one gear, by what the design calls it: the gap's diameter, the cutter's teeth and the rim of an internal gear, and the
+    hob's angles."""
     spec, values = gear.spec, dict[str, float]()
+    if member.gaps:
+        values["gap_diameter"] = member.gaps[0].diameter
     if spec.shaped:
         cutter = cutter_of(gear)
         values |= {"shaper.teeth": cutter.teeth, "shaper.profile_shift": cutter.shift}

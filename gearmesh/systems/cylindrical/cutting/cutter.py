@@ -8,7 +8,13 @@ from dataclasses import replace
 
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
-from gearmesh.systems.cylindrical.cutting.cutter_choice import CutterChoice, generating, sharp_tool, standard_teeth
+from gearmesh.systems.cylindrical.cutting.cutter_choice import (
+    INSIDE,
+    CutterChoice,
+    generating,
+    sharp_tool,
+    standard_teeth,
+)
 from gearmesh.systems.cylindrical.cutting.formed import form_tool
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
@@ -43,13 +49,16 @@ def _cutter(gear: ToothedGear) -> Toothing:
 
 def cut_addendum(gear: ToothedGear, height: float) -> float:
     """The addendum that is not given: the `height` that its mating gear leaves room for, or, of an internal gear, what there is a
-    cutter for."""
+    cutter for, or, of a formed one, there is involute."""
     spec, own = gear.spec, gear.own
-    if not own.internal or spec.formed or spec.tip_diameter is not None:
+    if not own.internal or spec.tip_diameter is not None:
         return height
-    chosen = CutterChoice(own, root_radius(gear), _cutter(gear))
     tip = tip_radius(spec, own, height, 0.0)
-    return float(height - (chosen.default_tip(tip, given=spec.shaper is not None) - tip) / own.module)
+    if spec.formed:
+        least = tip if tip > own.base_radius else own.base_radius + INSIDE * own.module
+    else:
+        least = CutterChoice(own, root_radius(gear), _cutter(gear)).default_tip(tip, given=spec.shaper is not None)
+    return float(height - (least - tip) / own.module)
 
 
 def root_radius(gear: ToothedGear) -> float:

@@ -18,6 +18,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.design import CylindricalDesign
+from gearmesh.systems.cylindrical.double_helical import HALF, half_of
 from gearmesh.systems.cylindrical.geometry import proportions as closed
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, wanted_backlash
@@ -125,15 +126,19 @@ def build(design: PlanetaryDesign) -> GearTrain:
     Raises DesignError naming key, value and limit: teeth that cannot exist, planets that cannot be assembled or collide.
     """
     both = meshes(design)
-    inner, outer = closed.proportions(both.inner), closed.proportions(both.outer)
+    halves = half_of(both.inner), half_of(both.outer)
+    inner, outer = (closed.proportions(half) for half in halves)
     _check_assembly(design, inner.mesh.distance, inner.tips[1])
-    sun, planet = (pairs.member_of(both.inner, which, inner) for which in MEMBERS)
-    ring = pairs.member_of(both.outer, "gear", outer)
+    sun, planet = (pairs.whole_member(both.inner, which, inner) for which in MEMBERS)
+    ring = pairs.whole_member(both.outer, "gear", outer)
+    # halves of other widths have their middles elsewhere
+    of_planet = halves[0].assembly.dz
+    of_ring = of_planet + halves[1].assembly.dz
     flank = Side(design.contact.flank)
     angles = np.radians(design.angles)
     made: list[GearPair] = []
     for k, angle in enumerate(angles):
-        place = Rigid.about_z(angle) @ Rigid(np.eye(3), np.array([inner.mesh.distance, 0.0, 0.0]))
+        place = Rigid.about_z(angle) @ Rigid(np.eye(3), np.array([inner.mesh.distance, 0.0, of_planet]))
         own = replace(planet, name=f"{PLANET}_{k + 1}", mount=Mount(place))
         made.append(
             GearPair(
@@ -149,21 +154,23 @@ def build(design: PlanetaryDesign) -> GearTrain:
         made.append(
             GearPair(
                 pinion=made[k].gear,
-                gear=replace(ring, mount=Mount(_facing(angle, design.ring.teeth))),
+                gear=replace(ring, mount=Mount(_facing(angle, design.ring.teeth, of_ring))),
                 flanks=(flank.other, flank),
                 drive=flank.sign,
                 ratio=design.planet.teeth / design.ring.teeth,
                 delta=design.contact.delta,
             )
         )
-    warnings = dict.fromkeys([*pairs.warnings_of(both.inner, inner), *pairs.warnings_of(both.outer, outer)])
+    warnings = dict.fromkeys([*pairs.warnings_of(halves[0], inner), *pairs.warnings_of(halves[1], outer)])
+    if design.double_helical:
+        warnings[HALF] = None
     return GearTrain(design.kind, tuple(made), tuple(warnings), (*[0] * len(angles), *[len(angles)] * len(angles)))
 
 
-def _facing(angle: float, teeth: int) -> Rigid:
-    """A central gear turned by whole pitches, so that its first tooth stands nearest to an angle (rad)."""
+def _facing(angle: float, teeth: int, along: float = 0.0) -> Rigid:
+    """A central gear `along` the axis (mm), turned by whole pitches, so that its first tooth stands nearest to an angle (rad)."""
     pitch = 2.0 * math.pi / teeth
-    return Rigid.about_z(round(angle / pitch) * pitch)
+    return Rigid(np.eye(3), np.array([0.0, 0.0, along])) @ Rigid.about_z(round(angle / pitch) * pitch)
 
 
 def _check_assembly(design: PlanetaryDesign, distance: float, tip: float) -> None:

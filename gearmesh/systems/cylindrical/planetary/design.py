@@ -12,7 +12,7 @@ from gearmesh.design.core import FlankContact
 from gearmesh.design.keys import Key, conflict
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance
-from gearmesh.systems.cylindrical.design import CylindricalKeys, CylindricalMember
+from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
 
 #: Members as a design names them.
 SUN, PLANET, RING = "sun", "planet", "ring"
@@ -54,7 +54,7 @@ class PlanetaryAssembly(CenterDistanceAllowance):
     ring_phase: Annotated[float, phase("ring")] = 0.0
 
 
-class PlanetaryDesign(CylindricalKeys):
+class PlanetaryDesign(HalvesKeys):
     """A planetary gear set on coaxial sun and ring."""
 
     own_kind: ClassVar[str] = "planetary"
@@ -65,7 +65,7 @@ class PlanetaryDesign(CylindricalKeys):
         "planet": {"teeth": 27, "face_width": 20},
         "ring": {"teeth": 72, "face_width": 20},
     }
-    about: ClassVar[str] = "planetary sets: sun, planets and internal gear, spur or helical [ISO 21771]"
+    about: ClassVar[str] = "planetary sets: sun, planets and internal gear, spur, helical or double helical [ISO 21771]"
 
     sun: CylindricalMember
     planet: CylindricalMember
@@ -89,8 +89,6 @@ class PlanetaryDesign(CylindricalKeys):
         if self.ring.teeth < least:
             raise conflict("ring.teeth", self.ring.teeth, must_be=f"at least {least}, more than the planet has")
         for name in (SUN, PLANET, RING):
-            if (gap := getattr(self, name).gap_diameter) is not None:
-                raise conflict(f"{name}.gap_diameter", gap, reason="the gears of a planetary set have no gap")
             if (mount := getattr(self, name).mount) is not None:
                 mount.refuse_stiffness(
                     f"{name}.mount",

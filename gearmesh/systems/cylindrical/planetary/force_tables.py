@@ -36,18 +36,19 @@ def set_forces(design: PlanetaryDesign, torque: float, speed: float | None) -> t
         rows.append(("n_p", "speed of the planets", "1/min", (speed * turns.planet, None, None)))
         rows.append(("n_p_c", "the same relative to the carrier", "1/min", (speed * turns.relative, None, None)))
     share, flank = on_sun / count, Side(own.contact.flank)
+    halves = own.double_helical
     inner, outer = (proportions(mesh).mesh for mesh in (both.inner, both.outer))
     with_sun = mesh_forces(inner, share, flank.sign)
     with_ring = mesh_forces(outer, share * teeth[1] / teeth[0], flank.other.sign)
     pin: list[Row] = [
         ("F_pt", "tangential, at the circle of the planets' axes", "N", (with_sun.tangential + with_ring.tangential,)),
         ("F_pr", "radial, > 0 away from the sun", "N", (with_sun.radial - with_ring.radial,)),
-        ("F_pa", "axial, > 0 along z", "N", (with_ring.axial - with_sun.axial,)),
+        ("F_pa", "axial, > 0 along z", "N", (0.0 if halves else with_ring.axial - with_sun.axial,)),
     ]
     of_one = f"one of {count} planets that share the load equally"
     return (
         table(f"Torques on the set for {torque:g} Nm on the {driver}", (SUN, "carrier", RING), rows),
-        table(f"Forces of sun and {PLANET}, {of_one}", (SUN, PLANET), force_rows(with_sun, (1, 1))),
-        table(f"Forces of {PLANET} and ring, {of_one}", (PLANET, RING), force_rows(with_ring, (1, -1))),
+        table(f"Forces of sun and {PLANET}, {of_one}", (SUN, PLANET), force_rows(with_sun, (1, 1), halves=halves)),
+        table(f"Forces of {PLANET} and ring, {of_one}", (PLANET, RING), force_rows(with_ring, (1, -1), halves=halves)),
         table("Load of its mesh forces on the planet's bearing", (PLANET,), pin),
     )

@@ -66,10 +66,11 @@ def phases(sun: int, angles: Sequence[float], sense: int) -> list[float]:
     return [_part(sense * sun * (angle - angles[0]) / 360.0) for angle in angles]
 
 
-def phase_of_ring(inner: LineOfAction, outer: LineOfAction, overlaps: tuple[float, float]) -> float:
+def phase_of_ring(inner: LineOfAction, outer: LineOfAction, overlaps: tuple[float, float], share: float = 0.5) -> float:
     """How far (pitches, 0 to 1) the mesh of a planet with the ring is ahead of that with the sun.
 
-    `overlaps`: overlap ratios of both meshes, whose faces have their middles in one plane.
+    `overlaps`: overlap ratios of both meshes, and the `share` of them that touches before one plane, the same of both: a half
+    where the faces have their middles in it.
 
     A flank of the planet touches where its normal lies in the line of action. Of a tooth centred at tau, half of it the angle eta_b
     at the base circle, that is at the roll angle xi_s = pi + alpha_ws + eta_b - tau of the flank towards the sun, which touches
@@ -82,7 +83,7 @@ def phase_of_ring(inner: LineOfAction, outer: LineOfAction, overlaps: tuple[floa
     # where both are when the sun's mesh begins: tau makes xi_s that of the tip
     tau = math.pi + inner.mesh.working_angle + half - tip / planet.base_radius
     passed = outer.mesh.working_angle + half + tau - root / planet.base_radius
-    return _part(passed * planet.teeth / (2.0 * math.pi) + 0.5 * (overlaps[1] - overlaps[0]))
+    return _part(passed * planet.teeth / (2.0 * math.pi) + share * (overlaps[1] - overlaps[0]))
 
 
 def pairs_in_contact(ratios: Sequence[float], ahead: Sequence[float]) -> tuple[int, int]:

@@ -20,6 +20,7 @@ def planetary_values(design: PlanetaryDesign, train: GearTrain) -> Values:
     both = meshes(design)
     inner, outer = proportions(both.inner), proportions(both.outer)
     values: Values = {
+        "arrangement": design.arrangement,
         "assembly.center_distance": inner.mesh.distance,
         "assembly.planet_angles": ", ".join(repr(angle) for angle in design.angles),
     }

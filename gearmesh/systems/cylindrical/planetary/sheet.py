@@ -10,11 +10,12 @@ import numpy as np
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.planetary import motion
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
-from gearmesh.systems.cylindrical.sheet import SheetPair, pair_tables
+from gearmesh.systems.cylindrical.sheet import SheetPair, half_tables, pair_tables
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Region, Side
@@ -33,23 +34,25 @@ def planetary_sheet(design: PlanetaryDesign, train: GearTrain) -> Sheet:
     pairs: list[SheetPair] = []
     for mesh, names in ((both_meshes.inner, (SUN, PLANET)), (both_meshes.outer, (PLANET, RING))):
         # the meshes have what shapes their teeth alone
-        whole = mesh.model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
+        whole = half_of(mesh).model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
         both = members[names[0]], members[names[1]]
         stated = tuple(getattr(own, name).thickness_allowance for name in names)
         pairs.append(SheetPair(whole, proportions(whole), both, stated=stated))
         for pair_table in pair_tables(pairs[-1], names):
             tables.append(replace(pair_table, title=f"{names[0].capitalize()} and {names[1]}: {pair_table.title}"))
     warnings = (*pairs[0].line.fillet_interference((SUN, PLANET)), *pairs[1].line.fillet_interference((PLANET, RING)))
-    return Sheet(
-        (derived, *_set_tables(own, members[PLANET], pairs[0], pairs[1]), *tables, *plain), {}, warnings=warnings
-    )
+    of_set = _set_tables(own, members[PLANET], pairs[0], pairs[1])
+    return Sheet((derived, *of_set, *half_tables(own, tuple(members.values())), *tables, *plain), {}, warnings=warnings)
 
 
 def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer: SheetPair) -> list[SheetTable]:
     teeth = design.sun.teeth, design.planet.teeth, design.ring.teeth
     ratios = inner.contact_ratio, outer.contact_ratio
-    ahead = motion.phases(teeth[0], design.angles, Side(design.contact.flank).sign)
-    behind = motion.phase_of_ring(inner.line, outer.line, (inner.overlap_ratio, outer.overlap_ratio))
+    sense = Side(design.contact.flank).sign
+    ahead = motion.phases(teeth[0], design.angles, sense)
+    # first halves end together towards the gap: what touches before that plane is all of the faces, or nothing
+    share = float(inner.mesh.pinion.beta * sense > 0.0) if design.double_helical else 0.5
+    behind = motion.phase_of_ring(inner.line, outer.line, (inner.overlap_ratio, outer.overlap_ratio), share)
     of_ring = [(phase + behind) % 1.0 for phase in ahead]
     apart = _apart(design, inner.mesh.distance, planet)
     count = len(ahead)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.defaults import unusual_defaults
-from gearmesh.systems.cylindrical.build import gear_member, standard_rounding
+from gearmesh.systems.cylindrical.build import gear_member, own_end, standard_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, other_cutters, trimming_warnings
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import double_helical_member, first_halves
@@ -88,7 +88,6 @@ def _warnings(design: SingleGearDesign, gear: GearProportions) -> tuple[str, ...
     """Warnings about a design: adapted defaults, cutters."""
     standard = standard_rounding(gear)
     if gear.own.internal and gear.spec.tip_diameter is None:
-        why = "its cutter generates involute up to there"
-        standard[f"{gear.name}.addendum"] = (PROFILES[design.profile][0], why)
+        standard[f"{gear.name}.addendum"] = (PROFILES[design.profile][0], own_end(gear.spec))
     said = (HALF,) if design.double_helical else ()
     return (*unusual_defaults(design, standard), *other_cutters((gear,)), *trimming_warnings((gear,)), *said)

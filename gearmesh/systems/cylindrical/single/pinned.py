@@ -16,6 +16,4 @@ if TYPE_CHECKING:
 def single_values(design: SingleGearDesign, train: GearTrain) -> Values:
     """Of a complete design in mm and the gear built of it."""
     name = design.member_name
-    member = train.members[name]
-    gaps: Values = {f"{name}.gap_diameter": gap.diameter for gap in member.gaps}
-    return {"arrangement": design.arrangement, **member_values(proportions(design), name, member), **gaps}
+    return {"arrangement": design.arrangement, **member_values(proportions(design), name, train.members[name])}
