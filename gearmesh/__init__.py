@@ -20,6 +20,7 @@
     gears.animation().save("mesh.gif")                            the mesh cut open, rolling
     gears.report().save("report.html")                            one page for a browser: the gears roll, figures, plots
     gears.run("out")                                              all of it into a folder
+    gm.gear(30, module=1, helix=15)                               one gear without a mating gear
     gm.size(2.5, 64, 2).design(1)                                 cylindrical gears of a ratio, centre distance and module
 
 Every answer prints as a table, shows as one in a notebook, and has `.to_dict()` (columns), `.document()` (as JSON) and
@@ -35,6 +36,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from gearmesh.answers.planetary_sizing import size_planetary
     from gearmesh.answers.sizing import size
+    from gearmesh.api.gear import gear
     from gearmesh.api.gears import Gears, build
     from gearmesh.design.core import Design
     from gearmesh.design.files import toml
@@ -71,6 +73,7 @@ __all__ = [
     "SpiralBevelDesign",
     "System",
     "build",
+    "gear",
     "kinds",
     "load",
     "new",
@@ -84,6 +87,7 @@ __all__ = [
 
 #: where each name is, to be loaded when it is asked for
 _HOMES = {
+    "gearmesh.api.gear": ("gear",),
     "gearmesh.api.gears": ("Gears", "build"),
     "gearmesh.answers.planetary_sizing": ("size_planetary",),
     "gearmesh.answers.sizing": ("size",),

@@ -22,7 +22,7 @@ FILES = sorted(
     for path in (ROOT / "README.md", *(p for top in ("gearmesh", "samples", "scripts") for p in (ROOT / top).rglob("README.md")))
 )  # fmt: skip
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-COMMANDS: dict[str, Any] = typer.main.get_command(cli.app).commands  # type: ignore[attr-defined]
+COMMANDS: dict[str, Any] = typer.main.get_command(cli.command_line()).commands  # type: ignore[attr-defined]
 SYSTEMS = sorted(path.parent for path in PACKAGE.glob("systems/*/build.py"))
 
 

@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.contact.engagement.train_turns import leading_turns
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
@@ -156,6 +155,8 @@ class GearSet:
 
         Raises NoSolutionError where a pair has none there.
         """
+        from gearmesh.contact.engagement.train_turns import leading_turns
+
         places = {member.name: member.mount.at(0.0) for member in self.as_built.unpaired}
         turns: dict[str, float] = {}
         for pair in self.pairs:

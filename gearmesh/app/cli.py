@@ -9,30 +9,13 @@ import errno
 import io
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from importlib import import_module
 from typing import Annotated, Any
 
 import typer
 
 from gearmesh import __version__
-from gearmesh.app.commands.contact.check import check
-from gearmesh.app.commands.contact.limits import limits
-from gearmesh.app.commands.contact.load import load
-from gearmesh.app.commands.contact.study import study
-from gearmesh.app.commands.contact.tca import tca
-from gearmesh.app.commands.contact.vh import vh
-from gearmesh.app.commands.designs.describe import describe
-from gearmesh.app.commands.designs.new import new
-from gearmesh.app.commands.designs.pin import pin
-from gearmesh.app.commands.designs.sample import sample
-from gearmesh.app.commands.designs.settings import settings
-from gearmesh.app.commands.designs.size import size
-from gearmesh.app.commands.outputs.fe import fe
-from gearmesh.app.commands.outputs.render import render
-from gearmesh.app.commands.outputs.report import report
-from gearmesh.app.commands.outputs.run import run
-from gearmesh.app.commands.outputs.solid import solid
-from gearmesh.app.commands.outputs.topography import topography
 from gearmesh.app.naming import naming_options
 from gearmesh.app.terminal import one_line
 from gearmesh.errors import GearmeshError
@@ -40,22 +23,54 @@ from gearmesh.errors import GearmeshError
 #: Parent of every complaint about the command line itself, wherever the installed typer keeps it.
 _UsageError: Any = typer.BadParameter.__mro__[1]
 
-app = typer.Typer(
-    name="gearmesh",
-    help="Exact gear tooth surfaces, their contact, and meshes proved against both.",
-    add_completion=True,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-)
+#: modules of the commands, in the order in which they are listed
+COMMANDS = {
+    "run": "outputs",
+    "report": "outputs",
+    "tca": "contact",
+    "load": "contact",
+    "solid": "outputs",
+    "render": "outputs",
+    "check": "contact",
+    "fe": "outputs",
+    "limits": "contact",
+    "topography": "outputs",
+    "settings": "designs",
+    "vh": "contact",
+    "gear": "designs",
+    "size": "designs",
+    "study": "contact",
+    "describe": "designs",
+    "new": "designs",
+    "pin": "designs",
+    "sample": "designs",
+}
+
+
+def command_line(names: Iterable[str] = COMMANDS) -> typer.Typer:
+    """The program with the commands of some names, whose modules are loaded."""
+    app = typer.Typer(
+        name="gearmesh",
+        help="Exact gear tooth surfaces, their contact, and meshes proved against both.",
+        add_completion=True,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+    )
+    app.callback()(_program)
+    for name in names:
+        module = import_module(f"gearmesh.app.commands.{COMMANDS[name]}.{name}")
+        app.command()(naming_options(getattr(module, name)))
+    return app
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit status; expected failures become one line on standard error."""
     _stand_in_for_closed_streams()
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    # of the one that is asked for alone the module is loaded
+    names = [given[0]] if given and given[0] in COMMANDS else [*COMMANDS]
     try:
-        status = typer.main.get_command(app).main(
-            args=None if arguments is None else list(arguments), prog_name="gearmesh", standalone_mode=False
-        )
+        status = _group(names).main(args=given, prog_name="gearmesh", standalone_mode=False)
         sys.stdout.flush()
     except GearmeshError as error:
         return _fail(str(error), error.exit_status)
@@ -73,6 +88,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _fail("out of memory: choose a larger --tol, fewer positions or a smaller picture", 2)
     return status if isinstance(status, int) else 0
+
+
+def _group(names: Iterable[str]) -> Any:
+    """The program as a group of commands: even of a single one."""
+    return typer.main.get_group(command_line(names))
 
 
 class _ClosedOutput(io.TextIOBase):
@@ -111,33 +131,9 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def _program(
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version and exit.")
     ] = False,
 ) -> None:
     pass
-
-
-for command in (
-    run,
-    report,
-    tca,
-    load,
-    solid,
-    render,
-    check,
-    fe,
-    limits,
-    topography,
-    settings,
-    vh,
-    size,
-    study,
-    describe,
-    new,
-    pin,
-    sample,
-):
-    app.command()(naming_options(command))

@@ -15,8 +15,6 @@ from gearmesh.cad.section import MemberSection
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
 
-SUFFIX = ".dxf"
-
 #: the oldest version that has splines, which most programs read
 VERSION = "R2000"
 

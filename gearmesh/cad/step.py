@@ -21,8 +21,6 @@ from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.palette import region_colours
 from gearmesh.kernel.motion.rigid import Rigid
 
-SUFFIXES = (".step", ".stp")
-
 #: settings of the writer: AP242, names on faces too, and every edge's curve on its faces: a third more file,
 #: but readers that project instead go astray where undercut begins, where the flank has a singular corner
 _SCHEMA = {"write.step.schema": "AP242DIS"}

@@ -16,7 +16,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.teeth.region import Region
@@ -179,6 +178,10 @@ def _levels(slope: Array) -> Array:
     diagonals of a worm's root by degrees.
     """
     s, coarse, t = (np.linspace(0.0, 1.0, n) for n in (*slope.shape, STATIONS))
+    if not slope.any():
+        return np.tile(t, (s.size, 1))
+    from scipy.interpolate import make_interp_spline
+
     fine = make_interp_spline(coarse, slope, k=3, axis=1)(t)
     level = np.tile(t, (s.size, 1))
     for k in range(s.size - 1, 0, -1):

@@ -156,8 +156,8 @@ class System(Generic[D]):
 #: kinds of the systems that come with gearmesh, and the folders beside this file that hold them
 _FOLDERS = {
     "cylindrical": "cylindrical",
-    "planetary": "cylindrical",
-    "rack": "cylindrical",
+    "planetary": "cylindrical.planetary",
+    "rack": "cylindrical.rack",
     "beveloid": "beveloid",
     "circular_arc": "circular_arc",
     "novikov": "parabolic_helical",

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
-from gearmesh.cad.step import SUFFIXES, require_occ
+from gearmesh.cad.step import require_occ
+from gearmesh.cad.suffixes import STEP
 from gearmesh.design.core import Design
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
@@ -52,7 +53,7 @@ class Cad(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (*SUFFIXES, ".json")
+        return (*STEP, ".json")
 
     @property
     def headline(self) -> str:

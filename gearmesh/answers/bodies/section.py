@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
-from gearmesh.cad import dxf, svg
+from gearmesh.cad.suffixes import DXF, SECTIONS
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from gearmesh.cad.contours.curves import Contour
     from gearmesh.cad.section import MemberSection
 
-#: suffixes of the files that hold sections
-SUFFIXES = (dxf.SUFFIX, svg.SUFFIX)
 #: contours are closed where no two curves are farther apart (mm)
 CLOSED = 1e-9
 
@@ -65,7 +63,7 @@ class Section(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (*SUFFIXES, ".json")
+        return (*SECTIONS, ".json")
 
     @property
     def loops(self) -> tuple[Contour, ...]:
@@ -128,9 +126,13 @@ class Section(Result):
         return {**header(self.design), "section": {self.cut.name: self.measured}, "warnings": self.warnings}
 
     def _write(self, target: Path) -> None:
-        if target.suffix.lower() == dxf.SUFFIX:
+        if target.suffix.lower() == DXF:
+            from gearmesh.cad import dxf
+
             dxf.write_dxf(self.cut, target, self.description, joined=self.curves != "splines")
         else:
+            from gearmesh.cad import svg
+
             svg.write_svg(self.cut, target, self.description)
 
 

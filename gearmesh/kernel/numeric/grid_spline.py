@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, make_interp_spline
 
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -43,6 +42,8 @@ class GridSpline:
     @staticmethod
     def through(x: Array, y: Array, values: Array) -> GridSpline:
         """The spline through values (I, J) at x (I,) and y (J,), both ascending: cubic, or of one degree less than lines."""
+        from scipy.interpolate import make_interp_spline
+
         degrees = _degree(x), _degree(y)
         across = make_interp_spline(x, values, k=degrees[0], axis=0)
         along = make_interp_spline(y, across.c, k=degrees[1], axis=1)
@@ -55,6 +56,7 @@ class GridSpline:
         The first and last of x and y are moved to where all places lie between them. Raises ValueError for places that are no
         grid: nearer to another line than to their own.
         """
+        from scipy.interpolate import make_interp_spline
         from scipy.sparse import csr_array
         from scipy.sparse.linalg import spsolve
 
@@ -145,6 +147,8 @@ def _first(knots: Array, degree: int, x: Array) -> NDArray[np.intp]:
 
 def _basis(knots: Array, degree: int, x: Array, order: int = 0) -> Array:
     """Derivatives (X, N) of an order of all N splines of a basis at x (X,)."""
+    from scipy.interpolate import BSpline
+
     basis = BSpline(knots, np.eye(len(knots) - degree - 1), degree)
     derivatives: Array = basis.derivative(order)(x) if order else basis(x)
     return derivatives

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.interpolate import PPoly
 
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.numeric.algebra import Array, components, dot
 from gearmesh.kernel.surface.surface import Jet, Surface
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 #: sines and cosines below this are those of a right angle, to rounding
 RIGHT_ANGLE = 4e-16

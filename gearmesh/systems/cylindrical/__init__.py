@@ -1,6 +1,6 @@
-"""Spur and helical gears on parallel axes, external and internal, racks, and planetary sets [ISO 21771]."""
+"""Spur and helical gears on parallel axes, external and internal, pairs and one alone [ISO 21771]."""
 
-from gearmesh.systems.cylindrical import planetary, rack, single
+from gearmesh.systems.cylindrical import single
 from gearmesh.systems.cylindrical.build import DISPLACEMENTS, build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.force_tables import pair_forces
@@ -22,6 +22,4 @@ SYSTEMS = (
         single=single.SYSTEM,
         is_single=single.is_single,
     ),
-    rack.SYSTEM,
-    planetary.SYSTEM,
 )

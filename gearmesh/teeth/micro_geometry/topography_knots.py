@@ -9,7 +9,6 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
@@ -71,6 +70,8 @@ def _fine(knots: Array) -> Array:
 
 def _halve(knots: Array, fine: Array, wanted: Array, tolerance: float) -> Array:
     """Knots (K,), those intervals halved in which the splines through them miss amounts `wanted` (F, N) at `fine` places (F,)."""
+    from scipy.interpolate import make_interp_spline
+
     every = len(BETWEEN) + 1
     spline = make_interp_spline(knots, wanted[::every], k=CUBIC, axis=0)
     missed = np.abs(spline(fine) - wanted).max(axis=1)[:-1].reshape(-1, every).max(axis=1)

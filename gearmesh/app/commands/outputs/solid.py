@@ -8,18 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gearmesh.app.options import DesignFile, Set, load_alone, load_gears
-from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working
-from gearmesh.errors import ArgumentError, OutputError
-from gearmesh.lengths import in_mm
+from gearmesh.app.parts import ALL, BOTH, PartFile
+from gearmesh.errors import ArgumentError
 
 if TYPE_CHECKING:
     from gearmesh import Gears
-    from gearmesh.answers.bodies.cad import Cad
-    from gearmesh.answers.bodies.section import Section
-    from gearmesh.answers.bodies.solid import Solid, Solids
 
-#: what --member takes beside the names of the members
-BOTH, WORM = "both", "worm"
+#: what --member takes beside the names of the members and all of them
+WORM = "worm"
 
 
 def solid(
@@ -28,8 +24,9 @@ def solid(
         str,
         typer.Option(
             "--member",
-            metavar="pinion|gear|both|worm",
-            help="Which gear, or both in mesh; worm: the grinding worm of the pinion or face gear.",
+            metavar="NAME|all|worm",
+            help="Which member, as pinion or gear; all (or both): all of them in mesh; worm: the grinding worm of the pinion or "
+            "face gear.",
             show_default=False,
         ),
     ],
@@ -75,60 +72,18 @@ def solid(
     settings: Set = None,
 ) -> None:
     """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids; or a section of one."""
-    from gearmesh import io
-    from gearmesh.answers.bodies.section import SUFFIXES as SECTIONS
-    from gearmesh.cad.dxf import SUFFIX as DXF
-    from gearmesh.cad.dxf import require_ezdxf
-    from gearmesh.cad.step import SUFFIXES
-
-    suffix = output.suffix.lower()
-    known = (*io.formats(), *SUFFIXES, *SECTIONS)
-    if suffix not in known:
-        raise OutputError("cannot write", output, reason=f"its suffix must be one of {', '.join(known)}")
-    if member == BOTH and suffix not in (*io.formats(several=True), *SUFFIXES):
-        raise ArgumentError(
-            "member",
-            "both",
-            reason=f"{suffix} holds one part; for both use {', '.join((*io.formats(several=True), *SUFFIXES))}",
-        )
-    for name, value in (("section", section), ("curves", curves), ("offset", offset)):
-        if value is not None and suffix not in SECTIONS:
-            raise ArgumentError(
-                name, value, must_be=f"left out for {suffix}; formats of sections are {', '.join(SECTIONS)}"
-            )
-    if suffix == DXF:
-        require_ezdxf()
-    refuse_unwritable(output)
-    tolerance, z = tolerance_in_mm(tol), _place_in_mm(section)
-    away = 0.0 if offset is None else in_mm("--offset", offset)
-    gears = load_alone(design_file, settings) if member not in (BOTH, WORM) else load_gears(design_file, settings)
+    file = PartFile(output, tol, section, curves, offset, teeth)
+    file.refuse(member)
+    together = member in (BOTH, ALL, WORM)
+    gears = load_gears(design_file, settings) if together else load_alone(design_file, settings)
     _refuse_member(gears, member)
     if teeth is not None:
-        _refuse_teeth(gears, member, suffix, teeth, suffix in (*SUFFIXES, *SECTIONS))
-    with working(f"solid of the {member}" if member != BOTH else "solids"):
-        made: Cad | Section | Solid | Solids
-        if suffix in SECTIONS:
-            made = gears.section(member, z, tolerance, curves=curves or "splines", offset=away)
-        elif suffix in SUFFIXES:
-            made = gears.cad(None if member == BOTH else member, tolerance)
-        else:
-            made = (
-                gears.solids(tolerance, file=output)
-                if member == BOTH
-                else gears.solid(member, tolerance, teeth=teeth, file=output)
-            )
-        made.save(output)
-    show(made.listings)
-    warn(made.warnings, made.complaints)
-
-
-def _place_in_mm(text: str | None) -> float | None:
-    """Where a section is asked for, in mm, None where it is not said."""
-    return None if text is None else in_mm("--section", text)
+        _refuse_teeth(gears, member, file.suffix, teeth, file.is_whole)
+    file.write(gears, member)
 
 
 def _refuse_member(gears: Gears, member: str) -> None:
-    allowed = [*gears.members, BOTH, *([] if WORM in gears.members else [WORM])]
+    allowed = [*gears.members, BOTH, ALL, *([] if WORM in gears.members else [WORM])]
     if member not in allowed:
         raise ArgumentError("member", member, must_be=f"one of {', '.join(allowed)}")
 

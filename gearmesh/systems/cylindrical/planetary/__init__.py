@@ -7,7 +7,7 @@ from gearmesh.systems.cylindrical.planetary.pinned import planetary_values
 from gearmesh.systems.cylindrical.planetary.sheet import planetary_sheet
 from gearmesh.systems.system import System
 
-SYSTEM = System(
+SYSTEMS = (System(
     "planetary",
     PlanetaryDesign,
     build,
@@ -15,4 +15,4 @@ SYSTEM = System(
     sheet=planetary_sheet,
     forces=set_forces,
     pinned=planetary_values,
-)
+),)

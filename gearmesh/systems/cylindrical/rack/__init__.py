@@ -8,6 +8,6 @@ from gearmesh.systems.cylindrical.rack.proportions import derived_values
 from gearmesh.systems.cylindrical.rack.sheet import rack_sheet
 from gearmesh.systems.system import System
 
-SYSTEM = System(
+SYSTEMS = (System(
     "rack", RackDesign, build, derive=derived_values, sheet=rack_sheet, forces=rack_forces, pinned=rack_values
-)
+),)

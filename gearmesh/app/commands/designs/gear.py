@@ -1,0 +1,89 @@
+"""The command `gear`: one gear, or a rack, from a few options."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.api.gear import gear_keys, gear_of
+from gearmesh.app.options import Set
+from gearmesh.app.parts import PartFile
+from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
+
+#: suffix of the file of a design
+DESIGN = ".toml"
+
+
+def gear(
+    teeth: Annotated[int, typer.Option("--teeth", metavar="Z", help="Number of teeth.", show_default=False)],
+    module: Annotated[
+        str | None, typer.Option("--module", metavar="LEN", help="Normal module; bare = mm.", show_default=False)
+    ] = None,
+    diametral_pitch: Annotated[
+        float | None,
+        typer.Option("--diametral-pitch", metavar="P", help="Normal diametral pitch, 1/inch, instead of the module."),
+    ] = None,
+    helix: Annotated[float, typer.Option("--helix", metavar="DEG", help="Helix angle.")] = 0.0,
+    hand: Annotated[str, typer.Option("--hand", metavar="right|left", help="Hand of the helix.")] = "right",
+    face: Annotated[
+        str | None, typer.Option("--face", metavar="LEN", help="Face width; bare = mm. [default: 10 modules]")
+    ] = None,
+    bore: Annotated[
+        str | None,
+        typer.Option("--bore", metavar="LEN", help="Bore diameter, 0: none. [default: 40 % of the root diameter]"),
+    ] = None,
+    shift: Annotated[float, typer.Option("--shift", metavar="X", help="Profile shift coefficient.")] = 0.0,
+    pressure_angle: Annotated[
+        float, typer.Option("--pressure-angle", metavar="DEG", help="Normal pressure angle.")
+    ] = 20.0,
+    internal: Annotated[bool, typer.Option("--internal", help="An internal gear.")] = False,
+    rack: Annotated[bool, typer.Option("--rack", help="A rack with so many teeth.")] = False,
+    tol: Annotated[
+        str | None,
+        typer.Option("--tol", metavar="LEN", help="Largest distance from the exact surface: 10um; bare = mm."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="Mesh, CAD solid or section, by its suffix as of the command solid; .toml: the design. [default: print the sheet]",
+        ),
+    ] = None,
+    settings: Set = None,
+) -> None:
+    """One spur or helical gear without a mating gear, or a rack: its solid, its section, its design, or its data sheet."""
+    name = "rack" if rack else "gear"
+    is_design = output is not None and output.suffix.lower() == DESIGN
+    file = None if output is None or is_design else PartFile(output, tol)
+    if file is not None:
+        file.refuse(name, (DESIGN,))
+    refuse_unwritable(output)
+    keys = gear_keys(
+        teeth,
+        module=module,
+        diametral_pitch=diametral_pitch,
+        helix=helix,
+        hand=hand,
+        face=face,
+        bore=bore,
+        shift=shift,
+        pressure_angle=pressure_angle,
+        internal=internal,
+        rack=rack,
+    )
+    gears = gear_of(keys, settings or [])
+    if file is not None:
+        file.write(gears, name)
+    elif output is not None:
+        from gearmesh.design.files import override, with_version
+
+        write_text(str(output), lambda: with_version(override(keys, settings or [])))
+        warn(gears.warnings)
+    else:
+        sheet = gears.sheet()
+        show(sheet.listings)
+        warn(sheet.warnings)

@@ -1,0 +1,91 @@
+"""Files of parts that several commands write: meshes, CAD solids and sections, by their suffixes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working
+from gearmesh.cad.suffixes import DXF, SECTIONS, STEP
+from gearmesh.errors import ArgumentError, OutputError
+from gearmesh.lengths import in_mm
+
+if TYPE_CHECKING:
+    from gearmesh import Gears
+    from gearmesh.answers.bodies.cad import Cad
+    from gearmesh.answers.bodies.section import Section
+    from gearmesh.answers.bodies.solid import Solid, Solids
+
+#: what a mesh or CAD solid is called that holds all members
+BOTH, ALL = "both", "all"
+
+
+@dataclass(frozen=True)
+class PartFile:
+    """A file of one member, or of all, and how it is asked for: texts of the options as they were given."""
+
+    output: Path
+    tol: str | None = None
+    section: str | None = None
+    curves: str | None = None
+    offset: str | None = None
+    teeth: int | None = None
+
+    @property
+    def suffix(self) -> str:
+        """The suffix, in small letters."""
+        return self.output.suffix.lower()
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the format holds whole gears alone."""
+        return self.suffix in (*STEP, *SECTIONS)
+
+    def refuse(self, member: str, others: tuple[str, ...] = ()) -> None:
+        """Raise DesignError or OutputError for what can be refused before the design is read; `others`: further suffixes."""
+        from gearmesh import io
+
+        suffix, several = self.suffix, (*io.formats(several=True), *STEP)
+        known = (*io.formats(), *STEP, *SECTIONS)
+        if suffix not in known:
+            names = ", ".join((*known, *others))
+            raise OutputError("cannot write", self.output, reason=f"its suffix must be one of {names}")
+        if member in (BOTH, ALL) and suffix not in several:
+            raise ArgumentError(
+                "member", member, reason=f"{suffix} holds one part; for {member} use {', '.join(several)}"
+            )
+        for name, value in (("section", self.section), ("curves", self.curves), ("offset", self.offset)):
+            if value is not None and suffix not in SECTIONS:
+                raise ArgumentError(
+                    name, value, must_be=f"left out for {suffix}; formats of sections are {', '.join(SECTIONS)}"
+                )
+        if suffix == DXF:
+            from gearmesh.cad.dxf import require_ezdxf
+
+            require_ezdxf()
+        refuse_unwritable(self.output)
+        self._lengths()
+
+    def _lengths(self) -> tuple[float | None, float | None, float]:
+        """Tolerance, place and offset of the section, mm. Raises DesignError for texts that are no lengths."""
+        z = None if self.section is None else in_mm("--section", self.section)
+        return tolerance_in_mm(self.tol), z, 0.0 if self.offset is None else in_mm("--offset", self.offset)
+
+    def write(self, gears: Gears, member: str) -> None:
+        """Make a member, or all, write the file, and print the figures."""
+        tolerance, z, away = self._lengths()
+        every = member in (BOTH, ALL)
+        with working("solids" if every else f"solid of the {member}"):
+            made: Cad | Section | Solid | Solids
+            if self.suffix in SECTIONS:
+                made = gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away)
+            elif self.suffix in STEP:
+                made = gears.cad(None if every else member, tolerance)
+            elif every:
+                made = gears.solids(tolerance, file=self.output)
+            else:
+                made = gears.solid(member, tolerance, teeth=self.teeth, file=self.output)
+            made.save(self.output)
+        show(made.listings)
+        warn(made.warnings, made.complaints)
