@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -11,9 +11,25 @@ from gearmesh.api.gear import gear_keys, gear_of
 from gearmesh.app.options import Set
 from gearmesh.app.parts import PartFile
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
+from gearmesh.errors import GearmeshError
+
+if TYPE_CHECKING:
+    from gearmesh import Gears
 
 #: suffix of the file of a design
 DESIGN = ".toml"
+#: options by the keys of the design that they give, those of a member by their last name
+OPTIONS = {
+    "teeth": "--teeth",
+    "face_width": "--face",
+    "bore": "--bore",
+    "profile_shift": "--shift",
+    "module": "--module",
+    "diametral_pitch": "--diametral-pitch",
+    "helix_angle": "--helix",
+    "hand": "--hand",
+    "pressure_angle": "--pressure-angle",
+}
 
 
 def gear(
@@ -75,7 +91,7 @@ def gear(
         internal=internal,
         rack=rack,
     )
-    gears = gear_of(keys, settings or [])
+    gears = _gears(name, keys, settings or [])
     if file is not None:
         file.write(gears, name)
     elif output is not None:
@@ -87,3 +103,14 @@ def gear(
         sheet = gears.sheet()
         show(sheet.listings)
         warn(sheet.warnings)
+
+
+def _gears(name: str, keys: dict[str, Any], settings: list[str]) -> Gears:
+    """The gears; what is refused is named by the option that gave it."""
+    try:
+        return gear_of(keys, settings)
+    except GearmeshError as failure:
+        option = OPTIONS.get(failure.key.removeprefix(f"{name}."))
+        if option is None or any(setting.partition("=")[0].strip() == failure.key for setting in settings):
+            raise
+        raise failure.rename(option) from failure

@@ -3,9 +3,16 @@
 from gearmesh.systems.cylindrical.single.build import build, derived_values
 from gearmesh.systems.cylindrical.single.design import SingleGearDesign, is_single
 from gearmesh.systems.cylindrical.single.pinned import single_values
-from gearmesh.systems.cylindrical.single.sheet import single_sheet
-from gearmesh.systems.system import System
+from gearmesh.systems.system import Sheet, System
+from gearmesh.teeth.gear_train import GearTrain
 
-SYSTEM = System("cylindrical", SingleGearDesign, build, derive=derived_values, sheet=single_sheet, pinned=single_values)
+
+def _sheet(design: SingleGearDesign, train: GearTrain) -> Sheet:
+    from gearmesh.systems.cylindrical.single.sheet import single_sheet
+
+    return single_sheet(design, train)
+
+
+SYSTEM = System("cylindrical", SingleGearDesign, build, derive=derived_values, sheet=_sheet, pinned=single_values)
 
 __all__ = ["SYSTEM", "is_single"]
