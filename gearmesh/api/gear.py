@@ -56,8 +56,8 @@ def gear(
     Returns
     -------
     Gears
-        `gear(...).solid("gear")`, `.section("gear")`, `.sheet()`, `.limits()`, ...; a rack is the member "rack". What needs a mating
-        gear raises DesignError.
+        `gear(...).solid("gear")`, `.section("gear")`, `.sheet()`, `.limits()`, ...; a rack is the member "rack". What needs a
+        mating gear raises DesignError.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def gear(
 
 def gear_of(keys: dict[str, Any], settings: Sequence[str] = ()) -> Gears:
     """The gears of the keys of a design, with `settings` put in. Raises DesignError as `gear`."""
-    from gearmesh.design.files import override, overridden_keys
+    from gearmesh.design.files import overridden_keys, override
     from gearmesh.systems.designs import parse_as_stated
 
     return build(parse_as_stated(override(keys, settings)).with_changed_keys(overridden_keys(settings)))

@@ -11,7 +11,6 @@ from gearmesh.cad.section import MemberSection
 from gearmesh.io.atomic import PathLike, whole_text
 from gearmesh.kernel.numeric.algebra import Array
 
-
 #: width of the lines, mm, and of the margin round the drawing as a share of its radius
 LINE, MARGIN = 0.1, 0.02
 #: digits after the point, of mm

@@ -49,6 +49,14 @@ def test_prints_the_sheet(capsys: pytest.CaptureFixture[str]) -> None:
     assert "over (internal: between) balls" in printed
 
 
+def test_writes_a_rack(tmp_path: Path) -> None:
+    file = tmp_path / "rack.step.stl"
+    assert main(["gear", "--rack", "--teeth", "6", "--module", "1.5", "--helix", "8", "-o", str(file)]) == 0
+    assert len(file.read_bytes()) == 84 + 50 * len(
+        gm.gear(6, module=1.5, helix=8, rack=True).solid("rack").mesh.triangles
+    )
+
+
 def test_diametral_pitch_is_that_of_the_module() -> None:
     one, other = gm.gear(20, diametral_pitch=25.4 / 3), gm.gear(20, module="3mm")
     assert np.allclose(one.solid("gear", 0.05).mesh.vertices, other.solid("gear", 0.05).mesh.vertices, atol=1e-12)

@@ -146,3 +146,22 @@ def test_what_needs_a_mating_gear_says_so() -> None:
     for ask in (gears.contact, lambda: gears.loaded_contact(10), gears.ease_off, lambda: gears.picture("contact")):
         with pytest.raises(DesignError, match=f"^{line}$"):
             ask()
+
+
+@pytest.mark.parametrize("teeth", [12, 31])
+def test_a_rack_is_the_same_as_with_a_pinion(teeth: int) -> None:
+    """Second route: the rack of a pair, whatever the pinion; its hand is then the other one."""
+    keys: dict[str, Any] = {"kind": "rack", "module": 2.5, "helix_angle": 13, "profile": "B"}
+    bar = {"teeth": 12, "face_width": 18, "length": 110, "thickness_allowance": {"upper": -0.02, "lower": -0.06}}
+    pinion = {"teeth": teeth, "face_width": 18, "thickness_allowance": {"upper": 0, "lower": 0}}
+    alone = gm.build(gm.parse({**keys, "hand": "left", "rack": {**bar, "tool_tip_radius": 0.3}}))
+    pair = gm.build(gm.parse({**keys, "hand": "right", "rack": {**bar, "tool_tip_radius": 0.3}, "pinion": pinion}))
+    one, other = (gears.solid("rack", 0.02).mesh for gears in (alone, pair))
+    # of other pinions the coordinate along the bar is rounded elsewhere
+    assert np.array_equal(one.vertices, other.vertices) or teeth != bar["teeth"]
+    assert np.abs(one.vertices - other.vertices).max() < 1e-12
+    own, theirs = (gears.sheet().plain_tables["Rack"] for gears in (alone, pair))
+    assert set(theirs) - set(own) == {"c"}
+    assert all(theirs[symbol] == row for symbol, row in own.items() if symbol != "V")
+    with pytest.raises(DesignError, match=r"^pinion: the rack has no mating gear"):
+        alone.contact()

@@ -7,12 +7,14 @@ from gearmesh.systems.cylindrical.planetary.pinned import planetary_values
 from gearmesh.systems.cylindrical.planetary.sheet import planetary_sheet
 from gearmesh.systems.system import System
 
-SYSTEMS = (System(
-    "planetary",
-    PlanetaryDesign,
-    build,
-    derive=derived_values,
-    sheet=planetary_sheet,
-    forces=set_forces,
-    pinned=planetary_values,
-),)
+SYSTEMS = (
+    System(
+        "planetary",
+        PlanetaryDesign,
+        build,
+        derive=derived_values,
+        sheet=planetary_sheet,
+        forces=set_forces,
+        pinned=planetary_values,
+    ),
+)

@@ -105,31 +105,17 @@ class RackAssembly(PinionRunout):
     gamma_v: Annotated[float, Key("angle", "misalignment of the rack and its guide about y", low=-10, high=10)] = 0.0
 
 
-class RackDesign(ToothingKeys):
-    """A pinion and a rack of finite length."""
+class RackKeys(ToothingKeys):
+    """What the designs of racks have, with and without a pinion."""
 
     own_kind: ClassVar[str] = "rack"
     toothed: ClassVar[tuple[str, ...]] = (PINION, RACK)
-    example: ClassVar[Mapping[str, Any]] = {
-        "module": 2,
-        "pinion": {"teeth": 20, "face_width": 20},
-        "rack": {"teeth": 40, "face_width": 20},
-    }
-    about: ClassVar[str] = "pinion and rack of finite length, spur or helical [ISO 21771]"
 
-    pinion: CylindricalMember
+    pinion: CylindricalMember | None = None
     rack: RackTable
-    accuracy_class: AccuracyClass = 6
-    assembly: RackAssembly = RackAssembly()
-    contact: FlankContact = FlankContact()
 
     @model_validator(mode="after")
-    def _sound_members(self) -> Self:
-        self.with_allowances()
-        if self.pinion.internal:
-            raise conflict("pinion.internal", True, reason="the pinion of a rack is external")
-        if self.pinion.gap_diameter is not None:
-            raise conflict("pinion.gap_diameter", self.pinion.gap_diameter, reason="the pinion of a rack has no gap")
+    def _long_enough(self) -> Self:
         if self.rack.length is not None:
             teeth = self.rack.teeth or 1
             if self.rack.length < teeth * self.pitch * (1.0 - ROUNDED):
@@ -161,3 +147,52 @@ class RackDesign(ToothingKeys):
             return 0.0
         beyond = 0.5 * (self.rack.length - self.rack_teeth * self.pitch)
         return beyond if beyond > ROUNDED * self.pitch else 0.0
+
+
+class RackDesign(RackKeys):
+    """A pinion and a rack of finite length."""
+
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 2,
+        "pinion": {"teeth": 20, "face_width": 20},
+        "rack": {"teeth": 40, "face_width": 20},
+    }
+    about: ClassVar[str] = "pinion and rack of finite length, or a rack alone, spur or helical [ISO 21771]"
+
+    pinion: CylindricalMember
+    accuracy_class: AccuracyClass = 6
+    assembly: RackAssembly = RackAssembly()
+    contact: FlankContact = FlankContact()
+
+    @model_validator(mode="after")
+    def _sound_members(self) -> Self:
+        self.with_allowances()
+        if self.pinion.internal:
+            raise conflict("pinion.internal", True, reason="the pinion of a rack is external")
+        if self.pinion.gap_diameter is not None:
+            raise conflict("pinion.gap_diameter", self.pinion.gap_diameter, reason="the pinion of a rack has no gap")
+        return self
+
+
+def is_single_rack(keys: Mapping[str, Any]) -> bool:
+    """Whether the keys of a design of kind rack have no table of a pinion."""
+    return RACK in keys and PINION not in keys
+
+
+class SingleRackDesign(RackKeys):
+    """A rack of finite length without a pinion."""
+
+    absent: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        (PINION, "accuracy_class", "assembly", "contact", "backlash", "circumferential_backlash"),
+        "needs a pinion: give both tables, [pinion] and [rack]",
+    )
+    example: ClassVar[Mapping[str, Any]] = {"module": 2, "rack": {"teeth": 40, "face_width": 20}}
+    about: ClassVar[str] = "a rack of finite length without a pinion, spur or helical [ISO 21771]"
+
+    hand: Annotated[
+        str, Key("choice", "hand of the traces, as of a gear that they are on", choices=("right", "left"))
+    ] = "right"
+
+    @property
+    def counted_teeth(self) -> int:
+        return self.rack_teeth

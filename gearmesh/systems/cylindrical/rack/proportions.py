@@ -25,7 +25,7 @@ from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.rack.design import RackDesign
+    from gearmesh.systems.cylindrical.rack.design import RackDesign, RackKeys
 
 #: bar under the root that is not given, in normal modules
 BAR = 3.0
@@ -68,10 +68,8 @@ def derived_values(design: RackDesign) -> dict[str, float]:
 
     Raises DesignError for a mounting distance that no profile shift belongs to.
     """
-    addendum, _, rounding = PROFILES[design.profile]
-    spec = design.rack
-    depth = given_or(spec.addendum, addendum) + spec.dedendum
-    defaults = still_open(design, {f"{RACK}.addendum": addendum, f"{RACK}.height": (depth + BAR) * design.given_module})
+    rounding = PROFILES[design.profile][2]
+    defaults = bar_defaults(design)
     made = design.fill(defaults)
     defaults |= still_open(made, {f"{PINION}.profile_shift": _shift(made)})
     made = design.fill(defaults)
@@ -82,14 +80,12 @@ def derived_values(design: RackDesign) -> dict[str, float]:
     made = design.fill(defaults)
     mesh = _with_allowances(made, nominal)
     _check(made, mesh)
-    alpha = math.degrees(own.alpha)
-    width = 0.5 * math.pi - mesh.rack.allowance / own.module
     pair = _pair(made, mesh.pinion)
     of_pair = proportions(pair)
     mesh = replace(mesh, tip=of_pair.tips[0])
     values = {
         f"{RACK}.tool_tip_radius": _clear(
-            straight_rounding(width, mesh.rack.dedendum, (alpha, alpha), rounding),
+            bar_rounding(made, mesh),
             mesh.rack.dedendum,
             -mesh.rack_height(own.roll_length(mesh.tip)) / own.module,
             own.alpha,
@@ -120,8 +116,16 @@ def _clear(standard: float, depth: float, needed: float, alpha: float) -> float:
 
 def _nominal(design: RackDesign) -> RackMesh:
     """The mesh without allowances; its pinion's tip is not known yet."""
-    own, spec = teeth_of(design, design.pinion), design.rack
-    rack = RackProportions(
+    own = teeth_of(design, design.pinion)
+    mesh = RackMesh(own, bar_of(design), math.nan, own.radius + own.shift * own.module)
+    mounted = design.assembly.mounting_distance
+    return mesh if mounted is None else replace(mesh, distance=mounted - mesh.pitch_height)
+
+
+def bar_of(design: RackKeys) -> RackProportions:
+    """The rack of a design, nominal."""
+    spec = design.rack
+    return RackProportions(
         teeth=design.rack_teeth,
         face_width=spec.face_width,
         height=spec.height,
@@ -130,9 +134,20 @@ def _nominal(design: RackDesign) -> RackMesh:
         tool_tip_radius=spec.tool_tip_radius,
         overhang=design.overhang,
     )
-    mesh = RackMesh(own, rack, math.nan, own.radius + own.shift * own.module)
-    mounted = design.assembly.mounting_distance
-    return mesh if mounted is None else replace(mesh, distance=mounted - mesh.pitch_height)
+
+
+def bar_defaults(design: RackKeys) -> dict[str, float]:
+    """Addendum and height of the rack that the file leaves out, by dotted key."""
+    addendum, _, _ = PROFILES[design.profile]
+    depth = given_or(design.rack.addendum, addendum) + design.rack.dedendum
+    return still_open(design, {f"{RACK}.addendum": addendum, f"{RACK}.height": (depth + BAR) * design.given_module})
+
+
+def bar_rounding(design: RackKeys, mesh: RackMesh) -> float:
+    """The profile's radius of the rack's root fillets, in modules, or what its spaces have room for."""
+    own = mesh.pinion
+    alpha, width = math.degrees(own.alpha), 0.5 * math.pi - mesh.rack.allowance / own.module
+    return straight_rounding(width, mesh.rack.dedendum, (alpha, alpha), PROFILES[design.profile][2])
 
 
 def _shift(design: RackDesign) -> float:
@@ -180,6 +195,11 @@ def _check(design: RackDesign, mesh: RackMesh) -> None:
     for name, thickness in ((PINION, mesh.pinion.thickness), (RACK, mesh.rack_thickness)):
         if thickness <= 0.0:
             refuse_thin(design, name, mesh, thickness)
+    check_land(mesh)
+
+
+def check_land(mesh: RackMesh) -> None:
+    """Refuse a pointed rack."""
     if mesh.rack_land <= 0.0:
         most = 0.5 * mesh.rack_thickness / math.tan(mesh.pinion.alpha) / mesh.pinion.module
         raise DesignError(

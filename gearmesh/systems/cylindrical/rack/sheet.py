@@ -32,7 +32,7 @@ from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
-    from gearmesh.systems.cylindrical.rack.design import RackDesign
+    from gearmesh.systems.cylindrical.rack.design import RackDesign, RackKeys
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
             measures,
             table("Contact from A to E", (PINION, RACK), _contact_rows(sheet)),
             *others,
-            table("Rack", (RACK,), _rack_rows(own, sheet, geometry)),
+            table("Rack", (RACK,), rack_rows(own, geometry.mesh, rack, geometry.root)),
             plain,
         ),
         {},
@@ -192,13 +192,14 @@ def _contact_rows(pair: RackSheetPair) -> list[Row]:
     return rows
 
 
-def _rack_rows(design: RackDesign, pair: RackSheetPair, geometry: RackPairProportions) -> list[Row]:
-    mesh, rack, m = geometry.mesh, geometry.mesh.rack, geometry.mesh.pinion.module
-    low, high = rack_flank(pair.rack)
+def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | None = None) -> list[Row]:
+    """The rack of a design; with the clearance to its pinion's `root` radius, where it has one."""
+    rack, m = mesh.rack, mesh.pinion.module
+    low, high = rack_flank(member)
     pin = pin_diameter(mesh, (low, high))
     over = None if pin is None else over_pin(mesh, pin)
     density = DENSITY if design.material.density is None else design.material.density
-    volume = pair.rack.plain_volume()
+    volume = member.plain_volume()
     helix = mesh.pinion.beta
     values: tuple[tuple[str, str, str, float | int | str | None], ...] = (
         ("z", "teeth", "-", rack.teeth),
@@ -218,7 +219,7 @@ def _rack_rows(design: RackDesign, pair: RackSheetPair, geometry: RackPairPropor
         ("h", "tooth depth", "mm", (rack.addendum + rack.dedendum) * m),
         ("h_Ff", "height at which the flank begins, negative below the reference plane", "mm", low),
         ("rho_f", "radius of the root fillets, normal", "mm", rack.tool_tip_radius * m),
-        ("c", "clearance of its tip and the pinion's root", "mm", mesh.distance - rack.addendum * m - geometry.root),
+        *([] if root is None else [_clearance(mesh, root)]),
         ("A_sn", "allowance of the normal thickness, as made", "mm", rack.allowance),
         *_thickness_allowances(design.rack.thickness_allowance),
         ("s_n", "normal thickness on the reference plane", "mm", mesh.rack_thickness),
@@ -231,6 +232,11 @@ def _rack_rows(design: RackDesign, pair: RackSheetPair, geometry: RackPairPropor
         ("m", "mass", "kg", volume * CUBIC * density),
     )
     return [(symbol, words, unit, (value,)) for symbol, words, unit, value in values]
+
+
+def _clearance(mesh: RackMesh, root: float) -> tuple[str, str, str, float]:
+    own = mesh.distance - mesh.rack.addendum * mesh.pinion.module - root
+    return "c", "clearance of its tip and the pinion's root", "mm", own
 
 
 def _thickness_allowances(given: ThicknessAllowance | None) -> list[tuple[str, str, str, float]]:
