@@ -138,3 +138,22 @@ def test_what_no_form_tool_leaves_is_refused_in_one_line(ring: dict[str, Any], w
     with pytest.raises(DesignError, match=words) as failure:
         gm.build(design_of("spur", **ring))
     assert "\n" not in str(failure.value)
+
+
+def test_a_ring_alone_ends_where_its_involute_does_or_says_what_would() -> None:
+    keys: dict[str, Any] = {"teeth": -24, "face_width": 10, "manufacture": "formed"}
+    alone = gm.build(gm.parse({"kind": "cylindrical", "module": 1, "gear": {**keys, "thickness_allowance": "cd25"}}))
+    assert any(line.endswith("instead of 1 because its involute ends on the base circle") for line in alone.warnings)
+    assert exact_volume(alone.members["gear"]) > 0.0
+    for more, words in (
+        (
+            {"profile_shift": 3},
+            "gear.profile_shift = 3: leaves no spaces between the teeth; allowed is less than 2.15795",
+        ),
+        (
+            {"thickness_allowance": {"upper": 4, "lower": 3}},
+            "upper = 4 mm: leaves no spaces .* is less than 2.07079 mm",
+        ),
+    ):
+        with pytest.raises(DesignError, match=words):
+            gm.parse({"kind": "cylindrical", "module": 1, "gear": {**keys, **more}})

@@ -10,6 +10,7 @@ from typing import Any
 import manifold3d
 import numpy as np
 import pytest
+from oracles import measuring
 from oracles.command_line import refused, run
 from oracles.examples import some
 from oracles.places import SAMPLES
@@ -23,7 +24,7 @@ from gearmesh.mesh.triangles import TriangleMesh
 
 def planetary(sun: int, planet: int, ring: int, /, **keys: Any) -> gm.Gears:
     members = {"sun": sun, "planet": planet, "ring": ring}
-    tables = {name: {"teeth": teeth, "face_width": 12} for name, teeth in members.items()}
+    tables = {name: {"teeth": teeth, "face_width": 12, **keys.pop(name, {})} for name, teeth in members.items()}
     return gm.build(gm.parse({"kind": "planetary", "module": 2, **tables, **keys}))
 
 
@@ -182,6 +183,33 @@ def test_members_of_a_set_have_the_thickness_allowances_that_are_given() -> None
     one = gm.build(gm.parse({"kind": "planetary", "module": 2, **tables}))
     for mesh in ("sun-planet_1", "planet_1-ring"):
         assert one.contact(pair=mesh).summary["backlash_normal_min_mm"] == pytest.approx(0.035 * cosine, abs=1e-9)
+
+
+def test_letters_of_a_set_are_the_balls_and_the_backlash_of_its_teeth() -> None:
+    """Balls laid between the exact flanks, and the solver's backlash in both meshes, of a set made to the upper allowances."""
+    letters = {"sun": "cd25", "planet": "d26", "ring": "b24"}
+    shape = {"ring": {"manufacture": "formed"}}
+
+    def of_allowances(given: dict[str, Any]) -> tuple[gm.Gears, dict[str, Any]]:
+        tables = {name: {"thickness_allowance": given[name], **shape.get(name, {})} for name in letters}
+        made = planetary(18, 27, 72, helix_angle=12, **tables)
+        return made, made.sheet().plain_tables
+
+    _, stated = of_allowances(letters)
+    inner, outer = (stated[f"{pair}: Members"]["A_sne"][1:] for pair in ("Sun and planet", "Planet and ring"))
+    assert [*inner, outer[1]] == pytest.approx([-0.054, -0.06, -0.17], abs=1e-12)
+    assert outer[0] == inner[1]
+    ends = dict(zip(letters, (*inner, outer[1]), strict=True))
+    made, _ = of_allowances({name: {"upper": value, "lower": value} for name, value in ends.items()})
+    for pair, names in (("Sun and planet", ("sun", "planet_1")), ("Planet and ring", ("planet_1", "ring"))):
+        measures, backlash = stated[f"{pair}: Measures of the tooth thickness"], stated[f"{pair}: Backlash"]
+        for k, name in enumerate(names, 1):
+            measured = measuring.over_balls(made.members[name], measures["D_M"][k], -1 if name == "ring" else 1)
+            assert measured == pytest.approx(measures["M_dK_upper"][k], abs=1e-9)
+        # theoretical, working, least, largest
+        summary = made.contact([0.0], pair="-".join(names)).summary
+        assert summary["backlash_normal_min_mm"] == pytest.approx(backlash["j_bn"][3], abs=1e-9)
+        assert summary["backlash_transverse_min_mm"] == pytest.approx(backlash["j_wt"][3], abs=1e-9)
 
 
 def test_refusals_and_warnings_name_members_of_the_set() -> None:

@@ -47,8 +47,10 @@ def counterpart(own: Toothing) -> Toothing:
 def form_tool(name: str, spec: CylindricalMember, own: Toothing, root: float) -> Shaper:
     """The tool of an internal gear of a root radius in the transverse section, without rounding.
 
-    Raises DesignError naming key, value and limit: a root inside the base circle, spaces that are pointed above it.
+    Raises DesignError naming key, value and limit: teeth that leave no spaces, a root inside the base circle, spaces that are
+    pointed above it.
     """
+    _check_spaces(name, spec, own)
     _check_root(name, spec, own, root)
     filling = counterpart(own)
     return Shaper(
@@ -71,6 +73,21 @@ def with_rounding(name: str, radius: float, own: Toothing, sharp: Shaper) -> Sha
             allowed=f"at most {at_most(largest / own.module)}, with which a space has one round root",
         )
     return replace(sharp, tip_radius=radius * own.module)
+
+
+def _check_spaces(name: str, spec: CylindricalMember, own: Toothing) -> None:
+    over = own.thickness - math.pi * own.module
+    if over < 0.0:
+        return
+    given = spec.thickness_allowance
+    by_shift = own.shift - over / (2.0 * own.module * math.tan(own.alpha))
+    raise DesignError(
+        f"{name}.profile_shift" if given is None else f"{name}.thickness_allowance.upper",
+        own.shift if given is None else given.upper,
+        unit="" if given is None else "mm",
+        reason="leaves no spaces between the teeth",
+        allowed=f"less than {at_most(by_shift if given is None else given.upper - over)}",
+    )
 
 
 def _check_root(name: str, spec: CylindricalMember, own: Toothing, root: float) -> None:
