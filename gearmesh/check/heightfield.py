@@ -622,8 +622,12 @@ class PatchedFlank:
         return np.concatenate([patch.points for patch in self.patches])
 
     def between(self, low: float, high: float) -> Self | None:
-        parts = tuple(part for patch in self.patches if (part := patch.between(low, high)) is not None)
-        return replace(self, patches=parts) if parts else None
+        parts = self.parts_between(low, high)
+        return replace(self, patches=tuple(parts.values())) if parts else None
+
+    def parts_between(self, low: float, high: float) -> dict[int, HeightFlank]:
+        """What patches have between two z (mm), and a little more, by their numbers."""
+        return {k: part for k, patch in enumerate(self.patches) if (part := patch.between(low, high)) is not None}
 
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
         return PatchedField(tuple(patch.over(chart, own_to_chart, side) for patch in self.patches), side)

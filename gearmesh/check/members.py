@@ -16,10 +16,9 @@ phi2 is not that of the contact solver's curve, which is of flanks and fillets a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
-from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -146,13 +145,12 @@ class Half:
     def points(self) -> Array:
         return self.flank.points
 
-    def between(self, low: float, high: float) -> Self | None:
+    def between(self, low: float, high: float) -> Half | None:
         """The part of it between two z (mm), and a little more; None where there is none."""
-        parts = [(part, region) for patch, region in zip(self.flank.patches, self.regions, strict=True)
-                 if (part := patch.between(low, high)) is not None]  # fmt: skip
+        parts = self.flank.parts_between(low, high)
         if not parts:
             return None
-        return replace(self, flank=PatchedFlank(tuple(p for p, _ in parts)), regions=tuple(r for _, r in parts))
+        return Half(PatchedFlank(tuple(parts.values())), tuple(self.regions[k] for k in parts))
 
 
 @dataclass(frozen=True)

@@ -40,20 +40,17 @@ _THICKNESS = "mean normal circular thickness s_mn of the tooth as it is cut"
 _MOTION = "by the cradle's rotation q in rad: a1 q + a2 q^2 + ..."
 
 
+def _blade_angle(default: str, source: str = "") -> Key:
+    """The key of a blade's angle, whatever it is by default."""
+    return Key(
+        "angle", "blade angle, between blade and cutter axis", low=0, high=60, above=True, default=default, source=source
+    )
+
+
 class BladeTable(Table):
     """One blade of a cutter, where it is not as the cutter's keys have it."""
 
-    blade_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "blade angle, between blade and cutter axis",
-            low=0,
-            high=60,
-            above=True,
-            default="that of the cutter",
-        ),
-    ] = None
+    blade_angle: Annotated[float | None, _blade_angle("that of the cutter")] = None
     blade_radius: Annotated[
         float | None,
         Key("length", "radius of a circular-arc blade, > 0 convex; 0 = straight", default="that of the cutter"),
@@ -132,18 +129,7 @@ class Machine(Table):
     vertical_motion: Annotated[
         tuple[float, ...], Key("length", f"added to machining_offset {_MOTION}", most=ORDERS)
     ] = ()
-    blade_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "blade angle, between blade and cutter axis",
-            low=0,
-            high=60,
-            above=True,
-            default=_SYNTHESIS,
-            source="[AB]",
-        ),
-    ] = None
+    blade_angle: Annotated[float | None, _blade_angle(_SYNTHESIS, "[AB]")] = None
     blade_radius: Annotated[
         float, Key("length", "radius of a circular-arc blade, > 0 convex; 0 = straight blade", source="[AB] Table 4")
     ] = 0.0
