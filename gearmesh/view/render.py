@@ -409,7 +409,7 @@ def _draw_heading(figure: Any, scene: Scene) -> None:
     handles += [Line2D([], [], color=d.colour, marker="o", ls="", label=d.label) for d in scene.dots if d.label]
     if not handles and not scene.title:
         return
-    figure.text(0.5, 0.985, scene.title, ha="center", va="top", fontsize=13, color=INK, path_effects=_halo())
+    figure.text(0.5, 0.985, scene.title, ha="center", va="top", fontsize=13, color=INK, path_effects=_halo(), wrap=True)
     if handles:
         # further rows stand below the first, not on the title
         middle = _TOP + 0.02 - 0.5 * _ROW * ((len(handles) - 1) // _COLUMNS)
