@@ -249,7 +249,15 @@ def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
     name, plane = pinion.name, FlankPlane.of(pinion, side.pair.flanks[0])
     places = plane.frame.places(ease_off.points)
     if not sliding:
-        return FieldPanel(f"{name}: ease-off (µm)", plane, places, 1e3 * ease_off.distance, LEAST_EASE_OFF)
+        return FieldPanel(
+            f"{name}: ease-off (µm)",
+            plane,
+            places,
+            1e3 * ease_off.distance,
+            LEAST_EASE_OFF,
+            continued=1e3 * ease_off.continued,
+            beyond=ease_off.beyond,
+        )
     velocity = AT_1000_RPM * side.sliding_velocity
     speed, arrows = np.linalg.norm(velocity, axis=-1), plane.frame.directions(ease_off.points, velocity)
     return FieldPanel(f"{name}: sliding velocity at 1000 rpm (m/s)", plane, places, speed, LEAST_SPEED, arrows)

@@ -36,6 +36,12 @@ def test_the_map_is_what_circles_through_the_gear_say(name: str) -> None:
     sense = pair.drive * pair.gear.mount.sign
     centre = grid.reshape(-1, 3).mean(axis=0)
     field = GridFlank(grid).over(Arcs(sense, float(np.arctan2(centre[1], centre[0]))), Rigid.identity(), -1.0)
+    # gone on beyond the gear's edges it is the same inside of them, and lies beyond them where it is not
+    known = np.isfinite(found.distance)
+    np.testing.assert_array_equal(found.continued[known], found.distance[known])
+    assert found.beyond[known].max() <= 0.0
+    assert np.nanmin(found.beyond[~known]) > -0.05
+    assert 0.0 < np.nanmax(found.continued[~known]) < 3.0 * np.nanmax(found.distance)
     inside = [(i, j) for i in (3, 6, 9) for j in (6, 10, 14, 18) if np.isfinite(found.distance[i, j])]
     greatest, arms = [], []
     for i, j in inside:

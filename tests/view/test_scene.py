@@ -417,11 +417,12 @@ def test_long_titles_go_on_in_a_second_line():
     """Nothing of one is cut off at the sides, as the reason of an unresolved pressure was."""
     camera = frame(np.eye(3)[2], np.eye(3)[1], bar().vertices, SIZE, 2.0)
     body = SceneBody(bar(), Rigid.identity(), STEEL)
-    heading = render(Scene((body,), camera, title="contact pressure, unresolved: " + 12 * "reason and ", size=SIZE))[:45]
+    heading = render(Scene((body,), camera, title="contact pressure, unresolved: " + 12 * "reason and ", size=SIZE))[
+        :45
+    ]
     assert (heading[:, :4] == 255).all()
     assert (heading[:, -4:] == 255).all()
     assert (heading[22:] < 128).any()
-
 
 
 @pytest.mark.usefixtures("needs_opengl")

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.first_touch.field import advances
@@ -27,12 +28,15 @@ class EaseOff:
     """On a grid over the pinion's flank, from form point to tip (I) and from toe to heel (J).
 
     `points` (I, J, 3), own frame, mm; `distance` (I, J), mm, along the normal, 0 where it is least, and `phi1` (I, J), rad: NaN
-    where the gear's flank ends before the point is nearest to it.
+    where the gear's flank ends before the point is nearest to it. `beyond` (I, J), mm: how far it ends before that, < 0 where it does
+    not; `continued` (I, J), mm: the distance from the flank as its table goes on, NaN where that ends too.
     """
 
     points: Array
     distance: Array
     phi1: Array
+    beyond: Array
+    continued: Array
 
 
 def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) -> EaseOff:
@@ -48,21 +52,48 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
     jet = pair.pinion.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
     with np.errstate(all="ignore"):
         field = advances(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
-        advance = np.where((field.beyond <= 0.0).all(axis=0), field.advance, -np.inf)
+        past = field.beyond.max(axis=0)
+        nearest = _Nearest.of(phi1, np.where(past <= 0.0, field.advance, -np.inf))
+        any_nearest = _Nearest.of(phi1, np.where(np.isnan(field.advance), -np.inf, field.advance))
+        top = np.nanmax(nearest.advance)
+        distance, continued = (
+            (top - place.advance) * _levers(pair, jet.r, jet.n, place.phi1) for place in (nearest, any_nearest)
+        )
+        beyond = any_nearest.read(past)
+    shape = grid.shape[:2]
+    parts = (values.reshape(shape) for values in (distance, nearest.phi1, beyond, continued))
+    return EaseOff(jet.r.reshape(*shape, 3), *parts)
+
+
+@dataclass(frozen=True)
+class _Nearest:
+    """Where points (K,) are most advanced over positions phi1 (N,), rad: on a parabola through three of them, the middle one number
+    `k` and the place a `share` of a step after it; NaN where an edge of the gear cuts it off."""
+
+    phi1: Array
+    advance: Array
+    k: NDArray[np.intp]
+    share: Array
+
+    @staticmethod
+    def of(phi1: Array, advance: Array) -> _Nearest:
+        """Of advances (N, K), rad, -inf where there are none."""
         best = advance.argmax(axis=0)
         every = np.arange(len(best))
-        # the greatest lies on a parabola through three positions; where the gear's edge cuts it off there is none
         k = np.clip(best, 1, len(phi1) - 2)
         before, at, after = (advance[k + step, every] for step in (-1, 0, 1))
         bend = before - 2.0 * at + after
         met = np.isfinite(bend) & (bend < 0.0) & (k == best)
         share = np.where(met, 0.5 * (before - after) / bend, np.nan)
         greatest = at - 0.25 * (before - after) * share
-        where = phi1[best] + share * (phi1[1] - phi1[0])
-        behind = greatest[met].max() - greatest
-        distance = np.where(met, behind * _levers(pair, jet.r, jet.n, where), np.nan)
-    shape = grid.shape[:2]
-    return EaseOff(jet.r.reshape(*shape, 3), distance.reshape(shape), where.reshape(shape))
+        return _Nearest(phi1[best] + share * (phi1[1] - phi1[0]), greatest, k, share)
+
+    def read(self, values: Array) -> Array:
+        """Values (N, K) there, between two positions straight."""
+        every = np.arange(len(self.k))
+        at, next_one = (values[self.k + step, every] for step in (0, np.where(self.share < 0.0, -1, 1)))
+        between: Array = at + np.abs(self.share) * (next_one - at)
+        return between
 
 
 def gaps_at(pair: Pair, phi1: Array, phi2: Array, grid: Array) -> Array:

@@ -43,7 +43,13 @@ _MOTION = "by the cradle's rotation q in rad: a1 q + a2 q^2 + ..."
 def _blade_angle(default: str, source: str = "") -> Key:
     """The key of a blade's angle, whatever it is by default."""
     return Key(
-        "angle", "blade angle, between blade and cutter axis", low=0, high=60, above=True, default=default, source=source
+        "angle",
+        "blade angle, between blade and cutter axis",
+        low=0,
+        high=60,
+        above=True,
+        default=default,
+        source=source,
     )
 
 

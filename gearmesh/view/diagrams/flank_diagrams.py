@@ -68,7 +68,8 @@ class ContactPanel:
 class FieldPanel:
     """A quantity over a flank: `values` (I, J) at `places` (I, J, 2), mm, NaN where there is none, and `arrows` (I, J, 2) of it.
 
-    `least` is the range below which differences mean nothing.
+    `least` is the range below which differences mean nothing. `continued` (I, J): the values gone on where there are none, and how
+    far, mm, a place is `beyond` (I, J) where they end; without them cells without a value are left out.
     """
 
     name: str
@@ -77,6 +78,8 @@ class FieldPanel:
     values: Array
     least: float
     arrows: Array | None = None
+    continued: Array | None = None
+    beyond: Array | None = None
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -303,8 +306,13 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
     low, high = float(known.min()), float(known.max())
     # what is less is no signal, but rounding and the error of tables
     levels = MaxNLocator(9).tick_values(low, max(high, low + panel.least))
-    drawn = axes.contourf(x, y, known, levels=levels, cmap="cividis_r", zorder=1)
-    rings = axes.contour(x, y, known, levels=levels, colors=[INK], linewidths=0.6, zorder=2)
+    shown = known if panel.continued is None else np.ma.masked_invalid(np.clip(panel.continued, levels[0], levels[-1]))
+    drawn = axes.contourf(x, y, shown, levels=levels, cmap="cividis_r", zorder=1)
+    rings = axes.contour(x, y, shown, levels=levels, colors=[INK], linewidths=0.6, zorder=2)
+    if panel.beyond is not None and np.nanmax(panel.beyond, initial=-np.inf) > 0.0:
+        # cells are cut where the values end
+        past = np.ma.masked_invalid(panel.beyond)
+        axes.contourf(x, y, past, levels=[0.0, float(past.max())], colors=[GROUND], zorder=2.5)
     if panel.arrows is None:
         axes.clabel(rings, fontsize=7, fmt="%g")
     else:
