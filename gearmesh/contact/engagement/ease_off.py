@@ -28,8 +28,8 @@ class EaseOff:
     """On a grid over the pinion's flank, from form point to tip (I) and from toe to heel (J).
 
     `points` (I, J, 3), own frame, mm; `distance` (I, J), mm, along the normal, 0 where it is least, and `phi1` (I, J), rad: NaN
-    where the gear's flank ends before the point is nearest to it. `beyond` (I, J), mm: how far it ends before that, < 0 where it does
-    not; `continued` (I, J), mm: the distance from the flank as its table goes on, NaN where that ends too.
+    where the gear's flank ends before the point is nearest to it. `beyond` (I, J), mm: how far it ends before that, < 0 where it
+    does not; `continued` (I, J), mm: the distance from the flank as its table goes on, NaN where that ends too.
     """
 
     points: Array
