@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 import gearmesh as gm
-from gearmesh.systems.common.standards import iso286
-from gearmesh.systems.cylindrical.geometry import din3967
+from gearmesh.systems.common.standards import din3967, iso286
 
 #: mm: the sheet has nine decimals
 EXACT = 1e-9

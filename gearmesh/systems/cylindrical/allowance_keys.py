@@ -8,8 +8,7 @@ from typing import Annotated, Any, Self
 from pydantic import model_validator
 
 from gearmesh.design.keys import DERIVED, Key, Table, conflict
-from gearmesh.systems.common.standards import iso286
-from gearmesh.systems.cylindrical.geometry import din3967
+from gearmesh.systems.common.standards import din3967, iso286
 
 #: letters and grades of tip diameters
 TIP_LETTERS, TIP_GRADES = ("h", "js", "H", "JS"), range(5, 13)

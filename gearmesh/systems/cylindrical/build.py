@@ -32,6 +32,7 @@ from gearmesh.systems.cylindrical.geometry.interference import interference_warn
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, ToothedGear, refuse_thin
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, PairProportions, proportions
 from gearmesh.systems.cylindrical.geometry.shifts import addendum
+from gearmesh.systems.cylindrical.measured import check_measures
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.mount import Mount
@@ -85,7 +86,14 @@ def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -
 
 
 def gear_member(gear: GearProportions) -> Member:
-    """A gear (in mm) as a member, without its mounting. Raises DesignError for teeth or cutters that cannot exist."""
+    """A gear (in mm) as a member, without its mounting. Raises DesignError for teeth or cutters that cannot exist, and for spans
+    and balls that do not touch them."""
+    made = _toothed_member(gear)
+    check_measures(gear, made)
+    return made
+
+
+def _toothed_member(gear: GearProportions) -> Member:
     name, spec, own, tip, root = gear.name, gear.spec, gear.own, gear.tip, gear.root
     letter = "F" if gear.table == "pinion" else "G"
     tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"

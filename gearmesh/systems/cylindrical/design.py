@@ -13,6 +13,7 @@ from gearmesh.design.keys import DERIVED, MM_PER, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance, DiameterTolerance, ThicknessAllowance
+from gearmesh.systems.cylindrical.measure_keys import BallMeasurement, SpanMeasurement
 
 #: Basic racks of ISO 53: addendum, dedendum and rounding of the tool's tip, in normal modules.
 PROFILES = {
@@ -220,6 +221,27 @@ class CylindricalMember(MemberTable, Modified):
         ),
     ] = None
     thickness_allowance: ThicknessAllowance | None = None
+    thickness_made: Annotated[
+        str,
+        Key(
+            "choice",
+            "at which end of the thickness allowance, or in its middle, the teeth are made",
+            choices=("middle", "upper", "lower"),
+        ),
+    ] = "middle"
+    allowance_by: Annotated[
+        str,
+        Key(
+            "choice",
+            "how the allowance of the thickness is cut: on the flanks alone, the root as the profile shift says, or by feeding the "
+            "tool on to the generating profile shift x_E, which moves the root",
+            choices=("flanks", "feed"),
+            source="ISO 21771",
+        ),
+    ] = "flanks"
+    span: SpanMeasurement | None = None
+    balls: BallMeasurement | None = None
+    pins: BallMeasurement | None = None
     tip_diameter_tolerance: DiameterTolerance | None = None
     shaper: ShaperCutter | None = None
     hob: Hob | None = None
@@ -283,6 +305,31 @@ class CylindricalMember(MemberTable, Modified):
                 0.0,
                 must_be='above 0 with manufacture = "formed": it is the radius of the root fillet',
             )
+
+    @model_validator(mode="after")
+    def _one_thickness(self) -> Self:
+        if self.span is not None and self.internal:
+            raise conflict("span", None, reason="of an internal gear balls or pins are measured")
+        if self.balls is not None and self.pins is not None:
+            raise conflict("pins", None, reason="cannot be given together with balls")
+        if self.allowance_by == "feed" and self.formed:
+            raise conflict("allowance_by", self.allowance_by, reason="no tool is fed into a formed gear")
+        first, *others = [*self._thicknesses, ""]
+        if others and others[0]:
+            raise conflict(others[0], None, reason=f"cannot say the thickness together with {first}")
+        return self
+
+    @property
+    def _thicknesses(self) -> list[str]:
+        """Keys that say the thickness."""
+        given = [] if self.thickness_allowance is None else ["thickness_allowance"]
+        tables = {"span": self.span, "balls": self.balls, "pins": self.pins}
+        return [*given, *(key for key, table in tables.items() if table is not None and table.upper is not None)]
+
+    @property
+    def thickness_key(self) -> str | None:
+        """The key that says the thickness, None where none does."""
+        return next(iter(self._thicknesses), None)
 
     @property
     def dedendum_counts(self) -> bool:
@@ -456,12 +503,12 @@ class ToothingKeys(Design):
         return {name: spec for name, spec in given.items() if spec is not None}
 
     def with_allowances(self) -> list[str]:
-        """Names of the members with a thickness_allowance. Raises a conflict where a backlash says the thicknesses, too."""
-        names = [name for name, spec in self.specs.items() if spec.thickness_allowance is not None]
+        """Names of the members whose thickness is given. Raises a conflict where a backlash says the thicknesses, too."""
+        names = [name for name, spec in self.specs.items() if spec.thickness_key is not None]
         for name in names:
             for key in ("backlash", "circumferential_backlash"):
                 if key in self.model_fields_set and not math.isnan(value := getattr(self, key) or math.nan):
-                    other = self.name_in_texts(f"{name}.thickness_allowance")
+                    other = self.name_in_texts(f"{name}.{self.specs[name].thickness_key}")
                     raise conflict(key, value, reason=f"cannot be given together with {other}")
         return names
 

@@ -21,19 +21,31 @@ from gearmesh.systems.common.standards.iso286 import Deviations
 from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.cylindrical.double_helical import half_of, half_width
 from gearmesh.systems.cylindrical.geometry import accuracy, measures
+from gearmesh.systems.cylindrical.geometry.allowances import Allowances, allowances_of
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing
 from gearmesh.systems.cylindrical.geometry.interference import reserves
-from gearmesh.systems.cylindrical.geometry.line_of_action import Flank, LineOfAction, tight_distance, undercut_reserve
+from gearmesh.systems.cylindrical.geometry.line_of_action import (
+    Flank,
+    LineOfAction,
+    form_roll_length,
+    tight_distance,
+    undercut_reserve,
+)
 from gearmesh.systems.cylindrical.geometry.mass import Bulk, bulk
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
-from gearmesh.systems.cylindrical.geometry.proportions import GearsProportions, PairProportions, proportions
+from gearmesh.systems.cylindrical.geometry.proportions import (
+    GearProportions,
+    GearsProportions,
+    PairProportions,
+    gear_proportions,
+    proportions,
+)
 from gearmesh.systems.cylindrical.geometry.root import CriticalSection, critical_section, lever
+from gearmesh.systems.cylindrical.measured import flank_radii
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
 from gearmesh.teeth.gear_train import GearTrain, Member
-from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys
 
 T = TypeVar("T")
@@ -84,6 +96,7 @@ def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBERS) -> list[Sh
     return [
         table("Members", names, _member_rows(pair)),
         table("Measures of the tooth thickness", names, _measures(pair)),
+        table("As cut by feeding the tool for the allowance", names, _cut_rows(pair)),
         table("Root: tangent of 30 deg, internal 60 deg", names, _root_rows(pair)),
         table("Reserves (negative: none)", names, _reserves(pair)),
         table("Bodies", names, _bodies(pair)),
@@ -95,13 +108,13 @@ def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBERS) -> list[Sh
 class SheetGears:
     """A complete design in mm, its gears in closed form and as they are built: one alone, or the pinion and the gear of a mesh.
 
-    `stated`: the members' thickness allowances as the order states them, where those of the design only say what is made of it.
+    `stated`: what the order says of the members' thicknesses, where those of the design only say what is made of it.
     """
 
     design: HalvesKeys
     geometry: GearsProportions
     members: tuple[Member, ...]
-    stated: tuple[ThicknessAllowance | None, ...] | None = field(default=None, kw_only=True)
+    stated: tuple[CylindricalMember | None, ...] | None = field(default=None, kw_only=True)
 
     @property
     def teeth(self) -> tuple[Toothing, ...]:
@@ -114,16 +127,22 @@ class SheetGears:
     @cached_property
     def flanks(self) -> tuple[Flank, ...]:
         """Radii of all where the usable flank begins and ends, d_Ff and d_Fa over 2, in the middle of the face."""
-        return tuple(_flank_radii(member) for member in self.members)
+        return tuple(flank_radii(member) for member in self.members)
 
     def of_all(self, value: Callable[[int], float | int | str | None]) -> Values:
         """A value of all members, by their number."""
         return tuple(value(k) for k in range(len(self.members)))
 
     @property
-    def allowances(self) -> tuple[ThicknessAllowance | None, ...]:
+    def stated_specs(self) -> tuple[CylindricalMember | None, ...]:
+        """What says the thicknesses of all members, None of one that is no part of the order."""
+        return self.specs if self.stated is None else self.stated
+
+    @cached_property
+    def allowances(self) -> tuple[Allowances | None, ...]:
         """Thickness allowances of all members, None of one that has none of its own."""
-        return tuple(spec.thickness_allowance for spec in self.specs) if self.stated is None else self.stated
+        own = zip(self.geometry.gears, self.stated_specs, strict=True)
+        return tuple(None if spec is None else allowances_of(gear.name, spec, gear.own) for gear, spec in own)
 
     @property
     def ranged(self) -> bool:
@@ -181,13 +200,6 @@ class SheetPair(SheetGears):
     def contact_ratio(self) -> float:
         """Total contact ratio eps_gamma."""
         return self.line.contact_ratio + self.overlap_ratio
-
-
-def _flank_radii(member: Member) -> Flank:
-    tooth = member.tooth
-    points = tooth.grid(Region.FLANK_RIGHT, np.array([0.0, 1.0]), tooth.sections([0.5])).points[:, 0]
-    root, tip = np.hypot(points[:, 0], points[:, 1])
-    return float(root), float(tip)
 
 
 def _degrees(value: float) -> float:
@@ -349,7 +361,8 @@ def _thickness_allowances(pair: SheetGears) -> list[Row]:
         ("A_sni", "lower allowance of the normal thickness", "mm", _each(given, lambda own: own.lower)),
         ("T_sn", "tolerance of the normal thickness", "mm", _each(given, lambda own: own.upper - own.lower)),
     ]
-    series = _each(given, lambda own: own.series)
+    tables = [None if spec is None else spec.thickness_allowance for spec in pair.stated_specs]
+    series = _each(tables, lambda own: own.series)
     return [*rows, ("E_sn", "allowance by DIN 3967", "", series)] if any(series) else rows
 
 
@@ -373,15 +386,41 @@ def _alteration(pair: SheetGears, k: int) -> float | None:
     return None if pair.specs[k].tip_diameter is not None else pair.specs[k].tip_alteration
 
 
+def _cut_rows(pair: SheetGears) -> list[Row]:
+    """Generating profile shifts, and the roots and root form diameters that a tool leaves which is fed for the allowance of the
+    thickness: of the teeth as made and at the ends of the allowances."""
+    rows: list[Row] = []
+    for end, teeth in _states(pair, ends=True).items():
+        cut = [_fed(gear, own) for gear, own in zip(pair.geometry.gears, teeth, strict=True)]
+        suffix = _suffix(end)
+        rows += [
+            (f"x_E{suffix}", f"generating profile shift{end}", "m_n", tuple(own.generating_shift for own in teeth)),
+            (f"d_fE{suffix}", f"root diameter{end}", "mm", _each(cut, lambda gear: 2.0 * gear.root)),
+            (f"d_FfE{suffix}", f"root form diameter{end}", "mm", _each(cut, _form_diameter)),
+        ]
+    return rows
+
+
+def _fed(gear: GearProportions, own: Toothing) -> GearProportions | None:
+    """A gear with other teeth, its tool fed for their allowance; None of one that is formed."""
+    if gear.spec.formed:
+        return None
+    spec = gear.spec.model_copy(update={"allowance_by": "feed"})
+    return gear_proportions(replace(gear, spec=spec, own=own))
+
+
+def _form_diameter(gear: GearProportions) -> float | None:
+    """Root form diameter in closed form; None where the tool undercuts the flank."""
+    length = form_roll_length(gear)
+    return None if length < 0.0 else 2.0 * math.hypot(gear.own.base_radius, length)
+
+
 # ---------------------------------------------------------------- measures
 
 
 def _measures(pair: SheetGears) -> list[Row]:
     """Span, balls and chords, of the teeth as made and at the ends of the allowances where these are given."""
-    counts = pair.of_all(lambda k: measures.span_teeth(pair.teeth[k], pair.flanks[k], pair.specs[k].face_width))
-    balls = pair.of_all(
-        lambda k: measures.ball_diameter(pair.teeth[k], pair.flanks[k], (pair.geometry.tips[k], pair.geometry.roots[k]))
-    )
+    counts, balls = pair.of_all(lambda k: _span_teeth(pair, k)), pair.of_all(lambda k: _ball_diameter(pair, k))
 
     def by(
         sizes: Values, symbol: str, words: str, value: Callable[[Toothing, float], float | None], *, ends: bool = False
@@ -421,6 +460,20 @@ def _measures(pair: SheetGears) -> list[Row]:
         ),
         *_chord_rows(pair),
     ]
+
+
+def _span_teeth(pair: SheetGears, k: int) -> int | None:
+    """Teeth of a member's span: its own number, or the one that touches nearest to the V cylinder."""
+    spec = pair.specs[k]
+    return measures.span_teeth(pair.teeth[k], pair.flanks[k], spec.face_width) if spec.span is None else spec.span.teeth
+
+
+def _ball_diameter(pair: SheetGears, k: int) -> float | None:
+    """Diameter of a member's balls or pins: its own, or the one that is proposed."""
+    given = pair.specs[k].balls or pair.specs[k].pins
+    if given is not None:
+        return given.diameter
+    return measures.ball_diameter(pair.teeth[k], pair.flanks[k], (pair.geometry.tips[k], pair.geometry.roots[k]))
 
 
 def _states(pair: SheetGears, *, ends: bool) -> dict[str, tuple[Toothing, ...]]:

@@ -1,1 +1,1 @@
-"""Standards of tolerances that no gear system has to itself: sizes of ISO 286, rounding of gear tolerances."""
+"""Tables of standards of sizes and tolerances: ISO 286, DIN 3967, rounding of gear tolerances."""

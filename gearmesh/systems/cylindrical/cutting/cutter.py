@@ -62,7 +62,26 @@ def cut_addendum(gear: ToothedGear, height: float) -> float:
 
 
 def root_radius(gear: ToothedGear) -> float:
-    """Root radius of a gear: from its root diameter, its cutter's addendum or its dedendum, which the profile says by default."""
+    """Root radius of a gear: from its root diameter, its cutter's addendum or its dedendum, which the profile says by default; as
+    the tool leaves it that is fed for the allowance of the thickness, where it is."""
+    spec = gear.spec
+    by_cutter = spec.root_diameter is None and spec.shaper is not None and spec.shaper.addendum is not None
+    # a cutter's own addendum reaches as deep as it is fed
+    return _root_at_shift(gear) + (_fed(gear) if spec.allowance_by == "feed" and not by_cutter else 0.0)
+
+
+def _fed(gear: ToothedGear) -> float:
+    """By how much the root radius moves as the tool is fed for the allowance of the thickness: the difference of the cutter's
+    distances, or of a rack's, sense (x_E - x) m_n."""
+    own = gear.own
+    if not gear.spec.shaped:
+        return own.sense * (own.generating_shift - own.shift) * own.module
+    cutter = cutter_of(replace(gear, spec=gear.spec.model_copy(update={"allowance_by": "flanks"})))
+    return generating(cutter, own).distance - generating(cutter, replace(own, allowance=0.0)).distance
+
+
+def _root_at_shift(gear: ToothedGear) -> float:
+    """The root radius of the profile shift."""
     spec, own = gear.spec, gear.own
     if spec.root_diameter is not None:
         return float(0.5 * spec.root_diameter)

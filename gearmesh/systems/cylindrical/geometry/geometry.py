@@ -94,6 +94,11 @@ class Toothing:
         """Normal tooth thickness at the reference cylinder, with its allowance."""
         return self.module * (0.5 * math.pi + 2.0 * self.shift * math.tan(self.alpha)) + self.allowance
 
+    @property
+    def generating_shift(self) -> float:
+        """Generating profile shift coefficient x_E = x + A_sn / (2 m_n tan(alpha_n)), which leaves this thickness."""
+        return self.shift + 0.5 * self.allowance / (self.module * math.tan(self.alpha))
+
     def half_angle(self, radius: float) -> float:
         """Half of the tooth's transverse thickness at a radius, as an angle about the axis, rad; > 0 on sound teeth."""
         at_reference = 0.5 * self.thickness / math.cos(self.beta) / self.radius

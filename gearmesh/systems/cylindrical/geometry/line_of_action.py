@@ -119,7 +119,7 @@ def tight_distance(mesh: InvolutePair) -> float:
     even = (
         replace(
             toothing,
-            shift=toothing.shift + 0.5 * toothing.allowance / (toothing.module * math.tan(toothing.alpha)),
+            shift=toothing.generating_shift,
             allowance=0.0,
         )
         for toothing in (mesh.pinion, mesh.gear)

@@ -14,34 +14,19 @@ import numpy as np
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, angle_of, involute
 
-#: diameters of balls and pins that are to be had, mm
+#: diameters of balls and pins, mm [DIN 3977 table 1], and larger ones that are to be had
 STANDARD = (
-    *(
-        0.25,
-        0.3,
-        0.35,
-        0.4,
-        0.45,
-        0.5,
-        0.55,
-        0.62,
-        0.7,
-        0.8,
-        0.9,
-        1.0,
-        1.1,
-        1.25,
-        1.35,
-        1.5,
-        1.75,
-        2.0,
-        2.25,
-        2.5,
-        2.75,
-    ),
-    *(3.0, 3.25, 3.5, 3.75, 4.0, 4.25, 4.5, 5.0, 5.25, 5.5, 6.0, 6.5, 7.0, 7.5, 8.0, 9.0, 10.0, 10.5, 11.0, 12.0, 14.0),
-    *(15.0, 16.0, 18.0, 20.0, 22.0, 25.0, 28.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 70.0, 80.0, 90.0, 100.0),
+    *(0.17, 0.195, 0.22, 0.25, 0.29, 0.335, 0.39, 0.455, 0.53, 0.62, 0.725),
+    *(0.895, 1.0, 1.1, 1.25, 1.4, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75),
+    *(3.0, 3.25, 3.5, 3.75, 4.0, 4.25, 4.5, 5.0, 5.25, 5.5, 6.0),
+    *(6.5, 7.0, 7.5, 8.0, 9.0, 10.0, 10.5, 11.0, 12.0, 14.0, 15.0),
+    *(16.0, 18.0, 20.0, 22.0, 25.0, 28.0, 30.0, 35.0, 40.0, 45.0, 50.0),
+    *(55.0, 60.0, 70.0, 80.0, 90.0, 100.0),
 )
+#: part of a diameter that is rounding
+ROUNDED = 1e-9
+#: halvings of an interval until it is rounding
+BISECTIONS = 40
 
 
 # ---------------------------------------------------------------- span
@@ -72,17 +57,23 @@ def span_teeth(teeth: Toothing, flank: tuple[float, float], face: float) -> int 
 
     None where no number is, and of an internal member.
     """
+    middle = v_radius(teeth)
+    return min(
+        span_numbers(teeth, flank, face), key=lambda count: abs(span_radius(teeth, count) - middle), default=None
+    )
+
+
+def span_numbers(teeth: Toothing, flank: tuple[float, float], face: float) -> list[int]:
+    """Numbers of teeth whose span is touched on the `flank` (radii) and within the `face` width; none of an internal member."""
     if teeth.internal:
-        return None
+        return []
     pitch = teeth.base_pitch * math.cos(teeth.beta_b)
     most = int(2.0 * flank[1] / pitch) + 2
-    fit = [
+    return [
         count
         for count in range(1, min(most, teeth.teeth) + 1)
         if flank[0] < span_radius(teeth, count) < flank[1] and span_width(teeth, count) < face
     ]
-    middle = v_radius(teeth)
-    return min(fit, key=lambda count: abs(span_radius(teeth, count) - middle), default=None)
 
 
 def v_radius(teeth: Toothing) -> float:
@@ -125,27 +116,53 @@ def best_ball(teeth: Toothing, radius: float) -> float:
     return float(roots.values[0])
 
 
+def ball_fits(teeth: Toothing, diameter: float, flank: tuple[float, float], circles: tuple[float, float]) -> bool:
+    """Whether a ball touches the `flank` (radii, in any order), stands out of the space and clears its ground.
+
+    `circles`: radii of tip and root.
+    """
+    low, high = sorted(flank)
+    centre, half = ball_radius(teeth, diameter), 0.5 * teeth.sense * diameter
+    over, under = (centre + half - circles[0]) * teeth.sense, (centre - half - circles[1]) * teeth.sense
+    return low < ball_contact_radius(teeth, diameter) < high and over > 0.0 and under > 0.0
+
+
+def ball_range(teeth: Toothing, flank: tuple[float, float], circles: tuple[float, float]) -> tuple[float, float] | None:
+    """Least and largest diameter of a ball that `ball_fits`; None where none does.
+
+    It touches nearer to the tip as it is larger, and stands out the further.
+    """
+    ends = sorted(best_ball(teeth, radius) for radius in flank)
+    inside = [ends[0] + share * (ends[1] - ends[0]) for share in np.linspace(0.0, 1.0, 65)[1:-1]]
+    fit = [diameter for diameter in inside if ball_fits(teeth, diameter, flank, circles)]
+    if not fit:
+        return None
+    least, below = fit[0], ends[0]
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (least + below)
+        least, below = (middle, below) if ball_fits(teeth, middle, flank, circles) else (least, middle)
+    return least, ends[1]
+
+
 def ball_diameter(
     teeth: Toothing, flank: tuple[float, float], circles: tuple[float, float], unit: float = 1.0
 ) -> float | None:
-    """The standard diameter that touches the `flank` (radii, in any order) nearest to the V cylinder.
+    """The diameter of DIN 3977 that is proposed for a `flank` (radii, in any order): on external teeth the smallest not below the
+    one that touches at the V cylinder, on internal ones the one that touches nearest to it.
 
     `circles`: radii of tip and root; the ball stands out of the space and clears its ground. `unit`: the teeth's unit, mm. Where no
     standard diameter does, the one that touches at the V cylinder; None where none at all does.
     """
     low, high = sorted(flank)
     middle = v_radius(teeth)
-
-    def fits(diameter: float) -> bool:
-        centre, half = ball_radius(teeth, diameter), 0.5 * teeth.sense * diameter
-        over, under = (centre + half - circles[0]) * teeth.sense, (centre - half - circles[1]) * teeth.sense
-        return low < ball_contact_radius(teeth, diameter) < high and over > 0.0 and under > 0.0
-
-    standard = [size / unit for size in STANDARD if fits(size / unit)]
+    best = best_ball(teeth, min(max(middle, low), high))
+    standard = [size / unit for size in STANDARD if ball_fits(teeth, size / unit, flank, circles)]
+    larger = [] if teeth.internal else [size for size in standard if size >= best * (1.0 - ROUNDED)]
+    if larger:
+        return larger[0]
     if standard:
         return min(standard, key=lambda diameter: abs(ball_contact_radius(teeth, diameter) - middle))
-    best = best_ball(teeth, min(max(middle, low), high))
-    return best if fits(best) else None
+    return best if ball_fits(teeth, best, flank, circles) else None
 
 
 def over_balls(teeth: Toothing, diameter: float) -> float:
@@ -164,6 +181,29 @@ def over_pins(teeth: Toothing, diameter: float) -> float | None:
     if teeth.beta == 0.0:
         return over_balls(teeth, diameter)
     return None if teeth.internal else 2.0 * ball_radius(teeth, diameter) + diameter
+
+
+# ---------------------------------------------------------------- thicknesses that are measured
+
+
+def thickness_by_span(teeth: Toothing, count: int, size: float) -> float:
+    """Normal thickness at the reference cylinder of teeth that have a span `size` over `count` teeth: that grows with its cosine
+    of alpha_n."""
+    return teeth.thickness + (size - span(teeth, count)) / math.cos(teeth.alpha)
+
+
+def thickness_over_balls(teeth: Toothing, diameter: float, size: float, *, opposite: bool) -> float:
+    """Normal thickness at the reference cylinder of teeth that have a `size` over (internal: between) balls or pins: `ball_radius`
+    solved for it. `opposite`: they are opposite each other for odd numbers of teeth, too. NaN where their centres would be below
+    the base circle."""
+    odd = teeth.teeth % 2 == 1 and not opposite
+    centre = 0.5 * (size - teeth.sense * diameter) / (math.cos(0.5 * math.pi / teeth.teeth) if odd else 1.0)
+    if centre < teeth.base_radius:
+        return math.nan
+    offset = 0.5 * diameter / (teeth.base_radius * math.cos(teeth.beta_b))
+    space = offset - teeth.sense * involute(math.acos(teeth.base_radius / centre))
+    half = math.pi / teeth.teeth - space - teeth.sense * involute(teeth.alpha_t)
+    return 2.0 * half * teeth.radius * math.cos(teeth.beta)
 
 
 # ---------------------------------------------------------------- chords

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.geometry import STEEPEST, InvolutePair, Toothing, distance_of, involute
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, ToothingKeys
+    from gearmesh.systems.cylindrical.rack.design import RackTable
     from gearmesh.systems.cylindrical.rack.member import RackMesh
 
 #: Names of the members.
@@ -97,8 +98,10 @@ def with_allowances(design: CylindricalDesign, nominal: InvolutePair) -> Involut
     """Both members with the allowances of their thickness: as given, or what the backlash that is wanted asks for."""
     wanted = wanted_backlash(design, nominal)
     if wanted is None:
-        given = (member.thickness_allowance for member in (design.pinion, design.gear))
-        first, second = (0.0 if allowance is None else allowance.middle for allowance in given)
+        first, second = (
+            made_allowance(design.name_in_texts(name), getattr(design, name), getattr(nominal, name))
+            for name in MEMBERS
+        )
     else:
         # sum of the A_sn = (j_bn of the nominal teeth - j_bn) / cos(alpha_n)
         first = second = 0.5 * (nominal.normal_backlash - wanted) / math.cos(nominal.pinion.alpha)
@@ -118,7 +121,7 @@ def wanted_backlash(design: ToothingKeys, nominal: InvolutePair | RackMesh) -> f
 
 def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, thickness: float) -> None:
     """Refuse the allowance or backlash that leaves a member no tooth: a `thickness` (mm), as it is, of less than nothing."""
-    refuse_thin_allowance(design.name_in_texts(name), getattr(design, name).thickness_allowance, thickness)
+    refuse_thin_allowance(design.name_in_texts(name), getattr(design, name), thickness)
     key = "backlash" if design.circumferential_backlash is None else "circumferential_backlash"
     # the allowances of both are the same: how much less of either leaves none of this member
     most = mesh.normal_backlash + 2.0 * math.cos(mesh.pinion.alpha) * thickness
@@ -133,13 +136,10 @@ def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, 
     )
 
 
-def refuse_thin_allowance(name: str, given: ThicknessAllowance | None, thickness: float) -> None:
-    """Refuse the allowance, if there is one, that leaves a gear no tooth: a `thickness` (mm) of less than nothing."""
-    if given is not None:
-        raise DesignError(
-            f"{name}.thickness_allowance.upper",
-            given.upper,
-            unit="mm",
-            reason="leaves no tooth",
-            allowed=f"more than {at_least(given.upper - thickness)} mm",
-        )
+def refuse_thin_allowance(name: str, spec: CylindricalMember | RackTable, thickness: float) -> None:
+    """Refuse the allowance of a part `spec`, if it has one, that leaves it no tooth: a `thickness` (mm) of less than nothing."""
+    key = spec.thickness_key
+    if key is not None:
+        given = getattr(spec, key).upper
+        more = f"more than {at_least(given - thickness)} mm" if key == "thickness_allowance" else "more"
+        raise DesignError(f"{name}.{key}.upper", given, unit="mm", reason="leaves no tooth", allowed=more)

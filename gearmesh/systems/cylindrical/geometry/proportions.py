@@ -172,7 +172,8 @@ def tool_rounding(gear: ToothedGear) -> float:
         depth = own.shift + (own.radius - 0.5 * spec.root_diameter) / m
     else:
         depth = given_or(spec.dedendum, dedendum)
-    given = own.allowance
+    # a tool that is fed for it has its own width
+    given = 0.0 if spec.allowance_by == "feed" else own.allowance
     if spec.hob is not None:
         # the tip's flanks stand out of the finished flanks by this
         given -= 2.0 * (spec.hob.protuberance - spec.hob.stock) / math.cos(own.alpha)

@@ -72,7 +72,8 @@ def meshes(design: PlanetaryDesign) -> Meshes:
     planet = first.gear.plain()
     middle = geometry.mesh.gear.allowance
     # as thick as in its mesh with the sun; the ring takes what of the backlash it leaves
-    planet.setdefault("thickness_allowance", {"upper": middle, "lower": middle})
+    if first.gear.thickness_key is None:
+        planet["thickness_allowance"] = {"upper": middle, "lower": middle}
     outer = {
         **shared,
         "hand": "left" if design.hand == "right" else "right",

@@ -36,7 +36,7 @@ def planetary_sheet(design: PlanetaryDesign, train: GearTrain) -> Sheet:
         # the meshes have what shapes their teeth alone
         whole = half_of(mesh).model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
         both = members[names[0]], members[names[1]]
-        stated = tuple(getattr(own, name).thickness_allowance for name in names)
+        stated = tuple(getattr(own, name) for name in names)
         pairs.append(SheetPair(whole, proportions(whole), both, stated=stated))
         for pair_table in pair_tables(pairs[-1], names):
             tables.append(replace(pair_table, title=f"{names[0].capitalize()} and {names[1]}: {pair_table.title}"))

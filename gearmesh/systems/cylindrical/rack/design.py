@@ -73,10 +73,23 @@ class RackTable(Modified):
     tip_chamfer: TipChamfer = None
     tip_rounding: TipRounding = None
     thickness_allowance: ThicknessAllowance | None = None
+    thickness_made: Annotated[
+        str,
+        Key(
+            "choice",
+            "at which end of the thickness allowance, or in its middle, the teeth are made",
+            choices=("middle", "upper", "lower"),
+        ),
+    ] = "middle"
     material: MemberMaterial | None = None
 
     #: A dedendum always says where the root is.
     dedendum_counts: ClassVar[bool] = True
+
+    @property
+    def thickness_key(self) -> str | None:
+        """The key that says the thickness, None where none does."""
+        return None if self.thickness_allowance is None else "thickness_allowance"
 
     @model_validator(mode="after")
     def _some_length(self) -> Self:

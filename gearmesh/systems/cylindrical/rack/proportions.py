@@ -17,6 +17,7 @@ from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import sharp_shaper
 from gearmesh.systems.cylindrical.cutting.last_cut import LastCut
 from gearmesh.systems.cylindrical.design import PROFILES, CylindricalDesign
+from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin, teeth_of, wanted_backlash
 from gearmesh.systems.cylindrical.geometry.proportions import ROOM, PairProportions, proportions, still_open
@@ -173,8 +174,7 @@ def _with_allowances(design: RackDesign, nominal: RackMesh) -> RackMesh:
     """Both members with the allowances of their thickness: as given, or what the backlash that is wanted asks for."""
     wanted = wanted_backlash(design, nominal)
     if wanted is None:
-        given = (member.thickness_allowance for member in (design.pinion, design.rack))
-        first, second = (0.0 if allowance is None else allowance.middle for allowance in given)
+        first, second = (made_allowance(name, getattr(design, name), nominal.pinion) for name in (PINION, RACK))
     else:
         # sum of the A_sn = (j_bn of the nominal teeth - j_bn) / cos(alpha_n)
         first = second = 0.5 * (nominal.normal_backlash - wanted) / math.cos(nominal.pinion.alpha)
@@ -217,6 +217,9 @@ def _pair(design: RackDesign, own: Toothing) -> CylindricalDesign:
         "profile_shift": own.shift,
         "thickness_allowance": {"upper": own.allowance, "lower": own.allowance},
     }
+    for key in {"span", "balls", "pins"} & table.keys():
+        # what its limits say is in the allowance
+        table[key] = {name: value for name, value in table[key].items() if name not in ("upper", "lower")}
     if design.pinion.tip_diameter is None:
         table["tip_alteration"] = design.pinion.tip_alteration
     if not math.isnan(design.pinion.tool_tip_radius):

@@ -18,6 +18,7 @@ from gearmesh.design.core import DENSITY
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.cylindrical.geometry.allowances import allowances_of
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction
 from gearmesh.systems.cylindrical.geometry.mass import CUBIC
@@ -86,7 +87,7 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
     pinion, rack = train.members[PINION], train.members[RACK]
     # the pair has what shapes the pinion's teeth alone
     pair = geometry.pair.model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
-    stated = own.pinion.thickness_allowance, None
+    stated = own.pinion, None
     sheet = RackSheetPair(pair, geometry.of_pair, (pinion, pinion), geometry.mesh, rack, stated=stated)
     members, measures, *others = (_first_column(of_both) for of_both in member_tables(sheet))
     return Sheet(
@@ -158,7 +159,7 @@ def _full_way(mesh: RackMesh, ratio: float) -> float:
 def _backlash(design: RackDesign, geometry: RackPairProportions) -> tuple[tuple[str, ...], list[Row]]:
     """Of nominal teeth, of the teeth as made, and of the ends of the thickness allowances where these are given."""
     meshes = {"theoretical": geometry.nominal, "working": geometry.mesh}
-    given = [getattr(design, name).thickness_allowance for name in (PINION, RACK)]
+    given = [allowances_of(name, getattr(design, name), geometry.nominal.pinion) for name in (PINION, RACK)]
     if any(allowance is not None and allowance.lower != allowance.upper for allowance in given):
         made = geometry.mesh.pinion.allowance, geometry.mesh.rack.allowance
         for column, end in (("least", "upper"), ("largest", "lower")):

@@ -15,6 +15,7 @@ from gearmesh.systems.cylindrical.build import gear_member, own_end, standard_ro
 from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, other_cutters, trimming_warnings
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import double_helical_member, first_halves
+from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.nominal import ToothedGear, refuse_thin_allowance, teeth_of
 from gearmesh.systems.cylindrical.geometry.proportions import (
     GearProportions,
@@ -32,10 +33,10 @@ HALF = "double helical: finite elements are for one half, and the other half is 
 
 
 def single_gear(design: SingleGearDesign) -> ToothedGear:
-    """The teeth of the gear, with the middle of their allowances."""
-    given = design.spec.thickness_allowance
-    own = teeth_of(design, design.spec, allowance=0.0 if given is None else given.middle)
-    return ToothedGear(design.member_name, design.member_name, design.spec, own, design.profile)
+    """The teeth of the gear, with the allowance that is made."""
+    name, spec = design.member_name, design.spec
+    own = teeth_of(design, spec, allowance=made_allowance(name, spec, teeth_of(design, spec)))
+    return ToothedGear(name, name, spec, own, design.profile)
 
 
 def derived_values(design: SingleGearDesign) -> dict[str, float]:
@@ -75,7 +76,7 @@ def _refuse_thin(gear: GearProportions) -> None:
     own = gear.own
     if own.thickness > 0.0:
         return
-    refuse_thin_allowance(gear.name, gear.spec.thickness_allowance, own.thickness)
+    refuse_thin_allowance(gear.name, gear.spec, own.thickness)
     raise DesignError(
         f"{gear.name}.profile_shift",
         own.shift,

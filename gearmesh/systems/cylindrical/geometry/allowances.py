@@ -1,0 +1,100 @@
+"""Allowances of the tooth thickness of a member, however a design gives them: as they are, by span, by balls, by pins."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from gearmesh.errors import DesignError
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.cylindrical.geometry import measures
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.systems.cylindrical.measure_keys import BallMeasurement, SpanMeasurement
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalMember
+    from gearmesh.systems.cylindrical.rack.design import RackTable
+
+#: largest allowance, modules, that limits of a measured size may ask for either way
+LARGEST = 1.0
+
+
+@dataclass(frozen=True)
+class Allowances:
+    """Upper and lower allowance of the normal tooth thickness, A_sne and A_sni, and the one that is made."""
+
+    upper: float
+    lower: float
+    made: float
+
+    @classmethod
+    def between(cls, upper: float, lower: float, where: str) -> Allowances:
+        """With the one that is made at their "upper" or "lower" end, or in their "middle"."""
+        return cls(upper, lower, {"upper": upper, "lower": lower, "middle": 0.5 * (upper + lower)}[where])
+
+
+def allowances_of(name: str, spec: CylindricalMember | RackTable, own: Toothing) -> Allowances | None:
+    """Allowances of a part `spec` of a design called `name`, with the nominal teeth `own`; None where it gives none.
+
+    Raises DesignError for limits of a measured size that no such tooth has.
+    """
+    key = spec.thickness_key
+    if key is None:
+        return None
+    if key == "thickness_allowance":
+        given = spec.thickness_allowance
+        assert given is not None
+        return Allowances.between(given.upper, given.lower, spec.thickness_made)
+    ends = [_allowance_at(name, spec, key, end, own) for end in ("upper", "lower")]
+    # larger between balls is a wider space
+    return Allowances.between(max(ends), min(ends), spec.thickness_made)
+
+
+def made_allowance(name: str, spec: CylindricalMember | RackTable, own: Toothing) -> float:
+    """The allowance with which the teeth of a part are made, 0 where it gives none. Raises as `allowances_of`."""
+    given = allowances_of(name, spec, own)
+    return 0.0 if given is None else given.made
+
+
+def _allowance_at(name: str, spec: CylindricalMember | RackTable, key: str, end: str, own: Toothing) -> float:
+    """The allowance of teeth that measure the limit at an `end`, "upper" or "lower", of "span", "balls" or "pins"."""
+    table, bare = getattr(spec, key), replace(own, allowance=0.0)
+    value = getattr(table, end)
+    if key == "span":
+        thickness = measures.thickness_by_span(bare, table.teeth, value)
+    elif measures.over_pins(bare, table.diameter) is None and key == "pins":
+        raise DesignError(
+            f"{name}.pins", reason="straight pins touch internal helical teeth at their ends alone", remedy="give balls"
+        )
+    else:
+        # pins of helical teeth slide until they are
+        opposite = key == "pins" and own.beta != 0.0
+        thickness = measures.thickness_over_balls(bare, table.diameter, value, opposite=opposite)
+    allowance = thickness - bare.thickness
+    if not abs(allowance) <= LARGEST * own.module:
+        raise DesignError(
+            f"{name}.{key}.{end}",
+            value,
+            unit="mm",
+            reason=f"asks for a thickness that is not within {LARGEST:g} modules of that of the profile shift, {own.shift:.4g}",
+            allowed=_possible(key, table, bare),
+        )
+    return allowance
+
+
+def _possible(key: str, table: SpanMeasurement | BallMeasurement, own: Toothing) -> str:
+    """What a measured size may be, in words: those of teeth so much thinner and thicker; "" where no such teeth have it."""
+
+    def size(allowance: float) -> float:
+        teeth = replace(own, allowance=allowance)
+        if isinstance(table, SpanMeasurement):
+            return measures.span(teeth, table.teeth)
+        return (measures.over_balls if key == "balls" else measures.over_pins)(teeth, table.diameter) or math.nan
+
+    parts = (1.0, 0.75, 0.5, 0.25)
+    ends = [[x for part in parts if math.isfinite(x := size(sign * part * LARGEST * own.module))] for sign in (-1, 1)]
+    if not all(ends):
+        return ""
+    low, high = sorted(end[0] for end in ends)
+    return f"from {at_least(low)} to {at_most(high)} mm"

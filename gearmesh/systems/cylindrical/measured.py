@@ -1,0 +1,65 @@
+"""Spans, balls and pins that a design asks for: whether they touch the flanks of the teeth as they are built, and what would."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.cylindrical.geometry import measures
+from gearmesh.teeth.region import Region
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.geometry.line_of_action import Flank
+    from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
+    from gearmesh.teeth.gear_train import Member
+
+
+def flank_radii(member: Member) -> Flank:
+    """Radii where the usable flank begins and ends, d_Ff and d_Fa over 2, in the middle of the face."""
+    tooth = member.tooth
+    points = tooth.grid(Region.FLANK_RIGHT, np.array([0.0, 1.0]), tooth.sections([0.5])).points[:, 0]
+    root, tip = np.hypot(points[:, 0], points[:, 1])
+    return float(root), float(tip)
+
+
+def check_measures(gear: GearProportions, member: Member) -> None:
+    """Refuse the span or the ball of a gear (in mm) that does not touch the involute of its member."""
+    spec = gear.spec
+    if spec.span is None and spec.balls is None and spec.pins is None:
+        return
+    flank = flank_radii(member)
+    if spec.span is not None:
+        _check_span(gear, flank)
+    for key in ("balls", "pins"):
+        if getattr(spec, key) is not None:
+            _check_ball(f"{gear.name}.{key}.diameter", gear, flank, getattr(spec, key).diameter)
+
+
+def _check_span(gear: GearProportions, flank: Flank) -> None:
+    assert gear.spec.span is not None
+    given, fit = gear.spec.span.teeth, measures.span_numbers(gear.own, flank, gear.spec.face_width)
+    if given in fit:
+        return
+    allowed = "no span, with this face width none touches both flanks"
+    if fit:
+        allowed = f"{fit[0]} to {fit[-1]}" if len(fit) > 1 else f"{fit[0]}"
+    raise DesignError(
+        f"{gear.name}.span.teeth", given, reason="its planes do not touch the involutes of both flanks", allowed=allowed
+    )
+
+
+def _check_ball(key: str, gear: GearProportions, flank: Flank, given: float) -> None:
+    circles = gear.tip, gear.root
+    if measures.ball_fits(gear.own, given, flank, circles):
+        return
+    between = measures.ball_range(gear.own, flank, circles)
+    raise DesignError(
+        key,
+        given,
+        unit="mm",
+        reason="does not touch the involutes of a space, or does not stand out of it",
+        allowed="none, no ball does" if between is None else f"from {at_least(between[0])} to {at_most(between[1])} mm",
+    )
