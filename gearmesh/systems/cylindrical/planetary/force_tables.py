@@ -40,6 +40,7 @@ def set_forces(design: PlanetaryDesign, torque: float, speed: float | None) -> t
     inner, outer = (proportions(mesh).mesh for mesh in (both.inner, both.outer))
     with_sun = mesh_forces(inner, share, flank.sign)
     with_ring = mesh_forces(outer, share * teeth[1] / teeth[0], flank.other.sign)
+    halves = own.double_helical
     pin: list[Row] = [
         ("F_pt", "tangential, at the circle of the planets' axes", "N", (with_sun.tangential + with_ring.tangential,)),
         ("F_pr", "radial, > 0 away from the sun", "N", (with_sun.radial - with_ring.radial,)),
