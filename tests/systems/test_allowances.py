@@ -21,7 +21,7 @@ def design_of(kind: str = "cylindrical", **more: Any) -> gm.Design:
         keys[name] = dict(table) if isinstance(table, dict) else table
     for name, value in more.items():
         keys[name] = {**keys.get(name, {}), **value} if isinstance(value, dict) else value
-    return gm.parse(keys)
+    return gm.parse({name: value for name, value in keys.items() if value is not None})
 
 
 def tables_of(design: gm.Design) -> dict[str, dict[str, list[Any]]]:
@@ -161,6 +161,10 @@ def test_tip_diameters_have_their_deviations_in_the_sheet() -> None:
         ({"pinion": {"thickness_allowance": {"series": "cd25", "upper": 0.1}}}, "together with series = cd25"),
         ({"pinion": {"thickness_allowance": "cd25"}, "backlash": 0.1}, "together with pinion.thickness_allowance"),
         ({"module": 500, "gear": {"thickness_allowance": "a30"}}, "DIN 3967 ends at a reference diameter of 10000 mm"),
+        (
+            {"kind": "rack", "pinion": None, "rack": {"thickness_allowance": "e24"}},
+            'rack.thickness_allowance.series = "e24": goes by a reference diameter',
+        ),
         ({"assembly": {"center_distance_allowance": "js12"}}, 'must be "js5" to "js11"; the nearest is "js11"'),
         ({"assembly": {"center_distance_allowance": "h7"}}, 'must be "js5" to "js11"'),
         ({"pinion": {"tip_diameter_tolerance": "k7"}}, 'pinion.tip_diameter_tolerance = "k7": must be "h5" to "h12"'),

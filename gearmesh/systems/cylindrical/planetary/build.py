@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-import gearmesh.systems.cylindrical.build as pairs
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.cylindrical.build import warnings_of, whole_member
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.double_helical import HALF, half_of
 from gearmesh.systems.cylindrical.geometry import proportions as closed
@@ -130,8 +130,8 @@ def build(design: PlanetaryDesign) -> GearTrain:
     halves = half_of(both.inner), half_of(both.outer)
     inner, outer = (closed.proportions(half) for half in halves)
     _check_assembly(design, inner.mesh.distance, inner.tips[1])
-    sun, planet = (pairs.whole_member(both.inner, which, inner) for which in MEMBERS)
-    ring = pairs.whole_member(both.outer, "gear", outer)
+    sun, planet = (whole_member(both.inner, which, inner) for which in MEMBERS)
+    ring = whole_member(both.outer, "gear", outer)
     # halves of other widths have their middles elsewhere
     of_planet = halves[0].assembly.dz
     of_ring = of_planet + halves[1].assembly.dz
@@ -162,7 +162,7 @@ def build(design: PlanetaryDesign) -> GearTrain:
                 delta=design.contact.delta,
             )
         )
-    warnings = dict.fromkeys([*pairs.warnings_of(halves[0], inner), *pairs.warnings_of(halves[1], outer)])
+    warnings = dict.fromkeys([*warnings_of(halves[0], inner), *warnings_of(halves[1], outer)])
     if design.double_helical:
         warnings[HALF] = None
     return GearTrain(design.kind, tuple(made), tuple(warnings), (*[0] * len(angles), *[len(angles)] * len(angles)))

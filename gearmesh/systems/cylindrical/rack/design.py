@@ -209,3 +209,12 @@ class SingleRackDesign(RackKeys):
     @property
     def counted_teeth(self) -> int:
         return self.rack_teeth
+
+    def _series_diameter(self, name: str) -> float:
+        given = self.rack.thickness_allowance
+        raise conflict(
+            f"{name}.thickness_allowance.series",
+            None if given is None else given.series,
+            reason="goes by a reference diameter, which a rack without a pinion has not",
+            allowed="upper and lower instead",
+        )

@@ -14,6 +14,7 @@ from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import table
 from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin_allowance
 from gearmesh.systems.cylindrical.geometry.proportions import still_open
@@ -39,8 +40,7 @@ def proportions(design: SingleRackDesign) -> RackMesh:
         alpha=math.radians(design.normal_angle),
         beta=hand * math.radians(design.helix_angle),
     )
-    given = design.rack.thickness_allowance
-    bar = replace(bar_of(design), allowance=0.0 if given is None else given.middle)
+    bar = replace(bar_of(design), allowance=made_allowance(RACK, design.rack, own))
     return RackMesh(own, bar, math.nan, own.radius)
 
 
@@ -55,7 +55,7 @@ def build(design: SingleRackDesign) -> GearTrain:
     """The rack of a design (in mm), which meshes with no pinion. Raises DesignError for teeth or bars that cannot exist."""
     mesh = proportions(design)
     if mesh.rack_thickness <= 0.0:
-        refuse_thin_allowance(RACK, design.rack.thickness_allowance, mesh.rack_thickness)
+        refuse_thin_allowance(RACK, design.rack, mesh.rack_thickness)
     check_land(mesh)
     room = PROFILES[design.profile][2], "the tool's tooth has no room for it"
     warnings = unusual_defaults(design, {f"{RACK}.tool_tip_radius": room})
