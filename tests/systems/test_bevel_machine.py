@@ -372,7 +372,7 @@ def test_sides_that_are_cut_at_once_have_one_machine() -> None:
 def test_a_toprem_relieves_the_root_and_nothing_else(toprem: dict[str, float]) -> None:
     """Its profile by elementary geometry; the flank over it stays, the tooth is closed and loses what the toprem takes."""
     # the same contact of both, for a toprem shortens the path that it would be chosen by
-    fixed = {"path_angle": 90.0, "mean_offset": 0.0, "mean_shift": 0.0, "semi_major_axis": 6.0}
+    fixed = {"path_angle": 90.0, "mean_offset": 0.0, "mean_shift": 0.0, "semi_major_axis": 6.0, "modified_roll_c3": 0.0}
     sides = {"concave": {**fixed, "ratio_derivative": -0.008}, "convex": {**fixed, "ratio_derivative": 0.008}}
     blades = {"toprem_height": 1.0, **toprem}
     other = {"toprem_height": 0.8, "toprem_radius": 20.0}
@@ -436,7 +436,13 @@ def test_blades_of_a_cutter_may_differ() -> None:
 
 def test_the_sheet_shows_tilt_and_motions_and_loads_back() -> None:
     # with the contact given there is none to look for
-    fixed = {"path_angle": 90.0, "mean_offset": 0.0, "mean_shift": 0.0, "semi_major_axis": 0.25}
+    fixed = {
+        "path_angle": 90.0,
+        "mean_offset": 0.0,
+        "mean_shift": 0.0,
+        "semi_major_axis": 0.25,
+        "modified_roll_c3": 0.0,
+    }
     concave = {**fixed, **ALONG_RADIUS["concave"], "ratio_derivative": -0.008, "helical_motion": [0.0, 0.05]}
     convex = {**fixed, **ALONG_RADIUS["convex"], "ratio_derivative": 0.008, "tilt_motion": [0.3]}
     pinion = {"teeth": 15, "concave": concave, "convex": convex, "bore": 0.2}

@@ -184,6 +184,7 @@ def test_without_offset_the_pair_is_a_spiral_bevel_one() -> None:
         "semi_major_axis": 6.0,
         "ratio_derivative": 0.008,
     }
+    fixed |= {"ratio_derivative": 0.008, "modified_roll_c3": 0.0}
     pinion = {"teeth": 12, "concave": fixed, "convex": {**fixed, "ratio_derivative": -0.008}}
     given = {"spiral_angle": 35.0, "backlash": 0.1, "clearance": 1e-6, "pinion": pinion}
     none = design_of(offset=0.0, **given)
