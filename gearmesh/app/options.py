@@ -14,7 +14,12 @@ from gearmesh.errors import ArgumentError
 if TYPE_CHECKING:
     from gearmesh import Design, Gears
 
-DesignFile = Annotated[Path, typer.Argument(metavar="DESIGN", help="Design file, TOML or JSON.", show_default=False)]
+DesignFile = Annotated[
+    Path,
+    typer.Argument(metavar="DESIGN", help="Design file, TOML or JSON; - is standard input.", show_default=False),
+]
+    Path, typer.Argument(metavar="DESIGN", help="Design file, TOML or JSON; - is standard input.", show_default=False)
+]
 Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Set a key of the design, as pinion.teeth=25; may be repeated."),
@@ -119,6 +124,11 @@ def positions_in_degrees(text: str | None) -> list[float] | None:
         )
     steps = max(count - 1, 1)
     return [(ends[0] * (steps - k) + ends[-1] * k) / steps for k in range(count)]
+
+
+def stem(path: Path) -> str:
+    """What files are called that are made of a design, by its own name; that on standard input has none."""
+    return "design" if str(path) == "-" else path.stem
 
 
 def load_design(path: Path, overrides: list[str] | None) -> Design:

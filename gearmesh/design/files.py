@@ -12,7 +12,7 @@ from gearmesh import __version__
 from gearmesh.design.keys import Table
 from gearmesh.design.shown import value_text
 from gearmesh.errors import ArgumentError, FileError
-from gearmesh.files.reading import DEEPEST, MIB, file_text, read_json, read_toml
+from gearmesh.files.reading import DEEPEST, INPUT, MIB, file_text, input_text, json_value, toml_value
 
 #: largest design file, bytes
 LARGEST = MIB
@@ -23,10 +23,16 @@ if TYPE_CHECKING:
 
 
 def read(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The table in a TOML file, or in a JSON file if its name ends so. Raises DesignError naming file and line."""
-    data = (read_json if Path(path).suffix.lower() == ".json" else read_toml)(path, LARGEST, WANTED)
+    """The table in a TOML file, or in a JSON file if its name ends so.
+
+    Of "-" that on standard input, JSON if it begins with a brace. Raises DesignError naming file and line.
+    """
+    text = text_of(path)
+    name = INPUT if is_input(path) else path
+    is_json = text.lstrip().startswith(("{", "[")) if is_input(path) else Path(path).suffix.lower() == ".json"
+    data = (json_value if is_json else toml_value)(text, name)
     if not isinstance(data, dict):
-        raise FileError(path, reason=f"a design is a table (an object in JSON), not {value_text(data)}")
+        raise FileError(name, reason=f"a design is a table (an object in JSON), not {value_text(data)}")
     return data
 
 
@@ -36,8 +42,13 @@ def anchor(data: Mapping[str, Any], table: type[Table], folder: Path) -> dict[st
 
 
 def text_of(path: str | os.PathLike[str]) -> str:
-    """A design file as it stands. Raises DesignError as `read`."""
-    return file_text(path, LARGEST, WANTED)
+    """A design file, or what is on standard input, as it stands. Raises DesignError as `read`."""
+    return input_text(LARGEST, WANTED) if is_input(path) else file_text(path, LARGEST, WANTED)
+
+
+def is_input(path: str | os.PathLike[str]) -> bool:
+    """Whether "-" stands for standard input instead of a file."""
+    return os.fspath(path) == "-"
 
 
 def override(data: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]:

@@ -10,15 +10,19 @@ import json
 import os
 import re
 import stat
+import sys
 import tomllib
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from gearmesh.errors import FileError, GearmeshError
 
 PathLike = str | os.PathLike[str]
 
 MIB = 1 << 20
+#: what standard input is called where files are
+INPUT = "standard input (-)"
 #: levels of tables in tables; a key of n dots takes the TOML parser n^2 steps
 DEEPEST = 64
 
@@ -46,15 +50,42 @@ def file_bytes(path: PathLike, most: int, wanted: str = "file", error: type[Gear
 
 def file_text(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> str:
     """The same as text of UTF-8, with or without a byte order mark."""
+    return _decoded(file_bytes(path, most, wanted, error), path, error)
+
+
+def input_text(most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> str:
+    """All that standard input has, text of UTF-8, at most so many bytes; it is read once, and remembered.
+
+    Raises `error` in one line that begins with INPUT.
+    """
+    content = _input_bytes(sys.stdin, most)
+    if content is None:
+        raise error(INPUT, reason="is closed")
+    if len(content) > most:
+        raise error(INPUT, reason=f"is larger than {size_text(most)}, the limit for a {wanted}")
+    return _decoded(content, INPUT, error)
+
+
+@lru_cache(maxsize=1)
+def _input_bytes(stream: TextIO | None, most: int) -> bytes | None:
+    """What a stream has, up to one byte more than allowed; None of one that is closed."""
+    return None if stream is None or stream.closed else stream.buffer.read(most + 1)
+
+
+def _decoded(content: bytes, path: PathLike, error: type[GearmeshError]) -> str:
     try:
-        return file_bytes(path, most, wanted, error).decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as failure:
         raise error(path, reason=f"not UTF-8 text (byte {failure.start})") from None
 
 
 def read_toml(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> Any:
     """The table in a TOML file."""
-    text = file_text(path, most, wanted, error)
+    return toml_value(file_text(path, most, wanted, error), path, error)
+
+
+def toml_value(text: str, path: PathLike, error: type[GearmeshError] = FileError) -> Any:
+    """The table in a TOML text, which came from a file."""
     try:
         if _DEEP_KEY.search(text):
             raise RecursionError
@@ -67,7 +98,11 @@ def read_toml(path: PathLike, most: int, wanted: str = "file", error: type[Gearm
 
 def read_json(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> Any:
     """The value in a JSON file."""
-    text = file_text(path, most, wanted, error)
+    return json_value(file_text(path, most, wanted, error), path, error)
+
+
+def json_value(text: str, path: PathLike, error: type[GearmeshError] = FileError) -> Any:
+    """The value in a JSON text, which came from a file."""
     try:
         return json.loads(text)
     except json.JSONDecodeError as failure:

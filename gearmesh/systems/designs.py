@@ -15,7 +15,9 @@ from gearmesh.systems.system import complete_design, kinds, one_of_kinds, system
 
 
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complete: bool = True) -> Design:
-    """The design in a TOML or JSON file, `overrides` ("dotted.key=value") put in before validation.
+    """The design in a TOML or JSON file, or on standard input if that is "-".
+
+    `overrides` are keys ("dotted.key=value") that are put in before validation.
 
     Names of other files in it are counted from its own folder. Unless it is to be `complete`, defaults that only geometry knows are
     left open until gears are built of it. Raises DesignError with one line naming file or key, value and what is allowed.

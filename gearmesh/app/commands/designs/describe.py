@@ -42,7 +42,7 @@ def describe(
                 raise ArgumentError(option, must_be="left out with --figures")
         _figures(what or "", json_file)
         return
-    if what is not None and Path(what).suffix in (".toml", ".json"):
+    if what is not None and (what == "-" or Path(what).suffix in (".toml", ".json")):
         refuse_torque(torque)
         refuse_speed(speed)
         refuse_unwritable(json_file)

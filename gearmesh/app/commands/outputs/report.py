@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Set, Tolerance, design_text, load_gears, torques_in_nm
+from gearmesh.app.options import DesignFile, Set, Tolerance, design_text, load_gears, stem, torques_in_nm
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, warn, working
 
 
@@ -41,7 +41,7 @@ def report(
 
     --tol is that of the gears in the view, by default 10 um.
     """
-    target = Path(f"{design_file.stem}.html") if output is None else output
+    target = Path(f"{stem(design_file)}.html") if output is None else output
     refuse_suffix(target, ".html")
     refuse_unwritable(target)
     tolerance = tolerance_in_mm(tol)

@@ -15,6 +15,7 @@ from gearmesh.app.options import (
     Tolerance,
     design_text,
     load_design,
+    stem,
     torques_in_nm,
 )
 from gearmesh.app.terminal import output_folder, show, tolerance_in_mm, warn, working
@@ -43,7 +44,7 @@ def run(
     design = load_design(design_file, settings)
     tolerance = tolerance_in_mm(tol)
     torques = None if torque is None else torques_in_nm(torque)
-    folder = Path("out") / design_file.stem if output is None else output
+    folder = Path("out") / stem(design_file) if output is None else output
     source = None if no_report else design_text(design_file, settings)
     with output_folder(folder), working("starting") as progress:
         gears, page = gm.build(design), not no_report
