@@ -18,8 +18,6 @@ DesignFile = Annotated[
     Path,
     typer.Argument(metavar="DESIGN", help="Design file, TOML or JSON; - is standard input.", show_default=False),
 ]
-    Path, typer.Argument(metavar="DESIGN", help="Design file, TOML or JSON; - is standard input.", show_default=False)
-]
 Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Set a key of the design, as pinion.teeth=25; may be repeated."),
