@@ -392,6 +392,7 @@ def processes(folder: Path, repeats: int = 5) -> list[dict[str, Any]]:
     """Seconds of whole commands, start-up included, best of several."""
     rows = []
     for command in (
+        "gear --module 1 --teeth 30 -o {}",
         "tca samples/helical.toml",
         "solid samples/helical.toml --member pinion --tol 10um -o {}",
         "solid samples/novikov.toml --member worm --tol 10um -o {}",

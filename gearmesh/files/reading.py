@@ -50,7 +50,7 @@ def file_bytes(path: PathLike, most: int, wanted: str = "file", error: type[Gear
 
 def file_text(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> str:
     """The same as text of UTF-8, with or without a byte order mark."""
-    return _decoded(file_bytes(path, most, wanted, error), path, error)
+    return _utf8_text(file_bytes(path, most, wanted, error), path, error)
 
 
 def input_text(most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> str:
@@ -63,7 +63,7 @@ def input_text(most: int, wanted: str = "file", error: type[GearmeshError] = Fil
         raise error(INPUT, reason="is closed")
     if len(content) > most:
         raise error(INPUT, reason=f"is larger than {size_text(most)}, the limit for a {wanted}")
-    return _decoded(content, INPUT, error)
+    return _utf8_text(content, INPUT, error)
 
 
 @lru_cache(maxsize=1)
@@ -72,7 +72,7 @@ def _input_bytes(stream: TextIO | None, most: int) -> bytes | None:
     return None if stream is None or stream.closed else stream.buffer.read(most + 1)
 
 
-def _decoded(content: bytes, path: PathLike, error: type[GearmeshError]) -> str:
+def _utf8_text(content: bytes, path: PathLike, error: type[GearmeshError]) -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as failure:
