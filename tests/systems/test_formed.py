@@ -152,7 +152,7 @@ def test_a_ring_alone_ends_where_its_involute_does_or_says_what_would() -> None:
         ),
         (
             {"thickness_allowance": {"upper": 4, "lower": 3}},
-            "upper = 4 mm: leaves no spaces .* is less than 2.07079",
+            "upper = 4 mm: leaves no spaces .* is less than 2.07079 mm",
         ),
     ):
         with pytest.raises(DesignError, match=words):

@@ -86,7 +86,7 @@ def _check_spaces(name: str, spec: CylindricalMember, own: Toothing) -> None:
         own.shift if given is None else given.upper,
         unit="" if given is None else "mm",
         reason="leaves no spaces between the teeth",
-        allowed=f"less than {at_most(by_shift if given is None else given.upper - over)}",
+        allowed=f"less than {at_most(by_shift)}" if given is None else f"less than {at_most(given.upper - over)} mm",
     )
 
 
