@@ -66,11 +66,16 @@ def _unfold(value: str) -> str:
 
 
 def _references(value: str) -> list[int]:
+    # most instances are points, without any
+    if "#" not in value:
+        return []
     return [int(number) for number in _STRING_OR_REFERENCE.findall(value) if number]
 
 
 def _rename(value: str, names: dict[int, int]) -> str:
     """A value with its references replaced where `names` has others."""
+    if "#" not in value:
+        return value
     return _STRING_OR_REFERENCE.sub(
         lambda match: f"#{names.get(int(match[1]), match[1])}" if match[1] else match[0], value
     )

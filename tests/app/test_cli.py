@@ -476,7 +476,7 @@ def scratch(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("designs") / "design.json"
 
 
-@examples(200)
+@examples(100)
 @given(st.sampled_from([INTERSECTED, CIRCULAR_ARC]), st.data())
 def test_one_wrong_value_is_named(scratch: Path, sample: str, data: st.DataObject) -> None:
     design = full(sample)
@@ -496,7 +496,7 @@ def test_one_wrong_value_is_named(scratch: Path, sample: str, data: st.DataObjec
     assert ": must be " in message
 
 
-@examples(100)
+@examples(50)
 @given(st.binary(max_size=60))
 def test_any_file_is_refused_in_one_line(scratch: Path, content: bytes) -> None:
     for suffix in (".toml", ".json"):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from oracles.built import pair_of
+from oracles.examples import some
 from oracles.places import SAMPLES
 from scipy.interpolate import CubicSpline
 
@@ -82,7 +83,7 @@ class Spur:
         return -0.5 * (low + high) - turn * mating / own
 
 
-@pytest.mark.parametrize("beyond", [0.02, 0.1, 0.3])
+@pytest.mark.parametrize("beyond", some([0.02, 0.1, 0.3], 2))
 @pytest.mark.parametrize("edge", ["pinion_tip", "gear_tip"])
 def test_tip_edges_beyond_the_line_of_action_follow_the_closed_form(edge: str, beyond: float) -> None:
     pair = pair_of(load(SAMPLES / "spur.toml"))
@@ -250,7 +251,7 @@ LEAVING = {
 }
 
 
-@pytest.mark.parametrize("name", LEAVING)
+@pytest.mark.parametrize("name", some(LEAVING, 3))
 def test_finer_grids_move_the_touch_by_less_than_5_milliarcseconds(name: str) -> None:
     pair = pair_of(load(SAMPLES / f"{name}.toml", LEAVING[name]))
     phi1 = np.array([-0.9, 0.05, 0.8]) * pair.pitch

@@ -21,7 +21,7 @@ from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.systems.designs import parse
 
 PHI1 = np.radians([-4.0, 0.0, 3.0])
-few = examples(8)
+few = examples(5)
 cones, helices, errors = st.floats(5.0, 25.0), zero_or_more(-20.0, 20.0), zero_or_more(-0.2, 0.2)
 
 

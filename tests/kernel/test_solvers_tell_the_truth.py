@@ -6,6 +6,7 @@ Batches mix easy members with hopeless ones: what a member answers may not depen
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -413,13 +414,16 @@ def random_teeth(count: int, seed: int) -> list[tuple[Tooth, float]]:
     raise AssertionError("almost all designs are refused")
 
 
-TEETH = random_teeth(12, 10)
+@cache
+def some_teeth() -> list[tuple[Tooth, float]]:
+    """Made by the first test that looks at them, not by whoever collects tests."""
+    return random_teeth(12, 10)
 
 
 @pytest.mark.quick
 def test_flank_and_fillet_meet() -> None:
     undercut = 0
-    for tooth, _ in TEETH:
+    for tooth, _ in some_teeth():
         sections = tooth.sections(np.linspace(0.0, 1.0, 40))
         for side, ends in ((tooth.right, sections.right), (tooth.left, sections.left)):
             flank, fillet = (
@@ -434,7 +438,7 @@ def test_flank_and_fillet_meet() -> None:
 @pytest.mark.quick
 def test_land_of_width() -> None:
     held = 0
-    for k, (tooth, module) in enumerate(TEETH):
+    for k, (tooth, module) in enumerate(some_teeth()):
         axial, tip, width = tooth.blank.axial, tooth.blank.tip, 0.05 * k * module
         stations = tooth.stations(np.linspace(0.0, 1.0, 40))
         flanks = (tooth.right.flank, tooth.right.tip), (tooth.left.flank, tooth.left.tip)
@@ -453,7 +457,7 @@ def test_land_of_width() -> None:
 @pytest.mark.parametrize("rounded_edge", [False, True])
 def test_broken_edges(rounded_edge: bool) -> None:
     """The chamfer begins `size` below the tip; the rounding touches flank and tip circle."""
-    for tooth, module in TEETH:
+    for tooth, module in some_teeth():
         edge = TipEdge(0.04 * module, rounded_edge)
         sections = replace(tooth, tip_edge=edge).sections(np.linspace(0.0, 1.0, 30))
         for side, ends in ((tooth.right, sections.right), (tooth.left, sections.left)):
