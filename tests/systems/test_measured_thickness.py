@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 from oracles import measuring
+from oracles.examples import some
+from scipy.optimize import brentq
 
 import gearmesh as gm
 from gearmesh.systems.cylindrical.geometry import measures
@@ -104,13 +106,22 @@ def test_a_ring_between_pins_is_thickest_at_their_lower_limit() -> None:
 
 
 FED: dict[str, dict[str, Any]] = {
-    "hob": {},
+    "ring": {"teeth": -60, "profile_shift": 0.1, "tool_tip_radius": 0.2, "shaper": {"teeth": 24}},
     "shaper": {"shaper": {"teeth": 25}, "profile_shift": 0.2, "tool_tip_radius": 0.2},
-    "ring": {"teeth": -60, "profile_shift": 0.1, "tool_tip_radius": 0.2},
+    "hob": {},
 }
 
 
-@pytest.mark.parametrize("name", FED)
+def shaping_distance(teeth: tuple[int, int], shift: float) -> float:
+    """Distance of a gear (negative: internal) and its cutter without shift, module 2, 12 deg: inv(alpha_w0) = inv(alpha_t) + 2
+    tan(alpha_n) x / (z + z_0) [ISO 21771]."""
+    alpha_t = math.atan(math.tan(ALPHA) / math.cos(math.radians(12.0)))
+    wanted = math.tan(alpha_t) - alpha_t + 2.0 * math.tan(ALPHA) * shift / sum(teeth)
+    working = brentq(lambda angle: math.tan(angle) - angle - wanted, 0.0, 1.2, xtol=1e-14)
+    return abs(sum(teeth)) / math.cos(math.radians(12.0)) * math.cos(alpha_t) / math.cos(working)
+
+
+@pytest.mark.parametrize("name", some(FED, 2))
 def test_a_tool_that_is_fed_leaves_the_root_that_the_sheet_states(name: str) -> None:
     """Roots, form diameters and thicknesses of the exact teeth, and the root of the mesh; the flanks are the same either way."""
     given = {"face_width": 6, "teeth": 30, "thickness_allowance": {"upper": -0.1, "lower": -0.3}, **FED[name]}
@@ -139,6 +150,10 @@ def test_a_tool_that_is_fed_leaves_the_root_that_the_sheet_states(name: str) -> 
     assert cut["x_E_lower"][1] == pytest.approx(shift, abs=EXACT)
     if name == "hob":
         assert fed["d_f"][1] == pytest.approx(fed["d"][1] + 4.0 * (shift - 1.25), abs=EXACT)
+    else:
+        z = (FED[name].get("teeth", 30), FED[name]["shaper"]["teeth"])
+        fed_by = shaping_distance(z, shift) - shaping_distance(z, fed["x"][1])
+        assert fed["d_f"][1] - members["d_f"][1] == pytest.approx(2.0 * fed_by, abs=1e-8)
     assert fed["s_n"][1] == members["s_n"][1]
     member = gears["feed"].members["gear"]
     tooth = member.tooth
