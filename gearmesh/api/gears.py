@@ -275,9 +275,9 @@ class Gears(SolvedGears):
 
         Of a gear set with several meshes every different mesh is checked, or only the `pair` that is named.
         """
-        solids = {name: self.solid(name, tolerance) for name in self.members}
         chosen = self.train.different if pair is None else (pair,)
-        return self.check_solved({k: self.contact(pair=k) for k in chosen}, solids)
+        contacts = {k: self.contact(pair=k) for k in chosen}
+        return self.check_solved(contacts, {name: self.solid(name, tolerance) for name in self.members})
 
     def roll(self, contact: Contact) -> RollTest:
         """The roll test of the meshed flanks at positions of a solved contact."""
