@@ -18,7 +18,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.gear_train import GearPair
+from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.generation.contact_lines import tool_contact
 from gearmesh.teeth.generation.tool_in_place import ToolInPlace
 from gearmesh.teeth.region import Side
@@ -121,21 +121,25 @@ def set_picture(gears: GearPair, placed: dict[str, TriangleMesh], size: Size = S
     return set_scene(placed, gears.pinion.mount.axis, _title(title, "gears in mesh"), size)
 
 
+def members_picture(placed: dict[str, TriangleMesh], axis: Array, size: Size = SIZE, title: str = "") -> Scene:
+    """Members that mesh with none, in the fixed frame, seen along an `axis` (3,)."""
+    return set_scene(placed, axis, _title(title, ", ".join(placed)), size)
+
+
 def tool_picture(
-    pair: GearPair, name: str, tool: ToolInPlace, part: TriangleMesh | None, size: Size = SIZE, title: str = ""
+    member: Member, side: Side, tool: ToolInPlace, part: TriangleMesh | None, size: Size = SIZE, title: str = ""
 ) -> Scene:
-    """A member with the tool that generates its flank of contact, or the mesh `part` of that tool, in the tool's frame."""
-    member, (s, t) = pair.members[name], (np.linspace(0.0, 1.0, n) for n in TOOL_GRID)
+    """A member with the tool that generates a flank of it, or the mesh `part` of that tool, in the tool's frame."""
+    s, t = (np.linspace(0.0, 1.0, n) for n in TOOL_GRID)
     plain = replace(member, keyway=None, hub=None, holes=None)
-    side = _side(pair, name)
-    shown = f"{name}, {side} flank, and its {tool.name}"
+    shown = f"{member.name}, {side} flank, and its {tool.name}"
     grid = member.tooth.flank_grid(side, s, t).points
     return tool_scene(gear_solid(plain, WHOLE), tool, grid, part, _title(title, shown), size)
 
 
-def tool_contact_picture(pair: GearPair, name: str, size: Size = SIZE, title: str = "") -> Scene:
-    """The tool that generates a member's flank of contact and the tooth as it leaves it, with their lines of contact."""
-    side, tooth = _side(pair, name), pair.members[name].tooth.unmodified_tooth
+def tool_contact_picture(member: Member, side: Side, size: Size = SIZE, title: str = "") -> Scene:
+    """The tool that generates a flank of a member and the tooth as it leaves it, with their lines of contact."""
+    name, tooth = member.name, member.tooth.unmodified_tooth
     contact = tool_contact(tooth, side)
     mesh = teeth_mesh(tessellate(tooth, FINE), name, np.array([0]))
     shown = f"{name} and its {contact.name}, {side} flank: lines of contact"

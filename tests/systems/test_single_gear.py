@@ -143,9 +143,13 @@ def test_refusals_name_the_key(keys: dict[str, Any], line: str) -> None:
 def test_what_needs_a_mating_gear_says_so() -> None:
     gears = gm.build(gm.parse({"kind": "cylindrical", "module": 1, "gear": {"teeth": 30, "face_width": 10}}))
     line = "pinion: the gear has no mating gear, which contact, load and all figures of a mesh need: add the table \\[pinion\\]"
-    for ask in (gears.contact, lambda: gears.loaded_contact(10), gears.ease_off, lambda: gears.picture("contact")):
+    for ask in (gears.contact, lambda: gears.loaded_contact(10), gears.ease_off):
         with pytest.raises(DesignError, match=f"^{line}$"):
             ask()
+    with pytest.raises(
+        DesignError, match=r"^view = contact: needs a mating gear: add the table \[pinion\]; allowed is pair, tool"
+    ):
+        gears.picture("contact")
 
 
 @pytest.mark.parametrize("teeth", [12, 31])

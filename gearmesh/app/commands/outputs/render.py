@@ -124,8 +124,8 @@ def render(
         raise ArgumentError("phi1", phi1, must_be="a finite number of degrees")
     torques = _torques(view, torque, animate)
     gears = load_gears(design_file, settings)
-    mesh = chosen_pair(gears, pair)
-    names = tuple(gears.train.pair(mesh).members)
+    mesh = chosen_pair(gears, pair) if gears.pairs else 0
+    names = tuple(gears.train.pair(mesh).members if gears.pairs else gears.members)
     if member is not None and member not in (*names, *((WORM,) if view == View.tool else ())):
         raise ArgumentError("member", member, must_be=f"one of {', '.join(names)}")
     told = gears.warnings
