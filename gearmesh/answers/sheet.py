@@ -149,6 +149,8 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
     if speed is not None and torque is None:
         raise ArgumentError("speed", speed, reason="needs a torque")
     if torque is not None:
+        if known.forces is None and systems.system(gears.design.kind).forces is not None:
+            raise ArgumentError("torque", torque, reason="forces need a mating gear, which this design has not")
         if known.forces is None:
             able = [kind for kind in systems.kinds() if systems.system(kind).forces is not None]
             raise ArgumentError(

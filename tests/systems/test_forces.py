@@ -157,3 +157,6 @@ def test_a_speed_needs_a_torque_and_both_are_numbers(tmp_path: Path) -> None:
     assert status == 0
     assert "Forces for 100 Nm on the pinion, its right flanks driving" in out
     assert "15.70796" in out
+    alone = tmp_path / "gear.toml"
+    alone.write_text('kind = "cylindrical"\nmodule = 1\n[gear]\nteeth = 30\nface_width = 10\n')
+    assert "--torque = 5: forces need a mating gear" in refused("describe", alone, "--torque", "5")
