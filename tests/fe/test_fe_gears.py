@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from oracles.built import model_of, pair_of
+from oracles.examples import some
 from oracles.fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root_stress, one_pair, spur_slice
 
 from gearmesh.contact.hertz import STEEL
@@ -134,7 +135,10 @@ def height_at(mesh: HexMesh, flanks: str, place: Array) -> float:
 @needs_ccx
 @pytest.mark.parametrize(
     ("sample", "torque", "flank", "face"),
-    [("helical", 200.0, 5, 3), ("beveloid_crossed", 20.0, 8, 6), ("face_gear", 200.0, 6, 6), ("rack", 60.0, 6, 4)],
+    some(
+        [("beveloid_crossed", 20.0, 8, 6), ("helical", 200.0, 5, 3), ("rack", 60.0, 6, 4), ("face_gear", 200.0, 6, 6)],
+        2,
+    ),
 )
 def test_coarse_facets_touch_at_the_start(sample: str, torque: float, flank: int, face: int) -> None:
     """Facets that sag by many times the approach: the deck overlaps far enough to have contact, and carries all of the torque."""
