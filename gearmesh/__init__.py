@@ -9,6 +9,7 @@
     gears.solid("pinion", tolerance=0.01).save("pinion.stl")      watertight, within 0.01 mm, measured
     gears.cad().save("pair.step")                                 CAD solids, placed as they mesh
     gears.section("pinion").save("pinion.dxf")                    the section across the axis, as arcs and splines
+    gears.drawing("pinion").save("pinion.pdf")                    a workshop drawing with dimensions and gear data
     gears.topography("pinion").save("right.csv")                  all modifications of a flank, as a file to design with
     gears.finite_elements(phi1=0.0).save("pair.inp")              a complete model of three teeth each
     gears.check(), gears.limits(), gears.sheet()                  meshes and contact checked; undercut; derived values

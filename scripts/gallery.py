@@ -51,6 +51,16 @@ TOOLS = {"spiral_bevel_basic": "gear"}
 GROUND = ("face_gear",)
 #: designs of which the tool of a member is shown with its lines of contact
 TOUCHED = {"face_gear": "gear"}
+#: designs of which a member has a workshop drawing: its name and keys set anew; and how large that is
+DRAWINGS = {
+    "helical": (
+        "pinion",
+        *("pinion.bore=30", "pinion.keyway={width=8, depth=3.3}", "pinion.hub={diameter=50, length=15}"),
+        *('pinion.thickness_allowance="cd25"', 'pinion.tip_diameter_tolerance="h8"', "accuracy_class=7"),
+        'assembly.center_distance_allowance="js7"',
+    )
+}
+SHEET = (1260, 891)
 DRAWN = "1440x1080"
 GEARMESH = (sys.executable, "-m", "gearmesh")
 
@@ -108,19 +118,36 @@ def loaded(sample: str, torques: str, one: str) -> list[Picture]:
     return [on_tooth, Picture(f"{sample}_loaded_flank", flanks, PLANE)]
 
 
+def drawing(sample: str, member: str, *settings: str) -> Picture:
+    """The workshop drawing of a member of a sample."""
+    options = [word for setting in settings for word in ("--set", setting)]
+    design = f"{SAMPLES / sample}.toml"
+    command = (*GEARMESH, "drawing", design, "--member", member, "-o", "{to}", *options)
+    return Picture(f"{sample}_drawing", command, SHEET)
+
+
 def figure(script: str) -> Picture:
     """The figure that a sample script draws."""
     return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}"), LARGE.get(script, SIZE))
 
 
 def gallery() -> list[Picture]:
-    """All pictures: a tooth for each design, a figure for each script, the pairs, flanks in their planes, and tools."""
+    """All pictures: a tooth for each design, a figure for each script, the pairs, flanks in their planes, tools, and drawings."""
     designs = sorted(path.stem for path in SAMPLES.glob("*.toml"))
     scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
     tools = [tool(*each) for each in TOOLS.items()] + [tool(*each, "contact_lines") for each in TOUCHED.items()]
     tools += [replace(tool(sample, "worm"), name=f"{sample}_worm") for sample in GROUND]
     under_load = [picture for sample, torques in LOADED.items() for picture in loaded(sample, *torques)]
-    return [*map(tooth, designs), *map(figure, scripts), *map(pair, PAIRS), *map(plane, PLANES), *tools, *under_load]
+    drawings = [drawing(sample, *rest) for sample, rest in DRAWINGS.items()]
+    return [
+        *map(tooth, designs),
+        *map(figure, scripts),
+        *map(pair, PAIRS),
+        *map(plane, PLANES),
+        *tools,
+        *under_load,
+        *drawings,
+    ]
 
 
 def make(picture: Picture, folder: Path) -> Path:

@@ -41,8 +41,9 @@ MAY_IMPORT: dict[str, str] = {
     "answers": "kernel tools teeth contact design files systems mesh check io cad fe loaded",
     "study": "kernel teeth contact design files io systems loaded answers",
     "view": "kernel tools teeth contact mesh check fe loaded io answers",  # and of solvers their results alone
+    "drawing": "kernel teeth design systems cad answers view",  # of answers the sheet, of view the writer of figures
     # only app and gearmesh import api
-    "api": "kernel tools teeth contact design files systems mesh check io cad fe loaded answers view study",
+    "api": "kernel tools teeth contact design files systems mesh check io cad fe loaded answers view drawing study",
     "app": "api answers view samples systems design files io cad fe contact study",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too

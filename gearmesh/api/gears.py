@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.sheet import Compensation, DesignSheet
     from gearmesh.api.report import ReportPage
     from gearmesh.api.run import Report
+    from gearmesh.drawing.drawing import WorkshopDrawing
     from gearmesh.study.largest_errors import LargestErrors
     from gearmesh.study.study import Study
     from gearmesh.view.picture import Animation, Diagram, Picture
@@ -201,6 +202,33 @@ class Gears(SolvedGears):
 
         place = None if z is None else in_mm("z", z)
         return section_of(self, member, place, self.within(tolerance, TOLERANCE), curves, in_mm("offset", offset))
+
+    def drawing(self, member: str) -> WorkshopDrawing:
+        """A workshop drawing of one member: axial section, view along the axis, dimensions, gear data, title block.
+
+        Parameters
+        ----------
+        member : str
+            Its name.
+
+        Returns
+        -------
+        WorkshopDrawing
+            On A4 where it fits at full size or larger, else on A3, at a scale of ISO 5455; `save("pinion.pdf")` writes a .pdf,
+            .svg or .png file.
+
+        Raises
+        ------
+        DesignError
+            For a member that there is not.
+
+        Examples
+        --------
+        >>> gears.drawing("pinion").save("pinion.svg")
+        """
+        from gearmesh.drawing.drawing import drawing_of
+
+        return drawing_of(self, member)
 
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
         """All that modifications remove of a "right" or "left" flank, as a grid of amounts.

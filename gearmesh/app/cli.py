@@ -35,6 +35,7 @@ COMMANDS = {
     "fe": "outputs",
     "limits": "contact",
     "topography": "outputs",
+    "drawing": "outputs",
     "settings": "designs",
     "vh": "contact",
     "gear": "designs",

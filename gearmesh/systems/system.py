@@ -113,6 +113,22 @@ class Displacements(Generic[D]):
 
 
 @dataclass(frozen=True)
+class DrawnRows:
+    """Which rows of the sheet a workshop drawing of a member has, by their symbols: `own` of its own columns and of those of
+    the pair, `mating` of the mating gears; `tip`: symbol of the tip diameter; `reference`: symbols of the reference or pitch
+    diameter at toe and heel; `tolerances`: those that it has where the design sets the key `accuracy`; `ranges`: names of columns,
+    such as least and largest, the first of which that a table of a pair has are given beside each other."""
+
+    own: tuple[str, ...]
+    mating: tuple[str, ...] = ()
+    tip: str = ""
+    reference: tuple[str, str] | None = None
+    tolerances: tuple[str, ...] = ()
+    accuracy: str = ""
+    ranges: tuple[tuple[str, ...], ...] = ()
+
+
+@dataclass(frozen=True)
 class System(Generic[D]):
     """A gear system: `build` makes the gear set of a design in mm, and may be all that there is. `members`, by their names,
     where they can be made one without the other: each of a design in mm of which `derive` was not asked, with its own warnings.
@@ -127,6 +143,7 @@ class System(Generic[D]):
     design in mm and its gear set, by two of V, H, J and alpha, `first_order` gives, for a design in mm with errors, its
     transmission error in closed form; `displacements` moves the members of many assemblies at once. `single` makes designs of the
     same kind of one member without a mating gear, those whose keys `is_single`.
+    `drawn`: what of the sheet a workshop drawing has; without it, all that it says of the member.
     """
 
     kind: str
@@ -145,6 +162,7 @@ class System(Generic[D]):
     first_order: Callable[[D], FirstOrder | None] | None = None
     displacements: Displacements[D] | None = None
     pinned: Callable[[D, GearTrain], dict[str, Any]] | None = None
+    drawn: DrawnRows | None = None
     single: System[Any] | None = None
     is_single: Callable[[Mapping[str, Any]], bool] | None = None
 

@@ -3,6 +3,7 @@
 from gearmesh.systems.cylindrical import single
 from gearmesh.systems.cylindrical.build import DISPLACEMENTS, build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
+from gearmesh.systems.cylindrical.drawn import DRAWN
 from gearmesh.systems.cylindrical.force_tables import pair_forces
 from gearmesh.systems.cylindrical.geometry.proportions import derived_values
 from gearmesh.systems.cylindrical.pinned import pair_values
@@ -19,6 +20,7 @@ SYSTEMS = (
         forces=pair_forces,
         displacements=DISPLACEMENTS,
         pinned=pair_values,
+        drawn=DRAWN,
         single=single.SYSTEM,
         is_single=single.is_single,
     ),

@@ -11,6 +11,7 @@ from gearmesh.systems.spiral_bevel.errors.first_order import first_order
 from gearmesh.systems.spiral_bevel.errors.vh_check import vh_check
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.pinned import conjugate_values, settings_values
+from gearmesh.systems.spiral_bevel.sheet.drawn import DRAWN
 from gearmesh.systems.spiral_bevel.sheet.member_sheet import member_sheet
 from gearmesh.systems.spiral_bevel.sheet.sheet import settings_sheet, tooth_forces
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
@@ -33,6 +34,7 @@ SYSTEMS = (
             first_order=lambda design: first_order(design, build),
             displacements=DISPLACEMENTS,
             pinned=settings_values,
+            drawn=DRAWN,
         )
         for kind, design in (("spiral_bevel", SpiralBevelDesign), ("hypoid", HypoidDesign))
     ),

@@ -1,6 +1,7 @@
 """A pinion and a rack of finite length: their keys, what their mesh says of both, the rack as a member, their data
 sheet; and a rack alone."""
 
+from gearmesh.systems.cylindrical.drawn import DRAWN
 from gearmesh.systems.cylindrical.rack import single
 from gearmesh.systems.cylindrical.rack.build import build
 from gearmesh.systems.cylindrical.rack.design import RackDesign, SingleRackDesign, is_single_rack
@@ -19,6 +20,7 @@ SYSTEMS = (
         sheet=rack_sheet,
         forces=rack_forces,
         pinned=rack_values,
+        drawn=DRAWN,
         single=System(
             "rack",
             SingleRackDesign,
@@ -26,6 +28,7 @@ SYSTEMS = (
             derive=single.derived_values,
             sheet=single.sheet,
             pinned=single.pinned_values,
+            drawn=DRAWN,
         ),
         is_single=is_single_rack,
     ),

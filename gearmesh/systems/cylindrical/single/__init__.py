@@ -1,5 +1,6 @@
 """One cylindrical gear without a mating gear: its keys, the member built of it, its data sheet."""
 
+from gearmesh.systems.cylindrical.drawn import DRAWN
 from gearmesh.systems.cylindrical.single.build import build, derived_values
 from gearmesh.systems.cylindrical.single.design import SingleGearDesign, is_single
 from gearmesh.systems.cylindrical.single.pinned import single_values
@@ -13,6 +14,8 @@ def _sheet(design: SingleGearDesign, train: GearTrain) -> Sheet:
     return single_sheet(design, train)
 
 
-SYSTEM = System("cylindrical", SingleGearDesign, build, derive=derived_values, sheet=_sheet, pinned=single_values)
+SYSTEM = System(
+    "cylindrical", SingleGearDesign, build, derive=derived_values, sheet=_sheet, pinned=single_values, drawn=DRAWN
+)
 
 __all__ = ["SYSTEM", "is_single"]

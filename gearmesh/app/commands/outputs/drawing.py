@@ -1,0 +1,34 @@
+"""The command `drawing`: a workshop drawing of one member."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Set, load_gears
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, warn, working
+
+
+def drawing(
+    design_file: DesignFile,
+    member: Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)],
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", metavar="FILE.(pdf|svg|png)", help="File to write; its suffix is the format."),
+    ],
+    settings: Set = None,
+) -> None:
+    """A workshop drawing of one gear: section, view along the axis, dimensions, gear data, title block.
+
+    On A4 where it fits at full size or larger, else on A3, at a scale of ISO 5455.
+    """
+    refuse_suffix(output, ".pdf", ".svg", ".png")
+    refuse_unwritable(output)
+    gears = load_gears(design_file, settings)
+    with working(f"drawing of the {member}"):
+        page = gears.drawing(member)
+        page.save(output)
+    print(f"{output}: {page.sheet} at {page.scale}")
+    warn(gears.warnings)

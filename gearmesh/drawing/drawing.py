@@ -1,0 +1,68 @@
+"""Workshop drawings, drawn when they are saved."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from gearmesh.answers.gearset import GearSet
+from gearmesh.drawing.gear_data import facts_of
+from gearmesh.drawing.page import Page, compose, paint
+from gearmesh.drawing.paper import scale_name
+from gearmesh.drawing.views import views_of
+from gearmesh.errors import OutputError
+from gearmesh.view.diagrams.plots import save_figure
+
+#: suffixes of the files that hold drawings
+SUFFIXES = (".pdf", ".svg", ".png")
+
+
+@dataclass(frozen=True, repr=False)
+class WorkshopDrawing:
+    """A workshop drawing of one member: views with dimensions, table of gear data, title block."""
+
+    member: str
+    page: Page
+
+    def __repr__(self) -> str:
+        return f"<Drawing: {self.member}, {self.sheet} at {self.scale}>"
+
+    @property
+    def sheet(self) -> str:
+        """Size of the paper, "A4" or "A3"."""
+        return self.page.paper.name
+
+    @property
+    def scale(self) -> str:
+        """As "1:2"."""
+        return scale_name(self.page.scale)
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """All that is written on it."""
+        return tuple(letters.text for letters in self.page.canvas.letters if letters.text)
+
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Write a .pdf, .svg or .png file, whole or not at all, with the same bytes every time. Raises OutputError."""
+        target = Path(path)
+        if target.suffix.lower() not in SUFFIXES:
+            raise OutputError("cannot write", target, reason=f"its suffix must be one of {', '.join(SUFFIXES)}")
+        save_figure(paint(self.page), target)
+        return target
+
+    def _repr_png_(self) -> bytes:
+        with tempfile.TemporaryDirectory() as folder:
+            return self.save(Path(folder) / "drawing.png").read_bytes()
+
+    def __dir__(self) -> list[Any]:
+        return ["member", "page", "save", "scale", "sheet", "texts"]
+
+
+def drawing_of(gears: GearSet, name: str) -> WorkshopDrawing:
+    """The drawing of a member, as `Gears.drawing` says."""
+    member = gears.member(name)
+    facts = facts_of(gears, member)
+    return WorkshopDrawing(name, compose(views_of(member, facts), facts))

@@ -1,0 +1,163 @@
+"""The table of gear data [ISO 1340, DIN 3966] and the title block: what the sheet of a design says of one member."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from gearmesh import __version__
+from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.sheet import sheet_of
+from gearmesh.cad.brep import exact_volume
+from gearmesh.design.core import DENSITY, Design
+from gearmesh.design.keys import Key, Table
+from gearmesh.drawing.facts import DataRow, Facts, number
+from gearmesh.systems import system as systems
+from gearmesh.systems.system import DrawnRows, SheetTable
+from gearmesh.teeth.gear_train import Member
+
+#: keys that are said elsewhere on the sheet
+ELSEWHERE = ("gearmesh", "name", "kind", "units", "teeth")
+#: units of keys as they are written
+UNITS = {"length": "mm", "angle": "deg", "coefficient": "m_n"}
+#: symbols of the deviations of the tip diameter
+TIP_DEVIATIONS = ("A_dae", "A_dai")
+#: mm^3 in m^3
+CUBIC = 1e-9
+
+
+def facts_of(gears: GearSet, member: Member) -> Facts:
+    """What a drawing of a member says. Raises as its sheet does."""
+    design, tables = gears.design, sheet_of(gears).tables
+    own = systems.system_of(design).drawn
+    mates = [
+        name for pair in gears.pairs if member.name in pair.members for name in pair.members if name != member.name
+    ]
+    if own is None:
+        rows = [*_keys(design, member.name), *_everything(tables, member.name)]
+    else:
+        tolerances = own.tolerances if own.accuracy in design.model_fields_set else ()
+        rows = _rows(tables, member.name, mates, own, tolerances)
+    reference = None if own is None or own.reference is None else own.reference
+    ends = tuple(_value(tables, symbol, member.name) for symbol in reference or ())
+    deviations = tuple(_value(tables, symbol, member.name) for symbol in TIP_DEVIATIONS)
+    density = DENSITY if design.material.density is None else design.material.density
+    return Facts(
+        rows=tuple(rows),
+        tip=None if own is None else _value(tables, own.tip, member.name),
+        reference=(float(ends[0]), float(ends[1])) if len(ends) == 2 and None not in ends else None,
+        tip_deviations=(float(deviations[0]), float(deviations[1])) if None not in deviations else None,
+        title=design.name or design.kind.replace("_", " "),
+        part=f"{member.name.replace('_', ' ')}, {member.tooth.teeth} teeth",
+        material=f"E {number(design.material.youngs_modulus / 1000.0)} GPa, {number(density)} kg/m\N{SUPERSCRIPT THREE}",
+        mass=f"{number(density * CUBIC * exact_volume(member))} kg",
+        version=f"gearmesh {__version__}",
+        units="mm, deg",
+    )
+
+
+def _column(name: str) -> str:
+    """What a member is called in tables: planets are alike, and have no numbers."""
+    return re.sub(r"_\d+$", "", name)
+
+
+def _cells(
+    tables: Iterable[SheetTable], name: str, ranges: tuple[tuple[str, ...], ...] = ()
+) -> Iterator[tuple[str, str, str, Any]]:
+    """Symbol, words, unit and value of all rows about a member, or about its pairs; of tables with columns of other names the
+    values of the first of `ranges` that they have, beside each other."""
+    for table in tables:
+        head, colon, _ = table.title.partition(": ")
+        if colon and _column(name) not in head.lower().split():
+            continue
+        column = next((k for k, own in enumerate(table.columns) if own in (name, _column(name), "")), None)
+        if column is None:
+            yield from _of_range(table, ranges)
+            continue
+        for symbol, (words, unit, *values) in zip(table.symbols or ("",) * len(table.rows), table.rows, strict=True):
+            if values[column] is not None:
+                yield symbol, words, unit, values[column]
+
+
+def _of_range(table: SheetTable, ranges: tuple[tuple[str, ...], ...]) -> Iterator[tuple[str, str, str, Any]]:
+    """Rows of a table of pairs with the values of several columns, as the least and the largest backlash."""
+    names = next((names for names in ranges if set(names) <= set(table.columns)), None)
+    if names is None:
+        return
+    for symbol, (words, unit, *values) in zip(table.symbols, table.rows, strict=True):
+        ends = [values[table.columns.index(name)] for name in names]
+        if None not in ends:
+            suffix = f" ({' / '.join(names)})" if len(names) > 1 else ""
+            value = " / ".join(number(one, 4) for one in ends) if suffix else ends[0]
+            yield symbol, f"{table.title.rpartition(': ')[2].lower()}: {words.partition(',')[0]}{suffix}", unit, value
+
+
+def _value(tables: Iterable[SheetTable], symbol: str, name: str) -> Any:
+    return next((value for own, _, _, value in _cells(tables, name) if own == symbol), None)
+
+
+def _rows(
+    tables: Iterable[SheetTable], name: str, mates: Iterable[str], drawn: DrawnRows, tolerances: tuple[str, ...]
+) -> list[DataRow]:
+    """Rows by their symbols, those of the mating gears after them."""
+    cells = list(_cells(tables, name, drawn.ranges))
+    rows: list[DataRow] = []
+    for symbol in (*drawn.own, *tolerances):
+        rows += [*(_row(*cell) for cell in _first(cells, symbol)), *_limits(cells, symbol)]
+    for mate in dict.fromkeys(_column(mate) for mate in mates):
+        theirs = list(_cells(tables, mate))
+        of_mate = [_row(*cell) for symbol in drawn.mating for cell in _first(theirs, symbol)]
+        if of_mate:
+            rows += [DataRow(f"Mating gear: {mate}", heading=True), *of_mate]
+    return rows
+
+
+def _first(cells: Iterable[tuple[str, str, str, Any]], symbol: str) -> list[tuple[str, str, str, Any]]:
+    return [cell for cell in cells if cell[0] == symbol][:1]
+
+
+def _everything(tables: Iterable[SheetTable], name: str) -> list[DataRow]:
+    """All that the sheet says of a member, and of its pairs where it does so in a table without columns for them."""
+    return [
+        _row(*cell)
+        for cell in _cells([table for table in tables if table.columns != ("",)], name)
+        if cell[1] != "volume"
+    ]
+
+
+def _keys(design: Design, name: str) -> list[DataRow]:
+    """Numbers and words that the design has of both members and of this one, by its keys."""
+    own = design.in_mm()
+    tables: list[Table] = [own]
+    tables += [
+        part for part in (getattr(own, name, None) or getattr(own, _column(name), None),) if isinstance(part, Table)
+    ]
+    rows: dict[str, DataRow] = {}
+    for table in tables:
+        for key, field in type(table).model_fields.items():
+            value = getattr(table, key)
+            meaning = next((one for one in field.metadata if isinstance(one, Key)), None)
+            plain = isinstance(value, int | float | str) and not isinstance(value, bool)
+            if plain and meaning is not None and key not in ELSEWHERE:
+                rows[key] = _row("", key.replace("_", " "), UNITS.get(meaning.unit, ""), value)
+    return list(rows.values())
+
+
+def _limits(cells: list[tuple[str, str, str, Any]], symbol: str) -> list[DataRow]:
+    """Both ends of what the sheet has at the ends of an allowance, in one row."""
+    upper, lower = (_first(cells, symbol + end) for end in ("_upper", "_lower"))
+    if not upper or not lower:
+        return []
+    (_, words, unit, high), (_, _, _, low) = upper[0], lower[0]
+    return [
+        DataRow(f"{words.rpartition(',')[0]}, upper / lower", symbol, f"{number(high, 4)} / {number(low, 4)} {unit}")
+    ]
+
+
+def _row(symbol: str, words: str, unit: str, value: Any) -> DataRow:
+    if isinstance(value, float):
+        value = number(value, 1 if unit == "um" else 4)
+    sign = {"-": "", "deg": "\N{DEGREE SIGN}", "um": "µm", "m_n": "m_n"}.get(unit, unit)
+    text = f"{value}{'' if sign == chr(176) else ' '}{sign}".strip()
+    return DataRow(words.partition(";")[0], symbol, text)

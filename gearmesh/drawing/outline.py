@@ -1,0 +1,109 @@
+"""The outline of a member: its axial section, as polygons over (z, rho), and its teeth seen along the axis. Lengths in mm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.blank.halves import HalfGear
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import Region
+
+#: stations along the face, points along each link of a tooth
+STATIONS, LINKS = 25, 13
+
+
+@dataclass(frozen=True)
+class ToothRow:
+    """Of one row of teeth, in the axial half plane: lines (STATIONS, 2) of tip and root, (z, rho), from toe to heel."""
+
+    tip: Array
+    root: Array
+
+    @property
+    def outline(self) -> Array:
+        """Closed polygon of the tooth."""
+        return np.concatenate((self.tip, self.root[::-1]))
+
+    def on_ends(self, radii: tuple[float, float]) -> Array:
+        """Points (2, 2) on the end faces at toe and heel at so large radii."""
+        ends = []
+        for end, radius in zip((0, -1), radii, strict=True):
+            tip, root = self.tip[end], self.root[end]
+            share = (radius - root[1]) / (tip[1] - root[1])
+            ends.append(root + share * (tip - root))
+        return np.array(ends)
+
+
+@dataclass(frozen=True)
+class Outline:
+    """The axial section of a member.
+
+    `rows`: its teeth; `body`: closed polygon (N, 2) of what is under or round them, (z, rho).
+    """
+
+    rows: tuple[ToothRow, ...]
+    body: Array
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Lowest and highest z of all."""
+        z = np.concatenate([self.body[:, 0], *(row.tip[:, 0] for row in self.rows)])
+        return float(z.min()), float(z.max())
+
+    @property
+    def reach(self) -> float:
+        """Largest distance from the axis, or from the reference plane of a rack."""
+        return float(max(np.abs(self.body[:, 1]).max(), *(np.abs(row.tip[:, 1]).max() for row in self.rows)))
+
+
+def outline_of(member: Member) -> Outline:
+    """The outline of a member. Raises TrimError for teeth that cannot be trimmed."""
+    tooth = member.tooth
+    sections = tooth.sections(np.linspace(0.0, 1.0, STATIONS))
+
+    def line(region: Region) -> Array:
+        points = tooth.grid(region, np.array([0.5]), sections).points[0]
+        # of a rack the height over the reference plane
+        rho = tooth.joint.radius(points)
+        return np.stack((points[:, 2], rho), axis=-1)
+
+    tip, root = line(Region.LAND), line(Region.ROOT)
+    rows = tuple(ToothRow(_in_half(tip, half), _in_half(root, half)) for half in member.halves)
+    profile = np.array([(z, rho) for rho, z in member.body.profile])
+    roots = [row.root for row in rows] + [np.array([(z, rho) for rho, z in gap.body.profile]) for gap in member.gaps]
+    # all of them one after the other, from where the profile ends to where it begins
+    rising = profile[0, 0] < profile[-1, 0]
+    ordered = sorted((part[np.argsort(part[:, 0])] for part in roots), key=lambda part: float(part[:, 0].mean()))
+    under = np.concatenate(ordered) if len(ordered) > 1 else roots[0]
+    if len(ordered) > 1 and not rising:
+        under = under[::-1]
+    return Outline(rows, np.concatenate((under, profile[::-1])))
+
+
+def _in_half(line: Array, half: HalfGear) -> Array:
+    """A line (N, 2) over (z, rho) in its row of teeth."""
+    points = half.points(np.stack((line[:, 1], np.zeros(len(line)), line[:, 0]), axis=-1))
+    return np.stack((points[:, 2], line[:, 1]), axis=-1)
+
+
+def end_of_teeth(member: Member, above: bool) -> Array:
+    """Points (N, 2), mm, over x and y: the teeth's end that looks to larger z (`above`) or smaller, one tooth of them.
+
+    Of a double helical member that of its first half.
+    """
+    tooth = member.tooth
+    sections = tooth.sections([0.0, 1.0])
+    links = [tooth.grid(region, np.linspace(0.0, 1.0, LINKS), sections).points for region in tooth.regions]
+    heel_above = float(links[0][:, 1, 2].mean()) > float(links[0][:, 0, 2].mean())
+    end = 1 if heel_above == above else 0
+    return np.concatenate([link[:, end, :2] for link in links])
+
+
+def tip_edges(member: Member) -> tuple[Array, Array]:
+    """Both edges of a land from toe to heel, (STATIONS, 2) over x and y."""
+    tooth = member.tooth
+    points = tooth.grid(Region.LAND, np.array([0.0, 1.0]), tooth.sections(np.linspace(0.0, 1.0, STATIONS))).points
+    return points[0, :, :2], points[1, :, :2]

@@ -1,0 +1,457 @@
+"""Views of a member on paper: axial section and view along the axis, of a rack front view and section [ISO 128, ISO 2203].
+
+First-angle projection: what is seen from the left is drawn on the right. The side on which teeth or hub are looks to the left, x
+is up in both views, where the keyway and the first tooth are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+from gearmesh.drawing.canvas import Canvas, Pen
+from gearmesh.drawing.dimensions import Span, note, room, stack
+from gearmesh.drawing.facts import Facts, diameter, number
+from gearmesh.drawing.outline import Outline, end_of_teeth, outline_of, tip_edges
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.gear_train import Member
+
+#: mm on paper: between views, chain lines beyond outlines, and the least pitch at which all teeth are drawn
+BETWEEN, BEYOND, PITCH = 10.0, 4.0, 3.0
+#: teeth that are drawn where not all are, and mm that count as nothing
+FEW, NOTHING = 5, 1e-6
+
+
+class Views(Protocol):
+    """The views of a member."""
+
+    def size(self, scale: float) -> tuple[float, float]:
+        """Width and height on paper with all dimensions, mm."""
+
+    def draw(self, canvas: Canvas, scale: float, left: float, low: float) -> None:
+        """Draw them at a scale, above and to the right of this corner."""
+
+
+def views_of(member: Member, facts: Facts) -> Views:
+    """The views that suit a member."""
+    outline = outline_of(member)
+    return (WheelViews if member.body.bore_diameter is not None else RackViews)(member, outline, facts)
+
+
+@dataclass(frozen=True)
+class _Length:
+    """A length along the axis, from one z to another, at the radii where it is taken."""
+
+    low: float
+    high: float
+    near: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class _Diameter:
+    """A diameter, where along the axis it is found (lowest and highest z), and its text."""
+
+    value: float
+    low: float
+    high: float
+    text: str
+
+
+@dataclass(frozen=True)
+class WheelViews:
+    """Axial section and end view of a gear."""
+
+    member: Member
+    outline: Outline
+    facts: Facts
+
+    @cached_property
+    def side(self) -> float:
+        """Side that is seen in the end view: 1 from larger z, -1 from smaller."""
+        rise = sum(float((row.tip - row.root)[:, 0].sum()) for row in self.outline.rows[:1])
+        if abs(rise) > NOTHING:
+            return 1.0 if rise > 0.0 else -1.0
+        return -1.0 if self.member.hub is None else 1.0
+
+    @cached_property
+    def tip(self) -> Array:
+        """Points (N, 2) of the tip, (z, rho)."""
+        return np.concatenate([row.tip for row in self.outline.rows])
+
+    @property
+    def is_cylindrical(self) -> bool:
+        """Whether the tip has the same diameter along the face."""
+        return float(np.ptp(self.tip[:, 1])) < NOTHING
+
+    @cached_property
+    def own(self) -> list[_Diameter]:
+        """Diameters of the teeth."""
+        widest = self.tip[np.abs(self.tip[:, 1] - self.tip[:, 1].max()) < NOTHING]
+        value = 2.0 * widest[0, 1] if self.facts.tip is None else self.facts.tip
+        tip = diameter(float(value), self.facts.tip_deviations)
+        diameters = [_Diameter(2.0 * widest[0, 1], widest[:, 0].min(), widest[:, 0].max(), tip)]
+        if self.facts.reference is not None:
+            place = np.concatenate([row.on_ends(self._reference_radii) for row in self.outline.rows])
+            place = place[np.abs(place[:, 1] - place[:, 1].max()) < NOTHING]
+            diameters.append(
+                _Diameter(2.0 * place[0, 1], place[:, 0].min(), place[:, 0].max(), f"({diameter(2.0 * place[0, 1])})")
+            )
+        return diameters
+
+    @property
+    def _reference_radii(self) -> tuple[float, float]:
+        assert self.facts.reference is not None
+        first, last = self.facts.reference
+        return 0.5 * first, 0.5 * last
+
+    @cached_property
+    def body(self) -> list[_Diameter]:
+        """Diameters of the body, one of each size."""
+        profile = self.member.body.profile
+        sizes: dict[float, list[float]] = {}
+        sizes_of_teeth = [own.value for own in self.own]
+        for (rho, z), (other, end) in pairwise(profile):
+            if rho == other and rho > 0.0 and not any(abs(2.0 * rho - value) < 1e-3 for value in sizes_of_teeth):
+                sizes.setdefault(round(rho, 6), []).extend((z, end))
+        for gap in self.member.gaps:
+            sizes.setdefault(round(0.5 * gap.diameter, 6), []).extend(gap.body.ends)
+        return [_Diameter(2.0 * rho, min(z), max(z), diameter(2.0 * rho)) for rho, z in sizes.items()]
+
+    @cached_property
+    def lengths(self) -> list[_Length]:
+        """Lengths along the axis, each once."""
+        body, rows = self.member.body, self.outline.rows
+        lengths: list[_Length] = []
+
+        def add(one: tuple[float, float], other: tuple[float, float]) -> None:
+            """Between two points (z, rho)."""
+            (a, r), (b, s) = sorted((one, other))
+            same = any(abs(a - length.low) < 1e-3 and abs(b - length.high) < 1e-3 for length in lengths)
+            if b - a > 1e-3 and not same:
+                lengths.append(_Length(a, b, (r, s)))
+
+        if self.is_cylindrical:
+            for row in rows:
+                add(tuple(row.tip[0]), tuple(row.tip[-1]))
+            whole = self.tip[np.argsort(self.tip[:, 0])]
+            add(tuple(whole[0]), tuple(whole[-1]))
+        else:
+            crown = self.tip[np.argmax(self.tip[:, 1])]
+            rear = body.ends[0] if self.side > 0.0 else body.ends[1]
+            back = next(point for point in body.profile if point[1] == rear)
+            add(tuple(crown), (back[1], back[0]))
+            ends = self.tip[np.argsort(self.tip[:, 0])]
+            add(tuple(ends[0]), tuple(ends[-1]))
+        web = body.web
+        if web is not None:
+            add((web.low, web.outer), (web.high, web.outer))
+        if self.member.hub is not None:
+            top = body.ends[1]
+            add((top - self.member.hub.length, 0.5 * self.member.hub.diameter), (top, 0.5 * self.member.hub.diameter))
+        lowest, highest = (pick(body.profile, key=lambda point: point[1]) for pick in (min, max))
+        add((lowest[1], lowest[0]), (highest[1], highest[0]))
+        at = np.concatenate((self.outline.body, self.tip))
+        add(tuple(at[np.argmin(at[:, 0])]), tuple(at[np.argmax(at[:, 0])]))
+        return lengths
+
+    @cached_property
+    def sides(self) -> tuple[list[_Diameter], list[_Diameter]]:
+        """Diameters that are given on the left and on the right of the section."""
+        middle = 0.5 * sum(self.outline.ends)
+        # of a cone the large end
+        right = [] if self.is_cylindrical else [own for own in self.own if -self.side * (own.low - middle) > 0.0]
+        left = [own for own in self.own if own not in right]
+        return left, [*self.body, *right]
+
+    @property
+    def has_keyway(self) -> bool:
+        return self.member.keyway is not None
+
+    def size(self, scale: float) -> tuple[float, float]:
+        low, high = self.outline.ends
+        left, right = self.sides
+        across = 2.0 * self.outline.reach * scale
+        wide = room(len(left)) + (high - low) * scale + room(len(right)) + BETWEEN + across + room(int(self.has_keyway))
+        return wide + BEYOND, across + room(len(self.lengths)) + max(BEYOND, room(int(self.has_keyway)))
+
+    def draw(self, canvas: Canvas, scale: float, left: float, low: float) -> None:
+        ends, axis = self.outline.ends, low + room(len(self.lengths)) + self.outline.reach * scale
+        begin = left + room(len(self.sides[0]))
+        first = ends[0] if self.side < 0.0 else ends[1]
+        place = _Place(scale, begin, axis, -self.side, first)
+        self._section(canvas, place)
+        self._dimensions(canvas, place)
+        end = begin + (ends[1] - ends[0]) * scale + room(len(self.sides[1])) + BETWEEN
+        self._end(canvas, scale, np.array([end + self.outline.reach * scale, axis]))
+
+    # ---------------------------------------------------------------- axial section
+
+    def _section(self, canvas: Canvas, place: _Place) -> None:
+        member, body = self.member, self.member.body
+        for up in (1.0, -1.0):
+            cuts = []
+            if member.keyway is not None and up > 0.0:
+                at = body.profile[body.bore_band][1], body.profile[body.bore_band + 1][1]
+                cuts.append((at, (body.bore_radius, body.bore_radius + member.keyway.depth)))
+            if member.holes is not None:
+                middle, half = 0.5 * member.holes.circle, 0.5 * member.holes.diameter
+                cuts.append((member.hole_range, (middle - half, middle + half)))
+                a, b = member.hole_range
+                line = place.on(np.array([(a, middle), (b, middle)]), up)
+                canvas.stroke(_longer(line, BEYOND - 1.0), Pen.CHAIN)
+            openings = [place.on(np.array([(z, r) for z, r in zip((a, b, b, a), (s, s, t, t), strict=True)]), up)
+                        for (a, b), (s, t) in cuts]  # fmt: skip
+            outline = place.on(self.outline.body, up)
+            canvas.hatch([outline, *openings])
+            _draw_outline(canvas, outline, place.axis)
+            for opening in openings:
+                _draw_outline(canvas, opening, place.axis)
+            for row in self.outline.rows:
+                _draw_outline(canvas, place.on(row.outline, up), place.axis)
+                if self.facts.reference is not None:
+                    canvas.stroke(_longer(place.on(row.on_ends(self._reference_radii), up), 2.0), Pen.CHAIN)
+            web = body.web
+            if web is not None:
+                for z in (body.profile[0][1], body.profile[-1][1]):
+                    canvas.stroke(place.on(np.array([(z, web.inner), (z, web.outer)]), up))
+        # edges that are seen behind the section
+        for z, rho in self._inner_ends():
+            canvas.stroke(np.concatenate([place.on(np.array([(z, rho)]), up) for up in (1.0, -1.0)]))
+        axis = place.on(np.array([(z, 0.0) for z in self.outline.ends]), 1.0)
+        canvas.stroke(_longer(axis, BEYOND), Pen.CHAIN)
+
+    def _inner_ends(self) -> list[tuple[float, float]]:
+        """(z, rho) of both ends of what is open along the axis."""
+        if self.member.body.around:
+            return [(float(z), float(rho)) for z, rho in (self.tip[0], self.tip[-1])]
+        band, body = self.member.body.bore_band, self.member.body
+        return [(z, rho) for rho, z in body.profile[band : band + 2] if rho > 0.0]
+
+    def _dimensions(self, canvas: Canvas, place: _Place) -> None:
+        ends = np.sort(place.along(np.array(self.outline.ends)))
+        for diameters, side in zip(self.sides, (-1, 1), strict=True):
+            spans = []
+            for own in diameters:
+                near = place.along(np.array([own.low, own.high]))
+                start = float(near.min() if side < 0 else near.max())
+                half = 0.5 * own.value * place.scale
+                spans.append(Span(place.axis - half, place.axis + half, own.text, (start, start)))
+            stack(canvas, spans, float(ends[0] if side < 0 else ends[1]), side, upright=True)
+        spans = []
+        for length in self.lengths:
+            a, b = place.along(np.array([length.low, length.high])).tolist()
+            levels = [place.axis - radius * place.scale for radius in length.near]
+            both = sorted(zip((a, b), levels, strict=True))
+            text = number(length.high - length.low)
+            spans.append(Span(both[0][0], both[1][0], text, (both[0][1], both[1][1])))
+        stack(canvas, spans, place.axis - self.outline.reach * place.scale, -1, upright=False)
+
+    # ---------------------------------------------------------------- end view
+
+    def _end(self, canvas: Canvas, scale: float, centre: Array) -> None:
+        member, body = self.member, self.member.body
+
+        def on(points: Array) -> Array:
+            """Points (N, 2) over x and y on paper."""
+            return np.asarray(centre + scale * np.stack((-self.side * points[:, 1], points[:, 0]), axis=-1))
+
+        self._teeth(canvas, scale, centre, on)
+        circles = {round(rho, 6) for rho, z in body.profile if self._is_seen(z)} - {round(body.bore_radius, 6), 0.0}
+        for rho in sorted(circles):
+            canvas.circle(centre[0], centre[1], scale * rho)
+        if self.facts.reference is not None:
+            canvas.circle(centre[0], centre[1], 0.5 * scale * max(self.facts.reference), Pen.CHAIN)
+        reach = scale * self.outline.reach + BEYOND
+        for way in (np.array([reach, 0.0]), np.array([0.0, reach])):
+            canvas.line(centre - way, centre + way, pen=Pen.CHAIN)
+        self._bore(canvas, scale, centre, on)
+        if member.holes is not None:
+            self._holes(canvas, scale, centre, on)
+
+    def _is_seen(self, z: float) -> bool:
+        low, high = self.member.body.ends
+        return self.side * (z - 0.5 * (low + high)) > 0.0
+
+    def _teeth(self, canvas: Canvas, scale: float, centre: Array, on: _Mapping) -> None:
+        tooth = self.member.tooth
+        pitch, radius = tooth.pitch_angle, float(self.tip[:, 1].max())
+        everything = scale * radius * pitch >= PITCH
+        count = tooth.teeth if everything else FEW
+        first = -(count // 2)
+        end = end_of_teeth(self.member, self.side > 0.0)
+        more = () if self.is_cylindrical else (end_of_teeth(self.member, self.side < 0.0), *tip_edges(self.member))
+        lines = [end, *more]
+        for k in range(first, first + count):
+            for line in lines:
+                canvas.stroke(on(_turn(line, k * pitch)))
+        if everything:
+            return
+        # where no teeth are drawn [ISO 2203]: their tips, and the roots thin
+        roots = self.outline.rows[0].root[:, 1]
+        tips = {(round(float(rho), 6), Pen.OUTLINE) for rho in (radius, self.tip[:, 1].min())}
+        rest = {(round(float(roots.max()), 6), Pen.THIN)} if self.is_cylindrical else set()
+        for rho, pen in sorted(tips | rest, key=lambda circle: circle[0]):
+            a, b = (first + count - 0.5) * pitch, 2.0 * np.pi + (first - 0.5) * pitch
+            angle = np.linspace(a, b, 181)
+            canvas.stroke(on(rho * np.stack((np.cos(angle), np.sin(angle)), axis=-1)), pen)
+
+    def _bore(self, canvas: Canvas, scale: float, centre: Array, on: _Mapping) -> None:
+        radius, keyway = self.member.body.bore_radius, self.member.keyway
+        if radius <= 0.0:
+            return
+        if keyway is None:
+            canvas.circle(centre[0], centre[1], scale * radius)
+            return
+        half, bottom = 0.5 * keyway.width, radius + keyway.depth
+        first = float(np.arcsin(half / radius))
+        angle = np.linspace(first, 2.0 * np.pi - first, 181)
+        arc = radius * np.stack((np.cos(angle), np.sin(angle)), axis=-1)
+        near = radius * np.cos(first)
+        canvas.stroke(on(np.concatenate((arc, [(near, -half), (bottom, -half), (bottom, half), (near, half)]))))
+        reach, top = scale * self.outline.reach, centre[1] + scale * bottom
+        across = Span(centre[0] - scale * half, centre[0] + scale * half, number(keyway.width), (top, top))
+        stack(canvas, [across], centre[1] + reach, 1, upright=False)
+        height = Span(centre[1] - scale * radius, top, number(radius + bottom), (centre[0], centre[0] + scale * half))
+        stack(canvas, [height], centre[0] + reach, 1, upright=True)
+
+    def _holes(self, canvas: Canvas, scale: float, centre: Array, on: _Mapping) -> None:
+        holes = self.member.holes
+        assert holes is not None
+        canvas.circle(centre[0], centre[1], 0.5 * scale * holes.circle, Pen.CHAIN)
+        places = on(holes.centres)
+        for x, y in places:
+            canvas.circle(x, y, 0.5 * scale * holes.diameter)
+        # from the one at the lower right, to below the view
+        x, y = places[np.argmax(places[:, 0] - places[:, 1])]
+        way = np.array([1.0, -1.0]) / np.sqrt(2.0)
+        tip = np.array([x, y]) + 0.5 * scale * holes.diameter * way
+        low = centre[1] - scale * self.outline.reach - BEYOND - 3.0
+        corner = (float(tip[0] + 2.0), low) if tip[1] > low else (float(tip[0] + 4.0), float(tip[1] - 4.0))
+        text = f"{holes.count} \N{MULTIPLICATION SIGN} {diameter(holes.diameter)} on {diameter(holes.circle)}"
+        note(
+            canvas,
+            (float(tip[0]), float(tip[1])),
+            (corner[0] - 40.0 if corner[0] > centre[0] else corner[0], corner[1]),
+            text,
+        )
+
+
+class _Mapping(Protocol):
+    def __call__(self, points: Array) -> Array: ...
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where the axial section is: `begin` on paper is z = `first`, `axis` the height of its axis, `way` that of z."""
+
+    scale: float
+    begin: float
+    axis: float
+    way: float
+    first: float
+
+    def along(self, z: Array) -> Array:
+        """Horizontal places (N,) of z."""
+        return np.asarray(self.begin + self.way * self.scale * (z - self.first))
+
+    def on(self, points: Array, up: float) -> Array:
+        """Points (N, 2) of (z, rho) on paper, above the axis or (`up` -1) below it."""
+        return np.stack((self.along(points[:, 0]), self.axis + up * self.scale * points[:, 1]), axis=-1)
+
+
+def _turn(points: Array, angle: float) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(points @ np.array([(c, s), (-s, c)]))
+
+
+def _longer(line: Array, more: float) -> Array:
+    """A line between two points (2, 2), longer at both ends."""
+    way = (line[1] - line[0]) / np.linalg.norm(line[1] - line[0])
+    return np.array([line[0] - more * way, line[1] + more * way])
+
+
+def _draw_outline(canvas: Canvas, outline: Array, axis: float) -> None:
+    """Draw a closed outline, but for what lies on the axis."""
+    runs: list[list[Array]] = [[]]
+    for point, after in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        if abs(point[1] - axis) < NOTHING and abs(after[1] - axis) < NOTHING:
+            runs.append([])
+            continue
+        runs[-1] += [point, after] if not runs[-1] else [after]
+    for run in runs:
+        if run:
+            canvas.stroke(np.array(run))
+
+
+@dataclass(frozen=True)
+class RackViews:
+    """Front view and section of a rack."""
+
+    member: Member
+    outline: Outline
+    facts: Facts
+
+    @cached_property
+    def contour(self) -> Array:
+        """Points (N, 2) of the end of teeth and bar, (x, y)."""
+        from gearmesh.cad.section import member_section
+
+        cut = member_section(self.member, self.member.plain_body.ends[1], 1e-3)
+        return np.concatenate([curve.at(np.linspace(0.0, 1.0, 9)) for curve in cut.contours[0].curves])
+
+    @property
+    def heights(self) -> tuple[float, float]:
+        """Of back and tip over the reference plane."""
+        return float(self.contour[:, 0].min()), float(self.contour[:, 0].max())
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last y."""
+        return float(self.contour[:, 1].min()), float(self.contour[:, 1].max())
+
+    @property
+    def width(self) -> float:
+        low, high = self.outline.ends
+        return high - low
+
+    def size(self, scale: float) -> tuple[float, float]:
+        back, tip = self.heights
+        first, last = self.ends
+        return room(2) + (last - first + self.width) * scale + BETWEEN + 2.0 * BEYOND, (tip - back) * scale + room(
+            1
+        ) + BEYOND
+
+    def draw(self, canvas: Canvas, scale: float, left: float, low: float) -> None:
+        back, tip = self.heights
+        first, last = self.ends
+        x, y = left + room(2), low + room(1)
+
+        def spans(values: Iterable[tuple[float, float, float]], origin: float, start: float) -> list[Span]:
+            return [
+                Span(origin + scale * a, origin + scale * b, number(value), (start, start)) for a, b, value in values
+            ]
+
+        canvas.stroke(
+            np.stack((x + scale * (self.contour[:, 1] - first), y + scale * (self.contour[:, 0] - back)), axis=-1)
+        )
+        level = y - scale * back
+        length = last - first
+        canvas.line((x - BEYOND, level), (x + scale * length + BEYOND, level), pen=Pen.CHAIN)
+        stack(canvas, spans([(0.0, tip - back, tip - back), (0.0, -back, -back)], y, x), x, -1, upright=True)
+        stack(canvas, spans([(0.0, length, length)], x, y), y, -1, upright=False)
+        # section
+        x += scale * length + BETWEEN + BEYOND
+        root = float(self.outline.rows[0].root[0, 1])
+        corners = [(0.0, 0.0), (self.width, 0.0), (self.width, root - back), (0.0, root - back)]
+        body = np.array([(x + scale * a, y + scale * b) for a, b in corners])
+        canvas.hatch([body])
+        _draw_outline(canvas, body, -1.0)
+        teeth = [(0.0, root - back), (0.0, tip - back), (self.width, tip - back), (self.width, root - back)]
+        canvas.line(*[(x + scale * a, y + scale * b) for a, b in teeth])
+        canvas.line((x - 2.0, level), (x + scale * self.width + 2.0, level), pen=Pen.CHAIN)
+        stack(canvas, spans([(0.0, self.width, self.width)], x, y), y, -1, upright=False)

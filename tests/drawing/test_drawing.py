@@ -1,0 +1,130 @@
+"""Workshop drawings: what stands on them, where, and that it is the gear's."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+from oracles.command_line import refused, run
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.drawing.canvas import HATCH, Box, Canvas, Pen
+from gearmesh.drawing.drawing import WorkshopDrawing
+from gearmesh.drawing.paper import SCALES, scale_name
+
+#: sample, changes, member, texts that must be there: key dimensions, hole pattern, tolerances, limits of the span
+KEYED = [
+    *(
+        "gear.bore=40",
+        "gear.keyway={width=12, depth=3.3}",
+        "gear.hub={diameter=64, length=15}",
+        "gear.web={thickness=10}",
+    ),
+    *(
+        "gear.holes={count=6}",
+        'gear.thickness_allowance="cd25"',
+        'gear.tip_diameter_tolerance="h8"',
+        "accuracy_class=7",
+    ),
+]
+CASES = {
+    "keyed": ("helical", KEYED, "gear", {"12", "43.3", "15", "\u230040", "10", "7"}),
+    "ring": ("internal", [], "gear", {"\u2300142.139", "(\u2300144.939)", "\u2300162.739", "20"}),
+    "double helical": ("double_helical", [], "pinion", {"30", "72", "\u2300112.196"}),
+    "rack": ("rack", [], "rack", {"200", "24", "22"}),
+    "bevel": ("zerol", [], "pinion", {"(\u230060)", "\u230070.535", "26.5651\N{DEGREE SIGN}"}),
+}
+
+
+def drawing(case: str) -> WorkshopDrawing:
+    sample, changes, member, _ = CASES[case]
+    return gm.build(gm.load(SAMPLES / f"{sample}.toml", changes)).drawing(member)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_texts_say_what_the_gear_is_and_none_lies_on_another(case: str) -> None:
+    made = drawing(case)
+    assert set(made.texts) >= CASES[case][-1]
+    left, low, right, high = made.page.paper.frame
+    boxes = [letters.box for letters in made.page.canvas.letters if letters.text]
+    assert len(boxes) > 40
+    for box in boxes:
+        assert left <= box.left < box.right <= right
+        assert low <= box.low < box.high <= high
+    assert not [pair for pair in itertools.combinations(boxes, 2) if pair[0].overlaps(pair[1], 0.0)]
+    for stroke in made.page.canvas.strokes:
+        assert np.all(stroke.points >= np.array([left, low]) - 1e-9)
+        assert np.all(stroke.points <= np.array([right, high]) + 1e-9)
+    assert made.page.scale in SCALES
+
+
+def test_lines_are_to_scale_and_hatching_is_where_material_is() -> None:
+    made = drawing("double helical")
+    scale = made.page.scale
+    # end view: all teeth, as far from its centre as the tip; 23 of them
+    outline = [
+        stroke.points for stroke in made.page.canvas.strokes if stroke.pen is Pen.OUTLINE and len(stroke.points) > 60
+    ]
+    teeth = [points for points in outline if len(points) < 150]
+    assert len(teeth) == 23
+    every = np.concatenate(teeth)
+    centre = 0.5 * (every.min(axis=0) + every.max(axis=0))
+    assert np.linalg.norm(every - centre, axis=-1).max() == pytest.approx(0.5 * 112.1964 * scale, abs=0.2)
+    # lines so far apart cover the section: two strips of 72 mm from the bore to root or gap, less the keyway
+    lengths = [np.linalg.norm(np.diff(s.points, axis=0)) for s in made.page.canvas.strokes if s.pen is Pen.HATCHING]
+    root, gap = 0.5 * 94.1964, 0.5 * (94.1964 - 2.0)
+    section = 2.0 * (60.0 * (root - 20.0) + 12.0 * (gap - 20.0)) - 72.0 * 3.3
+    assert HATCH * sum(lengths) / scale**2 == pytest.approx(section, rel=0.01)
+
+
+@pytest.mark.quick
+def test_hatching_leaves_openings_out() -> None:
+    canvas = Canvas()
+    square = np.array([(0.0, 0.0), (60.0, 0.0), (60.0, 60.0), (0.0, 60.0)])
+    canvas.hatch([square, 20.0 + square / 3.0])
+    points = np.concatenate([stroke.points.mean(axis=0, keepdims=True) for stroke in canvas.strokes])
+    inside = np.all((points > 20.0) & (points < 40.0), axis=1)
+    assert not inside.any()
+    area = HATCH * sum(np.linalg.norm(np.diff(stroke.points, axis=0)) for stroke in canvas.strokes)
+    assert area == pytest.approx(3200.0, rel=0.02)
+    assert [scale_name(scale) for scale in (2.0, 1.0, 0.05)] == ["2:1", "1:1", "1:20"]
+    assert Box(0.0, 0.0, 1.0, 1.0).overlaps(Box(0.9, 0.9, 2.0, 2.0))
+
+
+def test_the_table_is_the_sheet_and_tolerances_are_there_if_a_class_is_asked_for() -> None:
+    sample, changes, member, _ = CASES["keyed"]
+    gears = gm.build(gm.load(SAMPLES / f"{sample}.toml", changes))
+    tables = gears.sheet().plain_tables
+    texts = gears.drawing(member).texts
+    measures, limits = tables["Measures of the tooth thickness"], tables["Flank tolerances [ISO 1328-1:2013]"]
+    ends = [f"{measures[f'W_k_{end}'][2]:.4f}".rstrip("0") for end in ("upper", "lower")]
+    assert f"{ends[0]} / {ends[1]} mm" in texts
+    for symbol in ("f_pT", "F_pT"):
+        assert f"{limits[symbol][2]:g} µm" in texts
+    plain = gm.build(gm.load(SAMPLES / "helical.toml")).drawing("gear").texts
+    assert "f_pT" not in plain
+    assert "W_k" in plain
+
+
+def test_files_have_the_same_bytes_every_time(tmp_path: Path) -> None:
+    made = drawing("rack")
+    for suffix in ("svg", "pdf"):
+        files = [made.save(tmp_path / f"{k}.{suffix}") for k in (1, 2)]
+        assert files[0].read_bytes() == files[1].read_bytes()
+    assert b"CreationDate" not in files[0].read_bytes()
+
+
+def test_the_command_writes_a_sheet_or_says_in_one_line_why_not(tmp_path: Path) -> None:
+    file = tmp_path / "rack.svg"
+    status, out, _ = run("drawing", SAMPLES / "rack.toml", "--member", "rack", "-o", file)
+    assert (status, out.strip().rpartition(": A")[2]) == (0, "3 at 1:1")
+    assert file.read_text().startswith("<?xml")
+    wrong = tmp_path / "rack.dxf"
+    assert "its suffix must be .pdf or .svg or .png" in refused(
+        "drawing", SAMPLES / "rack.toml", "--member", "rack", "-o", wrong
+    )
+    message = refused("drawing", SAMPLES / "rack.toml", "--member", "ring", "-o", file)
+    assert message.startswith("--member = ring: must be one of pinion, rack")
