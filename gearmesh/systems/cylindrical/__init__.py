@@ -3,11 +3,11 @@
 from gearmesh.systems.cylindrical import single
 from gearmesh.systems.cylindrical.build import DISPLACEMENTS, build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
-from gearmesh.systems.cylindrical.drawn import DRAWN
 from gearmesh.systems.cylindrical.force_tables import pair_forces
 from gearmesh.systems.cylindrical.geometry.proportions import derived_values
 from gearmesh.systems.cylindrical.pinned import pair_values
 from gearmesh.systems.cylindrical.sheet import data_sheet
+from gearmesh.systems.cylindrical.single.drawn import DRAWN
 from gearmesh.systems.system import System
 
 SYSTEMS = (

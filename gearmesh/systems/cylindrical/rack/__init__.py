@@ -1,7 +1,6 @@
 """A pinion and a rack of finite length: their keys, what their mesh says of both, the rack as a member, their data
 sheet; and a rack alone."""
 
-from gearmesh.systems.cylindrical.drawn import DRAWN
 from gearmesh.systems.cylindrical.rack import single
 from gearmesh.systems.cylindrical.rack.build import build
 from gearmesh.systems.cylindrical.rack.design import RackDesign, SingleRackDesign, is_single_rack
@@ -9,6 +8,7 @@ from gearmesh.systems.cylindrical.rack.force_tables import rack_forces
 from gearmesh.systems.cylindrical.rack.pinned import rack_values
 from gearmesh.systems.cylindrical.rack.proportions import derived_values
 from gearmesh.systems.cylindrical.rack.sheet import rack_sheet
+from gearmesh.systems.cylindrical.single.drawn import DRAWN
 from gearmesh.systems.system import System
 
 SYSTEMS = (

@@ -1,8 +1,8 @@
 """One cylindrical gear without a mating gear: its keys, the member built of it, its data sheet."""
 
-from gearmesh.systems.cylindrical.drawn import DRAWN
 from gearmesh.systems.cylindrical.single.build import build, derived_values
 from gearmesh.systems.cylindrical.single.design import SingleGearDesign, is_single
+from gearmesh.systems.cylindrical.single.drawn import DRAWN
 from gearmesh.systems.cylindrical.single.pinned import single_values
 from gearmesh.systems.system import Sheet, System
 from gearmesh.teeth.gear_train import GearTrain
