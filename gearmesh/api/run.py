@@ -13,6 +13,7 @@ from gearmesh import io
 from gearmesh.answers.bodies.solid import Solid, solid_of
 from gearmesh.answers.check import Check
 from gearmesh.answers.contact.contact import Contact
+from gearmesh.answers.limits import limits_of
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.answers.questions import SolvedGears, loaded_meshes
 from gearmesh.answers.result import Result, header
@@ -42,12 +43,13 @@ LARGEST = 64 * MIB
 class Report(Result):
     """What `run` found and wrote; `skipped` says why there are no pictures, None where there are.
 
-    `contact`: of the first mesh; `meshes`: of every different mesh of a gear set that has several; `sheet`: the sheet of kinds that
-    have one of their own; `loaded`: the first mesh under torque, where one was asked for; `loaded_meshes`: likewise all of them.
+    `contact`: of the first mesh, None of gears that do not mesh; `meshes`: of every different mesh of a gear set that has several;
+    `sheet`: the sheet of kinds that have one of their own; `loaded`: the first mesh under torque, where one was asked for;
+    `loaded_meshes`: likewise all of them.
     """
 
     check: Check
-    contact: Contact
+    contact: Contact | None
     folder: Path
     files: tuple[Path, ...]
     skipped: str | None
@@ -63,9 +65,8 @@ class Report(Result):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What to know of gears and figures, one line each."""
-        told = [mesh.warnings for mesh in (self.contact, *self.meshes)] + [
-            under_load.warnings for under_load in self._under_load
-        ]
+        solved = (self.check if self.contact is None else self.contact, *self.meshes)
+        told = [mesh.warnings for mesh in solved] + [under_load.warnings for under_load in self._under_load]
         return tuple(dict.fromkeys(line for lines in told for line in lines))
 
     @property
@@ -91,7 +92,8 @@ class Report(Result):
             for under_torque in self._under_load
             for table in under_torque.overview
         ]
-        return [meshes, figures("Contact", self.contact.summary), *loaded, *roll, files]
+        contact = [] if self.contact is None else [figures("Contact", self.contact.summary)]
+        return [meshes, *contact, *loaded, *roll, files]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return {"file": [str(file) for file in self.files]}
@@ -105,7 +107,7 @@ class Report(Result):
         return {
             **header(self.check.design),
             "mesh": self.check.meshes,
-            "contact": self.contact.summary,
+            **({} if self.contact is None else {"contact": self.contact.summary}),
             **({"meshes": meshes} if meshes else {}),
             **({} if self.loaded is None else {"loaded": self.loaded.figures}),
             **({"loaded_meshes": under_load} if under_load else {}),
@@ -219,6 +221,8 @@ def run(
     Files of an earlier run that this one does not write are removed: those that its report lists. Raises NoSolutionError
     where no position has contact.
     """
+    if not gears.pairs and torque is None:
+        return _run_alone(gears, folder, tolerance, progress, timing)
     gears.train.pair(0)
     folder.mkdir(parents=True, exist_ok=True)
     stale, written = _listed_files(folder), RunFolder(gears, folder, timing)
@@ -244,6 +248,31 @@ def run(
     files, several = (*written.files, folder / REPORT), tuple(contacts.values()) if written.several else ()
     under_load = tuple(loaded.values()) if several else ()
     report = Report(check, contact, folder, files, skipped, sheet, several, loaded.get(0), under_load)
+    report.save(folder / REPORT, timing=timing)
+    for file in stale - {file.name for file in report.files}:
+        (folder / file).unlink(missing_ok=True)
+    progress(1.0, "done")
+    return report
+
+
+def _run_alone(gears: SolvedGears, folder: Path, tolerance: float, progress: Progress, timing: bool) -> Report:
+    """The same of gears that do not mesh: solids, sheet, limits, plots of modifications, pictures and report."""
+    folder.mkdir(parents=True, exist_ok=True)
+    stale, written = _listed_files(folder), RunFolder(gears, folder, timing)
+    solids = written.write_solids(tolerance, progress)
+    sheet = sheet_of(gears)
+    sheet.save(written.file("sheet.json"), timing=timing)
+    limits_of(gears.design, gears.train).save(written.file("limits.json"), timing=timing)
+    written.write_plots({}, {}, progress)
+    skipped = opengl.missing_opengl_message()
+    if skipped is None:
+        progress(0.7, "pictures")
+        for name, solid in solids.items():
+            mount = gears.members[name].mount
+            placed = {name: solid.mesh.move(gears.places[name])}
+            render(pictures.members_picture(placed, mount.axis, title=gears.title), written.file(f"{name}.png"))
+    files = (*written.files, folder / REPORT)
+    report = Report(gears.check_solved({}, solids), None, folder, files, skipped, sheet)
     report.save(folder / REPORT, timing=timing)
     for file in stale - {file.name for file in report.files}:
         (folder / file).unlink(missing_ok=True)

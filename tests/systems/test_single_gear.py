@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -169,3 +171,20 @@ def test_a_rack_is_the_same_as_with_a_pinion(teeth: int) -> None:
     assert all(theirs[symbol] == row for symbol, row in own.items() if symbol != "V")
     with pytest.raises(DesignError, match=r"^pinion: the rack has no mating gear"):
         alone.contact()
+
+
+def test_runs_without_contact(tmp_path: Path) -> None:
+    gears = gm.build(gm.parse({"kind": "cylindrical", "module": 1, "pinion": {"teeth": 12, "face_width": 4}}))
+    report = gears.run(tmp_path, 0.05)
+    names = {file.name for file in report.files}
+    assert (
+        {"pinion.stl", "sheet.json", "limits.json", "report.json"}
+        <= names
+        == {file.name for file in tmp_path.iterdir()}
+    )
+    document = json.loads((tmp_path / "report.json").read_text())
+    assert "contact" not in document
+    assert document["sheet"]["Members"]["z"][1] == 12
+    assert report.complaints == []
+    with pytest.raises(DesignError, match=r"^gear: the pinion has no mating gear"):
+        gears.run(tmp_path / "loaded", torque=10)
