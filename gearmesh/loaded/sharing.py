@@ -42,8 +42,10 @@ BESIDE = (20, 12)
 STEADY = 0.86
 #: part of a cell by which the end faces of both bodies may be apart to end at the same place
 SAME = 0.5
-#: rounds in which members are moved to where their mounts let them go, and the change, mm, after which they stand there
-MOUNT_ROUNDS, MOUNTED = 8, 1e-5
+#: rounds in which members are moved to where their mounts let them go, of those that springs hold, and the change, mm, after which they stand there
+MOUNT_ROUNDS, HELD_ROUNDS, MOUNTED = 8, 30, 1e-5
+#: change, mm, of what springs hold: they leave a tenth of a newton
+DRAWN = 1e-6
 #: rounds in which grids are fitted to the contact, how much of the half grid it shall fill, and of its length at least
 ROUNDS, FILLED, SHORT = 6, (0.45, 0.97), 0.25
 
@@ -185,7 +187,6 @@ def loaded_mesh(
     wrong = ~(np.isfinite(torque) & (torque > 0.0))
     if wrong.any():
         raise ArgumentError("torque", 0.001 * torque[wrong][0], unit="Nm", allowed="a finite number above 0")
-    supports = None if flexible == (None, None) else Supports.of(gears, flexible)
     modulus = contact_modulus(*materials)
     points = bodies[0].points
     face = float(np.linalg.norm(points[0, -1] - points[0, 0]))
@@ -193,6 +194,9 @@ def loaded_mesh(
     near, most, limit = _reaching(
         gears, phi1, torque.max(), GIVE * torque.max() / (arm * face * modulus), bodies, materials, cells
     )
+    supports = None
+    if flexible != (None, None):
+        supports = Supports.of(gears, flexible, len(phi1), both_hands=bool(near.half.any()))
     shape = (len(torque), len(phi1))
     rotation, tangent, gear_torque, residual = (np.empty(shape) for _ in range(4))
     status, stress, at_tangent, error, own = (np.empty(shape, dtype=np.int64), *np.empty((4, *shape, 2)))
@@ -312,14 +316,16 @@ def _solve_on_mounts(
     limit: float,
 ) -> tuple[_Problem, bool]:
     """The problem of one torque with members where their mounts let them go, and whether their mean displacement has converged."""
-    for _ in range(MOUNT_ROUNDS):
+    for _ in range(HELD_ROUNDS if supports.held else MOUNT_ROUNDS):
         problem = _fit_grids(near, torque, bodies, materials, cells, supports)
-        wanted = problem.displacement().mean(axis=0)
+        own = problem.displacement()
         size = float(problem.grid.levers.max())
-        change = np.abs(wanted - supports.displacement) * [1.0, 1.0, 1.0, size, size, size]
-        if change.max() < MOUNTED:
+        scale = np.array([1.0, 1.0, 1.0, size, size, size])
+        change = np.abs(own.mean(axis=0) - supports.displacement) * scale
+        drawn = np.abs(own - supports.anchor) * scale * (supports.holding > 0.0)
+        if change.max() < MOUNTED and drawn.max() < DRAWN:
             return problem, True
-        supports, moved = supports.displace(gears, wanted)
+        supports, moved = supports.displace(gears, own)
         near = near_pairs(moved, near.phi1, limit)
     return problem, False
 
@@ -361,7 +367,8 @@ class _Problem:
                 wrench = self._slots(wrench_rows).reshape(count, -1, 6)
                 smooth += wrench @ supports.compliance[k] @ wrench.swapaxes(1, 2)
                 # as far as members have been moved, gaps have it already
-                gap -= (wrench @ supports.displacement[k]).reshape(*full[:3], 1)
+                already = supports.displacement[k] - supports.pull[:, k]
+                gap -= (wrench @ already[..., None]).reshape(*full[:3], 1)
         lever = np.broadcast_to(self._slots(grid.levers[0])[..., None], full)
         area = np.broadcast_to(self.area[..., None, None], full)
 
@@ -462,7 +469,7 @@ class _Problem:
     def displacement(self) -> Array:
         """By how much (P, 2, 6), mm and rad, the pressures displace both members in their mounts."""
         assert self.supports is not None
-        displacements = np.zeros((len(self.near.phi1), 2, 6))
+        displacements = self.supports.pull.copy()
         points, normals = self.near.in_place(self.grid.middle), self.near.turn(self.grid.normal)
         for k, wrench in enumerate(self.supports.wrenches(points, normals)):
             force = np.einsum("mxi,mx->mi", wrench, self.line)
