@@ -10,9 +10,9 @@ which adds to the compliance of the teeth, at every position by itself. This neg
 include it, the members are moved by the displacement of the iteration before, the mean of all positions; only the difference is
 then left to the compliance.
 
-A bearing that lets a double helical pinion go along its axis gives way 1000 times as much as teeth do: whatever axial force the halves
-differ by, as a cell more touches on one of them, throws the load from one half onto the other and back. Such members are held by
-springs H as stiff as the teeth are about, at every position where they were in the iteration before, a,
+A bearing that lets a double helical pinion go along its axis gives way 1000 times as much as teeth do: whatever axial force the
+halves differ by, as a cell more touches on one of them, throws the load from one half onto the other and back. Such members are held
+by springs H as stiff as the teeth are about, at every position where they were in the iteration before, a,
 
     displacement = (K + H)^-1 (force + H a),   with (K + H)^-1 = C (1 + H C)^-1,
 
@@ -38,7 +38,6 @@ from gearmesh.kernel.numeric.algebra import Array, cross
 from gearmesh.lengths import Length, in_mm
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
-
 
 #: N/mm; members that both halves of double helical teeth hold along the axis are held by as much where bearings are softer
 HOLDING = 1e5

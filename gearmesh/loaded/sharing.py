@@ -42,7 +42,8 @@ BESIDE = (20, 12)
 STEADY = 0.86
 #: part of a cell by which the end faces of both bodies may be apart to end at the same place
 SAME = 0.5
-#: rounds in which members are moved to where their mounts let them go, of those that springs hold, and the change, mm, after which they stand there
+#: rounds in which members are moved to where their mounts let them go, the same of those that springs hold, and the change, mm,
+#: after which they stand there
 MOUNT_ROUNDS, HELD_ROUNDS, MOUNTED = 8, 30, 1e-5
 #: change, mm, of what springs hold: they leave a tenth of a newton
 DRAWN = 1e-6

@@ -114,7 +114,7 @@ def test_pinions_of_racks_and_of_two_halves_have_bearings(name: str, keys: tuple
 
 
 @pytest.mark.parametrize(
-    ("axial", "aside"), [(1e5, 0.01), (1e3, 0.001), pytest.param(1e3, 0.01, marks=pytest.mark.sweep)]
+    ("axial", "aside"), [(1e5, 0.01), (1e3, 0.0), pytest.param(1e3, 0.01, marks=pytest.mark.sweep)]
 )
 def test_a_pinion_of_two_halves_goes_where_both_carry(axial: float, aside: float) -> None:
     """Of a gear that is 10 um off along its axis one half alone carries; a pinion that its bearing lets go follows, until the
@@ -135,7 +135,7 @@ def test_a_pinion_of_two_halves_goes_where_both_carry(axial: float, aside: float
     if axial == 1e5:
         assert 0.2 * second < first < 0.5 * second
     else:
-        assert moved == pytest.approx(aside, rel=0.02)
+        assert moved == pytest.approx(aside, rel=0.02, abs=1e-6)
         assert first == pytest.approx(second, rel=0.03)
 
 
