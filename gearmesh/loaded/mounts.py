@@ -11,8 +11,8 @@ include it, the members are moved by the displacement of the iteration before, t
 then left to the compliance.
 
 A bearing that lets a double helical pinion go along its axis gives way 1000 times as much as teeth do: whatever axial force the
-halves differ by, as a cell more touches on one of them, throws the load from one half onto the other and back. Such members are held
-by springs H as stiff as the teeth are about, at every position where they were in the iteration before, a,
+halves differ by, as a cell more touches on one of them, throws the load from one half onto the other and back. Such members are
+held by springs H as stiff as the teeth are about, at every position where they were in the iteration before, a,
 
     displacement = (K + H)^-1 (force + H a),   with (K + H)^-1 = C (1 + H C)^-1,
 
