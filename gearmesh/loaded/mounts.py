@@ -152,7 +152,8 @@ class Supports:
     def _share(self) -> Array:
         """(1 + H C)^-1, (2, 6, 6)."""
         own = np.stack([np.zeros((6, 6)) if own is None else own.compliance for own in self.flexible])
-        return np.linalg.inv(np.eye(6) + self.holding[:, :, None] * own)
+        share: Array = np.linalg.inv(np.eye(6) + self.holding[:, :, None] * own)
+        return share
 
     @property
     def pull(self) -> Array:
