@@ -152,8 +152,7 @@ class Supports:
     def _share(self) -> Array:
         """(1 + H C)^-1, (2, 6, 6)."""
         own = np.stack([np.zeros((6, 6)) if own is None else own.compliance for own in self.flexible])
-        share: Array = np.linalg.inv(np.eye(6) + self.holding[:, :, None] * own)
-        return share
+        return np.asarray(np.linalg.inv(np.eye(6) + self.holding[:, :, None] * own), dtype=float)
 
     @property
     def pull(self) -> Array:
