@@ -98,7 +98,7 @@ def test_the_exact_map_is_what_was_asked_for(name: str, side: str) -> None:
     found, rest = parameters_of_map(design, gears)
     # of what is asked for in a corner
     assert np.abs(found - target).max() < max(1.0, 0.03 * np.abs(target).sum())
-    summary = gears.contact().summary
+    summary = gears.contact(phi1=[0.0], cycle=False).summary
     assert [summary[f"ease_off_{key}_um"] for key in KEYS] == pytest.approx(target, abs=0.1)
     # the topography that is told is that of the map, on other points
     assert np.sqrt((rest**2).mean()) == pytest.approx(summary["ease_off_residual_rms_um"], rel=0.35, abs=0.1)

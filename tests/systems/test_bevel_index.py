@@ -9,6 +9,7 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.contact.fit.fit import fit
 from gearmesh.design.core import Design
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.spiral_bevel.sheet.sheet import settings_sheet
@@ -33,9 +34,9 @@ def points_of(design: Design) -> Array:
 
 
 def backlash_of(design: Design) -> float:
-    fit = gm.build(design).contact().fit
-    assert fit is not None
-    return fit.normal_backlash[0]
+    fitted = fit(gm.build(design).pairs[0])
+    assert fitted is not None
+    return fitted.normal_backlash[0]
 
 
 @pytest.mark.parametrize("shift", [1.0, 0.5, -25.0])
