@@ -10,7 +10,7 @@ which adds to the compliance of the teeth, at every position by itself. This neg
 include it, the members are moved by the displacement of the iteration before, the mean of all positions; only the difference is
 then left to the compliance.
 
-A bearing that lets a double helical pinion go along its axis gives way 1000 times as much as teeth do: whatever axial force the
+A bearing that lets a double helical pinion go along its axis has 1000 times the compliance of teeth: whatever axial force the
 halves differ by, as a cell more touches on one of them, throws the load from one half onto the other and back. Such members are
 held by springs H as stiff as the teeth are about, at every position where they were in the iteration before, a,
 
