@@ -19,6 +19,10 @@ from gearmesh.systems.common.plain_sheet import member_table, plain_sheet, tool_
 from gearmesh.systems.system import Setting, SheetTable
 
 
+#: where the values of a row of a table begin, after item and unit
+FIRST = 2
+
+
 class Filling(Result):
     """Values for keys of a design; as ".toml" the design with those values given is saved."""
 
@@ -165,10 +169,37 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
 def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
     """What is derived of one member, as `Gears.sheet` says."""
     part, own = gears.part(name), systems.system_of(gears.design).member_sheet
-    of_member = () if own is None else own(gears.design, name)
-    tables = (*of_member, member_table(part.member), tool_table({name: part.member}))
+    of_member = _columns_of(gears, name) if own is None else own(gears.design, name)
+    at_mid_face = member_table(part.member)
+    tables = (
+        *(table for table in of_member if table.title != at_mid_face.title),
+        at_mid_face,
+        tool_table({name: part.member}),
+    )
     left_out = f"{name}: one member alone: its sheet has no axes, ratio, backlash, contact ratios or forces"
     return DesignSheet(gears.design, tables, {}, (*gears.warnings, *part.warnings, left_out))
+
+
+def _columns_of(gears: GearSet, name: str) -> tuple[SheetTable, ...]:
+    """What the whole sheet says of one member: its columns. Of kinds whose members are made alone it is nothing, as that needs
+    the mating gear."""
+    known = systems.system_of(gears.design)
+    if known.members or known.sheet is None:
+        return ()
+    names = (name, gears.design.table_named(name))
+    return tuple(
+        _column_of(table, column, name)
+        for table in known.sheet(gears.design, gears.train).tables
+        for column in range(len(table.columns))
+        if table.columns[column] in names
+    )
+
+
+def _column_of(table: SheetTable, column: int, name: str) -> SheetTable:
+    """A table with one of its columns alone, and the rows that have a value there."""
+    kept = [k for k, row in enumerate(table.rows) if row[FIRST + column] is not None]
+    rows = tuple((*table.rows[k][:FIRST], table.rows[k][FIRST + column]) for k in kept)
+    return SheetTable(table.title, (name,), rows, tuple(table.symbols[k] for k in kept) if table.symbols else ())
 
 
 def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation:

@@ -125,3 +125,15 @@ def test_a_member_with_settings_of_its_own_needs_no_mating_gear_that_can_be_cut(
     # what is said to be allowed is
     assert found is not None
     assert flanks(alone(GIVEN, f"{key}={found[2]}").members[other]).shape == of_the_pair[other].shape
+
+
+def test_one_member_of_a_pair_that_is_made_together_has_its_columns_of_the_sheet() -> None:
+    gears = gm.build(gm.load(SAMPLES / "planetary.toml"))
+    whole, own = gears.sheet().tables, gears.sheet(member="planet_1").plain_tables
+    for table in whole:
+        if "planet" not in table.columns or table.title == "Tools":
+            continue
+        column = 2 + table.columns.index("planet")
+        theirs = [row[column] for row in table.rows if row[column] is not None]
+        assert [value for _, value in own[table.title].values()] == theirs, table.title
+    assert "Backlash" not in "".join(own)
