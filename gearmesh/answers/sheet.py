@@ -18,7 +18,6 @@ from gearmesh.systems import system as systems
 from gearmesh.systems.common.plain_sheet import member_table, plain_sheet, tool_table
 from gearmesh.systems.system import Setting, SheetTable
 
-
 #: where the values of a row of a table begin, after item and unit
 FIRST = 2
 
