@@ -93,7 +93,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _group(names: Iterable[str]) -> Any:
     """The program as a group of commands: even of a single one."""
-    return typer.main.get_group(command_line(names))
+    return typer.main.get_command(command_line(names))
 
 
 class _ClosedOutput(io.TextIOBase):

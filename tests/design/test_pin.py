@@ -37,7 +37,7 @@ ABSENT = {
     *("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch", "transverse_pressure_angle"),
     *("tip_diameter", "root_diameter", "circumferential_backlash", "backlash", "rim", "bore", "gap_diameter", "rho"),
     *("standard", "topography", "finishing_diameter", "chamfer_diameter", "chamfer_angle", "toprem_angle"),
-    *("start_roll_length", "start_diameter", "start", "stop", "ratio_derivative", "semi_major_axis"),
+    *("start_roll_length", "start_diameter", "start_height", "start", "stop", "ratio_derivative", "semi_major_axis"),
     *("stiffness", "z", "thickness"),
 }
 #: keys that rules which are not of the kind's file say: "that of the cutter", where there is a disk, axes that are parallel

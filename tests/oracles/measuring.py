@@ -52,18 +52,20 @@ def _start(member: Member, first: Side, second: Side) -> Array:
     return np.concatenate((middle(member, first), middle(member, second)))
 
 
-def span(member: Member, count: int) -> float:
-    """Between two parallel planes that touch a right flank and, `count` teeth over, a left one."""
+def span(member: Member, count: int, sense: int = 1) -> float:
+    """Between two parallel planes that touch a right flank and, `count` teeth over, a left one; of an internal gear from a left
+    flank over `count` spaces to a right one."""
+    first, second, over = (Side.RIGHT, Side.LEFT, count - 1) if sense > 0 else (Side.LEFT, Side.RIGHT, count)
 
     def both(x: Array) -> tuple[Array, ...]:
-        return *flank(member, Side.RIGHT, 0.0, *x[:2]), *flank(member, Side.LEFT, count - 1, *x[2:])
+        return *flank(member, first, 0.0, *x[:2]), *flank(member, second, over, *x[2:])
 
     def equations(x: Array) -> Array:
         r1, n1, r2, n2 = both(x)
         return np.concatenate((n1 + n2, np.cross(r1 - r2, n1) / np.linalg.norm(r1 - r2)))
 
-    r1, n1, r2, _ = both(solved(equations, _start(member, Side.RIGHT, Side.LEFT)))
-    return float((r1 - r2) @ n1)
+    r1, n1, r2, _ = both(solved(equations, _start(member, first, second)))
+    return float(sense * (r1 - r2) @ n1)
 
 
 def ball(member: Member, diameter: float, z: float = 0.0) -> tuple[Array, Array]:

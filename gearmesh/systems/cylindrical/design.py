@@ -308,8 +308,6 @@ class CylindricalMember(MemberTable, Modified):
 
     @model_validator(mode="after")
     def _one_thickness(self) -> Self:
-        if self.span is not None and self.internal:
-            raise conflict("span", None, reason="of an internal gear balls or pins are measured")
         if self.balls is not None and self.pins is not None:
             raise conflict("pins", None, reason="cannot be given together with balls")
         if self.allowance_by == "feed" and self.formed:

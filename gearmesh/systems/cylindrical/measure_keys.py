@@ -28,9 +28,11 @@ class MeasuredSize(Table):
 
 
 class SpanMeasurement(MeasuredSize):
-    """Span W_k over teeth of an external gear, for the data sheet, and with limits for the thickness."""
+    """Span W_k over teeth, of an internal gear over spaces, for the data sheet, and with limits for the thickness."""
 
-    teeth: Annotated[int, Key("count", "number k of teeth of the span W_k", low=1, high=1000)]
+    teeth: Annotated[
+        int, Key("count", "number k of teeth, of an internal gear of spaces, of the span W_k", low=1, high=1000)
+    ]
 
 
 class BallMeasurement(MeasuredSize):

@@ -47,7 +47,7 @@ def _check_span(gear: GearProportions, flank: Flank) -> None:
     if fit:
         allowed = f"{fit[0]} to {fit[-1]}" if len(fit) > 1 else f"{fit[0]}"
     raise DesignError(
-        f"{gear.name}.span.teeth", given, reason="its planes do not touch the involutes of both flanks", allowed=allowed
+        f"{gear.name}.span.teeth", given, reason="it does not touch the involutes of both flanks", allowed=allowed
     )
 
 

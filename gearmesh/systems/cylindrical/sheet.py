@@ -439,7 +439,7 @@ def _measures(pair: SheetGears) -> list[Row]:
         ]
 
     return [
-        ("k_W", "teeth of the span", "-", counts),
+        ("k_W", "teeth of the span; internal: spaces", "-", counts),
         *by(counts, "W_k", "span", lambda toothing, count: measures.span(toothing, int(count)), ends=True),
         *by(counts, "d_W", "diameter of contact", lambda toothing, n: 2.0 * measures.span_radius(toothing, int(n))),
         *by(counts, "b_W", "least face width for it", lambda toothing, n: measures.span_width(toothing, int(n))),

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from gearmesh.api.gear import gear_keys, gear_of
 from gearmesh.app.options import Set
 from gearmesh.app.parts import PartFile
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
@@ -72,6 +71,8 @@ def gear(
     settings: Set = None,
 ) -> None:
     """One spur or helical gear without a mating gear, or a rack: its solid, its section, its design, or its data sheet."""
+    from gearmesh.api.gear import gear_keys
+
     name = "rack" if rack else "gear"
     is_design = output is not None and output.suffix.lower() == DESIGN
     file = None if output is None or is_design else PartFile(output, tol)
@@ -107,6 +108,8 @@ def gear(
 
 def _gears(name: str, keys: dict[str, Any], settings: list[str]) -> Gears:
     """The gears; what is refused is named by the option that gave it."""
+    from gearmesh.api.gear import gear_of
+
     try:
         return gear_of(keys, settings)
     except GearmeshError as failure:

@@ -1,6 +1,7 @@
 """Dimensions by which a tooth's thickness is measured, in closed form [ISO 21771; DIN 3960]: span, balls and pins, chords.
 
-Every one is that of the exact surfaces: span is between parallel planes that touch two flanks, a ball touches both flanks of a
+Every one is that of the exact surfaces: span is between parallel planes that touch two flanks, in internal gears along the
+common normal of two flanks, a ball touches both flanks of a
 space, the constant chord joins the feet of the normals from the middle of the tooth at the reference cylinder, the chord at the
 reference cylinder is the shortest between the two flank lines there. Lengths in the unit of the teeth.
 """
@@ -33,30 +34,30 @@ BISECTIONS = 40
 
 
 def span(teeth: Toothing, count: int) -> float:
-    """Span W_k over `count` teeth of an external member, along the normal of the flanks.
+    """Span W_k over `count` teeth, of an internal member over `count` spaces, along the normal of the flanks.
 
-    W_k = (k - 1) p_bn + s_bn, in the plane that touches the base cylinder.
+    W_k = (k - 1) p_bn + s_bn, in the plane that touches the base cylinder; the spaces of an internal member are the teeth of an
+    external one, e_bn takes the place of s_bn.
     """
     pitch = teeth.base_pitch * math.cos(teeth.beta_b)
-    arc = 2.0 * teeth.base_radius * (_half_at_reference(teeth) + involute(teeth.alpha_t))
+    half = math.pi / teeth.teeth - _half_at_reference(teeth) if teeth.internal else _half_at_reference(teeth)
+    arc = 2.0 * teeth.base_radius * (half + involute(teeth.alpha_t))
     return (count - 1) * pitch + arc * math.cos(teeth.beta_b)
 
 
 def span_radius(teeth: Toothing, count: int) -> float:
-    """Radius at which the planes of the span touch the flanks, both in the middle of the face."""
+    """Radius at which the span touches the flanks, both as far from the middle of the face."""
     return math.hypot(teeth.base_radius, 0.5 * span(teeth, count) * math.cos(teeth.beta_b))
 
 
 def span_width(teeth: Toothing, count: int) -> float:
-    """Distance along the axis between the points that the planes touch: a narrower face has no such span."""
+    """Distance along the axis between the points that the span touches: a narrower face has no such span."""
     return span(teeth, count) * abs(math.sin(teeth.beta_b))
 
 
 def span_teeth(teeth: Toothing, flank: tuple[float, float], face: float) -> int | None:
-    """Number of teeth whose span is touched nearest to the V cylinder, on the `flank` (radii) and within the `face` width.
-
-    None where no number is, and of an internal member.
-    """
+    """Number of teeth, or spaces, whose span is touched nearest to the V cylinder, on the `flank` (radii) and within the `face`
+    width; None where no number is."""
     middle = v_radius(teeth)
     return min(
         span_numbers(teeth, flank, face), key=lambda count: abs(span_radius(teeth, count) - middle), default=None
@@ -64,15 +65,13 @@ def span_teeth(teeth: Toothing, flank: tuple[float, float], face: float) -> int 
 
 
 def span_numbers(teeth: Toothing, flank: tuple[float, float], face: float) -> list[int]:
-    """Numbers of teeth whose span is touched on the `flank` (radii) and within the `face` width; none of an internal member."""
-    if teeth.internal:
-        return []
+    """Numbers of teeth, or spaces, whose span is touched on the `flank` (radii) and within the `face` width."""
     pitch = teeth.base_pitch * math.cos(teeth.beta_b)
-    most = int(2.0 * flank[1] / pitch) + 2
+    most = int(2.0 * max(flank) / pitch) + 2
     return [
         count
         for count in range(1, min(most, teeth.teeth) + 1)
-        if flank[0] < span_radius(teeth, count) < flank[1] and span_width(teeth, count) < face
+        if min(flank) < span_radius(teeth, count) < max(flank) and span_width(teeth, count) < face
     ]
 
 
@@ -187,9 +186,9 @@ def over_pins(teeth: Toothing, diameter: float) -> float | None:
 
 
 def thickness_by_span(teeth: Toothing, count: int, size: float) -> float:
-    """Normal thickness at the reference cylinder of teeth that have a span `size` over `count` teeth: that grows with its cosine
-    of alpha_n."""
-    return teeth.thickness + (size - span(teeth, count)) / math.cos(teeth.alpha)
+    """Normal thickness at the reference cylinder of teeth that have a span `size` over `count` teeth, or spaces: that grows with
+    its cosine of alpha_n, in the spaces of an internal member at the cost of the teeth."""
+    return teeth.thickness + teeth.sense * (size - span(teeth, count)) / math.cos(teeth.alpha)
 
 
 def thickness_over_balls(teeth: Toothing, diameter: float, size: float, *, opposite: bool) -> float:
