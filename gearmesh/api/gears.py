@@ -20,6 +20,7 @@ from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.answers.bodies.cad import Cad
+    from gearmesh.answers.bodies.finite_element_model import UnloadedFiniteElements
     from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
     from gearmesh.answers.bodies.section import Section
     from gearmesh.answers.bodies.solid import Solid, Solids
@@ -251,12 +252,18 @@ class Gears(SolvedGears):
         rotation: float | None = None,
         friction: float = 0.0,
         pair: int | str = 0,
-    ) -> FiniteElements:
+    ) -> FiniteElements | UnloadedFiniteElements:
         """A model of the teeth in mesh at `phi1` (deg), as fine as the design's table fe says, ready to be written or solved.
 
         `members`: only some of the pair; `rotation` (deg) of the pinion takes the place of the design's torque; `friction`:
-        coefficient of Coulomb on the flanks.
+        coefficient of Coulomb on the flanks. Of a gear without a mating gear: held as in a pair, not loaded, with evenly spaced
+        lines, in its own frame. Raises DesignError for what needs a mating gear where there is none.
         """
+        if not self.train.pairs:
+            from gearmesh.answers.bodies.finite_element_model import unloaded_elements_of
+
+            asked = {"phi1": phi1, "rotation": rotation, "friction": friction, "pair": pair}
+            return unloaded_elements_of(self.design, self.train, self.warnings, members, asked)
         from gearmesh.answers.bodies.finite_elements import finite_elements_of
 
         angle = None if rotation is None else float(np.radians(rotation))

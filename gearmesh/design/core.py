@@ -332,6 +332,17 @@ class FiniteElementTable(Table):
     ] = 35
 
 
+class UnloadedElementTable(FiniteElementTable):
+    """The same of a member without a mating gear: nothing loads it, and its lines are evenly spaced."""
+
+    absent: ClassVar[Mapping[str, str]] = dict.fromkeys(("torque", "ellipse"), "needs a mating gear: give both tables")
+
+    spacing: Annotated[
+        str,
+        Key("choice", "mesh lines are evenly spaced, as there is no contact to follow", choices=("contact", "even")),
+    ] = "even"
+
+
 @dataclass(frozen=True)
 class _Changed:
     """Keys that were put in anew; designs that are alike but for that are equal."""

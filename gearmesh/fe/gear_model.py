@@ -1,4 +1,5 @@
-"""Finite-element models of gears: teeth in mesh as tooth contact analysis places them, or one member under the same load.
+"""Finite-element models of gears: teeth in mesh as tooth contact analysis places them, one member under the same load, or one
+without a mating gear, held and not loaded, in its own frame.
 
 The model's frame is the pinion's bearing (its axis of rotation is z): one rotation is then all that a torque or a prescribed
 angle needs. The gear is held at its rim and at the cut faces; the pinion's are rigid, and turn about z.
@@ -17,7 +18,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, plane_cross, unit
 from gearmesh.mesh.hexahedra.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HexMesh, join
-from gearmesh.teeth.gear_train import GearPair
+from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
 
 #: overclosure that a model under a torque starts with, over the approach by Hertz. CalculiX makes contact elements only where
@@ -45,24 +46,32 @@ LINE_POINTS = 1000
 
 
 @dataclass(frozen=True)
-class Request:
-    """What a model shall hold.
+class MeshRequest:
+    """What every member's mesh shall hold, in contact or without.
 
-    `members`: "pinion", "gear" or both, in mesh; `teeth` of each, None for all; `cells`: numbers of elements;
-    `ellipse`: elements over each semi-axis of the contact ellipse, 0 for what `cells` allow; `even`: evenly spaced lines;
-    `rim`: mm under the root, None for the default; `torque` (N mm) on the pinion in the sense that drives, or the
+    `teeth`: their number, None for all; `cells`: numbers of elements; `rim`: mm under the root, None for the default.
+    """
+
+    teeth: int | None = 3
+    cells: Cells = CELLS
+    rim: float | None = None
+    second_order: bool = False
+
+
+@dataclass(frozen=True)
+class Request(MeshRequest):
+    """What a model of a pair shall hold.
+
+    `members`: "pinion", "gear" or both, in mesh; `ellipse`: elements over each semi-axis of the contact ellipse, 0 for what
+    `cells` allow; `even`: evenly spaced lines; `torque` (N mm) on the pinion in the sense that drives, or the
     `rotation` (rad) it is turned by instead; `friction`: coefficient of Coulomb on the flanks; `resolved`: more
     lines than `cells` say where the contact ellipse takes them; `every_tooth`: lines follow the contact on the teeth beside the
     leading ones too.
     """
 
     members: tuple[str, ...] = ("pinion", "gear")
-    teeth: int | None = 3
-    cells: Cells = CELLS
     ellipse: int = 0
     even: bool = False
-    rim: float | None = None
-    second_order: bool = False
     torque: float = 1e5
     rotation: float | None = None
     friction: float = 0.0
@@ -133,12 +142,27 @@ def _in_contact(model: Model, pair: GearPair, request: Request, sense: float) ->
 
 def member_mesh(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexMesh:
     """One member's mesh in its own frame, its fine lines round the contact point of the leading tooth; with the set held."""
-    tooth = pair.members[name].one_tooth
+    return held_mesh(pair.members[name], request, grid_of(pair, name, request, at))
+
+
+def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
+    """One member's mesh in its own frame, its lines those of a grid; with the set held, rim and cut faces."""
+    tooth = member.one_tooth
     count = min(request.teeth or tooth.teeth, tooth.teeth)
     teeth = np.arange(count) - (count - 1) // 2
-    mesh = hex_mesh(tooth, teeth, grid_of(pair, name, request, at), request.rim, second_order=request.second_order)
+    mesh = hex_mesh(tooth, teeth, grid, request.rim, second_order=request.second_order)
     held = [mesh.node_sets[key] for key in ("rim", "cut_right", "cut_left") if key in mesh.node_sets]
     return replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
+
+
+def unloaded_model(member: Member, request: MeshRequest, material: Material, title: str = "gearmesh") -> Model:
+    """The model of a member without a mating gear: held as in a pair, not loaded, its lines evenly spaced; its own frame.
+
+    Sets are those of `gear_model`. Raises TrimError for teeth that cannot be trimmed, DesignError for a rim that does not fit.
+    """
+    name = member.name
+    mesh = join({name: held_mesh(member, request, plain_grid(request.cells))})
+    return Model(title, mesh, {name: material}, supports=(Support(f"{name}_held"),))
 
 
 def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexGrid:

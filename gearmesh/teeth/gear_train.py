@@ -381,6 +381,10 @@ class GearTrain:
                 return pair
         raise ArgumentError("pair", which, must_be=f"one of {', '.join(pair.name for pair in self.pairs)}")
 
+    def needs_pair(self, argument: str, value: object) -> DesignError:
+        """The refusal of an argument that needs members that mesh."""
+        return ArgumentError(argument, value, reason="needs a mating gear", remedy=f"add the table [{self.lacking}]")
+
     def _without_pair(self) -> DesignError:
         """The refusal of what needs members that mesh."""
         return DesignError(

@@ -6,8 +6,10 @@ import json
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
+from oracles.command_line import refused, run
 
 import gearmesh as gm
 from gearmesh.errors import DesignError
@@ -91,6 +93,84 @@ def test_is_the_same_gear_as_in_a_pair(name: str, table: str) -> None:
             assert theirs[title][symbol][1 + column] == value, (title, symbol)
             compared += 1
     assert compared > 40
+
+
+@pytest.mark.parametrize(
+    ("name", "table", "order"), [("helical", "gear", 2), ("internal", "gear", 1), ("shaped", "pinion", 1)]
+)
+def test_finite_elements_are_those_of_the_member_of_a_pair(name: str, table: str, order: int) -> None:
+    """Second route: the pair's model with even lines, moved back from where contact analysis places it."""
+    compare_models(*alone_and_in_pair(name, table), table, {"fe.order": order})
+
+
+def test_finite_elements_of_a_rack_are_those_beside_a_pinion() -> None:
+    # the pair's hand is that of the pinion
+    keys = {"kind": "rack", "module": 2, "helix_angle": 12, "rack": {"teeth": 5, "face_width": 12}}
+    alone = gm.build(gm.parse({**keys, "hand": "left"}))
+    compare_models(
+        alone, gm.build(gm.parse({**keys, "pinion": {"teeth": 20, "face_width": 12}})), "rack", {"fe.teeth": 0}
+    )
+
+
+def compare_models(alone: gm.Gears, pair: gm.Gears, member: str, keys: dict[str, Any]) -> None:
+    """The same elements, sets, material and support, and the same nodes to 1e-12 mm."""
+    keys = {"fe.flank": 5, "fe.fillet": 4, "fe.thickness": 2, "fe.face": 6, **keys}
+    own = gm.build(alone.design.with_values(keys)).finite_elements()
+    other = gm.build(pair.design.with_values({**keys, "fe.spacing": "even"})).finite_elements(members=[member])
+    at, mesh, theirs = other.built.at, own.model.mesh, other.model.mesh
+    placed = at.frame @ pair.members[member].mount.at(at.turns[other.pair.index(member)])
+    np.testing.assert_allclose(mesh.nodes, placed.inverse.point(theirs.nodes), rtol=0.0, atol=1e-12)
+    assert np.array_equal(mesh.elements, theirs.elements)
+    for kind in ("node_sets", "face_sets", "element_sets"):
+        sets, wanted = getattr(mesh, kind), getattr(theirs, kind)
+        assert list(sets) == list(wanted)
+        assert all(np.array_equal(sets[key], wanted[key]) for key in sets)
+    assert own.model.supports == other.model.supports
+    assert own.model.materials == other.model.materials
+    assert not own.model.forces
+
+
+def test_finite_elements_fill_the_solid() -> None:
+    """All teeth down to the bore: the volume in closed form, but for the chords of the curves, 5e-5 of it here."""
+    gear = {"teeth": 30, "face_width": 10, "bore": 12}
+    coarse = {"teeth": 0, "rim": 7.75, "flank": 4, "fillet": 4, "thickness": 2, "rim_layers": 2, "face": 2}
+    gears = gm.build(gm.parse({"kind": "cylindrical", "module": 1, "gear": gear, "fe": coarse}))
+    model = gears.finite_elements()
+    assert "gear_bore" in model.model.mesh.node_sets
+    assert model.figures["volume_mm3"] == pytest.approx(gears.members["gear"].plain_volume(), rel=1e-4)
+
+
+def test_fe_command_of_one_gear(tmp_path: Path) -> None:
+    """Every format; what needs a mating gear is refused by its option, before anything is written."""
+    mapdl_archive = pytest.importorskip("mapdl_archive")
+    design = tmp_path / "one.toml"
+    design.write_text('kind = "cylindrical"\nmodule = 1\n[gear]\nteeth = 30\nface_width = 10\n')
+    coarse = ["--set", "fe.flank=4", "--set", "fe.fillet=3", "--set", "fe.face=2", "--teeth", "1"]
+    files = [tmp_path / f"one.{suffix}" for suffix in ("inp", "msh", "vtu", "cdb")]
+    for file in files:
+        status, out, _ = run("fe", design, "-o", file, *coarse, "--json", "-")
+        assert status == 0
+    document = json.loads(out)
+    points = [len(meshio.read(file).points) for file in files[:3]]
+    assert [*points, mapdl_archive.Archive(files[3]).n_node] == [document["model"]["nodes"]] * 4
+    assert set(document["model"]) == {"elements", "element_order", "nodes", "min_scaled_jacobian", "volume_mm3"}
+    assert document["design"]["fe"]["spacing"] == "even"
+    deck = (tmp_path / "one.inp").read_text()
+    assert "*BOUNDARY\ngear_held, 1, 1, 0\n" in deck
+    assert not any(word in deck for word in ("*CLOAD", "*CONTACT PAIR", "*RIGID BODY"))
+    why = "needs a mating gear: add the table [pinion]"
+    for option, value, shown in (
+        ("--phi1", "5", "5"),
+        ("--rotation", "0.1", "0.1"),
+        ("--friction", "0.1", "0.1"),
+        ("--pair", "pinion-gear", "pinion-gear"),
+        ("--solve", None, "true"),
+    ):
+        given = [option] if value is None else [option, value]
+        assert refused("fe", design, "-o", tmp_path / "no.inp", *given) == f"{option} = {shown}: {why}"
+    line = "fe.torque: needs a mating gear: give both tables"
+    assert refused("fe", design, "-o", tmp_path / "no.inp", "--torque", "50") == line
+    assert not (tmp_path / "no.inp").exists()
 
 
 def test_measures_are_the_published_ones() -> None:

@@ -6,12 +6,18 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from gearmesh.answers.bodies.finite_element_model import (
+    FiniteElementModel,
+    bad_shapes,
+    mesh_figures,
+    mesh_request_of,
+    omissions,
+)
 from gearmesh.answers.bodies.model_figures import (
     DeckFigures,
     HalfAxes,
@@ -26,7 +32,7 @@ from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, cell, figures, round_to
 from gearmesh.design.core import Design
-from gearmesh.errors import ArgumentError, DesignError, OutputError
+from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, gear_model, grid_of
 from gearmesh.fe.model import Model
 from gearmesh.fe.placing import PlacedPair, focus_on, place
@@ -34,12 +40,7 @@ from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, 
 from gearmesh.figures import Content, Entry, Summary
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
-from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
-from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.teeth.gear_train import GearPair
-
-if TYPE_CHECKING:
-    import pyvista
 
 #: elements up to which models with default numbers of lines get more of them until these resolve the contact pressure
 LARGEST_DEFAULT = 150_000
@@ -47,69 +48,21 @@ LARGEST_DEFAULT = 150_000
 LARGEST_FRICTION = 1.0
 #: keys of the table fe that say how fine the lines are where the teeth touch
 LINES = frozenset({"flank", "thickness", "face"})
-#: scaled Jacobian below which elements are worth a warning
-LEAST_JACOBIAN = 0.2
 
 
 @dataclass(frozen=True, repr=False)
-class FiniteElements(Result):
+class FiniteElements(FiniteElementModel):
     """A pair's model, ready to be written or solved, and its figures as they are reported."""
 
-    design: Design
+    measured: ModelFigures
     pair: GearPair
     request: Request
     built: GearModel
-    measured: ModelFigures
-    warnings: tuple[str, ...]
-
-    @property
-    def suffixes(self) -> tuple[str, ...]:
-        from gearmesh.fe import decks
-
-        return (*dict.fromkeys(format.suffix for format in decks.formats().values()), ".json")
-
-    @property
-    def headline(self) -> str:
-        return f"{self.measured.elements} elements, scaled Jacobian {self.measured.min_scaled_jacobian:.3g} at least"
-
-    @property
-    def figures(self) -> Summary:
-        """All figures, by their keys."""
-        return Summary(self.measured)
-
-    @property
-    def model(self) -> Model:
-        """The model itself: mesh with sets, materials, supports, contacts, loads."""
-        return self.built.model
 
     @property
     def coarse(self) -> str:
         """Why the model does not resolve the contact pressure of the leading teeth; empty where it does."""
         return self.measured.coarse
-
-    @property
-    def listings(self) -> list[Listing]:
-        return [figures("Model", self.measured)]
-
-    def to_dict(self) -> dict[str, list[Any]]:
-        return columns([self.measured.flat])
-
-    @property
-    def sections(self) -> Mapping[str, Content]:
-        return {**header(self.design), "model": self.measured, "solution": None}
-
-    def save(self, path: str | PathLike[str], *, timing: bool = True, program: str | None = None) -> Path:
-        """Write the model (.inp, .msh, .vtu, .cdb) or its figures (.json); `program` "calculix" or "abaqus" is whose .inp.
-
-        Raises OutputError for a file that cannot be written.
-        """
-        target = Path(path)
-        if target.suffix.lower() == ".json":
-            return super().save(target, timing=timing)
-        from gearmesh.fe.decks import write_model
-
-        write_model(self.model, target, program)
-        return target
 
     def solve(self, progress: Callable[[float, str], None] | None = None) -> FiniteElementSolution:
         """Run CalculiX on the model; contact and rotation are those of both members in mesh.
@@ -117,14 +70,6 @@ class FiniteElements(Result):
         Raises OutputError if it is not installed, NoSolutionError if it fails.
         """
         return _solve(self, progress)
-
-    def to_pyvista(self) -> pyvista.UnstructuredGrid:
-        """The mesh for pyvista."""
-        import pyvista
-
-        mesh = self.model.mesh
-        kind = pyvista.CellType.QUADRATIC_HEXAHEDRON if mesh.second_order else pyvista.CellType.HEXAHEDRON
-        return pyvista.UnstructuredGrid({kind: mesh.elements}, mesh.nodes)
 
 
 @dataclass(frozen=True, repr=False)
@@ -238,21 +183,16 @@ def request_of(
 
     Raises DesignError for an even number of teeth and a coefficient of `friction` that is none.
     """
-    wanted = design.in_mm().fe
-    if wanted.teeth and wanted.teeth % 2 == 0:
-        raise DesignError("fe.teeth", wanted.teeth, must_be="an odd number, or 0 for all teeth")
+    own, wanted = mesh_request_of(design), design.in_mm().fe
     if not 0.0 <= friction <= LARGEST_FRICTION:
         raise ArgumentError("friction", friction, must_be=f"a coefficient from 0 to {LARGEST_FRICTION:g}")
     if friction and len(members) == 1:
         raise ArgumentError("friction", friction, must_be="left out for one member alone, which has no contact")
     return Request(
+        **vars(own),
         members=tuple(members),
-        teeth=wanted.teeth or None,
-        cells=Cells(wanted.flank, wanted.fillet, wanted.thickness, wanted.rim_layers, wanted.face),
         ellipse=wanted.ellipse,
         even=wanted.spacing == "even",
-        rim=wanted.rim,
-        second_order=wanted.order == 2,
         torque=1e3 * wanted.torque,
         rotation=rotation,
         friction=friction,
@@ -276,7 +216,7 @@ def finite_elements_of(
     """
     request = _request(design, pair, members, rotation, friction)
     made = _make(design, pair, request, place(pair, phi1, request.torque, request.materials))
-    return replace(made, warnings=(*warnings, *_omissions(pair, request), *_warnings(request, [made.measured])))
+    return replace(made, warnings=(*warnings, *_missing_parts(pair, request), *_warnings(request, [made.measured])))
 
 
 def finite_element_decks_of(
@@ -319,7 +259,7 @@ def finite_element_decks_of(
         for job, asked, model in zip(jobs, phi1, models, strict=True)
     ]
     return FiniteElementDecks(
-        design, folder, rows, (*warnings, *_omissions(pair, request), *_warnings(request, models))
+        design, folder, rows, (*warnings, *_missing_parts(pair, request), *_warnings(request, models))
     )
 
 
@@ -348,13 +288,8 @@ def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
     if request.resolved and len(built.model.mesh.elements) > LARGEST_DEFAULT:
         needed, request = len(built.model.mesh.elements), replace(request, resolved=False)
         built = gear_model(pair, request, at, design.name or design.kind)
-    mesh = built.model.mesh
     figures = ModelFigures(
-        elements=len(mesh.elements),
-        element_order=2 if request.second_order else 1,
-        nodes=len(mesh.nodes),
-        min_scaled_jacobian=float(scaled_jacobian(mesh.nodes, mesh.elements).min()),
-        volume=float(volumes(mesh.nodes, mesh.elements).sum()),
+        **vars(mesh_figures(built.model.mesh)),
         phi1=float(np.degrees(at.turns[0])),
         phi2=float(np.degrees(at.turns[1])),
         torque=1e-3 * request.torque,
@@ -369,7 +304,7 @@ def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
         facets_gap=1e3 * built.gap,
         seconds=time.perf_counter() - started,
     )
-    return FiniteElements(design, pair, request, built, figures, ())
+    return FiniteElements(design, built.model, figures, (), pair, request, built)
 
 
 def _resolution(pair: GearPair, request: Request, built: GearModel) -> Resolution:
@@ -410,10 +345,11 @@ def _warnings(request: Request, models: Sequence[ModelFigures]) -> list[str]:
         warnings.append(
             f"the model does not resolve the contact pressure{places}: {unresolved[0].coarse}{_remedy(unresolved[0])}"
         )
-    least = min(model.min_scaled_jacobian for model in models)
-    if least < LEAST_JACOBIAN:
-        warnings.append(f"the worst elements are badly shaped: their scaled Jacobian is {least:.3g}")
-    return warnings
+    return [*warnings, *bad_shapes(models)]
+
+
+def _missing_parts(pair: GearPair, request: Request) -> list[str]:
+    return omissions(pair.members[name] for name in request.members)
 
 
 def _remedy(figures: ModelFigures) -> str:
@@ -428,26 +364,6 @@ def _remedy(figures: ModelFigures) -> str:
     return f"; fe.ellipse = {enough} resolves it" + (
         f", and so do {more} elements with the default spacing" if more else ""
     )
-
-
-def _omissions(pair: GearPair, request: Request) -> list[str]:
-    """Parts of the bodies that the model does not have, reported once."""
-    parts: dict[str, list[str]] = {}
-    for name in request.members:
-        member = pair.members[name]
-        has = {
-            "hub": member.hub,
-            "keyway": member.keyway,
-            "web": member.plain_body.web,
-            "holes": member.holes,
-        }
-        for part, there in has.items():
-            if there:
-                parts.setdefault(part, []).append(name)
-    if not parts:
-        return []
-    what = ", ".join(f"{part} ({', '.join(names)})" for part, names in parts.items())
-    return [f"the finite-element model has no shaft and none of: {what}"]
 
 
 def _solve(problem: FiniteElements, progress: Callable[[float, str], None] | None) -> FiniteElementSolution:

@@ -50,14 +50,27 @@ class Resolution(Figures):
 
 
 @dataclass(frozen=True)
-class ModelFigures(Figures):
-    """A finite-element model of gears in mesh."""
+class MeshFigures(Figures):
+    """The elements of a finite-element model."""
 
     elements: int = figure("elements", whole=True)
     element_order: int = figure("order of the elements: 1 or 2", whole=True)
     nodes: int = figure("nodes", whole=True)
     min_scaled_jacobian: float = figure("least scaled Jacobian of the elements")
     volume: float = figure("volume of the elements", "mm3", "V")
+
+
+@dataclass(frozen=True)
+class UnloadedModelFigures(MeshFigures):
+    """A finite-element model of a member without a mating gear."""
+
+    seconds: float = figure("run time", "s", timing=True)
+
+
+@dataclass(frozen=True)
+class ModelFigures(MeshFigures):
+    """A finite-element model of gears in mesh."""
+
     phi1: float = figure("rotation of the pinion", "deg", "phi_1")
     phi2: float = figure("rotation of the gear", "deg", "phi_2")
     torque: float = figure("torque on the pinion", "Nm", "T_1")

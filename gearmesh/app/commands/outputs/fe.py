@@ -24,6 +24,7 @@ from gearmesh.app.terminal import Progress, refuse_suffix, refuse_unwritable, sh
 from gearmesh.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from gearmesh.answers.bodies.finite_element_model import UnloadedFiniteElements
     from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
 
 
@@ -56,7 +57,7 @@ def fe(
         str | None,
         typer.Option("--teeth", metavar="K|all", help="Teeth of each member: an odd number, or all."),
     ] = None,
-    phi1: Positions = "0",
+    phi1: Positions = None,
     torque: Annotated[float | None, typer.Option("--torque", metavar="NM", help="Torque on the pinion.")] = None,
     rotation: Annotated[
         float | None,
@@ -88,14 +89,17 @@ def fe(
     design = load_design(design_file, [*(settings or []), *_fe_overrides(teeth, torque)])
     for file in (output if len(positions) == 1 else None, json_file, picture):
         refuse_unwritable(file)
+    gears = gm.build(design)
+    if not gears.pairs:
+        _refuse_unpaired(gears, phi1=phi1, rotation=rotation, friction=friction, pair=pair, solve=solve or None)
     if solve:
         from gearmesh.fe.ccx import program as ccx
 
         ccx()
-    gears = gm.build(design)
-    mesh = chosen_pair(gears, pair)
-    members = _members(tuple(gears.train.pair(mesh).members), member, friction)
-    answer: FiniteElements | FiniteElementSolution | FiniteElementDecks
+    mesh = chosen_pair(gears, pair) if gears.pairs else 0
+    names = gears.train.pair(mesh).members if gears.pairs else gears.members
+    members = _members(tuple(names), member, friction)
+    answer: FiniteElements | UnloadedFiniteElements | FiniteElementSolution | FiniteElementDecks
     with working("finite-element model") as progress:
         chosen = None if program is None else program.value
         if len(positions) > 1 and output is not None:
@@ -123,6 +127,13 @@ def fe(
     warn(warnings)
 
 
+def _refuse_unpaired(gears: gm.Gears, **options: object) -> None:
+    """Refuse options that are given and need a mating gear."""
+    for option, value in options.items():
+        if value is not None:
+            raise gears.train.needs_pair(option, value)
+
+
 def _members(names: tuple[str, ...], member: str, friction: float | None) -> tuple[str, ...] | None:
     """Which of the members with these names are modelled; None for both."""
     if member not in (BOTH, *names):
@@ -134,7 +145,9 @@ def _members(names: tuple[str, ...], member: str, friction: float | None) -> tup
     return None if member == BOTH else (member,)
 
 
-def _solve(gears: gm.Gears, model: FiniteElements, picture: Path | None, progress: Progress) -> FiniteElementSolution:
+def _solve(
+    gears: gm.Gears, model: FiniteElements | UnloadedFiniteElements, picture: Path | None, progress: Progress
+) -> FiniteElementSolution:
     """A model solved by CalculiX, with a picture of it where one is asked for."""
     solution = model.solve(progress)
     if picture is not None:

@@ -8,7 +8,14 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import FlankContact, MemberMaterial, TipChamfer, TipRounding, refuse_both_edges
+from gearmesh.design.core import (
+    FlankContact,
+    MemberMaterial,
+    TipChamfer,
+    TipRounding,
+    UnloadedElementTable,
+    refuse_both_edges,
+)
 from gearmesh.design.keys import DERIVED, Key, conflict
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PinionRunout
@@ -205,6 +212,8 @@ class SingleRackDesign(RackKeys):
     hand: Annotated[
         str, Key("choice", "hand of the traces, as of a gear that they are on", choices=("right", "left"))
     ] = "right"
+
+    fe: UnloadedElementTable = UnloadedElementTable()
 
     @property
     def counted_teeth(self) -> int:

@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.design.core import UnloadedElementTable
 from gearmesh.design.keys import Key, conflict
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
 
@@ -32,6 +33,7 @@ class SingleGearDesign(HalvesKeys):
     about: ClassVar[str] = "one spur or helical gear, external or internal, without a mating gear [ISO 21771]"
 
     hand: Annotated[str, Key("choice", "hand of the gear's helix", choices=("right", "left"))] = "right"
+    fe: UnloadedElementTable = UnloadedElementTable()
     pinion: CylindricalMember | None = None
     gear: CylindricalMember | None = None
 

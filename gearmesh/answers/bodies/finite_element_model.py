@@ -1,0 +1,179 @@
+"""Finite-element models as answers: what every one has and how it is written, and those of members without a mating gear."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from gearmesh.answers.bodies.model_figures import MeshFigures, UnloadedModelFigures
+from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.tables import Listing, figures
+from gearmesh.contact.hertz import Material
+from gearmesh.design.core import Design
+from gearmesh.errors import ArgumentError, DesignError
+from gearmesh.fe.gear_model import MeshRequest, unloaded_model
+from gearmesh.fe.model import Model
+from gearmesh.figures import Content, Summary
+from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra.hexahedra import Cells
+from gearmesh.mesh.hexahedra.hexes import HexMesh
+from gearmesh.teeth.gear_train import GearTrain, Member
+
+if TYPE_CHECKING:
+    import pyvista
+
+#: scaled Jacobian below which elements are worth a warning
+LEAST_JACOBIAN = 0.2
+
+
+@dataclass(frozen=True, repr=False)
+class FiniteElementModel(Result):
+    """A model, ready to be written, and its figures as they are reported.
+
+    `model`: mesh with sets, materials, supports, contacts, loads.
+    """
+
+    design: Design
+    model: Model
+    measured: MeshFigures
+    warnings: tuple[str, ...]
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        from gearmesh.fe import decks
+
+        return (*dict.fromkeys(format.suffix for format in decks.formats().values()), ".json")
+
+    @property
+    def headline(self) -> str:
+        return f"{self.measured.elements} elements, scaled Jacobian {self.measured.min_scaled_jacobian:.3g} at least"
+
+    @property
+    def figures(self) -> Summary:
+        """All figures, by their keys."""
+        return Summary(self.measured)
+
+    @property
+    def listings(self) -> list[Listing]:
+        return [figures("Model", self.measured)]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns([self.measured.flat])
+
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "model": self.measured, "solution": None}
+
+    def save(self, path: str | PathLike[str], *, timing: bool = True, program: str | None = None) -> Path:
+        """Write the model (.inp, .msh, .vtu, .cdb) or its figures (.json); `program` "calculix" or "abaqus" is whose .inp.
+
+        Raises OutputError for a file that cannot be written.
+        """
+        target = Path(path)
+        if target.suffix.lower() == ".json":
+            return super().save(target, timing=timing)
+        from gearmesh.fe.decks import write_model
+
+        write_model(self.model, target, program)
+        return target
+
+    def to_pyvista(self) -> pyvista.UnstructuredGrid:
+        """The mesh for pyvista."""
+        import pyvista
+
+        mesh = self.model.mesh
+        kind = pyvista.CellType.QUADRATIC_HEXAHEDRON if mesh.second_order else pyvista.CellType.HEXAHEDRON
+        return pyvista.UnstructuredGrid({kind: mesh.elements}, mesh.nodes)
+
+
+@dataclass(frozen=True, repr=False)
+class UnloadedFiniteElements(FiniteElementModel):
+    """The model of a member without a mating gear, in its own frame: held, not loaded."""
+
+    train: GearTrain
+
+    def solve(self, progress: Callable[[float, str], None] | None = None) -> NoReturn:
+        """Raises DesignError: nothing loads the model."""
+        raise self.train.needs_pair("solve", True)
+
+
+def mesh_request_of(design: Design) -> MeshRequest:
+    """The mesh that a design's table fe defines, in contact or without. Raises DesignError for an even number of teeth."""
+    wanted = design.in_mm().fe
+    if wanted.teeth and wanted.teeth % 2 == 0:
+        raise DesignError("fe.teeth", wanted.teeth, must_be="an odd number, or 0 for all teeth")
+    return MeshRequest(
+        teeth=wanted.teeth or None,
+        cells=Cells(wanted.flank, wanted.fillet, wanted.thickness, wanted.rim_layers, wanted.face),
+        rim=wanted.rim,
+        second_order=wanted.order == 2,
+    )
+
+
+def mesh_figures(mesh: HexMesh) -> MeshFigures:
+    """The figures of a mesh."""
+    return MeshFigures(
+        elements=len(mesh.elements),
+        element_order=2 if mesh.second_order else 1,
+        nodes=len(mesh.nodes),
+        min_scaled_jacobian=float(scaled_jacobian(mesh.nodes, mesh.elements).min()),
+        volume=float(volumes(mesh.nodes, mesh.elements).sum()),
+    )
+
+
+def unloaded_elements_of(
+    design: Design,
+    train: GearTrain,
+    warnings: tuple[str, ...] = (),
+    members: Sequence[str] | None = None,
+    asked: Mapping[str, object] | None = None,
+) -> UnloadedFiniteElements:
+    """The model of the member of a gear set without pairs; `asked`: arguments that need a mating gear, and their values.
+
+    Raises DesignError for any of these that is neither None nor 0, for another member, and for a design that cannot be modelled.
+    """
+    started = time.perf_counter()
+    for argument, value in (asked or {}).items():
+        if value:
+            raise train.needs_pair(argument, value)
+    (member,) = train.unpaired
+    if members is not None and tuple(members) != (member.name,):
+        raise ArgumentError("members", list(members), must_be=f"left out, or {member.name}")
+    material = Material(*design.elastic(member.name))
+    model = unloaded_model(member, mesh_request_of(design), material, design.name or design.kind)
+    measured = mesh_figures(model.mesh)
+    model_figures = UnloadedModelFigures(**vars(measured), seconds=time.perf_counter() - started)
+    noticed = (*warnings, *omissions([member]), *bad_shapes([measured]))
+    return UnloadedFiniteElements(design, model, model_figures, noticed, train)
+
+
+def bad_shapes(models: Iterable[MeshFigures]) -> list[str]:
+    """The warning of models with badly shaped elements, reported once."""
+    least = min(model.min_scaled_jacobian for model in models)
+    return (
+        [f"the worst elements are badly shaped: their scaled Jacobian is {least:.3g}"] if least < LEAST_JACOBIAN else []
+    )
+
+
+def omissions(members: Iterable[Member]) -> list[str]:
+    """Parts of the bodies of members that the model does not have, reported once."""
+    parts: dict[str, list[str]] = {}
+    for member in members:
+        has = {
+            "hub": member.hub,
+            "keyway": member.keyway,
+            "web": member.plain_body.web,
+            "holes": member.holes,
+        }
+        for part, there in has.items():
+            if there:
+                parts.setdefault(part, []).append(member.name)
+    if not parts:
+        return []
+    what = ", ".join(f"{part} ({', '.join(names)})" for part, names in parts.items())
+    return [f"the finite-element model has no shaft and none of: {what}"]
