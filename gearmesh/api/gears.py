@@ -527,13 +527,16 @@ class Gears(SolvedGears):
 
         `tolerance` (mm; 0.01) is that of the meshes shown; with `check` meshes and contact are checked, and the verdicts in it;
         `source` is the text of the design's file; `studies` are folders of finished ones; with one `torque` or several (Nm) on the
-        first pair's pinion the contact of all pairs that differ under load, too. Raises NoSolutionError where a pair has
-        no contact at any position, OutputError for a folder without a study.
+        first pair's pinion the contact of all pairs that differ under load, too. Of a gear without a mating gear: solid, workshop
+        drawing, limits and data sheet. Raises NoSolutionError where a pair has no contact at any position, OutputError for a
+        folder without a study, DesignError for a torque where there is no mating gear.
         """
         from gearmesh.answers.questions import loaded_meshes
         from gearmesh.api.report import SHOWN, report_page
         from gearmesh.view.load.loaded_pictures import LoadedPictures
 
+        if torque is not None:
+            self.train.pair(0)
         contacts = {k: self.contact(pair=k) for k in self.train.different}
         verdicts = None
         if check:

@@ -11,7 +11,6 @@ from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -20,14 +19,17 @@ from gearmesh.answers.check import Check
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.staging import staged_contact
 from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.limits import limits_of
 from gearmesh.answers.sheet import sheet_of
 from gearmesh.answers.tables import Listing, as_html, figures
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.files import with_version
+from gearmesh.drawing.drawing import WorkshopDrawing, drawing_of
 from gearmesh.errors import NoSolutionError, OutputArgumentError, OutputError
 from gearmesh.files.reading import MIB, file_bytes, read_json
 from gearmesh.io.atomic import whole_text
+from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.study.summary import StudySummary
 from gearmesh.teeth.gear_train import GearTrain
 from gearmesh.view import opengl, pictures
@@ -40,6 +42,7 @@ from gearmesh.view.render import Image, render
 from gearmesh.view.report import page as pages
 from gearmesh.view.report.page import PageSection, drawing, listing, picture, three_version
 from gearmesh.view.report.stage import StagedMember, StagedPair, stage
+from gearmesh.view.scene import Scene
 
 #: mm: distance of the meshes shown from the exact surfaces
 SHOWN = 0.01
@@ -89,13 +92,12 @@ def report_page(
 ) -> ReportPage:
     """The page of gears with solved contacts, by the numbers of their pairs.
 
-    `tolerance` (mm) is that of the meshes shown; with a `check` its verdicts are in it; `images` (captions and RGB pixels, all
-    gears first) are drawn where they are not given; `source` is the design's file, by default the keys that the design sets;
-    `studies` are the folders of finished ones; `loaded`
-    is the contact under torque of pairs, by their numbers. Raises OutputError for a folder without a study,
+    Of gears that do not mesh there are no contacts, but a workshop drawing and limits. `tolerance` (mm) is that of the meshes
+    shown; with a `check` its verdicts are in it; `images` (captions and RGB pixels, all gears first) are drawn where they are not
+    given; `source` is the design's file, by default the keys that the design sets; `studies` are the folders of finished ones;
+    `loaded` is the contact under torque of pairs, by their numbers. Raises OutputError for a folder without a study,
     NoSolutionError where a pair has no contact at any position.
     """
-    gears.train.pair(0)
     for contact in contacts.values():
         if not contact.path.touching.any():
             raise NoSolutionError(
@@ -104,15 +106,11 @@ def report_page(
             )
     members = [StagedMember.of(member, tolerance) for member in gears.members.values()]
     meshes = {member.member.name: member.whole for member in members}
-    first = contacts[0]
-    if len(gears.pairs) > 1:
-        overview = pictures.set_picture(first.pair, gears.place(meshes), PICTURE_SIZE)
-    else:
-        overview = pictures.pair_picture(first.pair, meshes, first.path, PICTURE_SIZE)
+    overview = _overview(gears, contacts, meshes)
     skipped = opengl.missing_opengl_message()
     if images is None:
         images = [] if skipped else _draw(gears, contacts, members, overview)
-    checks = {} if check is None else dict(zip(contacts, (check, *check.others), strict=True))
+    checks = {} if check is None or not contacts else dict(zip(contacts, (check, *check.others), strict=True))
     loads = {} if loaded is None else dict(loaded)
     staged = [_stage(gears.train, contact, checks.get(k), loads.get(k)) for k, contact in contacts.items()]
     data = stage(gears.train, members, staged, overview.camera)
@@ -128,9 +126,22 @@ def report_page(
         lines = (*lines, skipped)
     warnings = tuple(dict.fromkeys(lines))
     teeth = ", ".join(f"{name} {member.tooth.teeth}" for name, member in gears.members.items())
-    summary = f"{gears.design.kind}, teeth: {teeth}; {first.headline}"
+    summary = "; ".join(
+        [f"{gears.design.kind}, teeth: {teeth}", *(contact.headline for contact in [*contacts.values()][:1])]
+    )
     html = pages.page(gears.title, summary, warnings, data, shots, sections)
     return ReportPage(gears.title, html, warnings, skipped)
+
+
+def _overview(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[str, TriangleMesh]) -> Scene:
+    """All gears, in mesh where they do."""
+    if not contacts:
+        axis = next(iter(gears.members.values())).mount.axis
+        return pictures.members_picture(gears.place(meshes), axis, PICTURE_SIZE)
+    first = contacts[0]
+    if len(gears.pairs) > 1:
+        return pictures.set_picture(first.pair, gears.place(meshes), PICTURE_SIZE)
+    return pictures.pair_picture(first.pair, dict(meshes), first.path, PICTURE_SIZE)
 
 
 def _stage(train: GearTrain, contact: Contact, check: Check | None, loaded: LoadedPictures | None = None) -> StagedPair:
@@ -140,7 +151,7 @@ def _stage(train: GearTrain, contact: Contact, check: Check | None, loaded: Load
 
 
 def _draw(
-    gears: GearSet, contacts: Mapping[int, Contact], members: Sequence[StagedMember], overview: Any
+    gears: GearSet, contacts: Mapping[int, Contact], members: Sequence[StagedMember], overview: Scene
 ) -> list[tuple[str, Image]]:
     """All gears in mesh, then the members' teeth with their contact."""
     scenes = [overview]
@@ -172,9 +183,12 @@ def _sections(
     studies: Sequence[Path],
     loaded: Mapping[int, LoadedPictures],
 ) -> list[PageSection]:
-    sections = [
-        PageSection("Contact", _tables([table for contact in contacts.values() for table in _contact_tables(contact)]))
-    ]
+    sections = []
+    if contacts:
+        listings = [table for contact in contacts.values() for table in _contact_tables(contact)]
+        sections.append(PageSection("Contact", _tables(listings)))
+    else:
+        sections += _sections_alone(gears)
     if loaded:
         tables = _tables([
             replace(loaded_contact.listings[0], title=f"{loaded_contact.listings[0].title} of {loaded_contact.pair.name}")
@@ -188,14 +202,28 @@ def _sections(
     if shots[1:]:
         body = "".join(picture(*shot) for shot in shots[1:])
         sections.append(PageSection("Pictures", f'<div class="pictures">{body}</div>'))
-    body = "".join(drawing(*plot) for plot in plots(gears, contacts))
-    sections.append(PageSection("Plots", body))
+    if body := "".join(drawing(*plot) for plot in plots(gears, contacts)):
+        sections.append(PageSection("Plots", body))
     sections += [study_section(folder) for folder in studies]
     sections.append(PageSection("Data sheet", _tables(sheet_of(gears).listings)))
     text = given_keys(gears.design) if source is None else source
     sections.append(PageSection("Design file", listing(text, "Copy the design file")))
     sections.append(PageSection("Versions", _tables([_versions()])))
     return sections
+
+
+def _sections_alone(gears: GearSet) -> list[PageSection]:
+    """What there is of gears that do not mesh, in place of contact."""
+    body = "".join(drawing(f"Drawing of the {name}", _svg(drawing_of(gears, name))) for name in gears.members)
+    return [
+        PageSection("Drawing", body),
+        PageSection("Limits", _tables(limits_of(gears.design, gears.train).listings)),
+    ]
+
+
+def _svg(made: WorkshopDrawing) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        return made.save(Path(folder) / "drawing.svg").read_bytes()
 
 
 def study_section(folder: Path) -> PageSection:

@@ -222,7 +222,7 @@ def run(
     where no position has contact.
     """
     if not gears.pairs and torque is None:
-        return _run_alone(gears, folder, tolerance, progress, timing)
+        return _run_alone(RunFolder(gears, folder, timing), tolerance, progress, page, source)
     gears.train.pair(0)
     folder.mkdir(parents=True, exist_ok=True)
     stale, written = _listed_files(folder), RunFolder(gears, folder, timing)
@@ -255,24 +255,30 @@ def run(
     return report
 
 
-def _run_alone(gears: SolvedGears, folder: Path, tolerance: float, progress: Progress, timing: bool) -> Report:
-    """The same of gears that do not mesh: solids, sheet, limits, plots of modifications, pictures and report."""
+def _run_alone(written: RunFolder, tolerance: float, progress: Progress, page: bool, source: str | None) -> Report:
+    """The same of gears that do not mesh: solids, sheet, limits, plots of modifications, pictures, page and report."""
+    gears, folder, timing = written.gears, written.folder, written.timing
     folder.mkdir(parents=True, exist_ok=True)
-    stale, written = _listed_files(folder), RunFolder(gears, folder, timing)
+    stale = _listed_files(folder)
     solids = written.write_solids(tolerance, progress)
     sheet = sheet_of(gears)
     sheet.save(written.file("sheet.json"), timing=timing)
     limits_of(gears.design, gears.train).save(written.file("limits.json"), timing=timing)
     written.write_plots({}, {}, progress)
-    skipped = opengl.missing_opengl_message()
+    check = gears.check_solved({}, solids)
+    skipped, images = opengl.missing_opengl_message(), list[tuple[str, Image]]()
     if skipped is None:
         progress(0.7, "pictures")
         for name, solid in solids.items():
             mount = gears.members[name].mount
             placed = {name: solid.mesh.move(gears.places[name])}
-            render(pictures.members_picture(placed, mount.axis, title=gears.title), written.file(f"{name}.png"))
+            scene = pictures.members_picture(placed, mount.axis, title=gears.title)
+            images.append((scene.title, render(scene, written.file(f"{name}.png"))))
+    if page:
+        progress(0.9, "report page")
+        report_page(gears, {}, check=check, images=images, source=source).save(written.file(PAGE))
     files = (*written.files, folder / REPORT)
-    report = Report(gears.check_solved({}, solids), None, folder, files, skipped, sheet)
+    report = Report(check, None, folder, files, skipped, sheet)
     report.save(folder / REPORT, timing=timing)
     for file in stale - {file.name for file in report.files}:
         (folder / file).unlink(missing_ok=True)

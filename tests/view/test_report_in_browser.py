@@ -188,6 +188,20 @@ def test_browser_shows_pressures_of_the_torque(page: str, browser: Any, tmp_path
     assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
 
 
+def test_browser_shows_one_gear(browser: Any, tmp_path: Path) -> None:
+    """Of a gear without a mating gear the solid alone: no mark of contact, nothing to roll; it can be cut."""
+    gears = gm.build(gm.parse({"kind": "rack", "module": 2, "rack": {"teeth": 9, "face_width": 12}}))
+    browser.get(report_page(gears, {}, 0.05, images=[]).save(tmp_path / "one.html").as_uri())
+    whole = pixels(browser, tmp_path / "one.png")
+    assert state(browser)["triangles"] > 200
+    assert not (np.abs(whole - [0.784, 0.063, 0.18]).max(axis=-1) < 0.1).any()
+    for name in ("roll", "field", "torque", "look", "position"):
+        assert not browser.find_element("id", name).is_displayed()
+    choose(browser, "cut", "1")
+    assert moved(whole, pixels(browser, tmp_path / "cut.png")) > 0.005
+    assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
+
+
 def test_browser_without_webgl_shows_the_picture(page: str, browser: Any) -> None:
     made = browser.execute_cdp_cmd(
         "Page.addScriptToEvaluateOnNewDocument", {"source": "HTMLCanvasElement.prototype.getContext = () => null"}

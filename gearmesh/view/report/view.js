@@ -432,6 +432,19 @@
     showPosition();
   }
 
+  // a gear without a mating gear stands still and has no contact to choose from
+  function showAlone() {
+    const labels = ["pair", "field", "torque", "look"].map((id) => element(id).parentElement);
+    for (const part of [roll.parentElement, element("position"), ...labels]) {
+      part.hidden = true;
+      part.style.display = "none";
+    }
+    canvas.setAttribute("aria-label", canvas.getAttribute("aria-label").replace("Gears in mesh", "The gear"));
+    dot.visible = ribbon.visible = action.visible = false;
+    members.forEach((member) => turned(member, 0));
+    lookAt("");
+  }
+
   function setMode(member, mode) {
     member.mode = member.select.value = mode;
     member.group.visible = mode !== "hidden";
@@ -610,12 +623,12 @@
   });
   new ResizeObserver(resize).observe(canvas);
   resize();
-  showPair(0);
+  if (pairs.length) showPair(0); else showAlone();
   requestAnimationFrame(frame);
 
   window.gearmeshView = {
     get state() {
-      return { phi1: at(current.phi1, 1, Number(roll.value) * (current.phi1.length - 1))[0], pair: current.name, picked: members[picked]?.name ?? null,
+      return { phi1: current ? at(current.phi1, 1, Number(roll.value) * (current.phi1.length - 1))[0] : 0, pair: current?.name ?? null, picked: members[picked]?.name ?? null,
         matrices: members.map((member) => member.group.matrix.toArray()), triangles: renderer.info.render.triangles };
     },
     memberAt: (x, y) => members[memberAt(x, y)]?.name ?? null,

@@ -24,6 +24,7 @@ from gearmesh.systems.cylindrical.rack.proportions import bar_defaults, bar_of, 
 from gearmesh.systems.cylindrical.rack.sheet import rack_rows
 from gearmesh.systems.system import Sheet, complete_design
 from gearmesh.teeth.gear_train import GearTrain
+from gearmesh.teeth.mount import Mount
 
 if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values
@@ -59,7 +60,9 @@ def build(design: SingleRackDesign) -> GearTrain:
     check_land(mesh)
     room = PROFILES[design.profile][2], "the tool's tooth has no room for it"
     warnings = unusual_defaults(design, {f"{RACK}.tool_tip_radius": room})
-    member = rack_member(RACK, mesh.rack, mesh.pinion)
+    bar = rack_member(RACK, mesh.rack, mesh.pinion, design.rack)
+    # it slides, and its teeth follow each other along it
+    member = replace(bar, mount=Mount(bar.mount.base, joint=bar.tooth.joint))
     return GearTrain(design.kind, (), tuple(warnings), unpaired=(member,), lacking=PINION)
 
 
