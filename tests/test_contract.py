@@ -86,9 +86,6 @@ MOST_MODULES = 12
 FILES = sorted(path.relative_to(PACKAGE.parent).as_posix() for path in PACKAGE.rglob("*.py"))
 
 
-#: files are taken apart once, in one process
-pytestmark = pytest.mark.xdist_group("sources")
-
 #: what is imported from gearmesh itself: its public names
 PUBLIC = [[name] for name in gearmesh.__all__]
 

@@ -123,7 +123,8 @@ def gear_keys(
         millimetres = INCH / _pitch(diametral_pitch)
     table: dict[str, Any] = {
         "teeth": teeth,
-        "face_width": WIDTH * millimetres if face is None else in_mm("face", face),
+        # of a module that will be refused, none that would be refused beside it
+        "face_width": WIDTH * (millimetres if millimetres > 0.0 else 1.0) if face is None else in_mm("face", face),
     }
     if internal:
         table["internal"] = True

@@ -60,9 +60,6 @@ RELIEVED = [
 SURVEYED = Path(__file__).parent.parent / "corpus" / "topography.csv"
 FEWER = ["gear.teeth=20"]
 SMALL_RING = ["gear.teeth=40", "gear.bore=160"]
-# the files are made once, by one worker
-pytestmark = pytest.mark.xdist_group("step")
-
 #: file -> sample, changes, member: plane, conical and cylindrical end faces, undercut, broken edges, hub, keyway, no bore, an
 #: assembly
 FILES = {

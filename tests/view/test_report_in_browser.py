@@ -20,11 +20,7 @@ from gearmesh.view.load.loaded_pictures import LoadedPictures
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium, of the extra [test], is not installed")
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-pytestmark = [
-    pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs apt-get install chromium chromium-driver"),
-    # one browser for all
-    pytest.mark.xdist_group("browser"),
-]
+pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs apt-get install chromium chromium-driver")
 OPTIONS = (
     "--headless",
     "--no-sandbox",
