@@ -155,7 +155,13 @@ def ball_diameter(
     low, high = sorted(flank)
     middle = v_radius(teeth)
     best = best_ball(teeth, min(max(middle, low), high))
-    standard = [size / unit for size in STANDARD if ball_fits(teeth, size / unit, flank, circles)]
+    # a ball touches nearer to the tip as it is larger: others do not touch the flank
+    least, most = sorted(best_ball(teeth, radius) for radius in flank)
+    standard = [
+        size / unit
+        for size in STANDARD
+        if not (size / unit < least or size / unit > most) and ball_fits(teeth, size / unit, flank, circles)
+    ]
     larger = [] if teeth.internal else [size for size in standard if size >= best * (1.0 - ROUNDED)]
     if larger:
         return larger[0]
