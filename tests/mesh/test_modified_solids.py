@@ -20,7 +20,7 @@ from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.designs import parse
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.micro_geometry.modified import TrueFlank
+from gearmesh.teeth.micro_geometry.modified import TrueInvolute
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Region, Side
 
@@ -77,7 +77,7 @@ def test_internal_gears_by_a_shaper(helix: float) -> None:
     """Their tips are nearer to the base circle; the fillets, of another tool, turn with them, and the ring loses material."""
     design = {"kind": "cylindrical", "module": 2, "helix_angle": helix, "pinion": {"teeth": 20, "face_width": 20}}
     ring = pair_of(parse({**design, "gear": {"teeth": 60, "face_width": 20, "internal": True}})).gear
-    extent = TrueFlank.of(ring.tooth, Side.RIGHT, internal=True).extent
+    extent = TrueInvolute.of(ring.tooth, Side.RIGHT, internal=True).extent
     assert extent.tip < extent.root
     start = extent.tip + 0.35 * (extent.root - extent.tip)
     fields = Modifications.model_validate(
@@ -104,7 +104,7 @@ def test_internal_gears_by_a_shaper(helix: float) -> None:
 
 
 def ring_flank(ring: Member) -> ScrewInvolute:
-    return TrueFlank.of(ring.tooth, Side.RIGHT, internal=True).involute
+    return TrueInvolute.of(ring.tooth, Side.RIGHT, internal=True).involute
 
 
 def test_flank_and_fillet_share_their_form_point_and_the_root_stays() -> None:
