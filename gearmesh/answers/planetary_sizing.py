@@ -5,20 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 from gearmesh import __version__
-from gearmesh.answers.result import Result, columns
-from gearmesh.answers.sizing import RANGES, candidate_at, refuse_outside
+from gearmesh.answers.result import columns
+from gearmesh.answers.sizing import RANGES, DesignChoice, refuse_outside
 from gearmesh.answers.tables import Listing
-from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.lengths import Length, in_mm
 from gearmesh.systems.cylindrical.planetary.motion import DRIVER
 from gearmesh.systems.cylindrical.planetary.sizing import SetCandidate, SetSearch, WantedSet, search_sets
-from gearmesh.systems.designs import parse
 
 #: what each wish may be: lowest, highest value
 SET_RANGES = {**RANGES, "outside_diameter": (1.0, 1e5), "planets": (1, 24)}
@@ -68,7 +65,7 @@ class RejectedFigures(Figures):
 
 
 @dataclass(frozen=True, repr=False)
-class PlanetarySizing(Result):
+class PlanetarySizing(DesignChoice):
     """Sets that meet the request, numbered from 1: those without faults first, then those of exactly the ratio, then of the largest
     module, then by the worst specific sliding.
 
@@ -77,11 +74,6 @@ class PlanetarySizing(Result):
 
     wanted: WantedSet
     search: SetSearch
-
-    @property
-    def suffixes(self) -> tuple[str, ...]:
-        """Suffixes of the files that `save` writes."""
-        return (".json", ".toml")
 
     @property
     def candidates(self) -> tuple[SetCandidate, ...]:
@@ -161,19 +153,9 @@ class PlanetarySizing(Result):
             "rejections_by_reason": self.search.reasons,
         }
 
-    def design(self, number: int = 1) -> Design:
-        """The design of a candidate. Raises DesignError for a number that there is not."""
-        return parse(self.keys(number))
-
-    def keys(self, number: int = 1) -> Mapping[str, Any]:
-        """The keys that a candidate's design file needs. Raises DesignError for a number that there is not."""
-        return candidate_at(self.candidates, number).keys
-
-    def _write(self, target: Path) -> None:
-        from gearmesh.design.files import with_version
-        from gearmesh.io.atomic import whole_text
-
-        whole_text(target, with_version(self.keys()))
+    @property
+    def designs(self) -> tuple[Mapping[str, Any], ...]:
+        return tuple(candidate.keys for candidate in self.candidates)
 
 
 def _row(number: int, candidate: SetCandidate) -> SetFigures:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from abc import abstractmethod
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from gearmesh import __version__
 from gearmesh.answers.result import Result, columns
@@ -20,8 +21,6 @@ from gearmesh.systems.designs import parse
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.planetary.sizing import WantedSet
-
-C = TypeVar("C")
 
 #: what each wish may be: lowest, highest value
 RANGES = {
@@ -58,8 +57,38 @@ class CandidateFigures(Figures):
     faults: list[str] = figure("faults of the pair")
 
 
+class DesignChoice(Result):
+    """Designs that meet a request, numbered from 1, the best first; as ".toml" the first one is saved."""
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".toml")
+
+    @property
+    @abstractmethod
+    def designs(self) -> tuple[Mapping[str, Any], ...]:
+        """The keys that the design files need."""
+
+    def design(self, number: int = 1) -> Design:
+        """The design of a candidate. Raises DesignError for a number that there is not."""
+        return parse(self.keys(number))
+
+    def keys(self, number: int = 1) -> Mapping[str, Any]:
+        """The keys that a candidate's design file needs. Raises DesignError for a number that there is not."""
+        if not 1 <= number <= len(self.designs):
+            raise ArgumentError("choose", number, must_be=f"a number from 1 to {len(self.designs)}")
+        return self.designs[number - 1]
+
+    def _write(self, target: Path) -> None:
+        from gearmesh.design.files import with_version
+        from gearmesh.io.atomic import whole_text
+
+        whole_text(target, with_version(self.keys()))
+
+
 @dataclass(frozen=True, repr=False)
-class Sizing(Result):
+class Sizing(DesignChoice):
     """Pairs that meet the request, numbered from 1: those without faults first, then by the worst specific sliding.
 
     As ".toml" the first one's design is saved; `design(number)` is that of another one.
@@ -67,11 +96,6 @@ class Sizing(Result):
 
     wanted: Wanted
     candidates: tuple[Candidate, ...]
-
-    @property
-    def suffixes(self) -> tuple[str, ...]:
-        """Suffixes of the files that `save` writes."""
-        return (".json", ".toml")
 
     @property
     def headline(self) -> str:
@@ -131,19 +155,9 @@ class Sizing(Result):
     def sections(self) -> Mapping[str, Content]:
         return {"gearmesh": __version__, "wanted": asdict(self.wanted), "candidates": self.rows}
 
-    def design(self, number: int = 1) -> Design:
-        """The design of a candidate. Raises DesignError for a number that there is not."""
-        return parse(self.keys(number))
-
-    def keys(self, number: int = 1) -> Mapping[str, Any]:
-        """The keys that a candidate's design file needs. Raises DesignError for a number that there is not."""
-        return candidate_at(self.candidates, number).keys
-
-    def _write(self, target: Path) -> None:
-        from gearmesh.design.files import with_version
-        from gearmesh.io.atomic import whole_text
-
-        whole_text(target, with_version(self.keys()))
+    @property
+    def designs(self) -> tuple[Mapping[str, Any], ...]:
+        return tuple(candidate.keys for candidate in self.candidates)
 
 
 def size(
@@ -183,13 +197,6 @@ def refuse_outside(wanted: Wanted | WantedSet, ranges: Mapping[str, tuple[float,
         if isinstance(value, tuple) and value[0] > value[1]:
             both = f"{value[0]:g} to {value[1]:g}"
             raise ArgumentError(field.name, value, shown=both, reason="the first must not be above the second")
-
-
-def candidate_at(candidates: Sequence[C], number: int) -> C:
-    """One of those that meet a request, numbered from 1. Raises ArgumentError for a number that there is not."""
-    if not 1 <= number <= len(candidates):
-        raise ArgumentError("choose", number, must_be=f"a number from 1 to {len(candidates)}")
-    return candidates[number - 1]
 
 
 def _check(wanted: Wanted) -> None:

@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from gearmesh.api.gears import Gears, build
+from gearmesh.design.keys import MM_PER
 from gearmesh.errors import ArgumentError
 from gearmesh.lengths import Length, in_mm
 
 #: face width, in normal modules, of a gear whose face width is not given
 WIDTH = 10.0
-#: mm in an inch
-INCH = 25.4
 
 
 def gear(
@@ -120,7 +119,7 @@ def gear_keys(
     if module is not None:
         given["module"] = millimetres = in_mm("module", module)
     else:
-        millimetres = INCH / _pitch(diametral_pitch)
+        millimetres = MM_PER["inch"] / _pitch(diametral_pitch)
     table: dict[str, Any] = {
         "teeth": teeth,
         # of a module that will be refused, none that would be refused beside it

@@ -88,6 +88,17 @@ class ThicknessAllowance(Table):
         return 0.5 * (self.upper + self.lower)
 
 
+#: The key that says where within its allowance a tooth thickness is made.
+ThicknessMade = Annotated[
+    str,
+    Key(
+        "choice",
+        "at which end of the thickness allowance, or in its middle, the teeth are made",
+        choices=("middle", "upper", "lower"),
+    ),
+]
+
+
 class DiameterTolerance(Table):
     """Deviations of a diameter."""
 

@@ -12,7 +12,12 @@ from gearmesh.design.core import Design, FlankContact, MemberTable, PairDesign, 
 from gearmesh.design.keys import DERIVED, MM_PER, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
-from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance, DiameterTolerance, ThicknessAllowance
+from gearmesh.systems.cylindrical.allowance_keys import (
+    CenterDistanceAllowance,
+    DiameterTolerance,
+    ThicknessAllowance,
+    ThicknessMade,
+)
 from gearmesh.systems.cylindrical.measure_keys import BallMeasurement, SpanMeasurement
 
 #: Basic racks of ISO 53: addendum, dedendum and rounding of the tool's tip, in normal modules.
@@ -221,14 +226,7 @@ class CylindricalMember(MemberTable, Modified):
         ),
     ] = None
     thickness_allowance: ThicknessAllowance | None = None
-    thickness_made: Annotated[
-        str,
-        Key(
-            "choice",
-            "at which end of the thickness allowance, or in its middle, the teeth are made",
-            choices=("middle", "upper", "lower"),
-        ),
-    ] = "middle"
+    thickness_made: ThicknessMade = "middle"
     allowance_by: Annotated[
         str,
         Key(

@@ -9,9 +9,9 @@ from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.cylindrical.force_tables import force_rows
 from gearmesh.systems.cylindrical.geometry.forces import mesh_forces
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
-from gearmesh.systems.cylindrical.planetary import motion
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
+from gearmesh.systems.cylindrical.planetary.motion import DRIVER, speeds
 from gearmesh.systems.system import SheetTable, complete_design
 from gearmesh.teeth.region import Side
 
@@ -25,13 +25,13 @@ def set_forces(design: PlanetaryDesign, torque: float, speed: float | None) -> t
     own = complete_design(design).in_mm()
     both, count = meshes(own), len(own.angles)
     teeth = own.sun.teeth, own.planet.teeth, own.ring.teeth
-    driver = motion.DRIVER[own.fixed]
+    driver = DRIVER[own.fixed]
     on_sun = torque if driver == SUN else torque * teeth[0] / teeth[2]
     on_ring = on_sun * teeth[2] / teeth[0]
     torques = on_sun, -on_sun - on_ring, on_ring
-    turns = motion.speeds(*teeth, own.fixed)
-    speeds = None if speed is None else [speed * turn for turn in (turns.sun, turns.carrier, turns.ring)]
-    rows = running_rows(torques, speeds)
+    turns = speeds(*teeth, own.fixed)
+    rates = None if speed is None else [speed * turn for turn in (turns.sun, turns.carrier, turns.ring)]
+    rows = running_rows(torques, rates)
     if speed is not None:
         rows.append(("n_p", "speed of the planets", "1/min", (speed * turns.planet, None, None)))
         rows.append(("n_p_c", "the same relative to the carrier", "1/min", (speed * turns.relative, None, None)))

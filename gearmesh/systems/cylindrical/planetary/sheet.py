@@ -12,9 +12,17 @@ from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
-from gearmesh.systems.cylindrical.planetary import motion
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
+from gearmesh.systems.cylindrical.planetary.motion import (
+    DRIVEN,
+    DRIVER,
+    pairs_in_contact,
+    phase_of_ring,
+    phases,
+    ratio,
+    speeds,
+)
 from gearmesh.systems.cylindrical.sheet import SheetPair, half_tables, pair_tables
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
 from gearmesh.teeth.gear_train import GearTrain, Member
@@ -49,17 +57,17 @@ def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer
     teeth = design.sun.teeth, design.planet.teeth, design.ring.teeth
     ratios = inner.contact_ratio, outer.contact_ratio
     sense = Side(design.contact.flank).sign
-    ahead = motion.phases(teeth[0], design.angles, sense)
+    ahead = phases(teeth[0], design.angles, sense)
     # first halves end together towards the gap: what touches before that plane is all of the faces, or nothing
     share = float(inner.mesh.pinion.beta * sense > 0.0) if design.double_helical else 0.5
-    behind = motion.phase_of_ring(inner.line, outer.line, (inner.overlap_ratio, outer.overlap_ratio), share)
+    behind = phase_of_ring(inner.line, outer.line, (inner.overlap_ratio, outer.overlap_ratio), share)
     of_ring = [(phase + behind) % 1.0 for phase in ahead]
     apart = _apart(design, inner.mesh.distance, planet)
     count = len(ahead)
     least = [
-        motion.pairs_in_contact([ratios[0]] * count, ahead),
-        motion.pairs_in_contact([ratios[1]] * count, of_ring),
-        motion.pairs_in_contact([*[ratios[0]] * count, *[ratios[1]] * count], [*ahead, *of_ring]),
+        pairs_in_contact([ratios[0]] * count, ahead),
+        pairs_in_contact([ratios[1]] * count, of_ring),
+        pairs_in_contact([*[ratios[0]] * count, *[ratios[1]] * count], [*ahead, *of_ring]),
     ]
     rows: list[Row] = [
         *_motion_rows(design, teeth),
@@ -94,8 +102,8 @@ def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer
 
 def _motion_rows(design: PlanetaryDesign, teeth: tuple[int, int, int]) -> list[Row]:
     """Speeds with the fixed member, per turn of the driving one, and the ratios with each member fixed."""
-    turns = motion.speeds(*teeth, design.fixed)
-    driver = motion.DRIVER[design.fixed]
+    turns = speeds(*teeth, design.fixed)
+    driver = DRIVER[design.fixed]
     rows: list[Row] = [("fixed", "fixed member", "", (design.fixed,))]
     rows += [
         ("w_s", f"turns of the sun per turn of the {driver}", "-", (turns.sun,)),
@@ -104,9 +112,9 @@ def _motion_rows(design: PlanetaryDesign, teeth: tuple[int, int, int]) -> list[R
         ("w_c", "turns of the carrier", "-", (turns.carrier,)),
         ("w_r", "turns of the ring", "-", (turns.ring,)),
     ]
-    for fixed, driving in motion.DRIVER.items():
-        words = f"ratio, {fixed} fixed: speed of the {driving} over the {motion.DRIVEN[fixed]}'s"
-        rows.append((f"i_{fixed}", words, "-", (motion.ratio(teeth[0], teeth[2], fixed),)))
+    for fixed, driving in DRIVER.items():
+        words = f"ratio, {fixed} fixed: speed of the {driving} over the {DRIVEN[fixed]}'s"
+        rows.append((f"i_{fixed}", words, "-", (ratio(teeth[0], teeth[2], fixed),)))
     return rows
 
 

@@ -20,7 +20,7 @@ from gearmesh.design.keys import DERIVED, Key, conflict
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PinionRunout
 from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
+from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance, ThicknessMade
 from gearmesh.systems.cylindrical.design import AccuracyClass, CylindricalMember, ToothingKeys
 
 #: Members as a design names them.
@@ -80,14 +80,7 @@ class RackTable(Modified):
     tip_chamfer: TipChamfer = None
     tip_rounding: TipRounding = None
     thickness_allowance: ThicknessAllowance | None = None
-    thickness_made: Annotated[
-        str,
-        Key(
-            "choice",
-            "at which end of the thickness allowance, or in its middle, the teeth are made",
-            choices=("middle", "upper", "lower"),
-        ),
-    ] = "middle"
+    thickness_made: ThicknessMade = "middle"
     material: MemberMaterial | None = None
 
     #: A dedendum always says where the root is.
