@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from gearmesh.systems.system import System, kinds, register, system
 
 #: said here alone: pyproject.toml has it from here
-__version__ = "0.5.0"
+__version__ = "0.6.0"
 
 __all__ = [
     "BeveloidDesign",
