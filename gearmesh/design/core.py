@@ -167,33 +167,6 @@ class MemberMount(Table):
             raise conflict(f"{key}.stiffness", None, reason=why)
 
 
-class GearBody(Table):
-    """What every toothed member has."""
-
-    rank: ClassVar[int] = 0
-
-    teeth: Annotated[int, Key("count", "number of teeth", low=3, high=10000)]
-    bore: Annotated[
-        float | None,
-        Key("length", "bore diameter; 0 = no bore", low=0, default="40 % of the root diameter at the small end"),
-    ] = None
-    keyway: Keyway | None = None
-    hub: Hub | None = None
-    material: MemberMaterial | None = None
-    mount: MemberMount | None = None
-
-    @model_validator(mode="after")
-    def _shaft(self) -> Self:
-        if self.bore is None:
-            return self
-        width = None if self.keyway is None else self.keyway.width
-        if width is not None and width >= self.bore:
-            raise conflict("keyway.width", width, must_be=f"smaller than the bore, {self.bore:g}")
-        if self.hub is not None and self.hub.diameter <= self.bore:
-            raise conflict("hub.diameter", self.hub.diameter, must_be=f"larger than the bore, {self.bore:g}")
-        return self
-
-
 #: Broken edges of the tip
 TipChamfer = Annotated[float | None, Key("length", "45 deg chamfer between flank and top land", low=0)]
 TipRounding = Annotated[float | None, Key("length", "rounding between flank and top land", low=0)]
@@ -214,19 +187,46 @@ def refuse_both_edges(table: BrokenEdges) -> None:
         raise conflict("tip_rounding", table.tip_rounding, reason="cannot be given together with tip_chamfer")
 
 
+class GearBody(Table):
+    """What every toothed member has."""
+
+    rank: ClassVar[int] = 0
+
+    teeth: Annotated[int, Key("count", "number of teeth", low=3, high=10000)]
+    bore: Annotated[
+        float | None,
+        Key("length", "bore diameter; 0 = no bore", low=0, default="40 % of the root diameter at the small end"),
+    ] = None
+    keyway: Keyway | None = None
+    hub: Hub | None = None
+    tip_chamfer: TipChamfer = None
+    tip_rounding: TipRounding = None
+    material: MemberMaterial | None = None
+    mount: MemberMount | None = None
+
+    @model_validator(mode="after")
+    def _edges(self) -> Self:
+        refuse_both_edges(self)
+        return self
+
+    @model_validator(mode="after")
+    def _shaft(self) -> Self:
+        if self.bore is None:
+            return self
+        width = None if self.keyway is None else self.keyway.width
+        if width is not None and width >= self.bore:
+            raise conflict("keyway.width", width, must_be=f"smaller than the bore, {self.bore:g}")
+        if self.hub is not None and self.hub.diameter <= self.bore:
+            raise conflict("hub.diameter", self.hub.diameter, must_be=f"larger than the bore, {self.bore:g}")
+        return self
+
+
 class MemberTable(GearBody):
     """A member between plane end faces."""
 
     face_width: Annotated[float, Key("length", "width of the gear blank along its axis", low=0, above=True)]
-    tip_chamfer: TipChamfer = None
-    tip_rounding: TipRounding = None
     web: Web | None = None
     holes: Holes | None = None
-
-    @model_validator(mode="after")
-    def _tip(self) -> Self:
-        refuse_both_edges(self)
-        return self
 
 
 class Phi1(Table):

@@ -240,11 +240,12 @@ class BottomLink:
 
 @dataclass(frozen=True)
 class DrawnLink:
-    """A broken tip edge, drawn in the planes of the stations."""
+    """A broken tip edge, drawn on the stations."""
 
     region: Region
     side: Side
     edge: TipEdge
+    axial: Level
     surface: None = None
     generated: bool = False
     cone: None = None
@@ -257,4 +258,5 @@ class DrawnLink:
     def grid(self, s: ArrayLike, sections: Sections) -> Grid:
         points = sections.of(self.side).edge
         assert points is not None
-        return Grid(*self.edge.section_curve(points, _rows(s) if self.side is Side.RIGHT else 1.0 - _rows(s)))
+        way = _rows(s) if self.side is Side.RIGHT else 1.0 - _rows(s)
+        return Grid(*self.edge.section_curve(points, self.axial, way))

@@ -14,7 +14,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
@@ -67,8 +66,7 @@ class Tooth:
     `bottom`: the root where it is no surface of revolution; the blank's is then the one through its middle. `joint`: in which
     the teeth follow each other.
 
-    Raises DesignError for a broken tip edge where stations are not planes, TrimError from its methods where the chain
-    cannot be closed.
+    Raises TrimError from its methods where the chain cannot be closed.
     """
 
     teeth: int
@@ -78,13 +76,6 @@ class Tooth:
     tip_edge: TipEdge | None = None
     bottom: Bottom | None = None
     joint: Joint = REVOLUTE
-
-    def __post_init__(self) -> None:
-        if self.tip_edge is not None and station_normal(self.blank.axial)[0] != 0.0:
-            raise DesignError(
-                "tip_chamfer",
-                reason="tip chamfer and tip rounding are for cylindrical gears only",
-            )
 
     @property
     def pitch_angle(self) -> float:
@@ -132,7 +123,7 @@ class Tooth:
 
             links.append(GeneratedLink(EDGES[which], which, side.tip_corner.surface, axial, tip_corner))
         elif self.tip_edge is not None:
-            links.append(DrawnLink(EDGES[which], which, self.tip_edge))
+            links.append(DrawnLink(EDGES[which], which, self.tip_edge, axial))
         return links
 
     def _flank(self, which: Side) -> GeneratedLink:

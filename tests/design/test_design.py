@@ -273,7 +273,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ),
     ("unknown key", set_in(BEVELOID, "pinion.cone", 3), "pinion.cone: unknown key; did you mean pinion.cone_angle?"),
     ("key of a table", set_in(BEVELOID, "helix", 3), "helix: unknown key; did you mean pinion.helix_angle?"),
-    ("strange key", set_in(BEVELOID, "gear.qqqq", 3), "gear.qqqq: unknown key; known here: teeth, bore, face_width"),
+    ("strange key", set_in(BEVELOID, "gear.qqqq", 3), "gear.qqqq: unknown key; known here: teeth, bore, tip_chamfer"),
     ("key of two lines", set_in(BEVELOID, "gear.a\nb", 3), 'gear."a\\nb": unknown key; known here: teeth'),
     ("text for number", set_in(BEVELOID, "module", "five"), 'module = "five": must be a length in mm from'),
     ("nan", set_in(BEVELOID, "gear.helix_angle", math.nan), "gear.helix_angle = NaN: must be an angle in deg from -88"),

@@ -10,9 +10,8 @@ from scipy.integrate import quad
 
 from gearmesh.cad.brep import TOLERANCE, exact_volume, spline_tooth
 from gearmesh.cad.solid_part import solid_part, volume
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
-from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface, PlaneLevel
+from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
@@ -23,7 +22,7 @@ from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.gear_train import Boss, Member, Slot
-from gearmesh.teeth.region import Region
+from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import ToolDescription
@@ -258,10 +257,19 @@ def test_hexahedra(gear: Member, order: int) -> None:
 
 
 @pytest.mark.quick
-def test_broken_edges_are_refused_where_stations_are_not_planes(gear: Member) -> None:
-    with pytest.raises(DesignError, match="for cylindrical gears only"):
-        replace(gear.tooth, tip_edge=TipEdge(0.2))
-    replace(gear.tooth, blank=replace(gear.tooth.blank, axial=PlaneLevel(0.0)), tip_edge=TipEdge(0.2))
+def test_a_chamfer_on_cylindrical_stations(gear: Member) -> None:
+    """Both legs are its size: down the cylinder and along the tip circle of each radius; the solid is closed."""
+    broken = replace(gear, tooth=replace(gear.tooth, tip_edge=TipEdge(0.2)))
+    t = np.linspace(0.0, 1.0, 5)
+    sharp = gear.tooth.flank_grid(Side.LEFT, [1.0], t).points[0]
+    last, first = broken.tooth.grid(Region.EDGE_LEFT, [0.0, 1.0], broken.tooth.sections(t)).points
+    assert first[:, 2] - TIP == pytest.approx(0.2, abs=1e-12)
+    assert last[:, 2] == pytest.approx(TIP, abs=1e-12)
+    turn = np.arctan2(*sharp.T[1::-1]) - np.arctan2(*last.T[1::-1])
+    assert turn * np.hypot(*sharp.T[:2]) == pytest.approx(0.2, abs=1e-12)
+    solid = gear_solid(broken, 0.02)
+    assert prove(solid, 1).ok
+    assert solid.volume() == pytest.approx(broken.plain_volume(), rel=2e-4)
 
 
 @pytest.mark.quick

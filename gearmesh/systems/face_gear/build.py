@@ -32,6 +32,7 @@ from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, round_tips
+from gearmesh.systems.common.tooth_edges import with_tip_edge
 from gearmesh.systems.face_gear.design import CLEARANCE
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.systems.face_gear.pinion_root import clear_root, unlike_standard
@@ -181,6 +182,7 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
             reason=f"{failure} at the radius {tooth.stations(failure.station):.6g} mm",
             allowed="a smaller addendum or a narrower face",
         ) from failure
+    tooth = with_tip_edge("gear", tooth, design.gear)
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {"theta_s": np.degrees(p), "u_s": v + place}

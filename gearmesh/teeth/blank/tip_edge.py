@@ -1,14 +1,31 @@
-"""Broken edges between flank and top land: drawn in the plane of a station, not generated."""
+r"""Broken edges between flank and top land: drawn on the stations, not generated.
+
+A station is developed into a plane (see `kernel.surface.development`): the transverse section of a cylindrical gear as it is, the
+cone across the pitch cone of a bevel gear, the cylinder of a face gear. There is
+
+            land
+        ____________ sharp edge         chamfer of size c: a line from the flank, c under the land, to the land, c beside
+       /:  c         |                  the sharp edge along it: 45 deg where the flank is square to the land
+      / : c          |
+     |               |                  rounding of radius c: a circle that touches flank and land
+     flank
+
+So `size` is measured in the station, the transverse section of a helical gear: along the normal to a tooth trace with the
+spiral angle beta the chamfer's leg on the land is size cos(beta).
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.kernel.surface.development import Development
+from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import Surface
 from gearmesh.teeth.blank.blank import Blank
@@ -19,7 +36,7 @@ EdgePoints = tuple[Array, Array, Array]
 
 @dataclass(frozen=True)
 class TipEdge:
-    """A 45 deg chamfer or a rounding of `size` mm; stations must be planes across the axis, or across a rack."""
+    """A 45 deg chamfer or a rounding of `size` mm, of teeth that follow each other in a `joint`."""
 
     size: float
     rounded: bool = False
@@ -34,45 +51,52 @@ class TipEdge:
         Raises TrimError where the edge is larger than the flank.
         """
         form_point, tip = ends
-        axial, joint = blank.axial, self.joint
+        axial, plane = blank.axial, Development(blank.axial, self.joint)
+        sharp = along(flank, tip, stations, axial)[1].r
+        about = plane.about(sharp)
+        corner = plane.flat(sharp, about)
+        height = plane.reach(corner)
+        # out of the body: the way in which the reach grows, or falls on an internal gear
+        outward = plane.lift_vector(plane.beside(corner, height + 1.0) - corner, sharp, about)
+        towards = np.sign(dot(blank.tip.gradient(sharp), outward))
 
-        def begins(p: Array, at: Array) -> tuple[Array, Array, Array, Array]:
-            jet = along(flank, p, at, axial)[1]
-            tip_radius = blank.tip.at(jet.r[:, 2])
-            # out of the body: away from the axis, or towards it on an internal gear
-            towards = np.sign((blank.tip.gradient(jet.r)[:, :2] * joint.outward(jet.r)).sum(axis=-1))
-            inward = -jet.n[:, :2] / np.hypot(jet.n[:, 0], jet.n[:, 1])[:, None]
-            centre = jet.r.copy()
-            centre[:, :2] += self.size * inward
-            reach = joint.radius(centre if self.rounded else jet.r)
-            return towards * (reach - tip_radius) + self.size, jet.r, centre, tip_radius
+        def begins(p: Array, which: slice | NDArray[np.intp]) -> tuple[Array, Array, Array]:
+            jet = along(flank, p, stations[which], axial)[1]
+            point = plane.flat(jet.r, about[which])
+            inward = -plane.flat_vector(jet.n, jet.r, about[which])
+            centre = point + self.size * inward / np.hypot(inward[:, 0], inward[:, 1])[:, None]
+            reach = plane.reach(centre if self.rounded else point)
+            return towards[which] * (reach - height[which]) + self.size, jet.r, centre
 
-        roots = bracketed_root(lambda p, index: begins(p, stations[index])[0], form_point, tip)
+        roots = bracketed_root(lambda p, index: begins(p, index)[0], form_point, tip)
         if not roots.converged.all():
             raise TrimError("edge", 0.0, "the tip edge is larger than the flank")
-        p = roots.values
-        _, on_flank, centre, tip_radius = begins(p, stations)
-        on_land = on_flank.copy()
-        sharp = along(flank, tip, stations, axial)[1].r
-        angle = joint.angle(centre) if self.rounded else joint.angle(sharp) + sign * self.size / joint.arm(sharp)
-        on_land[:, :2] = joint.place(angle, tip_radius)
-        return p, (on_flank, on_land, centre)
+        _, on_flank, centre = begins(roots.values, slice(None))
+        on_land = plane.beside(centre, height) if self.rounded else plane.beside(corner, height, sign * self.size)
+        return roots.values, (on_flank, plane.lift(on_land, on_flank, about), plane.lift(centre, on_flank, about))
 
-    def section_curve(self, edge: EdgePoints, s: Array) -> tuple[Array, Array]:
-        """Points and unit outward normals (S, T, 3) from the flank (s = 0) to the land (s = 1), s (S, 1)."""
-        on_flank, on_land, centre = edge
-        s = s[..., None]
+    def section_curve(self, edge: EdgePoints, axial: Level, s: Array) -> tuple[Array, Array]:
+        """Points and unit normals (S, T, 3), which lie in the stations, from the flank (s = 0) to the land (s = 1), s (S, 1)."""
+        plane = Development(axial, self.joint)
+        about = plane.about(edge[0])
+        on_flank, on_land, centre = (plane.flat(r, about) for r in edge)
+        points, normals = self._profile(on_flank, on_land, centre, s[..., None])
+        r = plane.lift(points, edge[0], about)
+        return r, plane.lift_vector(normals, r, about)
+
+    def _profile(self, on_flank: Array, on_land: Array, centre: Array, s: Array) -> tuple[Array, Array]:
+        """Points and unit outward normals (S, T, 2) in the plane, s (S, 1, 1)."""
         if self.rounded:
             first, last = on_flank - centre, on_land - centre
             radius = np.hypot(first[:, 0], first[:, 1])[:, None]
             start, turn = polar_angle(first), polar_angle(last) - polar_angle(first)
             angle = start + s[..., 0] * ((turn + np.pi) % (2.0 * np.pi) - np.pi)
-            normals = np.stack((np.cos(angle), np.sin(angle), np.zeros_like(angle)), axis=-1)
+            normals = np.stack((np.cos(angle), np.sin(angle)), axis=-1)
             return centre + radius * normals, normals
         across = on_land - on_flank
         points = on_flank + s * across
-        outward = np.stack((across[:, 1], -across[:, 0], np.zeros(len(across))), axis=-1)
+        outward = np.stack((across[:, 1], -across[:, 0]), axis=-1)
         # the centre lies in the tooth
-        outward *= np.sign(dot(outward, on_flank - centre))[:, None]
-        outward /= np.sqrt(dot(outward, outward))[:, None]
+        outward *= np.sign((outward * (on_flank - centre)).sum(axis=-1, keepdims=True))
+        outward /= np.hypot(outward[:, 0], outward[:, 1])[:, None]
         return points, np.broadcast_to(outward, points.shape)

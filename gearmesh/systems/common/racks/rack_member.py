@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
@@ -26,8 +25,8 @@ from gearmesh.kernel.surface.surface import GeneratedSurface, Surface
 from gearmesh.systems.common.bodies.body import body_features, bore_radius, disc_body
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
+from gearmesh.systems.common.tooth_edges import edge_refusal, fits, goes, largest, stations_on, tip_edge
 from gearmesh.teeth.blank.blank import Blank
-from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.gear_train import Member, SourceParameters
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
@@ -36,15 +35,12 @@ from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import RackSurface
 
 if TYPE_CHECKING:
-    from gearmesh.design.core import BrokenEdges, MemberTable
+    from gearmesh.design.core import MemberTable
 
 #: parameter of a tip rounding where the cutter's tip plane begins
 ROOT = 0.5 * np.pi
 #: places along the face at which a curved root is measured
 ROOT_SAMPLES = 33
-
-#: halvings to the largest share that fits, of which messages show six digits
-HALVINGS = 24
 
 #: by how much of itself that range is longer than flank or rounding, either way
 BEYOND = 0.02
@@ -229,13 +225,6 @@ def _rho(r: Array) -> Array:
     return np.hypot(r[..., 0], r[..., 1])
 
 
-def tip_edge(spec: BrokenEdges, joint: Joint = REVOLUTE) -> TipEdge | None:
-    """The broken tip edge that a part of a design asks for."""
-    if spec.tip_chamfer:
-        return TipEdge(spec.tip_chamfer, joint=joint)
-    return TipEdge(spec.tip_rounding, rounded=True, joint=joint) if spec.tip_rounding else None
-
-
 def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:
     """Trim the tooth from toe to heel; a failure becomes a DesignError with the limit that was passed."""
     try:
@@ -261,31 +250,20 @@ def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
         overlap = f"the fillets of neighbouring teeth overlap {place}"
         return DesignError(name, reason=overlap, allowed="a smaller tool tip radius or dedendum")
     pointed = f"the tooth is pointed {place}"
-    if _fits(tooth, 0.0):
-        limit = _largest(lambda share: _has_land(tooth, share))
-        if _fits(tooth, limit):
+    if fits(tooth, 0.0):
+        limit = largest(lambda share: _has_land(tooth, share))
+        if fits(tooth, limit):
             most = f"at most {at_most(limit * spec.face_width)} mm with this tip"
             return DesignError(f"{name}.face_width", spec.face_width, unit="mm", reason=pointed, allowed=most)
     lowest = float(tooth.blank.root.at(0.0))
     highest = float(tooth.blank.tip.at(0.0))
     height = highest - lowest
-    limit = _largest(lambda share: _has_land(_with_tip(tooth, lowest + share * height), 1.0))
+    limit = largest(lambda share: _has_land(_with_tip(tooth, lowest + share * height), 1.0))
     radius = lowest + limit * height
     asked = f"{pointed}: the tip diameter is {2 * highest:.6g} mm at mid face"
-    if not _fits(_with_tip(tooth, radius), 1.0):
+    if not fits(_with_tip(tooth, radius), 1.0):
         return DesignError(f"{name}.{tip_key}", reason=f"{asked}; no other tip diameter leaves a tooth")
     return DesignError(f"{name}.{tip_key}", reason=asked, allowed=f"at most {at_most(2.0 * radius)} mm")
-
-
-def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | None:
-    """The refusal of a broken tip edge that is too large, None where that is not what made the trimming fail."""
-    edge = tooth.tip_edge
-    if edge is None or failure.what not in ("edge", "pointed") or not _fits(replace(tooth, tip_edge=None), 1.0):
-        return None
-    key, size = ("tip_rounding" if edge.rounded else "tip_chamfer"), edge.size
-    limit = _largest(lambda share: _fits(replace(tooth, tip_edge=replace(edge, size=share * size)), 1.0))
-    larger, most = "larger than the tooth's tip allows", f"at most {at_most(limit * size)} mm"
-    return DesignError(f"{name}.{key}", size, unit="mm", reason=larger, allowed=most)
 
 
 def _with_tip(tooth: Tooth, radius: float) -> Tooth:
@@ -294,31 +272,6 @@ def _with_tip(tooth: Tooth, radius: float) -> Tooth:
     return replace(tooth, blank=replace(tooth.blank, tip=ConeLevel.of(radius, float(at1 - at0))))
 
 
-def _fits(tooth: Tooth, share: float) -> bool:
-    """True if the tooth can be trimmed on the given share of its face width, about the middle."""
-    return _goes(lambda: tooth.sections(_ends(share)))
-
-
 def _has_land(tooth: Tooth, share: float) -> bool:
     """True if the tooth is not pointed on the given share of its face width; one that has land may be undercut."""
-    return _goes(lambda: tooth.prove_land(_ends(share)))
-
-
-def _ends(share: float) -> Array:
-    """Stations t (3,) on the given share of the face width, about the middle."""
-    return 0.5 + 0.5 * share * np.linspace(-1.0, 1.0, 3)
-
-
-def _goes(trim: Callable[[], object]) -> bool:
-    try:
-        trim()
-    except TrimError:
-        return False
-    return True
-
-
-def _largest(fits: Callable[[float], bool]) -> float:
-    """Largest share in [0, 1] that fits (0 where none does)."""
-    ends = np.zeros(1), np.ones(1)
-    largest, _ = last_true(lambda shares, _: np.array([fits(float(s)) for s in shares]), *ends, rounds=HALVINGS)
-    return float(largest[0])
+    return goes(lambda: tooth.prove_land(stations_on(share)))

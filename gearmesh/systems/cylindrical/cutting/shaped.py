@@ -22,7 +22,8 @@ from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.kernel.surface.twisted import Twisted
 from gearmesh.systems.common.bodies.body import body_features, bore_radius, disc_body, holes_in
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.common.racks.rack_member import prove, tip_edge
+from gearmesh.systems.common.racks.rack_member import prove
+from gearmesh.systems.common.tooth_edges import tip_edge
 from gearmesh.systems.cylindrical.cutting.cutter import cutter_of, sharp_shaper
 from gearmesh.systems.cylindrical.cutting.cutter_choice import CutterChoice
 from gearmesh.systems.cylindrical.cutting.formed import Forming, with_rounding

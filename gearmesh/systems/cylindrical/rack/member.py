@@ -26,8 +26,9 @@ from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.micro_geometry import with_modifications
-from gearmesh.systems.common.racks.rack_member import ROOT, edge_refusal, tip_edge
+from gearmesh.systems.common.racks.rack_member import ROOT
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
+from gearmesh.systems.common.tooth_edges import edge_refusal, tip_edge
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body

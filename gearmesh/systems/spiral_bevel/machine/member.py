@@ -13,6 +13,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bodies.body import body_features, bore_radius
+from gearmesh.systems.common.tooth_edges import with_tip_edge
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.blank.root import bottom, root_cone
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
@@ -71,7 +72,7 @@ def bevel_member(
         root,
         _body(name, spec, blank, own, root),
     )
-    tooth = _fitting_tooth(name, own.teeth, body, by_flank, places)
+    tooth = with_tip_edge(name, _fitting_tooth(name, own.teeth, body, by_flank, places), spec)
     letter = {"pinion": "P", "gear": "G"}[name]
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:

@@ -1,0 +1,85 @@
+"""Broken edges that parts of designs ask for, and the refusal of those for which a tooth has no room."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.motion.joint import REVOLUTE, Joint
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.systems.common.bounds import at_most
+from gearmesh.teeth.blank.tip_edge import TipEdge
+from gearmesh.teeth.tooth import Tooth
+
+if TYPE_CHECKING:
+    from gearmesh.design.core import BrokenEdges
+
+#: halvings to the largest share that fits, of which messages show six digits
+HALVINGS = 24
+
+
+def tip_edge(spec: BrokenEdges, joint: Joint = REVOLUTE) -> TipEdge | None:
+    """The broken tip edge that a part of a design asks for."""
+    if spec.tip_chamfer:
+        return TipEdge(spec.tip_chamfer, joint=joint)
+    return TipEdge(spec.tip_rounding, rounded=True, joint=joint) if spec.tip_rounding else None
+
+
+def with_tip_edge(name: str, tooth: Tooth, spec: BrokenEdges) -> Tooth:
+    """The proved tooth of a member with the tip edge that its part `spec` of a design asks for.
+
+    Raises DesignError naming the key, its value and the largest that fits.
+    """
+    edge = tip_edge(spec, tooth.joint)
+    if edge is None:
+        return tooth
+    broken = replace(tooth, tip_edge=edge)
+    try:
+        broken.prove()
+    except TrimError as failure:
+        refusal = edge_refusal(name, broken, failure)
+        raise refusal or DesignError(name, reason=failure.reason) from failure
+    return broken
+
+
+def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | None:
+    """The refusal of a broken tip edge that is too large, None where that is not what made the trimming fail."""
+    edge = tooth.tip_edge
+    if edge is None or failure.what not in ("edge", "pointed") or not fits(replace(tooth, tip_edge=None), 1.0):
+        return None
+    key, size = ("tip_rounding" if edge.rounded else "tip_chamfer"), edge.size
+    limit = largest(lambda share: fits(replace(tooth, tip_edge=replace(edge, size=share * size)), 1.0))
+    larger, most = "larger than the tooth's tip allows", f"at most {at_most(limit * size)} mm"
+    return DesignError(f"{name}.{key}", size, unit="mm", reason=larger, allowed=most)
+
+
+def fits(tooth: Tooth, share: float) -> bool:
+    """True if the tooth can be trimmed on the given share of its face width, about the middle."""
+    return goes(lambda: tooth.sections(stations_on(share)))
+
+
+def stations_on(share: float) -> Array:
+    """Stations t (3,) on the given share of the face width, about the middle."""
+    return 0.5 + 0.5 * share * np.linspace(-1.0, 1.0, 3)
+
+
+def goes(trim: Callable[[], object]) -> bool:
+    """True if a tooth can be trimmed so."""
+    try:
+        trim()
+    except TrimError:
+        return False
+    return True
+
+
+def largest(fits_share: Callable[[float], bool]) -> float:
+    """Largest share in [0, 1] that fits (0 where none does)."""
+    ends = np.zeros(1), np.ones(1)
+    most, _ = last_true(lambda shares, _: np.array([fits_share(float(s)) for s in shares]), *ends, rounds=HALVINGS)
+    return float(most[0])
