@@ -1,6 +1,6 @@
 r"""Broken edges between flank and top land: drawn on the stations, not generated.
 
-A station is developed into a plane (see `kernel.surface.development`): the transverse section of a cylindrical gear as it is, the
+A station is developed into a plane (see `teeth.blank.development`): the transverse section of a cylindrical gear as it is, the
 cone across the pitch cone of a bevel gear, the cylinder of a face gear. There is
 
             land
@@ -24,11 +24,11 @@ from numpy.typing import NDArray
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
 from gearmesh.kernel.numeric.roots import bracketed_root
-from gearmesh.kernel.surface.development import Development
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import Surface
 from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.development import Development
 
 #: Points (T, 3) at every station: where the edge meets the flank, where the land, and its centre
 EdgePoints = tuple[Array, Array, Array]
