@@ -36,12 +36,14 @@ POLISHING, POLISHED = 30, 1e-13
 
 @dataclass(frozen=True)
 class Generation:
-    """What the equation of meshing says at (u, v): tool jet, phi (...,), motion state, velocity w, and f's partials."""
+    """What the equation of meshing says at (u, v): tool jet, phi (...,), motion state, velocity w, spin of the normal Omega x n
+    (..., 3), and f's partials."""
 
     tool: Jet
     phi: Array
     state: MotionState
     velocity: Array
+    spin: Array
     f_u: Array
     f_v: Array
     f_phi: Array
@@ -81,14 +83,16 @@ class Envelope:
         phi, iterations = self._solve(tool)
         spend(phi.size, iterations + 1, linear=self.motion.linear)
         state = self.motion.at(phi)
-        velocity = _velocity(state, tool.r)
+        velocity, spin = _velocity(state, tool.r), cross(state.omega, tool.n)
         return Generation(
             tool,
             phi,
             state,
             velocity,
-            f_u=dot(tool.n_u, velocity) + dot(tool.n, cross(state.omega, tool.r_u)),
-            f_v=dot(tool.n_v, velocity) + dot(tool.n, cross(state.omega, tool.r_v)),
+            spin,
+            # n . (Omega x r_u) = -(Omega x n) . r_u
+            f_u=dot(tool.n_u, velocity) - dot(spin, tool.r_u),
+            f_v=dot(tool.n_v, velocity) - dot(spin, tool.r_v),
             f_phi=dot(tool.n, cross(state.omega_phi, tool.r) + state.tau_phi),
             iterations=iterations,
         )
@@ -123,15 +127,14 @@ class Envelope:
     def jet(self, u: Array, v: Array) -> Jet:
         """Jet of the generated surface in the blank frame."""
         g = self.generation(u, v)
-        spin = cross(g.state.omega, g.tool.n)
         phi_u, phi_v = (-g.f_u / g.f_phi)[..., None], (-g.f_v / g.f_phi)[..., None]
         on_tool = Jet(
             r=g.tool.r,
             n=g.tool.n,
             r_u=g.tool.r_u + g.velocity * phi_u,
             r_v=g.tool.r_v + g.velocity * phi_v,
-            n_u=g.tool.n_u + spin * phi_u,
-            n_v=g.tool.n_v + spin * phi_v,
+            n_u=g.tool.n_u + g.spin * phi_u,
+            n_v=g.tool.n_v + g.spin * phi_v,
         )
         return on_tool.move(g.state.tool_to_blank)
 

@@ -92,6 +92,12 @@ def solve(
 
 
 def _newton_step(f: Array, jacobian: Array, rcond: Array) -> Array:
+    if not rcond.any() and np.isfinite(jacobian).all() and np.isfinite(f).all():
+        # as nearly always: the whole batch at once, in half the time of what follows
+        try:
+            return np.asarray(-np.linalg.solve(jacobian, f[..., None])[..., 0])
+        except np.linalg.LinAlgError:
+            pass
     finite = np.isfinite(jacobian).all(axis=(-1, -2)) & np.isfinite(f).all(axis=-1)
     step: Array = np.full(f.shape, np.nan)
     regular = finite & (rcond == 0.0)
