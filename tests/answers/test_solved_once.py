@@ -28,6 +28,7 @@ def test_both_sides_of_a_contact_are_followed_once(monkeypatch: pytest.MonkeyPat
     assert np.array_equal(contact.fit.coast.contacts.x, alone.contacts.x, equal_nan=True)
 
 
+@pytest.mark.sweep
 def test_rows_of_loaded_contact_are_made_once() -> None:
     found = gm.build(gm.load(SAMPLES / "spur.toml")).loaded_contact(100.0, [0.0])
     assert found.rows is found.figures.positions

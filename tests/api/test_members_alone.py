@@ -99,6 +99,7 @@ def test_a_gear_is_built_without_looking_for_the_contact_of_its_pinion(monkeypat
         alone(SAMPLES / "hypoid_formate.toml").solid("pinion", 0.05)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("name", "mating"), [("pinion", "gear.cutter.edge_radius=3"), ("gear", "pinion.convex.blade_angle=50")]
 )

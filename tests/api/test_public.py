@@ -183,6 +183,7 @@ def test_answers_speak_for_themselves_and_save(name: str, gears: gm.Gears, tmp_p
         answer.save(tmp_path / "saved.xyz")
 
 
+@pytest.mark.sweep
 def test_cad_answers_save(gears: gm.Gears, tmp_path: Path) -> None:
     pytest.importorskip("OCP")
     cad = gears.cad("pinion", 0.01)

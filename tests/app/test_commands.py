@@ -143,6 +143,7 @@ def drawn(_: Figure, file: str, **__: object) -> None:
 PICTURES = [f"{name}.png" for name in ("pinion_contact", "gear_contact", "pinion_pattern", "pinion_gap", "pair")]
 
 
+@pytest.mark.sweep
 def test_a_second_run_leaves_no_stale_file_and_keeps_foreign_ones(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The second sample touches along lines and has no picture of a pattern; what the first run did not write stays."""
     folder = here / "out"
@@ -248,6 +249,7 @@ def test_json_is_that_of_the_api() -> None:
     assert run("limits", CROSSED, "--json", "-")[1] == answer.json()
 
 
+@pytest.mark.sweep
 def test_topographies_go_into_files_and_wrong_requests_are_one_line(here: Path) -> None:
     relief = "pinion.modifications_right.tip_relief={ amount = '9um', start_roll_length = 12 }"
     asked = ("topography", SPUR, "--set", relief, "--member", "pinion", "--flank")

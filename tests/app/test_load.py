@@ -53,6 +53,7 @@ def loaded() -> LoadedContact:
     return gm.build(gm.load(SPUR)).loaded_contact([50.0, 200.0], [0.0, 3.0])
 
 
+@pytest.mark.sweep
 def test_the_command_says_what_the_api_does(tmp_path: Path) -> None:
     """JSON the same text, a folder the same files, the table the same figures; pairs that carry nothing are left empty there."""
     folder = tmp_path / "out"
@@ -127,6 +128,7 @@ def test_documented_keys_are_there() -> None:
     assert named <= found
 
 
+@pytest.mark.sweep
 def test_edges_are_named_with_their_loads() -> None:
     """A spur pair, alike on both sides of its middle, has the same load at toe and heel, a little more than its cells' part of an
     even one; misaligned it has most at the end where pressures are."""
@@ -184,6 +186,7 @@ def test_the_mean_of_tooth_pairs_that_carry() -> None:
 # ---------------------------------------------------------------- tca and run
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("sample", "kind", "power"), [("spur", "line", 1 / 2), ("beveloid_crossed", "point", 1 / 3)])
 def test_pressures_go_with_the_share_of_the_load(sample: str, kind: str, power: float) -> None:
     """As its square root on lines, its third on points [Johnson 4.25, 4.45]; shares of all pairs sum to 1 at every position, and
@@ -226,6 +229,7 @@ def test_tca_says_how_the_load_is_shared() -> None:
         gm.build(gm.load(SPUR)).contact(load_sharing=True)
 
 
+@pytest.mark.sweep
 def test_a_run_under_torque_has_loaded_contact(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures")
     folder = tmp_path / "out"
@@ -245,6 +249,7 @@ def test_a_run_under_torque_has_loaded_contact(tmp_path: Path, monkeypatch: pyte
     assert "gearmesh: loaded contact, torques: 1, positions: 7" in err.splitlines()
 
 
+@pytest.mark.sweep
 def test_there_is_one_transmission_error_without_load(monkeypatch: pytest.MonkeyPatch) -> None:
     """That of the exact mesh cycle, peak to peak, which few positions of a pitch fall short of: in the contact's figures, of every
     torque, and in the curve over the torque."""
@@ -262,6 +267,7 @@ def test_there_is_one_transmission_error_without_load(monkeypatch: pytest.Monkey
     np.testing.assert_allclose([*told, curve[0, 1]], exact, rtol=1e-9)
 
 
+@pytest.mark.sweep
 def test_a_run_of_a_set_has_every_mesh_under_what_is_handed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The planet keeps nothing of the torque: what the sun's mesh leaves on it, to a few per mille of friction-free slope of the
     transmission error, is what it has in the ring's."""

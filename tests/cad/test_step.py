@@ -445,6 +445,7 @@ def test_exact_points_lie_on_the_faces_read(file: str, read_by_occ: dict[str, An
         assert max(found["off"].values()) <= TOLERANCE
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("file", FILES)
 def test_gmsh_reads_one_closed_volume(file: str, read_by_gmsh: dict[str, Any]) -> None:
     """A second program: all faces are on the outside, and only seams of cylinders and cones have one face."""
@@ -565,6 +566,7 @@ def test_exact_volume_counts_hub_and_keyway(sample: str, changes: list[str]) -> 
     assert abs(mesh.volume() - exact_volume(member)) < tolerance * area
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("heel", [1.0, -1.0])
 def test_a_ring_with_teeth_inside(heel: float, tmp_path: Path) -> None:
     """The body lies outside the teeth; its volume by triangles. Faces that look inwards would count negative."""
@@ -573,6 +575,7 @@ def test_a_ring_with_teeth_inside(heel: float, tmp_path: Path) -> None:
     assert whole_volume(solid) == pytest.approx(ring.ring_volume(), rel=1e-8)
 
 
+@pytest.mark.sweep
 def test_a_shaped_ring(tmp_path: Path) -> None:
     """Involute teeth that a shaper generates inside, against the exact volume."""
     member = internal.ring(30)

@@ -39,6 +39,7 @@ def overlap_at(pair: GearPair, tolerance: float, phi1: float, phi2: float) -> Ov
     return overlap(pair, (pinion, gear), phi1, phi2)
 
 
+@pytest.mark.sweep
 def test_backlash_of_a_spur_pair_is_that_of_its_closed_form() -> None:
     """A normal backlash of 0.06 mm turns the gear by 0.06 / r_b2, whichever teeth touch."""
     pair = sample("spur")
@@ -91,7 +92,7 @@ def askew() -> tuple[GearPair, float, MemberRoll]:
 @pytest.mark.parametrize(
     ("tooth", "coast"),
     [
-        (-1, False),
+        pytest.param(-1, False, marks=pytest.mark.sweep),
         (1, True),
         pytest.param(1, False, marks=pytest.mark.sweep),
         pytest.param(-1, True, marks=pytest.mark.sweep),
@@ -109,6 +110,7 @@ def test_every_tooth_of_eccentric_misaligned_members_stands_where_it_is(tooth: i
     assert alike != phi2
 
 
+@pytest.mark.sweep
 def test_a_tip_edge_in_a_fillet_is_found_with_its_region() -> None:
     """With the pinion's root as round as is standard the gear's tip is in its fillet on the coast side, 2.9 arcsec deep."""
     pair = sample("face_gear", "pinion.dedendum=1.25", "pinion.tool_tip_radius=0.25")
@@ -124,6 +126,7 @@ def test_a_tip_edge_in_a_fillet_is_found_with_its_region() -> None:
     assert all(each.on_rims == (False, True) for each in found)
 
 
+@pytest.mark.sweep
 def test_members_that_are_free_do_not_overlap_and_those_that_jam_do() -> None:
     free, jammed = sample("spur"), sample("spur", "assembly.dx=-0.3")
     tolerance = 0.002

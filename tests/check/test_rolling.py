@@ -131,6 +131,7 @@ def test_beyond_the_path_tips_take_over() -> None:
     assert (path.te < -10.0 * ARCSEC).all()
 
 
+@pytest.mark.sweep
 def test_misaligned_line_contact_gives_a_cycle_with_harmonics() -> None:
     gears = pair_of(load(SAMPLES / "spur.toml", ["assembly.gamma_h=0.05"]))
     cycle = mesh_cycle(solver_pair(gears), gears.pitch)
@@ -160,6 +161,7 @@ def test_misaligned_line_contact_gives_a_cycle_with_harmonics() -> None:
     assert np.ptp(advance) < cycle.peak_to_peak < np.ptp(advance) + 2e-3 * pitch / ARCSEC * ARCSEC
 
 
+@pytest.mark.sweep
 def test_what_a_fillet_carries_is_rolled_with_the_fillet() -> None:
     """Tips on fillets are ahead of the flanks, here by up to 229 arcsec: there exact whole teeth are rolled, and agree far
     within what facets of flanks are allowed; a transmission error that is off by 3 arcsec is seen."""
@@ -176,6 +178,7 @@ def test_what_a_fillet_carries_is_rolled_with_the_fillet() -> None:
     assert not gears.roll(replace(mixed, path=off)).verdicts[0].ok
 
 
+@pytest.mark.sweep
 def test_facets_of_huge_teeth_are_as_many_as_of_large_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     """Facets of the roll test grow with the teeth: 20 times the module is not 20 times the triangles; their limit grows alike."""
     asked: list[tuple[float, int]] = []

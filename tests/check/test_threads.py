@@ -36,6 +36,7 @@ def test_a_member_of_one_tooth_is_a_closed_solid() -> None:
     assert reach == pytest.approx(float(thread.tooth.blank.tip.at(7.0)), abs=1e-6)
 
 
+@pytest.mark.sweep
 def test_a_thread_drives_its_wheel_uniformly_and_the_roll_test_agrees() -> None:
     """Both are involute helicoids: no transmission error over whole turns, which pass from tooth to tooth of the wheel."""
     pair = gm.build(gm.load(FILE)).train.pairs[0]

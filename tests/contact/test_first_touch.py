@@ -109,6 +109,7 @@ def test_a_pair_whose_drive_is_wrong_is_found_out() -> None:
         contact_path(replace(solver_pair(gears), drive=-gears.drive), np.zeros(1))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", ["novikov", "zerol"])
 def test_the_cycle_is_that_of_the_whole_curve(name: str) -> None:
     """Peak to peak, harmonics and the change of teeth from roots, against the curve sampled as densely as tells them apart."""

@@ -88,6 +88,7 @@ def test_contact_ratio_of_unequal_faces_to_nine_digits(helix: float, widths: tup
     assert cycle.contact_ratio == pytest.approx(transverse + overlap_ratio, abs=1e-9)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "keys",
     some(
@@ -181,6 +182,7 @@ def test_a_tip_in_a_fillet_is_told_with_depth_and_place(filleted: Contact) -> No
     assert 0.5 * radius * advance < driving.depth < 1.05 * np.linalg.norm(driving.point) * advance
 
 
+@pytest.mark.sweep
 def test_a_jammed_pair_overlaps_and_a_moved_one_does_not() -> None:
     gears = sample("spur", "assembly.dx=-0.3")
     found = fit(gears)
@@ -207,6 +209,7 @@ def test_a_jammed_pair_overlaps_and_a_moved_one_does_not() -> None:
         assert bool(pieces) == thick
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("keys", "sense"),
     [(("internal", "assembly.dx=-0.15"), -1.0), (("beveloid_intersected", "assembly.dz=-0.2"), 1.0)],
@@ -223,6 +226,7 @@ def test_the_shift_that_is_told_is_the_least_that_frees(keys: tuple[str, ...], s
     assert [each is not None and each.fits for each in there] == [True, False]
 
 
+@pytest.mark.sweep
 def test_samples_are_free_and_say_so() -> None:
     for name in ("face_gear", "zerol", "circular_arc"):
         contact = contact_of(load(SAMPLES / f"{name}.toml"))
@@ -249,6 +253,7 @@ def test_the_document_says_where_tips_are_in_fillets(filleted: Contact) -> None:
     assert sum("interference" in line for line in contact.warnings) == 2
 
 
+@pytest.mark.sweep
 def test_positions_left_out_are_the_whole_engagement() -> None:
     """From where a tooth pair begins to touch to where it ceases; what the design sets counts."""
     design = gm.parse({**BEVEL, "contact": {"phi1": {"count": 9}}})
@@ -279,6 +284,7 @@ def test_neighbours_are_the_pair_itself_a_pitch_away() -> None:
     assert (contact.neighbours[np.abs(path.rotation) < 0.3 * pair.pitch] < 0.0).all()
 
 
+@pytest.mark.sweep
 def test_check_fails_where_gears_are_jammed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     told = tmp_path / "check.json"
     arguments = [
@@ -323,6 +329,7 @@ def test_teeth_that_meet_nowhere_are_told_of(capsys: pytest.CaptureFixture[str])
     assert "fit: sides on which the flanks meet" in capsys.readouterr().out
 
 
+@pytest.mark.sweep
 def test_gears_that_jam_on_fillets_have_no_transmission_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """By how much they overlap is what whole members roll to; figures are null, positions say why, the remedy frees them."""
     shifts: list[float | None] = []
@@ -345,6 +352,7 @@ def test_gears_that_jam_on_fillets_have_no_transmission_error(monkeypatch: pytes
     assert [each is not None and each.fits for each in there] == [True, False]
 
 
+@pytest.mark.sweep
 def test_fit_is_unknown_where_a_part_of_the_cycle_has_no_contact(capsys: pytest.CaptureFixture[str]) -> None:
     file = CORPUS / "unknown_beveloid_crossed.toml"
     contact = contact_of(load(file))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
@@ -13,6 +14,7 @@ from gearmesh.view.on_tooth import union_level
 from gearmesh.view.scene import contact_on
 
 
+@pytest.mark.sweep
 def test_trains_turn_together_whichever_pair_is_known() -> None:
     """From the sun, from a planet and the ring, all meshes of a set close, the last one of a loop too."""
     gears = gm.build(gm.load(SAMPLES / "planetary.toml"))

@@ -85,6 +85,7 @@ def sparse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("gearmesh.contact.engagement.turns.PER_PITCH", 6)
 
 
+@pytest.mark.sweep
 def test_waves_are_those_of_the_closed_form_to_first_order() -> None:
     """[CR3553 3.4.14]: e / (r_b2) of the pinion's and of the gear's, their crests too; what is left is of second order."""
     apart = []
@@ -141,6 +142,7 @@ def test_every_kind_takes_eccentric_members_and_puts_them_on_their_mounts() -> N
         assert sum(abs(y - 0.02) < 1e-12 for _, y in off.values()) == (3 if name == "planet" else 1)
 
 
+@pytest.mark.sweep
 @pytest.mark.usefixtures("sparse")
 def test_jammed_turns_are_told_and_backlash_frees_them() -> None:
     keys = [

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles.drawn import zero_or_more
-from oracles.examples import examples
+from oracles.examples import examples, some
 from oracles.places import SAMPLES
 
 from gearmesh.design import files
@@ -216,7 +216,7 @@ def test_other_values_take_the_place_of_what_was_derived() -> None:
     assert parse(keys).with_values({"gear.addendum": 0.9}).resolve()["gear"]["addendum"] == 0.9
 
 
-@pytest.mark.parametrize("file", sorted(SAMPLES.glob("*.toml")), ids=lambda file: file.stem)
+@pytest.mark.parametrize("file", some(sorted(SAMPLES.glob("*.toml")), 12), ids=lambda file: file.stem)
 def test_samples_load(file: Path) -> None:
     design = load(file)
     assert parse(design.resolve()) == design

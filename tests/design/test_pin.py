@@ -171,6 +171,7 @@ def test_pinned_mounts_and_phi1_stay_where_they_are(tmp_path: Path) -> None:
     np.testing.assert_allclose(paths[1].te, paths[0].te, rtol=0, atol=1e-12)
 
 
+@pytest.mark.sweep
 def test_positions_that_are_left_out_are_pinned_by_the_engagement(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -67,6 +67,7 @@ def test_deck_and_figures(tmp_path: Path) -> None:
         assert f"*SURFACE, NAME={name}, TYPE=ELEMENT\n" in deck
 
 
+@pytest.mark.sweep
 def test_material_and_rotation_reach_the_deck(tmp_path: Path) -> None:
     file = tmp_path / "pair.inp"
     steel = ["--set", "material.youngs_modulus=2.068e5", "--set", "material.poisson_ratio=0.29"]
@@ -88,6 +89,7 @@ def test_material_and_rotation_reach_the_deck(tmp_path: Path) -> None:
     assert "CLOAD" not in deck
 
 
+@pytest.mark.sweep
 def test_several_positions_are_a_folder_with_a_script(tmp_path: Path) -> None:
     folder, calls = tmp_path / "decks", tmp_path / "calls"
     keyed = ["--set", "pinion.bore=8", "--set", "pinion.keyway={width=2, depth=1}", "--set", "gear.bore=8"]
@@ -134,6 +136,7 @@ def test_default_models_resolve_the_contact_pressure(sample: str) -> None:
         assert np.count_nonzero(inside) > 0.85 * np.pi * OVER**2
 
 
+@pytest.mark.sweep
 def test_default_says_how_many_elements_it_would_take() -> None:
     """A line of contact that is curved takes too many; own numbers of elements stand, and so does fe.ellipse."""
     (line,) = [each for each in model_of(load(SAMPLES / "face_gear_conjugate.toml")).warnings if "resolve" in each]
@@ -142,6 +145,7 @@ def test_default_says_how_many_elements_it_would_take() -> None:
     assert "2.9 elements over a semi-axis" in own.coarse
 
 
+@pytest.mark.sweep
 def test_unresolved_pressures_are_said_in_their_line(monkeypatch: pytest.MonkeyPatch) -> None:
     """In table, headline and title of the picture; also where another pair than the leading one has the largest."""
     design = load(CROSSED, ["fe.teeth=3", "fe.ellipse=4", "fe.order=1"])

@@ -25,6 +25,7 @@ from gearmesh.systems.designs import load
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 
 
+@pytest.mark.sweep
 @needs_ccx
 def test_beveloid_pressure_against_hertz(monkeypatch: pytest.MonkeyPatch) -> None:
     """One pair of LT02 teeth under 50 Nm, three elements over each half axis: peak within 10 % of Hertz."""
@@ -54,6 +55,7 @@ def test_beveloid_pressure_against_hertz(monkeypatch: pytest.MonkeyPatch) -> Non
     assert found["contact_area_mm2"] == pytest.approx(np.pi * half.prod(), rel=1.0 / 6.0)
 
 
+@pytest.mark.sweep
 @needs_ccx
 def test_fillet_stress_converges() -> None:
     """C3D20R of size h, h/2, h/4: second order or better at a fixed place and in the maximum, the load always the same."""
@@ -70,6 +72,7 @@ def test_fillet_stress_converges() -> None:
     assert np.all(fine < 0.005 * np.array(found[-1]))
 
 
+@pytest.mark.sweep
 @needs_ccx
 def test_root_stress_against_iso_6336() -> None:
     """Three teeth on their rim, loaded at the pitch point: maximum within 5 % of form and stress correction factor."""

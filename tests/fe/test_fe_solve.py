@@ -58,6 +58,7 @@ def test_beam_under_a_moment(second_order: bool) -> None:
     assert largest_principal(bar, solution, "z0")[0] == pytest.approx(0.0, abs=1e-3 * tension)
 
 
+@pytest.mark.sweep
 @needs_ccx
 def test_crossed_cylinders_against_hertz() -> None:
     """Force on a quarter of two crossed cylinders, 8 elements over each half axis: peak within 3 %."""
@@ -99,6 +100,7 @@ def lever(overlap: float, torque: float) -> Model:
     return pressed(upper, block(both, x, -x[::-1]), tie, "y", 50.0 * STEEL.youngs_modulus)
 
 
+@pytest.mark.sweep
 @needs_ccx
 def test_torque_turns_as_far_from_any_overlap() -> None:
     """One increment from bodies that overlap by 0.3 and by 1.2 of the approach: same end, moments in balance."""

@@ -8,6 +8,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
+import pytest
 from oracles.places import ROOT, SAMPLES
 
 from gearmesh.view.opengl import missing_opengl_message
@@ -94,6 +95,7 @@ SOME = {
 }
 
 
+@pytest.mark.sweep
 def test_two_processes_write_the_same(tmp_path: Path) -> None:
     needs = {
         "pair.step": find_spec("OCP") is not None,

@@ -116,6 +116,7 @@ def solids(design: Path, keys: list[str], tolerance: float) -> list[tuple[Triang
     return [(gear_solid(member, tolerance), 2 - 2 * member.tooth.blank.body.genus) for member in members]
 
 
+@pytest.mark.sweep
 def test_face_gear_of_a_sharp_shaper(tmp_path: Path) -> None:
     ((_, _), (gear, euler)) = solids(CORPUS / "face_gear_sharp_shaper.toml", [], 0.005)
     # the bug: vertices of the mesh on one point of float32, so that edges have four facets

@@ -130,6 +130,7 @@ def bevel_flank(*overrides: str) -> tuple[Envelope, Array, Array]:
     return tooth.left.flank, grid.p, grid.v
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("roll", [(), ("pinion.convex.modified_roll_c2=0.05", "pinion.convex.modified_roll_c3=-0.1")])
 def test_cradle_generation_in_closed_form_and_by_newton_agree(roll: tuple[str, ...]) -> None:
     flank, p, v = bevel_flank(*roll)

@@ -178,6 +178,7 @@ def under_a_line(found: FlankCompliance, row: int) -> tuple[float, float]:
     return float(weight @ own @ weight), float(own[0] @ weight)
 
 
+@pytest.mark.sweep
 def test_it_does_not_matter_how_deep_a_dent_is_held() -> None:
     """Smooth part of the compliance under a line of load half way up, with the dent held 3 or 4 elements deep, that is three
     tenths of the tooth's thickness or half of it: 2 %, at the toe too; with elements half as long: 2.5 %."""

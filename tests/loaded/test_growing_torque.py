@@ -13,6 +13,7 @@ CROWNED = tuple(
 )
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("sample", "keys", "torques", "crest"),
     [

@@ -14,6 +14,7 @@ from gearmesh.errors import DesignError
 PLASTIC = ("gear.material.youngs_modulus=3000", "gear.material.poisson_ratio=0.4", "pinion.material.youngs_modulus=2e5")
 
 
+@pytest.mark.sweep
 def test_each_member_is_of_its_own_material(monkeypatch: pytest.MonkeyPatch) -> None:
     """Hertz on lines goes with the root of E*, a deck has both materials, and under load a gear of plastic turns far more."""
     steel, own = (gm.build(gm.load(SAMPLES / "spur.toml", list(keys))) for keys in ((), PLASTIC))

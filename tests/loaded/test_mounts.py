@@ -71,6 +71,7 @@ def test_what_hardly_gives_way_is_rigid() -> None:
     np.testing.assert_allclose(stiff.root_stress, rigid().root_stress, rtol=1e-6)
 
 
+@pytest.mark.sweep
 def test_soft_bearings_shift_along_the_line_of_action() -> None:
     """Of either member: by F / k against the force, so that the pinion turns by that over its base radius; the transmission error
     falls behind by as much. 0.1 %: the centre distance grows and the angle of the force with it."""
@@ -104,6 +105,7 @@ def shift_and_turn(name: str, *keys: str) -> tuple[Array, Array]:
     return np.linalg.norm(held.displacement[0, :, 0, :3], axis=-1) / by, (held.rotation - stiff.rotation)[0] * base / by
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("name", "keys"), [("double_helical", ()), ("rack", ("pinion.modifications={}",))])
 def test_pinions_of_racks_and_of_two_halves_have_bearings(name: str, keys: tuple[str, ...]) -> None:
     """As a spur pair's: F / k against the transverse force, which both halves add to, and that over the base radius; 0.1 %,
@@ -113,6 +115,7 @@ def test_pinions_of_racks_and_of_two_halves_have_bearings(name: str, keys: tuple
     np.testing.assert_allclose(turn, 1.0, rtol=2e-3)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("axial", "aside"), [(1e5, 0.01), (1e3, 0.0), pytest.param(1e3, 0.01, marks=pytest.mark.sweep)]
 )
@@ -139,6 +142,7 @@ def test_a_pinion_of_two_halves_goes_where_both_carry(axial: float, aside: float
         assert first == pytest.approx(second, rel=0.03)
 
 
+@pytest.mark.sweep
 def test_load_goes_to_the_bearing_of_an_overhung_pinion() -> None:
     """The tooth at the far end gives way, on whichever side the bearing is; moments are those of the force about it."""
     for z in (40.0, -40.0):
@@ -171,6 +175,7 @@ def test_the_answer_tells_displacements_and_refuses_what_is_no_mount(
         FlexibleMount.of([1, 1, 1])
 
 
+@pytest.mark.sweep
 def test_a_design_says_how_its_members_are_held(
     monkeypatch: pytest.MonkeyPatch, spur_bodies: Callable[..., FlankCompliance]
 ) -> None:
@@ -213,6 +218,7 @@ def test_a_design_says_how_its_members_are_held(
     assert type(held.design)(**json.loads(json.dumps(held.design.resolve(), allow_nan=False))) == held.design
 
 
+@pytest.mark.sweep
 def test_bodies_are_held_by_the_rim_where_the_design_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """1.2 whole depths, of 2.25 modules, under the root; teeth then give way less than with a body down to the bore."""
     asked: dict[int, float | None] = {}

@@ -130,6 +130,7 @@ def test_tangents_are_slopes_of_torque_over_rotation(sample: str) -> None:
     assert (found.stiffness[1] < 0.98 * slope).all()
 
 
+@pytest.mark.sweep
 def test_finer_grids_agree() -> None:
     """Cells half as long and wide: rotation 0.3 %, loads 1 %."""
     pair, bodies = geared("spiral_bevel_basic")
@@ -140,6 +141,7 @@ def test_finer_grids_agree() -> None:
     np.testing.assert_allclose(coarse.root_stress, fine.root_stress, rtol=0.01)
 
 
+@pytest.mark.sweep
 def test_grids_follow_short_contacts() -> None:
     """Under little load the askew teeth of wide gears touch over a hundredth of the face: cells half as long and wide agree to
     1 % (from one grid over the whole face the rotation were 80 % too large), and without load no error is left."""
@@ -153,6 +155,7 @@ def test_grids_follow_short_contacts() -> None:
     assert (40 * load.separation.dx[carrying] < 0.5).all()
 
 
+@pytest.mark.sweep
 def test_a_corner_carries_beside_its_ridge() -> None:
     """Of askew teeth one pair begins to touch at a corner of its flank, and carries a tenth of the load along the edge from there:
     cells half as long and wide agree to 1e-4 of the rotation and 0.2 % of the load (a grid that ended there gave it 3 %)."""
@@ -210,6 +213,7 @@ def test_what_is_told_of_edges_converges() -> None:
     np.testing.assert_allclose(fine.peak[tip], coarse.peak[tip], rtol=0.05)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("keys", some([("assembly.gamma_v=0.2",), ()], 1, whole=True))
 def test_where_contact_is_with_a_tip_no_peak_is_told(keys: tuple[str, ...]) -> None:
     """A tip edge begins to touch beside a line over the face, which it halves the share of: cells half as long and wide agree to
@@ -253,6 +257,7 @@ def test_where_contact_is_with_a_tip_no_peak_is_told(keys: tuple[str, ...]) -> N
     assert found.totals[0].max_pressure == np.nanmax(coarse.peak)
 
 
+@pytest.mark.sweep
 def test_what_the_gear_torque_lacks_is_in_the_teeth() -> None:
     """At a torque that stays, elastic energy changes from position to position by what the pinion gives and the gear does not take:
     of T1 that is the mean, over the torques up to it, of the slope of the transmission error. A few per cent, by differences."""
@@ -330,6 +335,7 @@ def test_eccentric_members_are_refused() -> None:
         gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", keys)).loaded_contact(5.0)
 
 
+@pytest.mark.sweep
 def test_both_halves_of_a_double_helical_pair_carry_alike() -> None:
     """Equal to each other to rounding, and as a pair of one half alone does under half the torque, whose grids are others; the
     other half's places are the mirror image in the middle of the gap."""
@@ -352,6 +358,7 @@ def test_both_halves_of_a_double_helical_pair_carry_alike() -> None:
     np.testing.assert_allclose(middle, 2.0 * plane, atol=1e-6)
 
 
+@pytest.mark.sweep
 def test_halves_that_do_not_touch_alike() -> None:
     """A gear that has moved along its axis closes one half and opens the other: they change over with the sign of the move, and
     the lesser torque is carried by one alone."""
@@ -392,6 +399,7 @@ def test_a_rack_is_loaded_as_a_gear_is() -> None:
     )
 
 
+@pytest.mark.sweep
 def test_wide_gears_have_many_pairs_and_any_turn_counts() -> None:
     """Ten pairs of wide helical gears carry; after three turns and a pitch it is three turns of teeth and one further."""
     keys = ("pinion.face_width=240", "gear.face_width=240", "helix_angle=30")

@@ -19,6 +19,7 @@ def checks(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return importlib.import_module("load_checks")
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 def test_a_spur_pair_under_load_is_that_of_calculix(checks: ModuleType) -> None:
     """Two pairs in contact, three teeth of each held alike, of as many elements: rotation 3 %, shares 3 points, root stress 5 %."""

@@ -56,6 +56,7 @@ def test_a_refusal_must_begin_with_a_key_that_is_set(stress: ModuleType, message
     assert stress.names_a_set_key(message, keys) is named
 
 
+@pytest.mark.sweep
 def test_what_hangs_or_dies_or_breaks_is_a_failure(stress: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     def fake(task: object) -> object:
         seed = task.seed  # type: ignore[attr-defined]
@@ -97,6 +98,7 @@ def test_failures_are_designs_that_load_again(stress: ModuleType, tmp_path: Path
         assert gm.load(path).plain() == gm.parse(keys).plain()
 
 
+@pytest.mark.sweep
 def test_a_contact_that_is_off_is_told(stress: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     """The roll finds what it should in a sample, and a contact turned by 0.1 arcsec is wrong."""
     gears = gm.build(gm.load(ROOT / "samples" / "spiral_bevel_basic.toml"))

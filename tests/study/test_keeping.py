@@ -59,6 +59,7 @@ def killed(out: Path, kept: int, *more: str) -> list[int]:
     return begun
 
 
+@pytest.mark.sweep
 def test_killed_it_goes_on_where_it_was(whole: Path, tmp_path: Path) -> None:
     """On two workers, which end with it, though nothing tells them to: they wait for rows for as long as the machine runs."""
     out = tmp_path / "out"
@@ -89,6 +90,7 @@ def test_killed_it_goes_on_where_it_was(whole: Path, tmp_path: Path) -> None:
     assert (out / "study.csv").read_bytes() == (whole / "study.csv").read_bytes()
 
 
+@pytest.mark.sweep
 def test_another_plan_in_the_same_folder_is_refused(whole: Path) -> None:
     for more in (["--seed", "4"], ["--set", "pinion.teeth=26"], ["--record", "cycle"]):
         assert refused(*WORDS, *more, "-o", whole) == (
@@ -109,12 +111,14 @@ def test_two_processes_do_not_work_on_one_study(whole: Path) -> None:
             pass
 
 
+@pytest.mark.sweep
 def test_numbers_do_not_depend_on_the_workers(whole: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert run(*WORDS, "--workers", "2", "-o", out)[0] == 0
     assert (out / "study.csv").read_bytes() == (whole / "study.csv").read_bytes()
 
 
+@pytest.mark.sweep
 def test_a_local_cluster_finds_the_same(whole: Path, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
@@ -125,6 +129,7 @@ def test_a_local_cluster_finds_the_same(whole: Path, tmp_path: Path) -> None:
     assert (tmp_path / "out" / "study.csv").read_bytes() == (whole / "study.csv").read_bytes()
 
 
+@pytest.mark.sweep
 def test_a_cluster_that_loses_a_worker_finds_the_same(whole: Path, tmp_path: Path) -> None:
     """A scheduler and two workers as processes on loopback; one is killed with rows in work."""
     pytest.importorskip("distributed")

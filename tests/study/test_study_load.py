@@ -52,6 +52,7 @@ def bodies(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return asked
 
 
+@pytest.mark.sweep
 def test_a_row_is_what_the_design_has_under_these_torques(bodies: list[str]) -> None:
     """On top of an error that the design has itself; bodies are worked out once for all places, and anew for another design."""
     own = ["assembly.dy=0.01"]
@@ -93,6 +94,7 @@ def test_a_row_is_what_the_design_has_under_these_torques(bodies: list[str]) -> 
     assert len(bodies) == 3
 
 
+@pytest.mark.sweep
 def test_the_command_records_loads_and_keeps_their_torques(tmp_path: Path, bodies: list[str]) -> None:
     out = tmp_path / "out"
     limit = ("--limit", "max_pressure_1_mpa<1e4", "--limit", "loaded_contact_ratio_1>1")

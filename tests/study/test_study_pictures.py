@@ -63,6 +63,7 @@ def test_cells_are_the_contact_of_each_design(matrices: list[Matrix], tmp_path: 
     assert len({id(each.panel.plane) for row in cells for each in row if each.panel is not None}) == 1
 
 
+@pytest.mark.sweep
 def test_cells_have_the_exact_transmission_error_where_rows_do(matrices: list[Matrix], tmp_path: Path) -> None:
     sample, own = SAMPLES / "spiral_bevel_basic.toml", ["contact.phi1.count=9"]
     study = gm.build(gm.load(sample, own)).study({"assembly.dV": [0.0, 0.1]}, record="cycle", workers=1)

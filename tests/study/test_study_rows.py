@@ -43,6 +43,7 @@ def test_members_of_many_assemblies_stand_where_each_design_puts_them(sample: st
             np.testing.assert_allclose(shifts[k], other.translation, rtol=0, atol=1e-12)
 
 
+@pytest.mark.sweep
 def test_a_row_is_what_the_design_with_these_keys_has() -> None:
     """Assembly errors through one pair of members and a rebuilt key, together, on top of errors that the design has itself."""
     own = ["assembly.dy=0.02", "assembly.dx=0.05"]
@@ -63,6 +64,7 @@ def test_a_row_is_what_the_design_with_these_keys_has() -> None:
     assert len({round(value, 6) for value in study.columns["contact_ratio"]}) == 4
 
 
+@pytest.mark.sweep
 def test_what_paths_alone_tell_is_near_what_the_cycle_does() -> None:
     vary = {"assembly.dV": "0,0.1", "assembly.dA": "0,0.1"}
     study = gm.build(gm.load(BEVEL, ["contact.phi1.count=41"])).study(vary, workers=1)
@@ -85,6 +87,7 @@ def test_what_paths_alone_tell_is_near_what_the_cycle_does() -> None:
     assert study.rows["surface_te_peak_to_peak_arcsec"][row] > 0.0
 
 
+@pytest.mark.sweep
 def test_what_cannot_be_known_from_the_positions_is_not_told() -> None:
     """Positions that end where the pair still carries say nothing of the gears; a line of contact does not end as points do."""
     for start, stop, inside in ((-3, 3, 21), (-10, 25, 16)):
@@ -96,6 +99,7 @@ def test_what_cannot_be_known_from_the_positions_is_not_told() -> None:
     assert helical.columns["contact_ratio_estimate"] == [None, None]
 
 
+@pytest.mark.sweep
 def test_jammed_rows_have_no_transmission_error_whether_or_not_it_is_asked_how_they_fit() -> None:
     design = gm.load(SAMPLES / "spiral_bevel_geometry1.toml", ["contact.phi1.count=3"])
     keys, rows = ("assembly.d_delta",), [(-0.3,), (0.0,)]
@@ -121,6 +125,7 @@ def test_a_design_that_fails_is_a_row_with_its_reason() -> None:
     assert len(study.csv().splitlines()) == 7
 
 
+@pytest.mark.sweep
 def test_the_largest_error_is_where_the_criterion_fails() -> None:
     gears = gm.build(gm.load(CROSSED))
     found = gears.largest_errors({"assembly.gamma_h": "0.5"}, ["path_shift_length_mm<0.7", "path_shift_length_mm>-0.6"])
@@ -139,6 +144,7 @@ def test_the_largest_error_is_where_the_criterion_fails() -> None:
         gears.largest_errors(["assembly.dx"], ["contact_ratio>9"])
 
 
+@pytest.mark.sweep
 def test_the_command_writes_tables_and_figures(tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     from pyarrow import parquet

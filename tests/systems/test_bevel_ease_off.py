@@ -104,6 +104,7 @@ def test_the_exact_map_is_what_was_asked_for(name: str, side: str) -> None:
     assert np.sqrt((rest**2).mean()) == pytest.approx(summary["ease_off_residual_rms_um"], rel=0.35, abs=0.1)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("side", ["concave", "convex"])
 def test_nothing_asked_for_is_a_pair_that_is_nearly_conjugate(side: str) -> None:
     design = gm.SpiralBevelDesign(

@@ -208,6 +208,7 @@ def test_swivel_of_an_upright_cutter_and_polynomials_of_zeros_change_nothing() -
 # ------------------------------------------------------------ Formate
 
 
+@pytest.mark.sweep
 def test_a_formate_flank_is_the_cutter_itself() -> None:
     gears = gears_of(process="formate_fixed")
     (pair,), blank = gears.pairs, bevel_teeth(gears.design.in_mm()).cut.blank
@@ -241,6 +242,7 @@ AS_THE_GEAR = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("more", "fits"),
     [
@@ -278,6 +280,7 @@ def completing(width: float) -> dict[str, Any]:
     return {"process": "completing", "pinion": {"teeth": 15, "concave": machine, "convex": convex}}
 
 
+@pytest.mark.sweep
 def test_a_completing_cutter_leaves_its_point_width_and_the_backlash_that_follows() -> None:
     gears = gears_of(**completing(2.2))
     assert gears.design.pinion.convex.radial == gears.design.pinion.concave.radial
@@ -366,7 +369,7 @@ def test_sides_that_are_cut_at_once_have_one_machine() -> None:
 
 @pytest.mark.parametrize(
     "toprem",
-    [{"toprem_radius": 25.0}, {"toprem_angle": 13.0}, {"toprem_height": 0.8, "toprem_angle": 9.0}],
+    some([{"toprem_radius": 25.0}, {"toprem_angle": 13.0}, {"toprem_height": 0.8, "toprem_angle": 9.0}], 1),
     ids=["arc", "straight", "far out"],
 )
 def test_a_toprem_relieves_the_root_and_nothing_else(toprem: dict[str, float]) -> None:

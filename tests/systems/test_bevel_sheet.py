@@ -83,6 +83,7 @@ def rolling_choice(design: Any, blank: BevelBlank, name: str) -> ContactChoice:
     return found if design.sets(f"pinion.{name}.radial") else replace(found, roll=(0.004, -0.008, 0.01))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", some(["rolled", *PAIRS], 3))
 def test_the_design_that_settings_writes_is_the_same_pair(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -153,6 +154,7 @@ def test_backlash_of_a_completing_cutter_is_what_the_pair_has() -> None:
     assert tables_of("completing")[PAIR]["j_mt"][1] == pytest.approx(found, rel=0.1)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", some(["right", "spiral_bevel_formate", "hypoid"], 2))
 def test_crowns_and_mounting_are_those_of_the_solids(name: str) -> None:
     """Vertices of the solids are exact points of their surfaces; the standard's diameters of the pinion, for which it counts the
@@ -260,6 +262,7 @@ def test_the_transverse_contact_ratio_is_that_of_virtual_teeth_in_mesh() -> None
     assert pair["eps_v_gamma"][1] == pytest.approx(np.hypot(turn / pitch, pair["eps_v_beta"][1]), abs=1e-8)
 
 
+@pytest.mark.sweep
 def test_the_largest_edge_radius_just_fits() -> None:
     """The narrowest slot is told by a smaller radius, which moves it a little."""
     cut = tables_of("zerol")[CUT]

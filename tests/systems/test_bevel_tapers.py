@@ -99,6 +99,7 @@ PRINTED_SIZES = {
 }
 
 
+@pytest.mark.sweep
 def test_printed_root_and_face_angles_are_the_cones_of_the_standard() -> None:
     """ISO 23509 sample 1, whose angles are those of a duplex taper: as that builds it, with the standard's thicknesses."""
     given = gm.build(gm.parse(SAMPLE_1).with_values(PRINTED_CONES))
@@ -118,6 +119,7 @@ def test_printed_root_and_face_angles_are_the_cones_of_the_standard() -> None:
     assert given.contact().summary["tip_clearance_pinion_mm"] == pytest.approx(0.803, abs=3e-3)
 
 
+@pytest.mark.sweep
 def test_thicknesses_with_offset_are_those_of_the_standard() -> None:
     """ISO 23509 sample 2: the gear's printed cones, j_et2 = 0.2 of which both members have half."""
     mean = 0.2 * 76.337 / 91.468 * np.cos(np.radians(38.609)) * np.cos(np.radians(20.0))

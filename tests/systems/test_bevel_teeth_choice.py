@@ -43,6 +43,7 @@ def flank_points(gears: gm.Gears, name: str) -> np.ndarray:
     return np.concatenate([tooth.flank_grid(side, [0.2, 0.8], [0.1, 0.9]).points for side in Side])
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("name", "changed"), some([("8/30", "addendum_factor"), ("16/84", "depth_factor"), ("9/21", "depth_factor")], 2)
 )
@@ -57,6 +58,7 @@ def test_proportions_that_are_left_open_give_whole_teeth(name: str, changed: str
             assert not (side.h1 < side.form_point_depth).any()
 
 
+@pytest.mark.sweep
 def test_proportions_that_the_design_says_stand() -> None:
     said = {"depth_factor": 1.94, "addendum_factor": 0.2808}
     gears = gm.build(pair("9/21", **said))

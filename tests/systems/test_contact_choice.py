@@ -33,6 +33,7 @@ def pair(name: str, side: str, **others: Any) -> gm.Design:
     return gm.parse({**data, "contact": {"side": f"pinion_{side}"}})
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("name", "side"), some([(name, side) for name in PAIRS for side in ("concave", "convex")], 2))
 def test_pairs_hand_over_as_asked(name: str, side: str) -> None:
     """The whole contact of the teeth, edges and all, and the roll of whole members."""
@@ -79,6 +80,7 @@ def test_what_the_design_says_of_the_contact_stands() -> None:
     assert fixed.asked.ratio_derivative == 0.01
 
 
+@pytest.mark.sweep
 def test_modified_roll_comes_where_nothing_else_helps() -> None:
     ordinary = bevel_teeth(pair("14/49", "concave").in_mm()).choices["concave"]
     assert ordinary.roll == (0.0, 0.0, 0.0)

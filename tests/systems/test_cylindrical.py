@@ -93,6 +93,7 @@ def test_contact_ratio_is_the_closed_form(pair: tuple[Any, gm.Gears]) -> None:
     assert summary["contact_ratio"] == pytest.approx(length / mesh.pinion.base_pitch + overlap, abs=1e-9)
 
 
+@pytest.mark.sweep
 def test_rolled_solids_of_an_internal_pair_agree_and_have_the_exact_volume() -> None:
     design = parsed(
         {"teeth": 20, "tip_chamfer": 0.2}, {"teeth": -61, "tip_rounding": 0.25}, helix_angle=20, backlash=0.1

@@ -307,6 +307,7 @@ def test_tolerances_of_iso_1328() -> None:
     assert sheet["f_pT"] == [None, None]
 
 
+@pytest.mark.sweep
 def test_describe_prints_the_sheet_and_run_reports_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     design = tmp_path / "pair.toml"
     design.write_text(gm.toml(design_of("helical_left", contact={"phi1": {"count": 3}}).resolve()))
@@ -334,6 +335,7 @@ def test_describe_prints_the_sheet_and_run_reports_it(tmp_path: Path, monkeypatc
     assert refused("describe", design, "--set", "accuracy_class=12").count("accuracy_class = 12") == 1
 
 
+@pytest.mark.sweep
 def test_a_planetary_set_has_the_sheets_of_both_meshes() -> None:
     keys = {"module": 2, "helix_angle": 10, "accuracy_class": 8, "backlash": 0.08, "material": {"density": 7000}}
     teeth = {name: {"teeth": z, "face_width": 20} for name, z in (("sun", 18), ("planet", 27), ("ring", 72))}

@@ -24,6 +24,7 @@ def built_from(file: Path) -> gm.Gears:
     return gm.build(gm.load(file))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("file", some(CORPUS, 3), ids=lambda file: file.stem)
 def test_a_deeply_ground_pinion_is_built(file: Path) -> None:
     """Designs that were refused, after minutes, for an addendum that they leave out: tip to tip on the whole face there is land."""
@@ -76,6 +77,7 @@ def test_gears_many_times_as_large_are_the_same(scale: float) -> None:
     np.testing.assert_allclose(paths[1].phi2, paths[0].phi2, rtol=0.0, atol=1e-11)
 
 
+@pytest.mark.sweep
 def test_a_bound_of_the_tip_is_one() -> None:
     """A pointed pinion: the tip diameter allowed can be built, a little more cannot."""
     keys = ["pinion.crowning=disk", "pinion.addendum=1.7"]
@@ -89,6 +91,7 @@ def test_a_bound_of_the_tip_is_one() -> None:
         gm.build(gm.load(SAMPLES / "novikov.toml", [*keys, f"pinion.addendum={addendum + 0.002 / module}"]))
 
 
+@pytest.mark.sweep
 def test_a_disk_ground_pinion_is_within_its_tolerance() -> None:
     """Its root passes from one fillet's end to the other's, which a surface of revolution missed by 3.9 um."""
     built = gm.build(gm.load(CORPUS[0].parent / "solid_novikov_sensible_1.toml"))
@@ -97,6 +100,7 @@ def test_a_disk_ground_pinion_is_within_its_tolerance() -> None:
     assert solid.mesh.volume() == pytest.approx(built.members["pinion"].tooth.volume(), rel=3e-5)
 
 
+@pytest.mark.sweep
 def test_a_flank_that_would_go_to_infinity_is_refused() -> None:
     with pytest.raises(DesignError) as failure:
         gm.build(gm.load(CORPUS[0].with_name("refused_novikov_edge_2121.toml")))

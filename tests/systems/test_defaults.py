@@ -26,7 +26,9 @@ ADAPTED = [
     ("face_gear", ["pressure_angle=30"], "shaper.addendum", 1.25),
     ("face_gear", ["pressure_angle=20"], "pinion.dedendum", 1.25),
     ("zerol", ["module=0.2", "face_width=1"], "contact.delta", 0.00635),
-    ("spiral_bevel_basic", ["face_width=2"], "pinion.concave.semi_major_axis", 0.5),
+    pytest.param(
+        "spiral_bevel_basic", ["face_width=2"], "pinion.concave.semi_major_axis", 0.5, marks=pytest.mark.sweep
+    ),
 ]
 
 

@@ -30,7 +30,9 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(
-    ("sample", "given", "key", "side"), some(REFUSED, 3), ids=[f"{row[0]}-{row[1][0]}" for row in REFUSED]
+    ("sample", "given", "key", "side"),
+    [*some(REFUSED[:-1], 3), *some(REFUSED[-1:], 0)],
+    ids=[f"{row[0]}-{row[1][0]}" for row in REFUSED],
 )
 def test_the_key_that_the_design_sets_is_named_with_a_true_bound(
     sample: str, given: list[str], key: str, side: str, monkeypatch: pytest.MonkeyPatch
@@ -127,6 +129,7 @@ def test_face_gears_of_20_deg_have_teeth(teeth: int, mating: int, shaper: int) -
     assert limits["inner_radius_mm"] < gears.members["gear"].tooth.blank.extent[0] < limits["outer_radius_mm"]
 
 
+@pytest.mark.sweep
 def test_of_two_things_in_the_way_the_first_is_named_with_what_mends_it() -> None:
     """Both members are pointed, and neither the cone angle of the one nor that of the other mends both."""
     keys: dict[str, Any] = {
@@ -151,6 +154,7 @@ def test_of_two_things_in_the_way_the_first_is_named_with_what_mends_it() -> Non
     assert noticed in refusal(cone_angle=1.002 * float(found[1]))
 
 
+@pytest.mark.sweep
 def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a design with 37 keys whose teeth take long: a bound of the one that was changed, within the effort allowed."""
     file, given = SAMPLES.parent / "tests" / "designs" / "maker_summary_13_42.toml", "pinion.convex.blade_angle=50"

@@ -118,6 +118,7 @@ def test_halves_are_mirror_images_and_the_first_has_the_hand_of_the_pinion(name:
         assert np.sign(of_half.normals[there, 2][0]) == np.sign(first[0])
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", ["gap", "internal"])
 def test_contact_is_that_of_one_half_and_the_other_one_touches_alike(name: str) -> None:
     gears = gm.build(design_of(name))
@@ -229,6 +230,7 @@ def test_limits_are_those_of_either_half() -> None:
     ]
 
 
+@pytest.mark.sweep
 def test_a_planetary_set_of_halves_of_other_widths_meshes_on_both() -> None:
     """Planes of symmetry in one place, no overlap as it stands, the same in both halves of a planet that is turned; the ring's mesh
     as far ahead of the sun's as the solver begins both."""

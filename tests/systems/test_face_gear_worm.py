@@ -111,6 +111,7 @@ def test_fed_along_the_shaper_the_worm_grinds_the_shaped_flank(sample: str, over
         assert (gear.pressure_angle(z) > worm.singular_kappa(THETA)).all()
 
 
+@pytest.mark.sweep
 def test_worm_is_a_closed_body_whose_sections_are_whole() -> None:
     part = system.worm(load(SAMPLES / "face_gear.toml", ["worm.bore=200", "worm.threads=2"]))
     assert isinstance(part.member, Member)

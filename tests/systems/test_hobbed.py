@@ -170,6 +170,7 @@ def test_tooth_is_what_the_tools_leave_in_thousands_of_positions(case: str) -> N
     assert np.abs((half - left) * rho)[inside].max() < (4e-3 if sharp else 5e-5)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("case", "size"), some([("relieved", 0.5), ("line_cut", 8.0), ("notch", 0.5), ("all", 0.5), ("all", 8.0)], 2)
 )

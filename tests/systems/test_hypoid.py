@@ -214,7 +214,7 @@ def test_without_offset_the_pair_is_a_spiral_bevel_one() -> None:
             ("formate", "concave"),
             ("formate", "convex"),
         ],
-        2,
+        1,
     ),
 )
 def test_contact_is_where_the_rolled_flanks_touch(name: str, side: str) -> None:
@@ -250,6 +250,7 @@ def test_the_cradle_takes_a_formate_gears_place(more: dict[str, Any]) -> None:
         )
 
 
+@pytest.mark.sweep
 def test_whole_members_fit() -> None:
     """Solids at 20 um proved, the roll of whole members, fit on both sides, clearances of the whole surfaces; and the cycle."""
     gears = gm.build(design_of())
@@ -316,6 +317,7 @@ def around(pair: GearPair, place: Array) -> ContactPath:
     return analyse(pair, phi1 + np.radians([0.0, -10.0, -5.0, 5.0, 10.0]))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("more", [PAIRS["12/41"], FORMATE], ids=["generated", "formate"])
 def test_compensation_gives_the_contact_back(more: dict[str, Any]) -> None:
     """Path, ellipse and teeth as thick as before, of upright cutters and of tilted ones.

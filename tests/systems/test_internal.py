@@ -46,6 +46,7 @@ def test_contact_ratio_by_the_closed_form_and_rolled_flanks_agree() -> None:
         assert abs(row.te_difference) < 0.5
 
 
+@pytest.mark.sweep
 def test_rim_of_finite_elements_lies_outside_the_teeth() -> None:
     model = internal_gears().finite_elements()
     mesh = model.model.mesh

@@ -182,6 +182,7 @@ def placed() -> list[tuple[OffsetPair, InSpace]]:
     return found
 
 
+@pytest.mark.sweep
 def test_pitch_cones_touch_and_roll(placed: list[tuple[OffsetPair, InSpace]]) -> None:
     for pair, at in placed:
         first, second = at.axes

@@ -192,6 +192,7 @@ def test_limits_are_those_of_the_tool() -> None:
         np.testing.assert_equal(modified["members"]["pinion"][key], plain["members"]["pinion"][key])
 
 
+@pytest.mark.sweep
 def test_rolled_meshes_agree_with_the_solver() -> None:
     """The roll test, which knows nothing of amounts and corners but the meshed flanks."""
     fields = {

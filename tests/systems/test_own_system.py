@@ -96,6 +96,7 @@ def contact_ratio() -> float:
     return float(length / (2.0 * np.pi * np.cos(ALPHA)))
 
 
+@pytest.mark.sweep
 def test_contact_solids_checks_and_limits(design_file: str) -> None:
     contact = json.loads(run("tca", design_file, "--json", "-")[1])
     assert {row["contact"] for row in contact["positions"]} == {"line"}
@@ -127,6 +128,7 @@ def test_models_descriptions_and_errors(design_file: str) -> None:
     )
 
 
+@pytest.mark.sweep
 def test_the_main_job(design_file: str, monkeypatch: pytest.MonkeyPatch) -> None:
     # its pictures are the same code, and cost more than all the rest
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "none today")

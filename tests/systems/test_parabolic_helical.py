@@ -219,6 +219,7 @@ def test_the_coast_side_is_the_other_one_with_its_own_angle() -> None:
     np.testing.assert_allclose(coast.point1[::-1] * [1.0, -1.0, 1.0], drive.point1, rtol=0, atol=1e-7)
 
 
+@pytest.mark.sweep
 def test_breaks_are_where_surface_contact_ends() -> None:
     """[LF04 17.8]: errors too large for the parabola. At the phi1 named the surface contact of one pair ends ahead of the next."""
     pair = gears("novikov", "assembly.d_gamma=0.09")
@@ -237,6 +238,7 @@ def test_breaks_are_where_surface_contact_ends() -> None:
     assert mesh_cycle(solver_pair(gears("novikov")), pitch).breaks == ()  # type: ignore[union-attr]
 
 
+@pytest.mark.sweep
 def test_a_gap_between_the_pairs_is_a_break_as_well() -> None:
     result = contact_of(load(SAMPLES / "novikov.toml", ["assembly.d_gamma=0.11"]))
     assert result.cycle is not None

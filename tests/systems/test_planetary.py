@@ -85,6 +85,7 @@ def test_every_mesh_has_the_backlash_that_is_asked_for(name: str) -> None:
         assert summary["interference_um"] == 0.0
 
 
+@pytest.mark.sweep
 def test_all_planets_mesh_alike() -> None:
     gears = planetary(19, 26, 71, backlash=0.05, planets=3, assembly={"planet_angles": "0 116 240"})
     for first, last in ((0, 3), (3, 6)):
@@ -121,6 +122,7 @@ def test_what_cannot_be_assembled_is_refused(teeth: tuple[int, int, int], keys: 
     assert "pinion" not in str(failure.value)
 
 
+@pytest.mark.sweep
 def test_run_does_all_of_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # its pictures are the same code as of a pair, and cost more than all the rest
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "none today")
@@ -138,6 +140,7 @@ def test_run_does_all_of_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         assert report["meshes"][mesh]["contact_ratio"] == pytest.approx(ratio, abs=1e-8)
 
 
+@pytest.mark.sweep
 def test_commands_look_at_the_mesh_that_is_named(tmp_path: Path) -> None:
     design = SAMPLES / "planetary.toml"
     status, _, told = run("tca", design, "--json", tmp_path / "first.json")

@@ -54,6 +54,7 @@ def test_speeds_roll_without_slip(fixed: str) -> None:
     assert motion.ratio(sun, ring, fixed) == pytest.approx(1.0 / driven, abs=1e-12)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", some(SETS, 2))
 def test_phases_and_counts_are_those_of_the_exact_contact(name: str) -> None:
     """Where the solver begins and ends the contact of a tooth pair, of every planet, in pitches that the sun has gone on."""

@@ -195,6 +195,7 @@ def compensations(*keys: str, refinish: str | None = None) -> dict[str, dict[str
     return {each.key: each.row for each in found.rows}
 
 
+@pytest.mark.sweep
 def test_settings_restore_the_contact() -> None:
     rows = compensations("assembly.dgamma=0.1")
     assert abs(rows["pinion.lead_angle"]["value_after"] - 75.093) < 5e-4

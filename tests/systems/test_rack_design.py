@@ -262,6 +262,7 @@ def test_hexahedra_of_all_teeth_are_the_bar() -> None:
     assert volumes(bar.nodes, bar.elements).sum() == pytest.approx(tooth.volume(), rel=1e-4)
 
 
+@pytest.mark.sweep
 def test_a_rack_too_near_is_told_of_in_millimetres() -> None:
     gears = rack(assembly={"dx": -0.1}, backlash=0.02)
     (line,) = (line for line in gears.contact().warnings if line.startswith("the pair is jammed"))

@@ -285,6 +285,7 @@ def test_page_without_contact() -> None:
         gears.report(torque=5)
 
 
+@pytest.mark.sweep
 def test_runs_without_contact(tmp_path: Path) -> None:
     gears = gm.build(gm.parse({"kind": "cylindrical", "module": 1, "pinion": {"teeth": 12, "face_width": 4}}))
     report = gears.run(tmp_path, 0.05)

@@ -98,6 +98,7 @@ def test_the_contact_goes_where_v_and_h_put_it(name: str, side: str) -> None:
         assert row["alpha_deg"] == design.assembly.d_delta
 
 
+@pytest.mark.sweep
 def test_a_place_that_other_teeth_hide_is_refused_with_the_nearest_that_is_free() -> None:
     """21/45: what brought the vertex to the toe left the contact on edges; the place that is offered is where teeth touch first."""
     design = load(CORPUS / "vh_spiral_bevel_21_45.toml")
@@ -127,6 +128,7 @@ def test_a_place_that_other_teeth_hide_is_refused_with_the_nearest_that_is_free(
     assert ((path.kind == "edge") & (np.abs(places - toe_place) < 0.25 * blank.gear.face_width)).any()
 
 
+@pytest.mark.sweep
 def test_other_displacements_bring_the_contact_there_as_well() -> None:
     """J and alpha, of the convex side, whose toe they reach; V and H stay what the design says."""
     design = load(SAMPLES / "spiral_bevel_basic.toml", ["assembly.dV=0.02"])

@@ -323,6 +323,7 @@ def _run(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> tuple[in
     return status, dict(line.split() for line in out.splitlines()), err
 
 
+@pytest.mark.sweep
 def test_worm_of_a_design_is_lean() -> None:
     """Diagonals cross the thread, whose sections run along it; facets face where the exact surface does, none is folded over."""
     member = part_of_design(load(NOVIKOV, [])).member
@@ -335,6 +336,7 @@ def test_worm_of_a_design_is_lean() -> None:
         assert (dot(facing, patch.normals) > 0.99 * np.sqrt(dot(facing, facing))).all()
 
 
+@pytest.mark.sweep
 def test_worm_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "worm.stl"
     status, found, err = _run(capsys, "-o", file, "--tol", "0.1mm", "--set", "worm.bore=60")

@@ -123,6 +123,7 @@ def test_normals_and_curvatures_of_a_bevel_flank(bevel: Pair) -> None:
     assert np.abs(shape_operator(before, *tangent_basis(before)) - shape_operator(grid.jet, *basis)).max() > 1e-3
 
 
+@pytest.mark.sweep
 def test_the_ease_off_of_other_settings_gives_their_transmission_error() -> None:
     """A pinion that is cut with other settings, and one with its deviations; the gear is the same. What is left of the flank
     between 9 x 17 points, at a lever of 60 mm or more about the gear's axis, bounds what is left of the rotation."""
@@ -243,6 +244,7 @@ def test_the_tip_edge_of_a_chamfered_flank_is_where_the_chamfer_begins() -> None
     np.testing.assert_allclose(contact_flank(member, Side.RIGHT).edges["tip"].value(tips), 0.0, atol=1e-4)
 
 
+@pytest.mark.sweep
 def test_the_roll_test_finds_the_contact_of_a_flank_with_deviations(bevel: Pair) -> None:
     """Meshes of the flanks, rolled without the solver, agree with it as `check` judges them; the solid is closed."""
     contact = bevel.real.contact(cycle=False)

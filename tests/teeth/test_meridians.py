@@ -176,6 +176,7 @@ def test_limits_are_those_of_the_tip_at_each_station() -> None:
     assert ((limits.top_land > plain.top_land) == (radii < tip_radius())).all()
 
 
+@pytest.mark.sweep
 def test_step_files_of_any_tip_are_valid(tmp_path: Path) -> None:
     pytest.importorskip("OCP")
     from OCP.BRepCheck import BRepCheck_Analyzer

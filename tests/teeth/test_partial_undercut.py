@@ -137,6 +137,7 @@ def test_a_loop_narrower_than_rounding_is_no_removed_flank() -> None:
     assert lost[12:] / (begins - t[12:]) == pytest.approx(lost[-1] / begins, rel=0.15)
 
 
+@pytest.mark.sweep
 def test_a_flank_that_folds_before_its_form_point_is_cut_by_the_fillet_as_well() -> None:
     """Where undercut deepens towards one end the flank turns twice, and the form point itself is on a branch that is right
     side out."""
@@ -154,6 +155,7 @@ def test_a_flank_that_folds_before_its_form_point_is_cut_by_the_fillet_as_well()
     assert np.abs(flank - fillet).max() < 1e-9
 
 
+@pytest.mark.sweep
 def test_a_fold_that_ends_in_the_flank_itself_is_refused_by_a_key_that_was_set() -> None:
     """By what the refusal says would mend it: the design's own angle, or the depth where that was put in anew."""
     file = CORPUS / "fold_spiral_bevel_edge_2080.toml"

@@ -52,6 +52,7 @@ def offset_volume(tooth: Tooth, nominal: Tooth) -> float:
     return total
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("sample", some(["spiral_bevel_basic", "helical", "double_helical"], 2))
 def test_a_solid_has_each_tooth_as_it_is(sample: str, tmp_path: Path) -> None:
     """Watertight as it is written, each tooth's vertices its own, the volume that of the teeth, by sections and by what moved."""
@@ -105,6 +106,7 @@ def test_a_section_has_each_tooth_as_it_is(tmp_path: Path) -> None:
     section.save(tmp_path / "pinion.dxf")
 
 
+@pytest.mark.sweep
 def test_contact_is_that_of_the_tooth_that_is_chosen() -> None:
     """The roll test agrees with each; a tooth with more material drives the gear ahead, by its height over its lever."""
     gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml"))

@@ -100,6 +100,7 @@ def test_sliding_grows_with_the_distance_from_the_pitch_point() -> None:
     assert np.abs(dot(velocity, pinion.surface.jet(grid[..., 0], grid[..., 1]).n))[known].max() < 0.02
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("sample", ["beveloid_crossed", "helical"])
 def test_figures_of_flanks_have_words_and_are_the_same_twice(sample: str, tmp_path: Path) -> None:
     found = contact(sample)

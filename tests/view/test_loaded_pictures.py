@@ -59,6 +59,7 @@ def test_largest_pressure_is_that_of_the_ellipse_on_its_way(slant: float) -> Non
     assert not passed[:, np.abs(columns) > half + 0.2].any()
 
 
+@pytest.mark.sweep
 def test_footprints_lie_on_the_flanks(loaded: LoadedContact) -> None:
     """Cells in the frames of both members, on the exact flanks within what the tangent plane is away; phases ascend, and all pairs
     that stand a pitch apart carry the torque together."""
@@ -171,6 +172,7 @@ def test_render_draws_loaded_contact(loaded: LoadedContact, tmp_path: Path, monk
     )
 
 
+@pytest.mark.sweep
 def test_all_pictures_go_into_a_folder(loaded: LoadedContact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """On teeth what is pressed lies on the tooth, not below and not far above it."""
     scenes: list[Any] = []

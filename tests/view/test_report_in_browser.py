@@ -92,6 +92,7 @@ def choose(browser: Any, name: str, value: str, event: str = "change") -> None:
     )
 
 
+@pytest.mark.sweep
 def test_browser_draws_rolls_and_picks(page: str, browser: Any, tmp_path: Path) -> None:
     from selenium.webdriver import ActionChains
     from selenium.webdriver.common.keys import Keys

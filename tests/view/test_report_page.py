@@ -152,6 +152,7 @@ def test_vendored_script_is_what_its_builder_makes() -> None:
     assert used == names | {"TrackballControls"}
 
 
+@pytest.mark.sweep
 def test_command_writes_a_page_with_the_design_as_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures here")

@@ -540,6 +540,7 @@ def test_transmission_error_plot_is_in_degrees_and_arc_seconds(figures):
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("pinion rotation φ₁ (deg)", "transmission error (arcsec)")
 
 
+@pytest.mark.sweep
 def test_plots_are_written_whole_repeatable_and_only_in_known_formats(tmp_path):
     runs = {
         "mesh": plots.CostRun(np.array([10.0, 1.0]), np.array([1e3, 1e4]), np.array([0.1, 0.4]), np.array([8e2, 8e3]))
