@@ -131,35 +131,49 @@ class Gears(SolvedGears):
         tolerance: Length | None = None,
         *,
         teeth: int | None = None,
+        flank_only: str | None = None,
+        space: bool = False,
+        offset: Length = 0.0,
         file: str | PathLike[str] | None = None,
     ) -> Solid:
         """One member as a watertight mesh within `tolerance` (by default the design's), or its worm as a part ("worm").
 
-        With `teeth` the open surfaces of only so many teeth. Given the `file` that it is meant for, the mesh is proved as that
-        will hold it: some formats have single precision. Raises DesignError for a member that there is not.
+        With `teeth` the open surfaces of only so many teeth. `flank_only`: the "right" or "left" flanks alone, or "both", as open
+        surfaces with exact normals at their vertices. With `space` the space between two teeth as a solid, as a broach or an
+        electrode fills it, up to the tip surface. `offset` (mm) moves all surfaces of the teeth along their normals, positive away
+        from the member's material: stock, or a spark gap; negative: clearance. Given the `file` that it is meant for, the mesh is
+        proved as that will hold it: some formats have single precision. Raises DesignError for a member that there is not, and
+        for an offset that is too large, with the largest that works.
         """
+        from gearmesh.answers.bodies.extract import Extract
         from gearmesh.answers.bodies.solid import solid_of
 
-        return solid_of(self, member, self.within(tolerance), teeth, file)
+        extract = Extract.of(offset, space=space, flank_only=flank_only)
+        return solid_of(self, member, self.within(tolerance), teeth, file, extract)
 
-    def solids(self, tolerance: Length | None = None, *, file: str | PathLike[str] | None = None) -> Solids:
-        """All members as watertight meshes, placed as they mesh at phi1 = 0 (fixed frame).
+    def solids(
+        self, tolerance: Length | None = None, *, offset: Length = 0.0, file: str | PathLike[str] | None = None
+    ) -> Solids:
+        """All members as watertight meshes, placed as they mesh at phi1 = 0 (fixed frame), with an `offset` as of `solid`.
 
         Raises NoSolutionError where the pair has no contact there.
         """
+        from gearmesh.answers.bodies.extract import Extract
         from gearmesh.answers.bodies.solid import solids_of
 
-        return solids_of(self, self.within(tolerance), file)
+        return solids_of(self, self.within(tolerance), file, Extract.of(offset))
 
-    def cad(self, member: str | None = None, tolerance: Length | None = None) -> Cad:
-        """One member as a CAD solid, or all of them placed as they mesh at phi1 = 0, within `tolerance` (mm; 0.0001).
+    def cad(self, member: str | None = None, tolerance: Length | None = None, *, offset: Length = 0.0) -> Cad:
+        """One member as a CAD solid, or all of them placed as they mesh at phi1 = 0, within `tolerance` (mm; 0.0001), with an
+        `offset` as of `solid`.
 
         Raises OutputError where OpenCASCADE is missing, NoSolutionError where the pair has no contact at phi1 = 0.
         """
         from gearmesh.answers.bodies.cad import cad_of
+        from gearmesh.answers.bodies.extract import Extract
         from gearmesh.cad.brep import TOLERANCE
 
-        return cad_of(self, member, self.within(tolerance, TOLERANCE))
+        return cad_of(self, member, self.within(tolerance, TOLERANCE), Extract.of(offset))
 
     def section(
         self,

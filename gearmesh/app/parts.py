@@ -31,6 +31,8 @@ class PartFile:
     curves: str | None = None
     offset: str | None = None
     teeth: int | None = None
+    flank_only: str | None = None
+    space: bool = False
 
     @property
     def suffix(self) -> str:
@@ -51,11 +53,12 @@ class PartFile:
         if suffix not in known:
             names = ", ".join((*known, *others))
             raise OutputError("cannot write", self.output, reason=f"its suffix must be one of {names}")
+        self._refuse_extract(member)
         if member in (BOTH, ALL) and suffix not in several:
             raise ArgumentError(
                 "member", member, reason=f"{suffix} holds one part; for {member} use {', '.join(several)}"
             )
-        for name, value in (("section", self.section), ("curves", self.curves), ("offset", self.offset)):
+        for name, value in (("section", self.section), ("curves", self.curves)):
             if value is not None and suffix not in SECTIONS:
                 raise ArgumentError(
                     name, value, must_be=f"left out for {suffix}; formats of sections are {', '.join(SECTIONS)}"
@@ -67,6 +70,18 @@ class PartFile:
         refuse_unwritable(self.output)
         self._lengths()
 
+    def _refuse_extract(self, member: str) -> None:
+        """Raise DesignError for a space or flanks of what is always made whole."""
+        for name, value in (("space", self.space or None), ("flank_only", self.flank_only)):
+            if value is not None and self.is_whole:
+                raise ArgumentError(name, value, must_be=f"left out for {self.suffix}, which holds whole gears")
+            if value is not None and member in (BOTH, ALL):
+                raise ArgumentError(
+                    name, value, must_be=f"left out for --member = {member}, which is always made whole"
+                )
+        if self.space and self.teeth is not None:
+            raise ArgumentError("teeth", self.teeth, must_be="left out for --space, which is between two teeth")
+
     def _lengths(self) -> tuple[float | None, float | None, float]:
         """Tolerance, place and offset of the section, mm. Raises DesignError for texts that are no lengths."""
         z = None if self.section is None else in_mm("--section", self.section)
@@ -76,16 +91,25 @@ class PartFile:
         """Make a member, or all, write the file, and print the figures."""
         tolerance, z, away = self._lengths()
         every = member in (BOTH, ALL)
-        with working("solids" if every else f"solid of the {member}"):
+        of = "space" if self.space else "flanks" if self.flank_only else "solid"
+        with working("solids" if every else f"{of} of the {member}"):
             made: Cad | Section | Solid | Solids
             if self.suffix in SECTIONS:
                 made = gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away)
             elif self.suffix in STEP:
-                made = gears.cad(None if every else member, tolerance)
+                made = gears.cad(None if every else member, tolerance, offset=away)
             elif every:
-                made = gears.solids(tolerance, file=self.output)
+                made = gears.solids(tolerance, offset=away, file=self.output)
             else:
-                made = gears.solid(member, tolerance, teeth=self.teeth, file=self.output)
+                made = gears.solid(
+                    member,
+                    tolerance,
+                    teeth=self.teeth,
+                    flank_only=self.flank_only,
+                    space=self.space,
+                    offset=away,
+                    file=self.output,
+                )
             made.save(self.output)
         show(made.listings)
         warn(made.warnings, made.complaints)

@@ -9,6 +9,7 @@ until their inner edges stay within the tolerance of the station; edges shared w
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -154,15 +155,29 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
         return np.abs(np.asarray(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]]))) - station)
 
     triangles = triangulate(q) if across == 0.0 else _spokes(q, len(chain), miss)
+    triangles, r = split_long(triangles, (q, r), level, lift, tolerance)
+    return _Sector(triangles, r[polygon:])
+
+
+def split_long(
+    triangles: Index, points: tuple[Array, Array], level: Level, lift: Callable[[Array], Array], tolerance: float
+) -> tuple[Index, Array]:
+    """Triangles whose inner edges keep within the tolerance (mm) of their station, and the points of all.
+
+    `points`: those of the triangles in a chart of the station, (N, 2), and in space, (N, 3); `lift` takes the former to the latter.
+    """
+    q, r = points
+    station = float(level.value(r[0]))
     for _ in range(ROUNDS):
         edges, owners = _inner_edges(triangles)
-        chosen = _worst_of_both(miss(edges), owners, len(triangles), tolerance)
+        miss = np.abs(np.asarray(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]]))) - station)
+        chosen = _worst_of_both(miss, owners, len(triangles), tolerance)
         if not chosen.size:
             break
         middle = 0.5 * (q[edges[chosen, 0]] + q[edges[chosen, 1]])
         triangles = _split(triangles, edges[chosen], owners[chosen], len(q))
         q, r = np.concatenate((q, middle)), np.concatenate((r, lift(middle)))
-    return _Sector(triangles, r[polygon:])
+    return triangles, r
 
 
 def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:

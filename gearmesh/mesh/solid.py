@@ -65,7 +65,7 @@ def gear_solid(member: Member, tolerance: float, *tooth_meshes: ToothMesh) -> Tr
         row = row_mesh(tooth_mesh, member.overhang)
         names = (*_names(tooth_mesh), *member.body_regions)
         regions = np.array([names.index(region) for region in row.regions], dtype=np.int32)
-        return _label(row.vertices, row.triangles, regions, names, row.normals, member.name)
+        return labelled_mesh(row.vertices, row.triangles, regions, names, row.normals, member.name)
     body = member.body
     if member.keyway is None and member.holes is None:
         return _close(tooth_meshes, body, member)
@@ -99,7 +99,7 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
     vertices = np.einsum("kij,nj->kni", moved.rotation, points) + moved.translation[..., None, :]
     normals = np.einsum("kij,nj->kni", moved.rotation, _normals(tooth_mesh)).reshape(-1, 3)
     regions = np.tile(_regions(tooth_mesh), len(places))
-    return _label(vertices.reshape(-1, 3), triangles, regions, _names(tooth_mesh), normals, name)
+    return labelled_mesh(vertices.reshape(-1, 3), triangles, regions, _names(tooth_mesh), normals, name)
 
 
 def prove(mesh: TriangleMesh, genus: int) -> Proof:
@@ -157,7 +157,7 @@ def _close(tooth_meshes: Sequence[ToothMesh], body: Body, member: Member) -> Tri
     for gap in member.gaps:
         under = under.join(gear_body(ring, gap.ends, axial, gap.body, tolerance), ring.size)
     names = _names(tooth_meshes[0])
-    return _label(
+    return labelled_mesh(
         np.concatenate((ring.vertices, under.vertices)),
         np.concatenate((ring.triangles, under.triangles)),
         np.concatenate((regions, under.regions + np.int32(len(names)))),
@@ -167,7 +167,7 @@ def _close(tooth_meshes: Sequence[ToothMesh], body: Body, member: Member) -> Tri
     )
 
 
-def _label(
+def labelled_mesh(
     vertices: Array,
     triangles: NDArray[np.int64],
     regions: NDArray[np.int32],

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,11 @@ class TriangleMesh:
         a, b, c = np.moveaxis(self.corners(), 1, 0)
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
+    @property
+    def vertex_data(self) -> Mapping[str, Array]:
+        """Arrays of the vertices, (V,) or (V, 3), by their names, of a mesh that has any; normals as "Normals"."""
+        return {}
+
     def only(self, *names: str) -> TriangleMesh:
         """The part of the mesh in the named regions, with unused vertices left out."""
         wanted = [i for i, name in enumerate(self.region_names) if name in names]
@@ -63,6 +68,51 @@ class TriangleMesh:
         """The same mesh in another frame, which is called common."""
         vertices, normals = transform.point(self.vertices), transform.vector(self.normals)
         return replace(self, vertices=vertices, normals=normals, frame="common")
+
+
+#: names of a surface's parameters and of the shares along the section and along the face, in files
+PARAMETERS = ("p", "v", "s", "t")
+
+
+@dataclass(frozen=True)
+class SurfaceMesh(TriangleMesh):
+    """Triangles of open exact surfaces: at every vertex the unit normal (V, 3), and the `PARAMETERS` (V, 4).
+
+    p and v are those of the surface, as its tool generates it; s goes from root to tip, or back on left sides, t from toe to heel,
+    both from 0 to 1.
+    """
+
+    vertex_normals: Array = field(kw_only=True)
+    parameters: Array = field(kw_only=True)
+
+    @property
+    def vertex_data(self) -> Mapping[str, Array]:
+        return {"Normals": self.vertex_normals, **dict(zip(PARAMETERS, self.parameters.T, strict=True))}
+
+    def move(self, transform: Rigid) -> SurfaceMesh:
+        return replace(
+            self,
+            vertices=transform.point(self.vertices),
+            normals=transform.vector(self.normals),
+            vertex_normals=transform.vector(self.vertex_normals),
+            frame="common",
+        )
+
+    @staticmethod
+    def join(meshes: Sequence[SurfaceMesh]) -> SurfaceMesh:
+        """Surfaces with the same regions beside each other in one."""
+        whole = join(meshes)
+        return SurfaceMesh(
+            whole.vertices,
+            whole.triangles,
+            whole.regions,
+            whole.region_names,
+            whole.normals,
+            whole.name,
+            whole.frame,
+            vertex_normals=np.concatenate([mesh.vertex_normals for mesh in meshes]),
+            parameters=np.concatenate([mesh.parameters for mesh in meshes]),
+        )
 
 
 def join(meshes: Sequence[TriangleMesh]) -> TriangleMesh:

@@ -48,6 +48,7 @@ class Region(StrEnum):
     GAP = "gap"
     BACK = "back"
     END = "end"
+    TIP_SURFACE = "tip_surface"
 
     @property
     def side(self) -> Side | None:

@@ -92,17 +92,22 @@ class Tooth:
         right, left = (self._links(side) for side in Side)
         pitch = self.pitch_angle
 
-        def land(sections: Sections) -> tuple[Array, Array]:
-            return sections.right.tip_angle, sections.left.tip_angle
-
         def root(sections: Sections) -> tuple[Array, Array]:
             return sections.left.root_angle - pitch, sections.right.root_angle
 
         links: list[Link] = [TurnedLink(Region.ROOT, blank.root.surface, blank.axial, root), *right]
         if self.bottom is not None:
             links[0] = BottomLink(Region.ROOT, self.bottom.surface, blank.axial, self.bottom.ends)
-        links += [TurnedLink(Region.LAND, blank.tip.surface, blank.axial, land), *left[::-1]]
+        links += [self._top(), *left[::-1]]
         return {link.region: link for link in links}
+
+    def _top(self) -> TurnedLink:
+        """The link between the tips of both sides."""
+
+        def land(sections: Sections) -> tuple[Array, Array]:
+            return sections.right.tip_angle, sections.left.tip_angle
+
+        return TurnedLink(Region.LAND, self.blank.tip.surface, self.blank.axial, land)
 
     def _links(self, which: Side) -> list[Link]:
         """Links of one side, from the root to the land."""
@@ -321,6 +326,10 @@ class Tooth:
         the body's profile. With u along its generatrix its area is the integral of rho du over the polar angle, and the
         volume that of the areas over the station. Floor and profile enclose the rest, a solid of revolution.
         """
+        return self.teeth * self._swept(order) - self.blank.body.enclosed_volume()
+
+    def _swept(self, order: int) -> float:
+        """Volume (mm^3) between the links of one tooth and the floor under them."""
         nodes, weights = np.polynomial.legendre.leggauss(order)
         nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
         total = 0.0
@@ -333,7 +342,7 @@ class Tooth:
                     area += width * weights @ self._area_density(link, first + width * nodes, sections)
             total += (high - low) * float(weights @ area)
         toe, heel = self.blank.extent
-        return float((heel - toe) * self.teeth * total - self.blank.body.enclosed_volume())
+        return float((heel - toe) * total)
 
     def _area_density(self, link: Link, s: Array, sections: Sections) -> Array:
         """d(area over the floor)/ds on an (S, T) grid: the area between generatrices is the integral of rho du."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gearmesh.answers.bodies.extract import WHOLE, Extract
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
@@ -32,6 +33,12 @@ class CadFigures(Figures):
     max_deviation: float = figure("largest distance between spline faces and the exact tooth surfaces", "um")
     tolerance: float = figure("largest distance that was allowed", "um")
     seconds: float = figure("run time", "s", timing=True)
+    offset: float | None = figure(
+        "distance of the tooth surfaces from those of the design, positive away from the material",
+        "mm",
+        optional=True,
+        default=None,
+    )
 
 
 @dataclass(frozen=True, repr=False)
@@ -86,8 +93,9 @@ class Cad(Result):
         write_step(self.parts, target, self.description, self.placements)
 
 
-def cad_solid(member: Member, tolerance: float) -> tuple[Part, CadFigures]:
-    """A member as a CAD solid within `tolerance` (mm) of its exact surfaces, and its figures.
+def cad_solid(member: Member, tolerance: float, offset: float | None = None) -> tuple[Part, CadFigures]:
+    """A member as a CAD solid within `tolerance` (mm) of its exact surfaces, and its figures; `offset` (mm): how far its tooth
+    surfaces have been moved.
 
     Raises DesignError for a body that does not make a solid, OutputError where OpenCASCADE is missing.
     """
@@ -111,15 +119,16 @@ def cad_solid(member: Member, tolerance: float) -> tuple[Part, CadFigures]:
         max_deviation=1e3 * deviation,
         tolerance=1e3 * tolerance,
         seconds=time.perf_counter() - started,
+        offset=offset,
     )
 
 
-def cad_of(gears: GearSet, member: str | None, tolerance: float) -> Cad:
+def cad_of(gears: GearSet, member: str | None, tolerance: float, extract: Extract = WHOLE) -> Cad:
     """One member as a CAD solid, or all of them in mesh, as `Gears.cad` says; `tolerance` in mm."""
     require_occ()
     places = {} if member is not None else gears.places
     wanted = [gears.part(name) for name in ([member] if member is not None else gears.members)]
-    made = [cad_solid(part.member, tolerance) for part in wanted]
+    made = [cad_solid(extract.shift(part.member), tolerance, extract.offset or None) for part in wanted]
     return Cad(
         gears.design,
         tuple(part for part, _ in made),

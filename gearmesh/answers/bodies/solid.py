@@ -9,6 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gearmesh.answers.bodies.extract import WHOLE, Extract
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
@@ -33,13 +34,19 @@ class SolidFigures(Figures):
     max_deviation: float = figure("largest distance between the mesh and the exact tooth surfaces", "um")
     tolerance: float = figure("largest distance that was allowed", "um")
     seconds: float = figure("run time of the mesher", "s", timing=True)
+    offset: float | None = figure(
+        "distance of the tooth surfaces from those of the design, positive away from the material",
+        "mm",
+        optional=True,
+        default=None,
+    )
 
 
 @dataclass(frozen=True, repr=False)
 class Solid(Result):
     """One part as a triangle mesh (mm, in its own frame), its measured figures, and its `own` beside them, as a worm has.
 
-    `open` says that it is the surface of a few teeth, which cannot be watertight.
+    `open` says that it is the surface of a few teeth, or of flanks, which cannot be watertight.
     """
 
     design: Design
@@ -191,50 +198,57 @@ def member_solid(
     extra: Summary | None = None,
     warnings: tuple[str, ...] = (),
     file: str | PathLike[str] | None = None,
+    extract: Extract = WHOLE,
 ) -> Solid:
-    """The solid of a member within `tolerance` (mm), measured and proved; or the open surfaces of its first `teeth` teeth.
+    """The solid of a member within `tolerance` (mm), measured and proved, or what the `extract` says is made of it; or the open
+    surfaces of its first `teeth` teeth.
 
     `extra`: figures of the part's own. Proof and count of triangles are those of the mesh as `file` would hold it, which may
     have single precision.
     """
     from gearmesh import io
     from gearmesh.check.deviation import deviations
-    from gearmesh.mesh.solid import gear_solid, prove, some_teeth
-    from gearmesh.mesh.tessellate import tessellate_alike
+    from gearmesh.mesh.solid import prove
 
     started = time.perf_counter()
-    few = teeth is not None and teeth != member.tooth.teeth
-    tooth_meshes = tessellate_alike(member.different_teeth, tolerance)
-    mesh = some_teeth(member, tooth_meshes, teeth or 0) if few else gear_solid(member, tolerance, *tooth_meshes)
+    made = extract.mesh(member, tolerance, teeth)
     seconds = time.perf_counter() - started
-    written = mesh if file is None else io.mesh_in_file(mesh, file)
-    watertight, volume = False, None
-    if not few:
-        proof = prove(written, member.genus)
-        watertight, volume = proof.ok, proof.volume
-    measured = max(deviation.largest for tooth in tooth_meshes for deviation in deviations(tooth).values())
+    written = made.mesh if file is None else io.mesh_in_file(made.mesh, file)
+    proof = None if made.genus is None else prove(written, made.genus)
+    measured = max(deviation.largest for tooth in made.teeth for deviation in deviations(tooth).values())
     figures = SolidFigures(
         triangles=len(written.triangles),
-        watertight=watertight,
-        volume=volume,
-        max_deviation=1e3 * max(measured, *(tooth.deviation for tooth in tooth_meshes)),
+        watertight=proof is not None and proof.ok,
+        volume=None if proof is None else proof.volume,
+        max_deviation=1e3 * max(measured, *(tooth.deviation for tooth in made.teeth)),
         tolerance=1e3 * tolerance,
         seconds=seconds,
+        offset=extract.offset or None,
     )
-    return Solid(design, mesh, figures, warnings, few, extra or Summary())
+    return Solid(design, made.mesh, figures, warnings, made.genus is None, extra or Summary())
 
 
 def solid_of(
-    gears: GearSet, name: str, tolerance: float, teeth: int | None = None, file: str | PathLike[str] | None = None
+    gears: GearSet,
+    name: str,
+    tolerance: float,
+    teeth: int | None = None,
+    file: str | PathLike[str] | None = None,
+    extract: Extract = WHOLE,
 ) -> Solid:
     """One member, or its worm as a part, as `Gears.solid` says; `tolerance` in mm."""
-    part = gears.part(name)
+    part, every = gears.part(name), gears.warnings
     return member_solid(
-        gears.design, part.member, tolerance, teeth, part.figures, (*gears.warnings, *part.warnings), file
+        gears.design, part.member, tolerance, teeth, part.figures, (*every, *part.warnings), file, extract
     )
 
 
-def solids_of(gears: GearSet, tolerance: float, file: str | PathLike[str] | None = None) -> Solids:
+def solids_of(
+    gears: GearSet, tolerance: float, file: str | PathLike[str] | None = None, extract: Extract = WHOLE
+) -> Solids:
     """All members as they mesh at phi1 = 0, as `Gears.solids` says; `tolerance` in mm."""
-    parts = {name: solid_of(gears, name, tolerance, file=file).move(place) for name, place in gears.places.items()}
+    parts = {
+        name: solid_of(gears, name, tolerance, file=file, extract=extract).move(place)
+        for name, place in gears.places.items()
+    }
     return Solids(gears.design, parts, gears.warnings)

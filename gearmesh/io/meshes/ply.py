@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import built_mesh
 from gearmesh.io.registry import Scene, register
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import TriangleMesh
 
 _FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
@@ -41,12 +42,14 @@ def write(scene: Scene, path: Path) -> None:
     counts = np.bincount(mesh.regions, minlength=len(mesh.region_names))
     regions = (f"region {i} {counts[i]} {region}" for i, region in enumerate(mesh.region_names))
     comments = ["unit mm", f"name {name}", *regions]
+    names, columns = _vertex_columns(mesh)
     header = [
         "ply",
         "format binary_little_endian 1.0",
         *("comment " + " ".join(comment.split()) for comment in comments),
         f"element vertex {len(mesh.vertices)}",
         *(f"property double {axis}" for axis in "xyz"),
+        *(f"property double {name}" for name in names),
         f"element face {len(mesh.triangles)}",
         "property list uchar int vertex_indices",
         "end_header\n",
@@ -55,8 +58,17 @@ def write(scene: Scene, path: Path) -> None:
     faces["count"], faces["corners"] = 3, mesh.triangles[np.argsort(mesh.regions, kind="stable")]
     with whole_file(path) as temporary, open(temporary, "wb") as file:
         file.write("\n".join(header).encode())
-        file.write(np.ascontiguousarray(mesh.vertices, dtype="<f8").data)
+        file.write(np.ascontiguousarray(columns, dtype="<f8").data)
         file.write(faces.view(np.uint8).data)
+
+
+def _vertex_columns(mesh: TriangleMesh) -> tuple[list[str], Array]:
+    """Names of what vertices have beside x, y, z, and all columns (V, K)."""
+    names, columns = list[str](), [mesh.vertices]
+    for name, array in mesh.vertex_data.items():
+        names += ["nx", "ny", "nz"] if array.ndim == 2 else [name]
+        columns.append(array.reshape(len(array), -1))
+    return names, np.concatenate(columns, axis=1)
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:

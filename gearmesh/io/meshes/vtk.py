@@ -53,6 +53,8 @@ def _write_file(mesh: TriangleMesh, path: Path, dataset: str, cells: str) -> Non
         f'<DataArray type="Int32" Name={quote(name)} NumberOfTuples="1" format="ascii">{i}</DataArray>\n'
         for i, name in enumerate(mesh.region_names)
     )
+    of_points = "".join(data.array(key, array, "<f8") for key, array in mesh.vertex_data.items())
+    point_data = f'<PointData Normals="Normals">\n{of_points}</PointData>\n' if of_points else ""
     text = (
         f'<?xml version="1.0"?>\n<VTKFile type="{dataset}" version="1.0" byte_order="LittleEndian"'
         f' header_type="UInt64">\n'
@@ -61,6 +63,7 @@ def _write_file(mesh: TriangleMesh, path: Path, dataset: str, cells: str) -> Non
         f"<Points>\n{data.array('Points', mesh.vertices, '<f8')}</Points>\n"
         f"<{cells}>\n{data.array('connectivity', mesh.triangles.ravel(), '<i8')}"
         f"{data.array('offsets', 3 * np.arange(1, count + 1), '<i8')}{types}</{cells}>\n"
+        f"{point_data}"
         f'<CellData Scalars="region" Normals="Normals">\n{data.array("region", mesh.regions, "<i4")}'
         f"{data.array('Normals', mesh.normals, '<f8')}</CellData>\n"
         f'</Piece>\n</{dataset}>\n<AppendedData encoding="raw">\n_'

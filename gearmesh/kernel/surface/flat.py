@@ -37,6 +37,9 @@ class FlatLevel:
         """x, mm, at z."""
         return np.asarray(self.radius + 0.0 * np.asarray(z))
 
+    def parallel(self, distance: float) -> FlatLevel:
+        return FlatLevel(self.radius + distance, self.joint)
+
     def value(self, r: Array) -> Array:
         distance: Array = r[..., 0] - self.radius
         return distance

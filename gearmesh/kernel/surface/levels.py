@@ -59,6 +59,9 @@ class LandLevel(Level, Protocol):
     def across(self, axial: Level) -> Level:
         """The coordinate (mm) at right angles to that of the stations."""
 
+    def parallel(self, distance: float) -> LandLevel:
+        """The level whose surface is so far (mm) from this one's, positive out of the body."""
+
 
 @dataclass(frozen=True)
 class PlaneLevel:
@@ -137,6 +140,9 @@ class ConeLevel:
     def at(self, z: float | Array) -> Array:
         """rho, mm, at z; not of a plane."""
         return np.asarray(self.radius + self.slope * z)
+
+    def parallel(self, distance: float) -> ConeLevel:
+        return ConeLevel(self.angle, self.offset + distance)
 
     @property
     def surface(self) -> ConeSurface:

@@ -27,6 +27,8 @@ from gearmesh.kernel.surface.surface import Jet
 
 #: degrees of a fitted series that are tried, and the largest distance (mm) that it may be off
 DEGREES, EXACT = (10, 20, 40), 1e-10
+#: Newton steps to a place of a parallel curve
+STEPS = 12
 
 #: the station coordinate z
 AXIAL = PlaneLevel(0.0)
@@ -116,6 +118,47 @@ class Joined:
 
 
 @dataclass(frozen=True)
+class ParallelMeridian:
+    """The curve `distance` mm from a smooth one all along, positive out of the body.
+
+    With f' the slope of that at b: a = b - d f' / sqrt(1 + f'^2), w = f + d / sqrt(1 + f'^2), and the slope is the same.
+    """
+
+    curve: MeridianCurve
+    distance: float
+    corners: tuple[float, ...] = ()
+
+    @staticmethod
+    def of(curve: MeridianCurve, distance: float) -> MeridianCurve:
+        """Of a curve with or without corners: those of the parallel are where its pieces meet."""
+        if not isinstance(curve, Joined):
+            return ParallelMeridian(curve, distance)
+        pieces = [ParallelMeridian(piece, distance) for piece in curve.curves]
+        corners = []
+        for corner, (one, other) in zip(curve.corners, pairwise(pieces), strict=True):
+            a = np.array(corner)
+            for _ in range(STEPS):
+                (w, slope, _), (x, other_slope, _) = one.at(a), other.at(a)
+                a = a - (w - x) / (slope - other_slope)
+            corners.append(float(a))
+        return Joined(tuple(pieces), tuple(corners))
+
+    def at(self, a: Array) -> Values:
+        b = np.array(a, dtype=float)
+        for _ in range(STEPS):
+            height, slope, bend = self.curve.at(b)
+            shorter = 1.0 / np.sqrt(1.0 + slope**2)
+            rate = 1.0 - self.distance * bend * shorter**3
+            step = (b - self.distance * slope * shorter - a) / rate
+            b = b - step
+            if not (np.abs(step) > EXACT * EXACT).any():
+                break
+        height, slope, bend = self.curve.at(b)
+        shorter = 1.0 / np.sqrt(1.0 + slope**2)
+        return height + self.distance * shorter, slope, bend / (1.0 - self.distance * bend * shorter**3)
+
+
+@dataclass(frozen=True)
 class Meridian:
     """The surface of revolution through a meridian; a level and a surface. `axial` is its coordinate a, linear in rho and z."""
 
@@ -160,6 +203,9 @@ class Meridian:
 
     def across(self, axial: Level) -> Level:
         return perpendicular(axial)
+
+    def parallel(self, distance: float) -> Meridian:
+        return Meridian(ParallelMeridian.of(self.curve, distance), self.axial)
 
     def at(self, z: float | Array) -> Array:
         """rho, mm, at z; where stations are planes."""

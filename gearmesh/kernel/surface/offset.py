@@ -92,6 +92,18 @@ class Offset:
         return np.where(np.abs(step) > TOLERANCE, np.nan, a), at
 
 
+@dataclass(frozen=True)
+class Parallel:
+    """A surface with every point moved along its normal by the same `distance` (mm, positive along it); parameters are its own."""
+
+    surface: Surface
+    distance: float
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        base, a = self.surface.jet(u, v), self.distance
+        return Jet(base.r + a * base.n, base.n, base.r_u + a * base.n_u, base.r_v + a * base.n_v, base.n_u, base.n_v)
+
+
 def _carry(along: Array, n: Array, rate: Array, g: Array) -> Array:
     """Partials (..., 3) of moved points, for those that they have with their amounts held."""
     carried: Array = along + (dot(g, along) * rate)[..., None] * n

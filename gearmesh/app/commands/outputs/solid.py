@@ -64,15 +64,32 @@ def solid(
         typer.Option(
             "--offset",
             metavar="LEN",
-            help="Distance of the contours of .dxf and .svg from the section, positive away from the material: wire radius and "
-            "spark gap, 0.135mm; bare = mm. [default: 0]",
+            help="Move flanks, fillets, lands and roots along their normals, of .dxf and .svg the contours, positive away from the "
+            "gear's material: stock to grind, spark gap of an electrode (--space), 0.135mm; negative: clearance of printed "
+            "teeth. End faces and bore stay. Bare = mm. [default: 0]",
         ),
     ] = None,
     teeth: Annotated[int | None, typer.Option("--teeth", metavar="K", help="Only the first K teeth.")] = None,
+    flank_only: Annotated[
+        str | None,
+        typer.Option(
+            "--flank-only",
+            metavar="right|left|both",
+            help="Only these flanks, as open surfaces for metrology; .ply and .vtp have normals and parameters at every vertex.",
+        ),
+    ] = None,
+    space: Annotated[
+        bool,
+        typer.Option(
+            "--space",
+            help="The space between two teeth as a solid: a broach, an electrode; of double helical gears that of one half.",
+        ),
+    ] = False,
     settings: Set = None,
 ) -> None:
-    """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids; or a section of one."""
-    file = PartFile(output, tol, section, curves, offset, teeth)
+    """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids; or a section of one; or the space
+    between two teeth, or flanks alone."""
+    file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space)
     file.refuse(member)
     together = member in (BOTH, ALL, WORM)
     gears = load_gears(design_file, settings) if together else load_alone(design_file, settings)

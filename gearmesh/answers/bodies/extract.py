@@ -1,0 +1,82 @@
+"""What is made of a member: the whole, the space between two teeth, or flanks alone, and how far tooth surfaces are moved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from gearmesh.errors import ArgumentError
+from gearmesh.lengths import Length, in_mm
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import Side
+
+if TYPE_CHECKING:
+    from gearmesh.mesh.tessellate import ToothMesh
+
+#: what `flank_only` takes for either flank
+BOTH = "both"
+
+
+@dataclass(frozen=True)
+class ExtractMesh:
+    """A mesh, those of the `teeth` that it is made of, and its `genus`, None of an open surface."""
+
+    mesh: TriangleMesh
+    teeth: Sequence[ToothMesh]
+    genus: int | None
+
+
+@dataclass(frozen=True)
+class Extract:
+    """The `space` between two teeth, `flanks` alone, or, without either, the whole; `offset` (mm) of all tooth surfaces along their
+    normals, positive away from the member's material."""
+
+    offset: float = 0.0
+    space: bool = False
+    flanks: tuple[Side, ...] = ()
+
+    @staticmethod
+    def of(offset: Length = 0.0, *, space: bool = False, flank_only: str | None = None) -> Extract:
+        """What arguments of a call ask for. Raises DesignError for another flank and for both of them at once."""
+        if flank_only is not None and flank_only not in (*Side, BOTH):
+            raise ArgumentError("flank_only", flank_only, must_be=f"one of {', '.join((*Side, BOTH))}")
+        if space and flank_only is not None:
+            raise ArgumentError("flank_only", flank_only, reason="a space has both flanks, fillets and a root")
+        flanks = () if flank_only is None else tuple(Side) if flank_only == BOTH else (Side(flank_only),)
+        return Extract(in_mm("offset", offset), space, flanks)
+
+    def shift(self, member: Member) -> Member:
+        """The member with the offset. Raises DesignError, with the largest that works, where it is too large."""
+        if not self.offset:
+            return member
+        from gearmesh.teeth.offset import offset_member
+
+        return offset_member(member, self.offset)
+
+    def mesh(self, member: Member, tolerance: float, teeth: int | None = None) -> ExtractMesh:
+        """The mesh of it within `tolerance` (mm), of the first `teeth` teeth alone where it is not closed.
+
+        Of a double helical member the space is that of its first half. Raises DesignError where teeth differ that must be alike.
+        """
+        from gearmesh.mesh.flank_surface import flank_meshes, join_flanks
+        from gearmesh.mesh.solid import gear_solid, some_teeth
+        from gearmesh.mesh.space import parts, space_mesh
+        from gearmesh.mesh.tessellate import tessellate, tessellate_alike
+        from gearmesh.teeth.space import Space
+
+        member = self.shift(member)
+        if self.space:
+            links = tessellate(Space.before(member.one_tooth), tolerance)
+            return ExtractMesh(space_mesh(links, f"{member.name}_space"), parts(links), 0)
+        if self.flanks:
+            meshes = flank_meshes(member, self.flanks, tolerance)
+            return ExtractMesh(join_flanks(member, meshes, teeth), meshes, None)
+        every = tessellate_alike(member.different_teeth, tolerance)
+        if teeth is not None and teeth != member.tooth.teeth:
+            return ExtractMesh(some_teeth(member, every, teeth), every, None)
+        return ExtractMesh(gear_solid(member, tolerance, *every), every, member.genus)
+
+
+WHOLE = Extract()

@@ -1,0 +1,179 @@
+"""Teeth with their surfaces moved along the exact normals: stock to be ground off, clearance of printed teeth, spark gaps.
+
+Everything that bounds the teeth moves, what tools generate as a `Parallel` surface, lands and roots as parallel levels; end
+faces, bore and the rest of the body stay where they are. Surfaces are trimmed against each other anew, by what trims every tooth:
+those that touch have points and normals in common and still touch, those that meet in an edge end where they cross. Distances are
+in mm, positive away from the material.
+
+A distance may be too large in three ways, which are looked for on sections from toe to heel:
+
+- 1 - d k < 0 for a principal curvature k (`curvature`; hollow: positive): the surface turns inside out, a fillet first;
+- the section crosses itself or that of the next tooth: the space is closed, the tooth cut through;
+- the tooth cannot be trimmed: it is pointed, the tip beyond what the tool generates, the root in the bore.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from gearmesh.errors import ArgumentError, NoSolutionError
+from gearmesh.kernel.envelope.limiting_line import area_density
+from gearmesh.kernel.numeric.algebra import Array, dot, plane_cross
+from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.kernel.surface.levels import Level
+from gearmesh.kernel.surface.offset import Parallel
+from gearmesh.kernel.surface.stations import along
+from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
+from gearmesh.teeth.tooth_side import TipCorner, ToothSide
+
+#: name under which a distance is refused
+KEY = "offset"
+#: points of every link of a section on which an offset is proved
+ACROSS = 33
+#: share of the tooth's height to which the largest offset is found
+ACCURACY = 1e-4
+#: sine of the angle between normals of surfaces that touch
+TOUCHING = 1e-7
+#: Newton steps to where a tip chamfer ends
+STEPS = 20
+#: lengths (mm) of a section that are rounding
+SHORT = 1e-9
+
+
+def offset_member(member: Member, distance: float) -> Member:
+    """The member with all its teeth moved. Raises DesignError, with the largest distance that works, where one is too large."""
+    if distance == 0.0:
+        return member
+    if not np.isfinite(distance):
+        raise ArgumentError(KEY, distance, must_be="a finite number of mm")
+    own, others = offset_tooth(member.tooth, distance), dict[int, Tooth]()
+    for number, tooth in member.others.items():
+        alike = next((k for k in others if member.others[k] is tooth), None)
+        others[number] = offset_tooth(tooth, distance) if alike is None else others[alike]
+    return replace(member, tooth=own, others=others)
+
+
+def offset_tooth(tooth: Tooth, distance: float) -> Tooth:
+    """The tooth with all its surfaces moved. Raises DesignError, with the largest distance that works, where it is too large."""
+    made = _shift(tooth, distance)
+    if not _fault(made, tooth):
+        return made
+    most, rounds = float(np.sign(distance)) * min(abs(distance), tooth.height), int(np.ceil(-np.log2(ACCURACY)))
+    largest, beyond = last_true(
+        lambda tried, _: np.array([not _fault(_shift(tooth, float(d)), tooth) for d in tried]),
+        np.zeros(1),
+        np.array([most]),
+        rounds=rounds,
+    )
+    bound = "at most" if distance > 0.0 else "at least"
+    # what is wrong next to what works says more than what is wrong far beyond it
+    reason = _fault(_shift(tooth, float(beyond[0])), tooth)
+    digits = int(np.ceil(-np.log10(ACCURACY * tooth.height)))
+    shown = np.trunc(largest[0] * 10.0**digits) / 10.0**digits
+    raise ArgumentError(KEY, distance, unit="mm", reason=reason, allowed=f"{bound} {shown:.{max(digits, 0)}f} mm")
+
+
+def _shift(tooth: Tooth, distance: float) -> Tooth:
+    """The tooth with all its surfaces moved, as it comes."""
+    blank = replace(tooth.blank, tip=tooth.blank.tip.parallel(distance), root=tooth.blank.root.parallel(distance))
+    edge, bottom = tooth.tip_edge, tooth.bottom
+    if edge is not None and edge.rounded:
+        edge = replace(edge, size=edge.size + distance) if edge.size + distance > 0.0 else None
+    if bottom is not None:
+        bottom = replace(bottom, surface=Parallel(bottom.surface, distance))
+    right, left = (_side(side, blank, distance) for side in (tooth.right, tooth.left))
+    return replace(tooth, right=right, left=left, blank=blank, tip_edge=edge, bottom=bottom)
+
+
+def _side(side: ToothSide, blank: Blank, distance: float) -> ToothSide:
+    smooth = side.smooth_flank
+    return replace(
+        side,
+        flank=Parallel(side.flank, distance),
+        fillet=Parallel(side.fillet, distance),
+        tip_corner=None if side.tip_corner is None else _tip_corner(side, side.tip_corner, blank, distance),
+        smooth_flank=None if smooth is None else lambda p, v: Parallel(smooth(p, v), distance),
+        generated=side.generated or side,
+        crossed=side.crossed or side.sharp,
+        generation=None,
+    )
+
+
+def _tip_corner(side: ToothSide, corner: TipCorner, blank: Blank, distance: float) -> TipCorner:
+    """A tip chamfer or rounding; where it touches neither flank nor land it ends where they cross."""
+    middle, moved = np.array([0.5 * sum(blank.extent)]), Parallel(corner.surface, distance)
+
+    def at(surface: Surface, p: float) -> Jet:
+        return along(surface, np.array([p]), middle, blank.axial)[1]
+
+    p, q = corner.form_point
+    crossed = corner.crossed or not _touch(at(side.flank, p).n, at(corner.surface, q).n)
+    ends = at(moved, corner.end)
+    if _touch(ends.n, _unit_gradient(blank.tip, ends.r)):
+        return TipCorner(moved, corner.form_point, corner.end, crossed)
+    end = corner.end
+    for _ in range(STEPS):
+        jet = at(moved, end)
+        up, station = blank.tip.gradient(jet.r), blank.axial.gradient(jet.r)
+        way = jet.r_u - (dot(station, jet.r_u) / dot(station, jet.r_v))[:, None] * jet.r_v
+        end -= float((blank.tip.value(jet.r) / dot(up, way))[0])
+    return TipCorner(moved, corner.form_point, end, crossed)
+
+
+def _unit_gradient(level: Level, r: Array) -> Array:
+    gradient = level.gradient(r)
+    return np.asarray(gradient / np.linalg.norm(gradient, axis=-1, keepdims=True))
+
+
+def _touch(n: Array, other: Array) -> bool:
+    """Whether surfaces with these unit normals (1, 3) at a common point touch there."""
+    return bool(np.linalg.norm(n - other) < TOUCHING)
+
+
+def _fault(made: Tooth, base: Tooth) -> str:
+    """What is wrong with a tooth whose surfaces were moved from those of `base`; empty where nothing is."""
+    t, s = np.linspace(0.0, 1.0, PROOF_STATIONS), np.linspace(0.0, 1.0, ACROSS)
+    try:
+        made.prove()
+        sections = made.sections(t)
+        grids = {region: made.grid(region, s, sections) for region in made.regions}
+        middle = base.sections([0.5])
+        sound = {region: base.grid(region, [0.5], middle).jet for region in grids if region in base.regions}
+    except NoSolutionError as failure:
+        return str(failure)
+    # the body is where the root is not
+    ends = np.array([(rho, 0.0, z) for rho, z in made.blank.body.profile[:: len(made.blank.body.profile) - 1]])
+    if (made.blank.root.value(ends) >= 0.0).any():
+        return "the root would cut through the body under the teeth"
+    for region, grid in grids.items():
+        before = sound.get(region)
+        if not made.chain[region].generated or grid.jet is None or before is None:
+            continue
+        density = float(np.sign(area_density(before))[0, 0]) * area_density(grid.jet)
+        if density.min() < -SHORT * density.max():
+            return f"the {region} would fold: its radius of curvature is smaller"
+    if _crosses(made, np.concatenate([grid.points[1:] for grid in grids.values()])):
+        return "the teeth would cut themselves or each other"
+    return ""
+
+
+def _crosses(tooth: Tooth, points: Array) -> bool:
+    """Whether a section of a pitch (N, T, 3), laid into (way round the joint, height), crosses itself or its neighbours."""
+    joint = tooth.joint
+    around = joint.running(joint.angle(points).T)
+    heights = tooth.blank.across.value(points).T
+    arm = float(joint.arm(points).mean())
+    one = np.stack((arm * around, heights), axis=-1)
+    way = np.array([arm * tooth.pitch_angle, 0.0])
+    row = np.concatenate((one - way, one, one + way), axis=1)
+    count = one.shape[1]
+    p, q = row[:, count - 1 : 2 * count - 1, None], row[:, count : 2 * count, None]
+    a, b = row[:, None, :-1], row[:, None, 1:]
+    sides = plane_cross(q - p, a - p) * plane_cross(q - p, b - p), plane_cross(b - a, p - a) * plane_cross(b - a, q - a)
+    long = [np.hypot(*np.moveaxis(last - first, -1, 0)) > SHORT for first, last in ((p, q), (a, b))]
+    return bool(((sides[0] < 0.0) & (sides[1] < 0.0) & long[0] & long[1]).any())
