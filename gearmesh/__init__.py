@@ -8,6 +8,7 @@
     gears.loaded_contact([50, 100])                               load sharing, loaded transmission error, root stress
     gears.solid("pinion", tolerance=0.01).save("pinion.stl")      watertight, within 0.01 mm, measured
     gears.cad().save("pair.step")                                 CAD solids, placed as they mesh
+    gears.to_build123d(), gears.to_cadquery()                     the same in memory
     gears.section("pinion").save("pinion.dxf")                    the section across the axis, as arcs and splines
     gears.drawing("pinion").save("pinion.pdf")                    a workshop drawing with dimensions and gear data
     gears.topography("pinion").save("right.csv")                  all modifications of a flank, as a file to design with

@@ -155,22 +155,32 @@ class GearSet:
 
         Raises NoSolutionError where a pair has none there.
         """
+        return self.places_at(0.0)
+
+    def places_at(self, phi1: float) -> dict[str, Rigid]:
+        """The same at the contact of another `phi1` (deg), which is that of the first pair's pinion, or of a gear alone.
+
+        Raises ArgumentError for what is no angle, NoSolutionError as `places`.
+        """
         from gearmesh.contact.engagement.train_turns import leading_turns
 
-        places = {member.name: member.mount.at(0.0) for member in self.as_built.unpaired}
+        if not np.isfinite(phi1):
+            raise ArgumentError("phi1", phi1, must_be="a finite number of degrees")
+        start = float(np.radians(phi1))
+        places = {member.name: member.mount.at(start) for member in self.as_built.unpaired}
         turns: dict[str, float] = {}
         for pair in self.pairs:
             if pair.gear.name in places:
                 continue
             # a pinion that another pair has placed stands as that has turned it, whole pitches from where its first tooth touches
-            turn = turns.get(pair.pinion.name, 0.0)
+            turn = turns.get(pair.pinion.name, start)
             rotation, phi2 = (
                 float(leading_turn[0]) for leading_turn in leading_turns(pair, np.array([turn]), 1 if turn else 0)
             )
             if np.isnan(phi2):
                 raise NoSolutionError(
-                    reason=f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = 0, the position of the "
-                    "assembly; write each member on its own"
+                    reason=f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = {phi1:g}, the position of "
+                    "the assembly; write each member on its own"
                 )
             turns.setdefault(pair.pinion.name, rotation)
             turns[pair.gear.name] = phi2

@@ -19,6 +19,9 @@ from gearmesh.systems import system as systems
 from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
+    import build123d
+    import cadquery
+
     from gearmesh.answers.bodies.cad import Cad
     from gearmesh.answers.bodies.finite_element_model import UnloadedFiniteElements
     from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
@@ -152,28 +155,55 @@ class Gears(SolvedGears):
         return solid_of(self, member, self.within(tolerance), teeth, file, extract)
 
     def solids(
-        self, tolerance: Length | None = None, *, offset: Length = 0.0, file: str | PathLike[str] | None = None
+        self,
+        tolerance: Length | None = None,
+        *,
+        offset: Length = 0.0,
+        file: str | PathLike[str] | None = None,
+        phi1: float = 0.0,
     ) -> Solids:
-        """All members as watertight meshes, placed as they mesh at phi1 = 0 (fixed frame), with an `offset` as of `solid`.
+        """All members as watertight meshes, placed as they mesh at `phi1` (deg; fixed frame), with an `offset` as of `solid`.
 
         Raises NoSolutionError where the pair has no contact there.
         """
         from gearmesh.answers.bodies.extract import Extract
         from gearmesh.answers.bodies.solid import solids_of
 
-        return solids_of(self, self.within(tolerance), file, Extract.of(offset))
+        return solids_of(self, self.within(tolerance), file, Extract.of(offset), phi1)
 
-    def cad(self, member: str | None = None, tolerance: Length | None = None, *, offset: Length = 0.0) -> Cad:
-        """One member as a CAD solid, or all of them placed as they mesh at phi1 = 0, within `tolerance` (mm; 0.0001), with an
+    def cad(
+        self, member: str | None = None, tolerance: Length | None = None, *, offset: Length = 0.0, phi1: float = 0.0
+    ) -> Cad:
+        """One member as a CAD solid in its own frame, or all of them placed as they mesh at `phi1` (deg; fixed frame), with an
         `offset` as of `solid`.
 
-        Raises OutputError where OpenCASCADE is missing, NoSolutionError where the pair has no contact at phi1 = 0.
+        Its faces are within `tolerance` (mm; 0.0001) of the exact surfaces. Raises OutputError where OpenCASCADE is missing,
+        NoSolutionError where the pair has no contact at phi1.
+
+        Examples
+        --------
+        >>> gears.cad().save("pair.step")
+        >>> bore = gears.cad("pinion").to_build123d().faces().sort_by(build123d.SortBy.RADIUS)[0]
         """
         from gearmesh.answers.bodies.cad import cad_of
         from gearmesh.answers.bodies.extract import Extract
         from gearmesh.cad.brep import TOLERANCE
 
-        return cad_of(self, member, self.within(tolerance, TOLERANCE), Extract.of(offset))
+        return cad_of(self, member, self.within(tolerance, TOLERANCE), Extract.of(offset), phi1)
+
+    def to_build123d(self, tolerance: Length | None = None, *, phi1: float = 0.0) -> build123d.Compound:
+        """All members as an assembly for build123d: `cad(tolerance=tolerance, phi1=phi1).to_build123d()`.
+
+        Raises OutputError where build123d is missing, else as `cad`.
+        """
+        return self.cad(None, tolerance, phi1=phi1).to_build123d()
+
+    def to_cadquery(self, tolerance: Length | None = None, *, phi1: float = 0.0) -> cadquery.Assembly:
+        """All members as an assembly for CadQuery: `cad(tolerance=tolerance, phi1=phi1).to_cadquery()`.
+
+        Raises OutputError where CadQuery is missing, else as `cad`.
+        """
+        return self.cad(None, tolerance, phi1=phi1).to_cadquery()
 
     def section(
         self,

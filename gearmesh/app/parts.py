@@ -33,6 +33,7 @@ class PartFile:
     teeth: int | None = None
     flank_only: str | None = None
     space: bool = False
+    phi1: float | None = None
 
     @property
     def suffix(self) -> str:
@@ -63,6 +64,10 @@ class PartFile:
                 raise ArgumentError(
                     name, value, must_be=f"left out for {suffix}; formats of sections are {', '.join(SECTIONS)}"
                 )
+        if self.phi1 is not None and member not in (BOTH, ALL):
+            raise ArgumentError(
+                "phi1", self.phi1, must_be=f"left out for --member = {member}, which is in its own frame"
+            )
         if suffix == DXF:
             from gearmesh.cad.dxf import require_ezdxf
 
@@ -97,9 +102,9 @@ class PartFile:
             if self.suffix in SECTIONS:
                 made = gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away)
             elif self.suffix in STEP:
-                made = gears.cad(None if every else member, tolerance, offset=away)
+                made = gears.cad(None if every else member, tolerance, offset=away, phi1=self.phi1 or 0.0)
             elif every:
-                made = gears.solids(tolerance, offset=away, file=self.output)
+                made = gears.solids(tolerance, offset=away, file=self.output, phi1=self.phi1 or 0.0)
             else:
                 made = gears.solid(
                     member,

@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from gearmesh.cad.nodes import DEGREE
 from gearmesh.errors import DesignError
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 
 #: edges and vertices are this exact (mm) where nothing else is known: what OpenCASCADE takes for the same point
 PRECISION = 1e-7
+
+#: what OpenCASCADE 7, with which CadQuery 2.8 comes, calls the arrays of OpenCASCADE 8, and in which modules it has them
+_ARRAYS_OF_7 = {
+    "Array1_double": ("TColStd", "TColStd_Array1OfReal"),
+    "Array1_int": ("TColStd", "TColStd_Array1OfInteger"),
+    "Array1_gp_Pnt": ("TColgp", "TColgp_Array1OfPnt"),
+    "Array1_gp_Pnt2d": ("TColgp", "TColgp_Array1OfPnt2d"),
+    "Array2_gp_Pnt": ("TColgp", "TColgp_Array2OfPnt"),
+}
 
 
 def point(r: Sequence[float] | Array) -> Any:
@@ -82,12 +93,22 @@ def frame(origin: Sequence[float], axis: float, angle: float) -> Any:
     return gp_Ax3(point(origin), gp_Dir(0.0, 0.0, axis), gp_Dir(float(np.cos(angle)), float(np.sin(angle)), 0.0))
 
 
+def location(place: Rigid) -> Any:
+    """TopLoc_Location that takes a shape from its own frame to another."""
+    from OCP.gp import gp_Trsf
+    from OCP.TopLoc import TopLoc_Location
+
+    transform = gp_Trsf()
+    rows = [(*map(float, row), float(x)) for row, x in zip(place.rotation, place.translation, strict=True)]
+    transform.SetValues(*(value for row in rows for value in row))
+    return TopLoc_Location(transform)
+
+
 def spline_curve(control: Array, knots: Array) -> Any:
     """Geom_BSplineCurve from a control polygon (K, 3) and its knot vector."""
-    from OCP.collections import Array1_gp_Pnt
     from OCP.Geom import Geom_BSplineCurve
 
-    poles = Array1_gp_Pnt(1, len(control))
+    poles = _array("Array1_gp_Pnt")(1, len(control))
     for i, r in enumerate(control.tolist()):
         poles.SetValue(i + 1, point(r))
     return Geom_BSplineCurve(poles, *_knots(knots), DEGREE)
@@ -95,11 +116,10 @@ def spline_curve(control: Array, knots: Array) -> Any:
 
 def spline_curve2d(control: Array, knots: Array) -> Any:
     """Geom2d_BSplineCurve from a control polygon (K, 2) and its knot vector."""
-    from OCP.collections import Array1_gp_Pnt2d
     from OCP.Geom2d import Geom2d_BSplineCurve
     from OCP.gp import gp_Pnt2d
 
-    poles = Array1_gp_Pnt2d(1, len(control))
+    poles = _array("Array1_gp_Pnt2d")(1, len(control))
     for i, (u, v) in enumerate(control.tolist()):
         poles.SetValue(i + 1, gp_Pnt2d(u, v))
     return Geom2d_BSplineCurve(poles, *_knots(knots), DEGREE)
@@ -115,10 +135,9 @@ def straight2d(start: tuple[float, float], direction: tuple[float, float]) -> An
 
 def spline_surface(control: Array, s_knots: Array, t_knots: Array) -> Any:
     """Geom_BSplineSurface from a control net (S, T, 3) and its knot vectors."""
-    from OCP.collections import Array2_gp_Pnt
     from OCP.Geom import Geom_BSplineSurface
 
-    poles = Array2_gp_Pnt(1, control.shape[0], 1, control.shape[1])
+    poles = _array("Array2_gp_Pnt")(1, control.shape[0], 1, control.shape[1])
     for i, row in enumerate(control.tolist()):
         for j, r in enumerate(row):
             poles.SetValue(i + 1, j + 1, point(r))
@@ -128,11 +147,18 @@ def spline_surface(control: Array, s_knots: Array, t_knots: Array) -> Any:
 
 def _knots(knots: Array) -> tuple[Any, Any]:
     """Different knots and how often each occurs."""
-    from OCP.collections import Array1_double, Array1_int
-
     values, counts = np.unique(knots, return_counts=True)
-    different, often = Array1_double(1, values.size), Array1_int(1, values.size)
+    different, often = (_array(name)(1, values.size) for name in ("Array1_double", "Array1_int"))
     for i, (value, count) in enumerate(zip(values.tolist(), counts.tolist(), strict=True)):
         different.SetValue(i + 1, value)
         often.SetValue(i + 1, count)
     return different, often
+
+
+def _array(name: str) -> Any:
+    """A class of OpenCASCADE's arrays, by its name in OpenCASCADE 8."""
+    try:
+        return getattr(import_module("OCP.collections"), name)
+    except ModuleNotFoundError:
+        module, own_name = _ARRAYS_OF_7[name]
+        return getattr(import_module(f"OCP.{module}"), own_name)

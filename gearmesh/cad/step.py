@@ -7,14 +7,14 @@ format of the registry, which holds meshes.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from gearmesh import __version__
+from gearmesh.cad.occ import location
 from gearmesh.cad.part21 import condense
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
@@ -25,6 +25,8 @@ from gearmesh.kernel.motion.rigid import Rigid
 #: but readers that project instead go astray where undercut begins, where the flank has a singular corner
 _SCHEMA = {"write.step.schema": "AP242DIS"}
 _SWITCHES = {"write.stepcaf.subshapes.name": 1, "write.surfacecurve.mode": 1}
+#: the unit of length of all documents
+MM_IN_METRES = 1e-3
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,34 @@ class Part:
     faces: tuple[NamedFace, ...]
     regions: tuple[str, ...]
 
+    def move(self, place: Rigid) -> Part:
+        """The same part in another frame; the shapes are shared."""
+        there = location(place)
+        faces = tuple(replace(face, shape=face.shape.Moved(there)) for face in self.faces)
+        return replace(self, solid=self.solid.Moved(there), faces=faces)
+
+
+@dataclass(frozen=True)
+class Occurrence:
+    """A part in an assembly: what it is called there, and where it is (its own frame to the common one)."""
+
+    name: str
+    part: Part
+    place: Rigid
+
+
+@dataclass(frozen=True)
+class PartAssembly:
+    """Parts in a common frame; a part may occur several times."""
+
+    name: str
+    occurrences: tuple[Occurrence, ...]
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """Every part once."""
+        return tuple({id(occurrence.part): occurrence.part for occurrence in self.occurrences}.values())
+
 
 def require_occ() -> None:
     """Raise OutputError, naming what to install, where OpenCASCADE cannot be loaded."""
@@ -63,8 +93,8 @@ def require_occ() -> None:
         raise OutputError(reason='STEP needs OpenCASCADE: pip install ".[step]"') from None
 
 
-def write_step(parts: Sequence[Part], path: PathLike, description: str, placements: Sequence[Rigid] = ()) -> None:
-    """Write one part in its own frame, or with `placements` (own frame to common frame) an assembly of all parts.
+def write_step(made: Part | PartAssembly, path: PathLike, description: str) -> None:
+    """Write one part in its own frame, or an assembly, which has each of its parts once, however often they occur.
 
     Lengths are mm; `description` goes into the header. Raises OutputError for a file that cannot be written and where
     OpenCASCADE is missing.
@@ -74,9 +104,9 @@ def write_step(parts: Sequence[Part], path: PathLike, description: str, placemen
     from OCP.STEPCAFControl import STEPCAFControl_Writer
 
     _silence()
-    document = _document(parts, placements)
-    writer = STEPCAFControl_Writer()
+    document = _document(made)
     _configure()
+    writer = STEPCAFControl_Writer()
     writer.SetColorMode(True)
     writer.SetNameMode(True)
     if not writer.Transfer(document):
@@ -102,35 +132,37 @@ def _silence() -> None:
 
 
 def _configure() -> None:
-    """The settings are global and exist only after a writer has been made."""
+    """The settings are global and exist only after a writer has been made; OpenCASCADE 7.8 has them for the next one."""
     from OCP.Interface import Interface_Static
+    from OCP.STEPCAFControl import STEPCAFControl_Writer
 
+    STEPCAFControl_Writer()
     accepted = [Interface_Static.SetCVal_s(name, value) for name, value in _SCHEMA.items()]
     accepted += [Interface_Static.SetIVal_s(name, value) for name, value in _SWITCHES.items()]
     if not all(accepted):
-        raise OutputError(
-            reason="this OpenCASCADE does not know AP242 with named faces: install cadquery-ocp-novtk 8.0 or later"
-        )
+        raise OutputError(reason="this OpenCASCADE does not know AP242 with named faces: install version 7.8 or later")
 
 
-def _document(parts: Sequence[Part], placements: Sequence[Rigid]) -> Any:
-    """Document with every part, its faces' names and colours, and the assembly if there are placements."""
+def _document(made: Part | PartAssembly) -> Any:
+    """Document with every part, its faces' names and colours, and the assembly if it is one."""
     from OCP.TCollection import TCollection_ExtendedString
     from OCP.TDocStd import TDocStd_Document
-    from OCP.UnitsMethods import UnitsMethods_LengthUnit
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
     document = TDocStd_Document(TCollection_ExtendedString("gearmesh"))
-    XCAFDoc_DocumentTool.SetLengthUnit_s(document, 1.0, UnitsMethods_LengthUnit.UnitsMethods_LengthUnit_Millimeter)
+    XCAFDoc_DocumentTool.SetLengthUnit_s(document, MM_IN_METRES)
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
-    labels = [_add_part(part, shapes, colours) for part in parts]
-    if placements:
-        assembly = shapes.NewShape()
-        _name(assembly, "pair")
-        for part, label, placement in zip(parts, labels, placements, strict=True):
-            _name(shapes.AddComponent(assembly, label, _location(placement)), part.name)
-        shapes.UpdateAssemblies()
+    if isinstance(made, Part):
+        _add_part(made, shapes, colours)
+        return document
+    labels = {id(part): _add_part(part, shapes, colours) for part in made.parts}
+    assembly = shapes.NewShape()
+    _name(assembly, made.name)
+    for occurrence in made.occurrences:
+        component = shapes.AddComponent(assembly, labels[id(occurrence.part)], location(occurrence.place))
+        _name(component, occurrence.name)
+    shapes.UpdateAssemblies()
     return document
 
 
@@ -154,16 +186,6 @@ def _name(label: Any, name: str) -> None:
     from OCP.TDataStd import TDataStd_Name
 
     TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
-
-
-def _location(placement: Rigid) -> Any:
-    from OCP.gp import gp_Trsf
-    from OCP.TopLoc import TopLoc_Location
-
-    transform = gp_Trsf()
-    rows = [(*map(float, row), float(x)) for row, x in zip(placement.rotation, placement.translation, strict=True)]
-    transform.SetValues(*(value for row in rows for value in row))
-    return TopLoc_Location(transform)
 
 
 def _write_header(model: Any, name: str, description: str) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ from gearmesh.mesh.triangles import TriangleMesh, facet_normals, join
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import Member, Slot
 from gearmesh.teeth.region import FILLETS, FLANKS, Region
+
+if TYPE_CHECKING:
+    import manifold3d
 
 #: sides of a hole beside the axis: so many or a multiple
 AROUND = 8
@@ -107,9 +110,7 @@ def prove(mesh: TriangleMesh, genus: int) -> Proof:
 
     trimesh counts the same; it takes as long to load as a gear to mesh, and so judges the files in the tests alone.
     """
-    import manifold3d
-
-    body = manifold3d.Manifold(_to_manifold(mesh))
+    body = manifold_of(mesh)
     ends = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64)
     there, back = (np.sort(ends[:, k] * len(mesh.vertices) + ends[:, 1 - k]) for k in (0, 1))
     once = bool((there[1:] != there[:-1]).all())
@@ -222,6 +223,13 @@ def _slot(keyway: Slot, bore: float, low: float, top: float) -> Any:
 
     body = manifold3d.Manifold.cube((bore + keyway.depth, keyway.width, top - low + 2.0))
     return body.translate((0.0, -0.5 * keyway.width, low - 1.0)).as_original()
+
+
+def manifold_of(mesh: TriangleMesh) -> manifold3d.Manifold:
+    """A mesh as a body of manifold3d, whose status says whether it is one; coordinates to the last digit."""
+    import manifold3d
+
+    return manifold3d.Manifold(_to_manifold(mesh))
 
 
 def _to_manifold(mesh: TriangleMesh, run_id: int = 0) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -150,6 +150,14 @@ class Member:
     def with_teeth_like(self, number: int) -> Member:
         """The member with all teeth as its tooth of that number. Raises DesignError where none has it."""
         return replace(self, tooth=self.tooth_at(number), others={})
+
+    def is_shaped_as(self, other: Member) -> bool:
+        """Whether both are the same but for name and mounting, as the planets of a set are."""
+        return all(
+            own is theirs or (name != "tooth" and own == theirs)
+            for name, own, theirs in ((f.name, getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+            if name not in ("name", "mount")
+        )
 
     @property
     def halves(self) -> tuple[HalfGear, ...]:

@@ -429,7 +429,7 @@ def test_no_curve_leaves_its_surface(sample: str, tmp_path: Path) -> None:
     """What FreeCAD's geometry check asks, after a round trip: edges agree with their curves on both faces."""
     changes, name = CHECKED[sample]
     member = pair_of(sample, changes).members[name]
-    write_step([solid_part(member, spline_tooth(member.tooth))], tmp_path / "part.step", sample)
+    write_step(solid_part(member, spline_tooth(member.tooth)), tmp_path / "part.step", sample)
     solid = read_back(tmp_path / "part.step")
     apart, allowed = curves_apart(solid)
     assert apart.max() <= SAME_POINT
@@ -585,7 +585,7 @@ def test_a_shaped_ring(tmp_path: Path) -> None:
 def check_ring(member: Member, expected: float, folder: Path) -> Any:
     """The solid read back, free of faults and with the expected volume."""
     part = solid_part(member, spline_tooth(member.tooth))
-    write_step([part], folder / "ring.step", "ring")
+    write_step(part, folder / "ring.step", "ring")
     solid = read_back(folder / "ring.step")
     assert [face.name for face in part.faces if face.region == "rim"] == ["rim"]
     assert volume(part) == pytest.approx(expected, rel=3e-8)

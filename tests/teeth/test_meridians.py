@@ -187,7 +187,7 @@ def test_step_files_of_any_tip_are_valid(tmp_path: Path) -> None:
     for name, cone in (("throat", 0.0), ("conical_tip", ANGLE)):
         made = member(name, cone)
         splines = spline_tooth(made.tooth)
-        write_step([solid_part(made, splines)], tmp_path / f"{name}.step", name)
+        write_step(solid_part(made, splines), tmp_path / f"{name}.step", name)
         reader = STEPControl_Reader()
         reader.ReadFile(str(tmp_path / f"{name}.step"))
         reader.TransferRoots()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,12 +15,15 @@ from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad.step import require_occ
 from gearmesh.cad.suffixes import STEP
 from gearmesh.design.core import Design
+from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.teeth.gear_train import Member
 
 if TYPE_CHECKING:
-    from gearmesh.cad.step import Part
+    import build123d
+    import cadquery
+
+    from gearmesh.cad.step import Part, PartAssembly
 
 
 @dataclass(frozen=True)
@@ -46,11 +49,17 @@ class Cad(Result):
     """CAD solids of one part in its own frame, or of several members in mesh; figures by part."""
 
     design: Design
-    parts: tuple[Part, ...]
-    placements: tuple[Rigid, ...]
+    made: Part | PartAssembly
     measured: dict[str, CadFigures]
     own: dict[str, Summary]
     warnings: tuple[str, ...] = ()
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The parts; those that occur several times, as the planets of a set, once."""
+        from gearmesh.cad.step import Part
+
+        return (self.made,) if isinstance(self.made, Part) else self.made.parts
 
     @property
     def figures(self) -> dict[str, Summary]:
@@ -87,10 +96,28 @@ class Cad(Result):
     def sections(self) -> Mapping[str, Content]:
         return {**header(self.design), "cad": self.figures, "warnings": self.warnings}
 
+    def to_build123d(self) -> build123d.Solid | build123d.Compound:
+        """The solid for build123d, or the assembly, a Compound whose children have names, colours and places.
+
+        Shapes are handed over in memory. Raises OutputError where build123d is missing.
+        """
+        from gearmesh.cad.programs.build123d_shapes import build123d_shape
+
+        return build123d_shape(self.made)
+
+    def to_cadquery(self) -> cadquery.Workplane | cadquery.Assembly:
+        """The solid on a Workplane for CadQuery, or the Assembly, in which parts and faces have names and colours.
+
+        Shapes are handed over in memory. Raises OutputError where CadQuery is missing.
+        """
+        from gearmesh.cad.programs.cadquery_shapes import cadquery_shape
+
+        return cadquery_shape(self.made)
+
     def _write(self, target: Path) -> None:
         from gearmesh.cad.step import write_step
 
-        write_step(self.parts, target, self.description, self.placements)
+        write_step(self.made, target, self.description)
 
 
 def cad_solid(member: Member, tolerance: float, offset: float | None = None) -> tuple[Part, CadFigures]:
@@ -123,17 +150,39 @@ def cad_solid(member: Member, tolerance: float, offset: float | None = None) -> 
     )
 
 
-def cad_of(gears: GearSet, member: str | None, tolerance: float, extract: Extract = WHOLE) -> Cad:
-    """One member as a CAD solid, or all of them in mesh, as `Gears.cad` says; `tolerance` in mm."""
+def cad_of(gears: GearSet, member: str | None, tolerance: float, extract: Extract = WHOLE, phi1: float = 0.0) -> Cad:
+    """One member as a CAD solid, or all of them in mesh, as `Gears.cad` says; `tolerance` in mm, `phi1` in deg."""
+    from gearmesh.cad.step import Occurrence, Part, PartAssembly
+
     require_occ()
-    places = {} if member is not None else gears.places
-    wanted = [gears.part(name) for name in ([member] if member is not None else gears.members)]
-    made = [cad_solid(extract.shift(part.member), tolerance, extract.offset or None) for part in wanted]
+    if member is not None and phi1:
+        raise ArgumentError("phi1", phi1, must_be="left out for one member, which is in its own frame")
+    places = {} if member is not None else gears.places_at(phi1)
+    wanted = [gears.part(name) for name in ([member] if member is not None else places)]
+    made, measured = dict[str, Part](), dict[str, CadFigures]()
+    for alike in _alike([part.member for part in wanted]):
+        part, figures = cad_solid(extract.shift(alike[0]), tolerance, extract.offset or None)
+        # planet_1, planet_2 and planet_3 are three times the part planet
+        part = replace(part, name=part.name.rstrip("0123456789").rstrip("_")) if len(alike) > 1 else part
+        made.update((own.name, part) for own in alike)
+        measured.update((own.name, figures) for own in alike)
+    occurrences = tuple(Occurrence(name, made[name], place) for name, place in places.items())
     return Cad(
         gears.design,
-        tuple(part for part, _ in made),
-        tuple(places.values()),
-        {part.name: measures for part, measures in made},
-        {part.name: tool.figures for (part, _), tool in zip(made, wanted, strict=True)},
+        made[wanted[0].member.name] if member is not None else PartAssembly(gears.title, occurrences),
+        {part.member.name: measured[part.member.name] for part in wanted},
+        {part.member.name: part.figures for part in wanted},
         (*gears.warnings, *(line for part in wanted for line in part.warnings)),
     )
+
+
+def _alike(members: list[Member]) -> list[list[Member]]:
+    """Members by their shapes."""
+    groups: list[list[Member]] = []
+    for member in members:
+        own = next((group for group in groups if group[0].is_shaped_as(member)), None)
+        if own is None:
+            groups.append([member])
+        else:
+            own.append(member)
+    return groups

@@ -21,11 +21,12 @@ BOTH = "both"
 
 @dataclass(frozen=True)
 class ExtractMesh:
-    """A mesh, those of the `teeth` that it is made of, and its `genus`, None of an open surface."""
+    """A mesh, those of the `teeth` that it is made of, its `genus`, None of an open surface, and the `member` that it is all of."""
 
     mesh: TriangleMesh
     teeth: Sequence[ToothMesh]
     genus: int | None
+    member: Member | None = None
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ class Extract:
         every = tessellate_alike(member.different_teeth, tolerance)
         if teeth is not None and teeth != member.tooth.teeth:
             return ExtractMesh(some_teeth(member, every, teeth), every, None)
-        return ExtractMesh(gear_solid(member, tolerance, *every), every, member.genus)
+        return ExtractMesh(gear_solid(member, tolerance, *every), every, member.genus, member)
 
 
 WHOLE = Extract()

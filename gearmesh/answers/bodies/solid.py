@@ -14,14 +14,20 @@ from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.design.core import Design
+from gearmesh.errors import DesignError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import Member
 
 if TYPE_CHECKING:
+    import build123d
+    import cadquery
+    import manifold3d
     import pyvista
     import trimesh
+
+    from gearmesh.cad.step import Part
 
 
 @dataclass(frozen=True)
@@ -46,7 +52,8 @@ class SolidFigures(Figures):
 class Solid(Result):
     """One part as a triangle mesh (mm, in its own frame), its measured figures, and its `own` beside them, as a worm has.
 
-    `open` says that it is the surface of a few teeth, or of flanks, which cannot be watertight.
+    `open` says that it is the surface of a few teeth, or of flanks, which cannot be watertight; `member` is the one that the mesh
+    is all of, None of parts of one, and `place` takes it from its own frame to that of the mesh.
     """
 
     design: Design
@@ -55,6 +62,8 @@ class Solid(Result):
     warnings: tuple[str, ...] = ()
     open: bool = False
     own: Summary = field(default_factory=Summary)
+    member: Member | None = None
+    place: Rigid = field(default_factory=Rigid.identity)
 
     @property
     def figures(self) -> Summary:
@@ -104,7 +113,7 @@ class Solid(Result):
 
     def move(self, place: Rigid) -> Solid:
         """The same solid in another frame."""
-        return replace(self, mesh=self.mesh.move(place))
+        return replace(self, mesh=self.mesh.move(place), place=place @ self.place)
 
     def to_pyvista(self) -> pyvista.PolyData:
         """The mesh for pyvista, with regions and exact normals as cell data."""
@@ -115,6 +124,43 @@ class Solid(Result):
         import trimesh
 
         return trimesh.Trimesh(self.mesh.vertices, self.mesh.triangles, process=False)
+
+    def to_manifold(self) -> manifold3d.Manifold:
+        """The mesh for manifold3d, with coordinates to the last digit. Raises DesignError for open surfaces."""
+        from gearmesh.mesh.solid import manifold_of
+
+        if self.open:
+            raise DesignError(self.name, reason="open surfaces are no body")
+        return manifold_of(self.mesh)
+
+    def to_build123d(self) -> build123d.Solid:
+        """What is meshed for build123d: no triangles but the CAD solid, with spline faces within the mesh's tolerance.
+
+        Raises DesignError for what is no whole member, OutputError where build123d is missing.
+        """
+        from gearmesh.cad.programs.build123d_shapes import build123d_shape, require_build123d
+
+        require_build123d()
+        return build123d_shape(self._part())
+
+    def to_cadquery(self) -> cadquery.Workplane:
+        """The same for CadQuery, on a Workplane on which the faces of each region are tagged by its name.
+
+        Raises DesignError for what is no whole member, OutputError where CadQuery is missing.
+        """
+        from gearmesh.cad.programs.cadquery_shapes import cadquery_shape, require_cadquery
+
+        require_cadquery()
+        return cadquery_shape(self._part())
+
+    def _part(self) -> Part:
+        """The CAD solid of what is meshed, where the mesh is."""
+        from gearmesh.answers.bodies.cad import cad_solid
+
+        if self.member is None:
+            raise DesignError(self.name, reason="only whole members have a CAD solid")
+        part, _ = cad_solid(self.member, 1e-3 * self.measured.tolerance)
+        return part.move(self.place)
 
     def _write(self, target: Path) -> None:
         from gearmesh import io
@@ -225,7 +271,7 @@ def member_solid(
         seconds=seconds,
         offset=extract.offset or None,
     )
-    return Solid(design, made.mesh, figures, warnings, made.genus is None, extra or Summary())
+    return Solid(design, made.mesh, figures, warnings, made.genus is None, extra or Summary(), made.member)
 
 
 def solid_of(
@@ -244,11 +290,15 @@ def solid_of(
 
 
 def solids_of(
-    gears: GearSet, tolerance: float, file: str | PathLike[str] | None = None, extract: Extract = WHOLE
+    gears: GearSet,
+    tolerance: float,
+    file: str | PathLike[str] | None = None,
+    extract: Extract = WHOLE,
+    phi1: float = 0.0,
 ) -> Solids:
-    """All members as they mesh at phi1 = 0, as `Gears.solids` says; `tolerance` in mm."""
+    """All members as they mesh at `phi1` (deg), as `Gears.solids` says; `tolerance` in mm."""
     parts = {
         name: solid_of(gears, name, tolerance, file=file, extract=extract).move(place)
-        for name, place in gears.places.items()
+        for name, place in gears.places_at(phi1).items()
     }
     return Solids(gears.design, parts, gears.warnings)

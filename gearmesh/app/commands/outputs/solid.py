@@ -85,11 +85,17 @@ def solid(
             help="The space between two teeth as a solid: a broach, an electrode; of double helical gears that of one half.",
         ),
     ] = False,
+    phi1: Annotated[
+        float | None,
+        typer.Option(
+            "--phi1", metavar="DEG", help="Rotation of the pinion at which --member all is in mesh. [default: 0]"
+        ),
+    ] = None,
     settings: Set = None,
 ) -> None:
     """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids; or a section of one; or the space
     between two teeth, or flanks alone."""
-    file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space)
+    file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space, phi1)
     file.refuse(member)
     together = member in (BOTH, ALL, WORM)
     gears = load_gears(design_file, settings) if together else load_alone(design_file, settings)

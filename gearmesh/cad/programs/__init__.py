@@ -1,0 +1,1 @@
+"""Parts and assemblies as CAD programs have them."""

@@ -1,0 +1,44 @@
+"""Parts and assemblies for build123d: the same OpenCASCADE shapes, in memory."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gearmesh.cad.occ import location
+from gearmesh.cad.step import Part, PartAssembly
+from gearmesh.errors import OutputError
+from gearmesh.io.palette import region_colours
+
+if TYPE_CHECKING:
+    import build123d
+
+
+def require_build123d() -> None:
+    """Raise OutputError, naming what to install, where build123d cannot be loaded."""
+    try:
+        import build123d  # noqa: F401
+    except ImportError:
+        raise OutputError(reason='to_build123d needs build123d: pip install ".[build123d]"') from None
+
+
+def build123d_shape(made: Part | PartAssembly) -> build123d.Solid | build123d.Compound:
+    """A part as a Solid in its own frame, or an assembly as a Compound of placed Solids; with names and colours.
+
+    What occurs several times has one colour, and one shape in memory. Raises OutputError where build123d is missing.
+    """
+    require_build123d()
+    import build123d
+
+    if isinstance(made, Part):
+        return build123d.Solid(made.solid, label=made.name)
+    parts = made.parts
+    colours = dict(zip(map(id, parts), region_colours(len(parts)), strict=True))
+    solids = [
+        build123d.Solid(
+            own.part.solid.Moved(location(own.place)),
+            label=own.name,
+            color=build123d.Color(*colours[id(own.part)]),
+        )
+        for own in made.occurrences
+    ]
+    return build123d.Compound(label=made.name, children=solids)

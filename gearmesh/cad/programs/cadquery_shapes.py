@@ -1,0 +1,57 @@
+"""Parts and assemblies for CadQuery: the same OpenCASCADE shapes, in memory."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gearmesh.cad.occ import location
+from gearmesh.cad.step import Part, PartAssembly
+from gearmesh.errors import OutputError
+from gearmesh.io.palette import region_colours
+
+if TYPE_CHECKING:
+    import cadquery
+
+
+def require_cadquery() -> None:
+    """Raise OutputError, naming what to install, where CadQuery cannot be loaded."""
+    try:
+        import cadquery  # noqa: F401
+    except ImportError:
+        raise OutputError(reason='to_cadquery needs CadQuery: pip install ".[cadquery]"') from None
+
+
+def cadquery_shape(made: Part | PartAssembly) -> cadquery.Workplane | cadquery.Assembly:
+    """A part as a Workplane with its solid, or an assembly as an Assembly of placed Workplanes, with names and colours.
+
+    The faces of each region are tagged by its name. Raises OutputError where CadQuery is missing.
+    """
+    require_cadquery()
+    import cadquery
+
+    if isinstance(made, Part):
+        return _workplane(made)
+    parts = made.parts
+    colours = dict(zip(map(id, parts), region_colours(len(parts)), strict=True))
+    workplanes = {id(part): _workplane(part) for part in parts}
+    assembly = cadquery.Assembly(name=made.name)
+    for own in made.occurrences:
+        assembly.add(
+            workplanes[id(own.part)],
+            name=own.name,
+            loc=cadquery.Location(location(own.place)),
+            color=cadquery.Color(*colours[id(own.part)]),
+        )
+    return assembly
+
+
+def _workplane(part: Part) -> cadquery.Workplane:
+    import cadquery
+
+    workplane = cadquery.Workplane(obj=cadquery.Solid(part.solid))
+    regions: dict[str, list[cadquery.Face]] = {}
+    for face in part.faces:
+        regions.setdefault(str(face.region), []).append(cadquery.Face(face.shape))
+    for region, faces in regions.items():
+        workplane.newObject(faces).tag(region)
+    return workplane
