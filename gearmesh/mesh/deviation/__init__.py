@@ -1,0 +1,1 @@
+"""Bounds of how far a mesh is from its exact surfaces."""
