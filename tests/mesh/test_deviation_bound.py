@@ -16,7 +16,7 @@ from gearmesh.check.deviation import deviations
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.surface import Jet
-from gearmesh.mesh.deviation.bound import Bound, patch_bounds, solid_bound, tooth_bound
+from gearmesh.mesh.deviation.bound import DeviationBound, patch_bounds, solid_bound, tooth_bound
 from gearmesh.mesh.deviation.edges import between_wedges
 from gearmesh.mesh.deviation.facets import facet_bounds
 from gearmesh.mesh.deviation.revolution import facet_distances
@@ -57,7 +57,7 @@ def member_of(name: str, part: str) -> Member:
     return replace(member, keyway=None, holes=None)
 
 
-def solid_within(member: Member, tolerance: float) -> tuple[TriangleMesh, Bound]:
+def solid_within(member: Member, tolerance: float) -> tuple[TriangleMesh, DeviationBound]:
     teeth = tessellate_alike(member.different_teeth, tolerance)
     solid = gear_solid(member, tolerance, *teeth)
     return solid, solid_bound(member, teeth, solid)

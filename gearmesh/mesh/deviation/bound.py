@@ -27,24 +27,28 @@ from gearmesh.mesh.solid import AROUND
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import BODY_REGIONS, GAP_REGIONS, RARE_REGIONS, Region
+
+#: regions of a body that are planes across the axis, cylinders or cones round it
+ROUND = tuple({*BODY_REGIONS, *RARE_REGIONS, *GAP_REGIONS} - {Region.KEYWAY, Region.HOLE})
 
 
 @dataclass(frozen=True)
-class Bound:
+class DeviationBound:
     """The distance (mm) that is not exceeded anywhere, and the largest one measured."""
 
     largest: float = 0.0
     sampled: float = 0.0
 
-    def join(self, *others: Bound) -> Bound:
+    def join(self, *others: DeviationBound) -> DeviationBound:
         """Of several parts together."""
         every = (self, *others)
-        return Bound(max(one.largest for one in every), max(one.sampled for one in every))
+        return DeviationBound(max(one.largest for one in every), max(one.sampled for one in every))
 
     @staticmethod
-    def of(bounds: Array, sampled: Array) -> Bound:
+    def of(bounds: Array, sampled: Array) -> DeviationBound:
         """Of bounds and measured distances (M,), mm."""
-        return Bound(float(bounds.max(initial=0.0)), float(np.abs(sampled).max(initial=0.0)))
+        return DeviationBound(float(bounds.max(initial=0.0)), float(np.abs(sampled).max(initial=0.0)))
 
 
 def patch_bounds(patch: PatchMesh, sampled: float = 0.0, allowed: float = np.inf) -> FacetBounds:
@@ -62,7 +66,7 @@ def _surface(patch: PatchMesh) -> tuple[Surface, Array]:
     return surface, nodes.parameters
 
 
-def tooth_bound(mesh: ToothMesh, shared: tuple[int, ...] = ()) -> Bound:
+def tooth_bound(mesh: ToothMesh, shared: tuple[int, ...] = ()) -> DeviationBound:
     """Of a meshed tooth, or a part of one, with its sharp edges; of a whole one also those towards the next tooth, at toe and heel.
 
     `shared`: ends of it (0 toe, 1 heel) at which its image follows instead of an end face.
@@ -87,7 +91,7 @@ def tooth_bound(mesh: ToothMesh, shared: tuple[int, ...] = ()) -> Bound:
     for one, other in edges:
         bounds, sampled = edge_bounds(one, other, sampled, mesh.tolerance)
         largest = max(largest, float(bounds.max()))
-    return Bound(largest, sampled)
+    return DeviationBound(largest, sampled)
 
 
 def _side(patch: PatchMesh, found: FacetBounds, line: Index, place: Rigid) -> EdgeSide:
@@ -109,21 +113,18 @@ def _end(patch: PatchMesh, found: FacetBounds, which: int, shared: bool) -> tupl
     return own, EdgeSide(other(*every), other)
 
 
-def solid_bound(member: Member, tooth_meshes: Sequence[ToothMesh], closed: TriangleMesh) -> Bound:
+def solid_bound(member: Member, tooth_meshes: Sequence[ToothMesh], closed: TriangleMesh) -> DeviationBound:
     """Of a whole member: its different teeth, and the body in its mesh, `closed`, before keyway and holes are cut.
 
     Facets of the body are between points of the planes, cylinders and cones that it is bounded by.
     """
     shared = tuple({end for half in member.halves for end in half.shared})
-    bound = Bound().join(*(tooth_bound(mesh, shared) for mesh in tooth_meshes))
-    if member.tooth.joint.travel is not None:
-        return bound
-    names = closed.region_names
-    body = np.isin(closed.regions, [k for k, name in enumerate(names) if name not in member.tooth.regions])
+    bound = DeviationBound().join(*(tooth_bound(mesh, shared) for mesh in tooth_meshes))
+    body = np.isin(closed.regions, [k for k, name in enumerate(closed.region_names) if name in ROUND])
     distances = facet_distances(closed.vertices[closed.triangles[body]])
-    bound = bound.join(Bound.of(distances, distances))
+    bound = bound.join(DeviationBound.of(distances, distances))
     if member.holes is not None:
         radius = 0.5 * member.holes.diameter
         hole = polygon_distance(radius, ring_count(AROUND, radius, tooth_meshes[0].tolerance))
-        bound = bound.join(Bound(hole, hole))
+        bound = bound.join(DeviationBound(hole, hole))
     return bound

@@ -24,7 +24,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.kernel.surface.surface import Surface
-from gearmesh.mesh.deviation.facets import ROUNDS, Heights, Range, chord_range, limit, over_chord, second_forms
+from gearmesh.mesh.deviation.facets import ROUNDS, LineHeights, Range, chord_range, limit, over_chord, second_forms
 from gearmesh.mesh.deviation.feet import Feet
 from gearmesh.mesh.deviation.revolution import drop
 
@@ -32,7 +32,7 @@ Index = NDArray[np.int64]
 
 
 #: heights of the parts from x to y (K,), shares of their length, of chords by their numbers (K,)
-Measure = Callable[[Index, Array, Array], Heights]
+Measure = Callable[[Index, Array, Array], LineHeights]
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Chords:
     parameters: Array
     place: Rigid
 
-    def measure(self, which: Index, x: Array, y: Array) -> Heights:
+    def measure(self, which: Index, x: Array, y: Array) -> LineHeights:
         """As `Measure`."""
         at = np.stack((x, y, 0.5 * (x + y)), axis=1)[..., None]
         q, guess = (
@@ -57,7 +57,7 @@ class Chords:
         second = over_chord(forms[..., 0], slopes[..., 0])
         first, last, middle = feet.heights[samples].T
         normals = self.place.vector(feet.normals[samples[:, 2]])
-        return Heights(*chord_range(first, last, middle, second), middle, normals)
+        return LineHeights(*chord_range(first, last, middle, second), middle, normals)
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class FaceChords:
     ends: Array
     outwards: float
 
-    def measure(self, which: Index, x: Array, y: Array) -> Heights:
+    def measure(self, which: Index, x: Array, y: Array) -> LineHeights:
         """As `Measure`; heights are convex or concave along a chord."""
         a, b = self.ends[which, 0], self.ends[which, 1]
         first, last, middle = (a + share[:, None] * (b - a) for share in (x, y, 0.5 * (x + y)))
@@ -77,21 +77,21 @@ class FaceChords:
         one, other, half = (self.outwards * (self.level.value(q) - station) for q in (first, last, middle))
         sag = -self.outwards * station_normal(self.level)[0] * drop(first, last)
         low, high = np.minimum(one, other) + np.minimum(sag, 0.0), np.maximum(one, other) + np.maximum(sag, 0.0)
-        return Heights(low, high, half, self.outwards * self.level.gradient(middle))
+        return LineHeights(low, high, half, self.outwards * self.level.gradient(middle))
 
 
 def mirrored(measure: Measure) -> Measure:
     """Over the image of a surface in a plane z = const that all chords are in."""
     image = np.array([1.0, 1.0, -1.0])
 
-    def measure_image(which: Index, x: Array, y: Array) -> Heights:
+    def measure_image(which: Index, x: Array, y: Array) -> LineHeights:
         own = measure(which, x, y)
         return replace(own, normals=own.normals * image)
 
     return measure_image
 
 
-def known(triangles: Index, line: Index, sides: Heights, place: Rigid) -> Heights:
+def known(triangles: Index, line: Index, sides: LineHeights, place: Rigid) -> LineHeights:
     """Of the chords between nodes of a line (L + 1,) on the edge of a mesh, what was measured of its triangles' sides."""
     size = int(triangles.max()) + 1
     ends = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
@@ -99,14 +99,14 @@ def known(triangles: Index, line: Index, sides: Heights, place: Rigid) -> Height
     numbers, asked = (pairs[:, 0] * size + pairs[:, 1] for pairs in (ends, wanted))
     order = np.argsort(numbers, kind="stable")
     which = np.divmod(order[np.searchsorted(numbers[order], asked)], 3)
-    return Heights(sides.low[which], sides.high[which], sides.middles[which], place.vector(sides.normals[which]))
+    return LineHeights(sides.low[which], sides.high[which], sides.middles[which], place.vector(sides.normals[which]))
 
 
 @dataclass(frozen=True)
 class EdgeSide:
     """Chords (L,) over one of the two surfaces of an edge: what is known of the whole ones, and how parts are measured."""
 
-    whole: Heights
+    whole: LineHeights
     measure: Measure
 
 

@@ -56,7 +56,7 @@ BLOCK = 4_000
 
 
 @dataclass(frozen=True)
-class Heights:
+class LineHeights:
     """Of straight lines: least (`low`) and greatest (`high`) heights over a surface, mm, those of their middles, all (...,), and
     the surface's `normals` there (..., 3)."""
 
@@ -75,7 +75,7 @@ class FacetBounds:
 
     bounds: Array
     sampled: float
-    sides: Heights
+    sides: LineHeights
 
     @property
     def largest(self) -> float:
@@ -137,7 +137,7 @@ class _Measured:
 
     facets: _Facets
     bounds: Array
-    sides: Heights
+    sides: LineHeights
     points: Array
     feet: Feet
     edges: Index
@@ -167,7 +167,9 @@ class _Measured:
         on_edge, edge = np.array([(1, 2, 3), (2, 0, 4), (0, 1, 5)]).T, np.arange(3)
         along_edges = over_chord(forms[:, on_edge, edge], slopes[:, on_edge, edge])
         first, last = heights[:, on_edge[0]], heights[:, on_edge[1]]
-        sides = Heights(*chord_range(first, last, heights[:, 3:6], along_edges), heights[:, 3:6], feet.normals[edges])
+        sides = LineHeights(
+            *chord_range(first, last, heights[:, 3:6], along_edges), heights[:, 3:6], feet.normals[edges]
+        )
         return _Measured(facets, bounds, sides, points, feet, edges)
 
     @property
@@ -256,7 +258,9 @@ def chord_range(first: Array, last: Array, middle: Array, second: Range) -> Rang
     return -np.maximum(highest(-first, -middle, 0.25 * high), highest(-middle, -last, 0.25 * high)), greatest
 
 
-def _join(sides: list[Heights]) -> Heights:
+def _join(sides: list[LineHeights]) -> LineHeights:
     if len(sides) == 1:
         return sides[0]
-    return Heights(*(np.concatenate([getattr(part, field.name) for part in sides]) for field in fields(Heights)))
+    return LineHeights(
+        *(np.concatenate([getattr(part, field.name) for part in sides]) for field in fields(LineHeights))
+    )
