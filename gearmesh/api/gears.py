@@ -134,6 +134,7 @@ class Gears(SolvedGears):
         tolerance: Length | None = None,
         *,
         teeth: int | None = None,
+        sector: int | None = None,
         flank_only: str | None = None,
         space: bool = False,
         offset: Length = 0.0,
@@ -141,7 +142,9 @@ class Gears(SolvedGears):
     ) -> Solid:
         """One member as a watertight mesh within `tolerance` (by default the design's), or its worm as a part ("worm").
 
-        With `teeth` the open surfaces of only so many teeth. `flank_only`: the "right" or "left" flanks alone, or "both", as open
+        With `teeth` the open surfaces of only so many teeth. With `sector` only so many pitches, fewer than all, closed by two
+        cut faces through the middles of roots, which are the regions cut_right and cut_left: one is the other, turned, to the
+        last node. `flank_only`: the "right" or "left" flanks alone, or "both", as open
         surfaces with exact normals at their vertices. With `space` the space between two teeth as a solid, as a broach or an
         electrode fills it, up to the tip surface. `offset` (mm) moves all surfaces of the teeth along their normals, positive away
         from the member's material: stock, or a spark gap; negative: clearance. Given the `file` that it is meant for, the mesh is
@@ -151,7 +154,9 @@ class Gears(SolvedGears):
         from gearmesh.answers.bodies.extract import Extract
         from gearmesh.answers.bodies.solid import solid_of
 
-        extract = Extract.of(offset, space=space, flank_only=flank_only)
+        if None not in (teeth, sector):
+            raise ArgumentError("teeth", teeth, must_be="left out with sector")
+        extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector)
         return solid_of(self, member, self.within(tolerance), teeth, file, extract)
 
     def solids(

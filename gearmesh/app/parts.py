@@ -34,6 +34,7 @@ class PartFile:
     flank_only: str | None = None
     space: bool = False
     phi1: float | None = None
+    sector: int | None = None
 
     @property
     def suffix(self) -> str:
@@ -76,14 +77,16 @@ class PartFile:
         self._lengths()
 
     def _refuse_extract(self, member: str) -> None:
-        """Raise DesignError for a space or flanks of what is always made whole."""
-        for name, value in (("space", self.space or None), ("flank_only", self.flank_only)):
+        """Raise DesignError for a space, a sector or flanks of what is always made whole."""
+        for name, value in (("space", self.space or None), ("flank_only", self.flank_only), ("sector", self.sector)):
             if value is not None and self.is_whole:
                 raise ArgumentError(name, value, must_be=f"left out for {self.suffix}, which holds whole gears")
             if value is not None and member in (BOTH, ALL):
                 raise ArgumentError(
                     name, value, must_be=f"left out for --member = {member}, which is always made whole"
                 )
+        if self.sector is not None and self.teeth is not None:
+            raise ArgumentError("teeth", self.teeth, must_be="left out with --sector")
         if self.space and self.teeth is not None:
             raise ArgumentError("teeth", self.teeth, must_be="left out for --space, which is between two teeth")
 
@@ -110,6 +113,7 @@ class PartFile:
                     member,
                     tolerance,
                     teeth=self.teeth,
+                    sector=self.sector,
                     flank_only=self.flank_only,
                     space=self.space,
                     offset=away,

@@ -6,6 +6,7 @@ holes are cut by manifold3d, with the regions carried through.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -215,7 +216,9 @@ def _hole(
     import manifold3d
 
     body = manifold3d.Manifold.cylinder(top - low + 2.0, radius, radius, ring_count(teeth, radius, tolerance))
-    return body.translate((*centre, low - 1.0)).as_original()
+    # turned to its place, so that holes round the axis are alike
+    turned = body.rotate((0.0, 0.0, math.degrees(math.atan2(centre[1], centre[0]))))
+    return turned.translate((*centre, low - 1.0)).as_original()
 
 
 def _slot(keyway: Slot, bore: float, low: float, top: float) -> Any:

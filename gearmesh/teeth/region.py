@@ -49,6 +49,8 @@ class Region(StrEnum):
     BACK = "back"
     END = "end"
     TIP_SURFACE = "tip_surface"
+    CUT_RIGHT = "cut_right"
+    CUT_LEFT = "cut_left"
 
     @property
     def side(self) -> Side | None:
@@ -72,3 +74,5 @@ RARE_REGIONS = tuple(Region)[18:20]
 GAP_REGIONS = tuple(Region)[20:21]
 #: those of the bar of a rack
 BAR_REGIONS = (Region.FACE_TOE, Region.FACE_HEEL, Region.BACK, Region.END)
+#: cut faces of a sector of some teeth: before its first tooth, and after its last
+CUT_REGIONS = (Region.CUT_RIGHT, Region.CUT_LEFT)

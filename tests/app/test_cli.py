@@ -119,10 +119,21 @@ class CannedGears:
         return Contact(self.design, self.real.pairs[0], path, params, summary, self.warnings, None)
 
     def solid(
-        self, member: str, tolerance: float | None = None, *, teeth: int | None = None, file: Path | None = None
+        self,
+        member: str,
+        tolerance: float | None = None,
+        *,
+        teeth: int | None = None,
+        sector: int | None = None,
+        flank_only: str | None = None,
+        space: bool = False,
+        offset: float = 0.0,
+        file: Path | None = None,
     ) -> Solid:
         assert file is not None, "its figures must be those of the file"
-        self.told.asked = {"member": member, "tolerance": self.real.within(tolerance), "teeth": teeth}
+        assert (flank_only, space, offset) == (None, False, 0.0)
+        parts = {name: count for name, count in (("teeth", teeth), ("sector", sector)) if count is not None}
+        self.told.asked = {"member": member, "tolerance": self.real.within(tolerance), **parts}
         return Solid(self.design, tetrahedron(member), self.told.figures, self.warnings, open=teeth is not None)
 
     def check(self, tolerance: float | None = None) -> Check:
@@ -287,7 +298,7 @@ def test_terminal_gets_ruled_tables(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 def test_tolerance_with_units(job: Asked, here: Path, text: str, mm: float) -> None:
     assert run("solid", INTERSECTED, "--member", "gear", "-o", "gear.stl", "--tol", text)[0] == 0
-    assert job.asked == {"member": "gear", "tolerance": pytest.approx(mm, rel=1e-14), "teeth": None}
+    assert job.asked == {"member": "gear", "tolerance": pytest.approx(mm, rel=1e-14)}
     assert (here / "gear.stl").stat().st_size == 84 + 4 * 50
 
 
@@ -295,6 +306,8 @@ def test_tolerance_with_units(job: Asked, here: Path, text: str, mm: float) -> N
 def test_tolerance_of_the_design(job: Asked, here: Path) -> None:
     run("solid", CIRCULAR_ARC, "--member", "pinion", "-o", "p.ply", "--set", "mesh.tolerance=0.001", "--teeth", "12")
     assert job.asked == {"member": "pinion", "tolerance": pytest.approx(0.0254), "teeth": 12}
+    run("solid", CIRCULAR_ARC, "--member", "pinion", "-o", "p.ply", "--sector", "5")
+    assert job.asked["sector"] == 5
 
 
 def test_solid_prints_its_figures(job: Asked, here: Path) -> None:
@@ -414,6 +427,9 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
         ("solid SAMPLE --member gear -o a.stl --tol 1km", "--tol = 1km: must be a length"),
         ("solid SAMPLE --member gear -o a.stl --tol 1e", "--tol = 1e: must be a length"),
         ("solid SAMPLE --member gear -o a.stl --teeth 37", "--teeth = 37: must be a whole number from 1 to 36"),
+        ("solid SAMPLE --member gear -o a.stl --sector 2 --teeth 2", "--teeth = 2: must be left out with --sector"),
+        ("solid SAMPLE --member both -o a.3mf --sector 2", "--sector = 2: must be left out for --member = both"),
+        ("solid SAMPLE --member gear -o a.svg --sector 2", "--sector = 2: must be left out for .svg"),
         ("solid SAMPLE --member gear -o a.stl --teeth x", "Invalid value for '--teeth'"),
         ("render SAMPLE -o a.jpg", "cannot write a.jpg: its suffix must be .png"),
         ("render SAMPLE", "--output: name a file for the picture, or for an animation with --animate"),

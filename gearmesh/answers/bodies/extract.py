@@ -1,16 +1,18 @@
-"""What is made of a member: the whole, the space between two teeth, or flanks alone, and how far tooth surfaces are moved."""
+"""What is made of a member: the whole, a sector, the space between two teeth, or flanks alone; how far tooth surfaces are moved."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gearmesh.errors import ArgumentError
+from gearmesh.figures import Figures, figure
 from gearmesh.lengths import Length, in_mm
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Side
+from gearmesh.teeth.region import Region, Side
 
 if TYPE_CHECKING:
     from gearmesh.mesh.tessellate import ToothMesh
@@ -20,33 +22,59 @@ BOTH = "both"
 
 
 @dataclass(frozen=True)
+class SectorFigures(Figures):
+    """A sector of a member, between two congruent cut faces."""
+
+    pitches: int = figure("pitches of the sector", whole=True)
+    sector_angle: float = figure("angle from one cut face of the sector to the other", "deg")
+    cut_nodes: int = figure("nodes of the mesh on either cut face of the sector", whole=True)
+
+    @staticmethod
+    def of(mesh: TriangleMesh, member: Member, pitches: int) -> SectorFigures:
+        """Of a sector's mesh."""
+        angle = math.degrees(pitches * member.tooth.pitch_angle)
+        return SectorFigures(pitches, angle, len(mesh.only(Region.CUT_RIGHT).vertices))
+
+
+@dataclass(frozen=True)
 class ExtractMesh:
-    """A mesh, those of the `teeth` that it is made of, its `genus`, None of an open surface, and the `member` that it is all of."""
+    """A mesh, those of the `teeth` that it is made of, its `genus`, None of an open surface, and the `member` that it is all of.
+
+    `own`: its further figures; `warnings`: what of the member it does not have.
+    """
 
     mesh: TriangleMesh
     teeth: Sequence[ToothMesh]
     genus: int | None
     member: Member | None = None
+    own: tuple[Figures, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Extract:
-    """The `space` between two teeth, `flanks` alone, or, without either, the whole; `offset` (mm) of all tooth surfaces along their
-    normals, positive away from the member's material."""
+    """The `space` between two teeth, `flanks` alone, a `sector` of so many pitches, or, without any, the whole; `offset` (mm) of all
+    tooth surfaces along their normals, positive away from the member's material."""
 
     offset: float = 0.0
     space: bool = False
     flanks: tuple[Side, ...] = ()
+    sector: int | None = None
 
     @staticmethod
-    def of(offset: Length = 0.0, *, space: bool = False, flank_only: str | None = None) -> Extract:
-        """What arguments of a call ask for. Raises DesignError for another flank and for both of them at once."""
+    def of(
+        offset: Length = 0.0, *, space: bool = False, flank_only: str | None = None, sector: int | None = None
+    ) -> Extract:
+        """What arguments of a call ask for. Raises DesignError for another flank and for several of them at once."""
+        for name, value in (("space", space or None), ("flank_only", flank_only)):
+            if sector is not None and value is not None:
+                raise ArgumentError(name, value, must_be="left out with sector")
         if flank_only is not None and flank_only not in (*Side, BOTH):
             raise ArgumentError("flank_only", flank_only, must_be=f"one of {', '.join((*Side, BOTH))}")
         if space and flank_only is not None:
             raise ArgumentError("flank_only", flank_only, reason="a space has both flanks, fillets and a root")
         flanks = () if flank_only is None else tuple(Side) if flank_only == BOTH else (Side(flank_only),)
-        return Extract(in_mm("offset", offset), space, flanks)
+        return Extract(in_mm("offset", offset), space, flanks, sector)
 
     def shift(self, member: Member) -> Member:
         """The member with the offset. Raises DesignError, with the largest that works, where it is too large."""
@@ -74,10 +102,24 @@ class Extract:
         if self.flanks:
             meshes = flank_meshes(member, self.flanks, tolerance)
             return ExtractMesh(join_flanks(member, meshes, teeth), meshes, None)
+        if self.sector is not None:
+            return _sector_mesh(member, tolerance, self.sector)
         every = tessellate_alike(member.different_teeth, tolerance)
         if teeth is not None and teeth != member.tooth.teeth:
             return ExtractMesh(some_teeth(member, every, teeth), every, None)
         return ExtractMesh(gear_solid(member, tolerance, *every), every, member.genus, member)
+
+
+def _sector_mesh(member: Member, tolerance: float, pitches: int) -> ExtractMesh:
+    from gearmesh.mesh.sector import cyclic, genus_of, sector
+    from gearmesh.mesh.solid import gear_solid
+    from gearmesh.mesh.tessellate import tessellate
+
+    member, warnings = cyclic(member, pitches)
+    tooth = tessellate(member.one_tooth, tolerance)
+    mesh = sector(gear_solid(member, tolerance, tooth), member, pitches)
+    figures = SectorFigures.of(mesh, member, pitches)
+    return ExtractMesh(mesh, [tooth], genus_of(mesh, member, pitches), own=(figures,), warnings=warnings)
 
 
 WHOLE = Extract()

@@ -271,7 +271,8 @@ def member_solid(
         seconds=seconds,
         offset=extract.offset or None,
     )
-    return Solid(design, made.mesh, figures, warnings, made.genus is None, extra or Summary(), made.member)
+    own = Summary(*(() if extra is None else (extra,)), *made.own)
+    return Solid(design, made.mesh, figures, (*warnings, *made.warnings), made.genus is None, own, made.member)
 
 
 def solid_of(

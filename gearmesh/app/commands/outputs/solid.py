@@ -91,11 +91,19 @@ def solid(
             "--phi1", metavar="DEG", help="Rotation of the pinion at which --member all is in mesh. [default: 0]"
         ),
     ] = None,
+    sector: Annotated[
+        int | None,
+        typer.Option(
+            "--sector",
+            metavar="K",
+            help="Only the first K pitches, closed by two congruent cut faces through the middles of roots.",
+        ),
+    ] = None,
     settings: Set = None,
 ) -> None:
     """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids; or a section of one; or the space
-    between two teeth, or flanks alone."""
-    file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space, phi1)
+    between two teeth, flanks alone, or a sector."""
+    file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space, phi1, sector)
     file.refuse(member)
     together = member in (BOTH, ALL, WORM)
     gears = load_gears(design_file, settings) if together else load_alone(design_file, settings)

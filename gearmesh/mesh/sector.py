@@ -1,0 +1,291 @@
+r"""Sectors: some pitches of a gear as a closed solid with two congruent cut faces, for cyclic symmetry.
+
+The cut surface goes through the middles of the roots: at every station (a plane, cone or cylinder about the axis) it is the
+generatrix at the polar angle theta of the root's middle there, from the axis out; beyond the teeth theta stays as it is at toe
+and heel. So it follows helical and spiral teeth, through rim, web and hub. The whole gear's mesh is cut along it, and a
+second time along the same surface turned by the pitches: what lies between is the sector. Of the second cut only the
+outline is kept: its face is the first one's, turned, node by node. Outside the cuts all facets are those of the gear, so that
+as many sectors as make a gear have its volume to rounding.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.errors import ArgumentError, DesignError
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import Level, station_normal
+from gearmesh.mesh.triangles import TriangleMesh, facet_normals
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import CUT_REGIONS, Region
+from gearmesh.teeth.section import Sections
+from gearmesh.teeth.tooth import Tooth
+
+Index = NDArray[np.int64]
+
+#: the cut is this angle (rad) beside the middles of the roots, where nodes of the mesh may be: on them rounding would decide on
+#: which side they are, at either cut anew
+BESIDE = 1e-9
+#: nodes of a cut closer to each other, or to nodes of the gear, over the largest radius, are one: files with single precision take
+#: them for one. No farther apart are nodes of the two cuts, turned onto each other
+SAME = 2.5e-7
+#: most angle (rad) between neighbouring generatrices of the cut surface, and the same over the pitch
+MOST_TWIST, TWIST_OF_PITCH = 0.1, 1.0 / 16.0
+#: share of the cells between rows by which the outermost are inside the teeth: no row is where the mesh has stations of its own
+INSIDE = (0.013, 0.029)
+#: angle (rad) by which the middles of a straight tooth's roots may seem to turn
+STRAIGHT = 1e-12
+#: share of the tooth's height above the root at which the rows of the cut surface are joined too: it is twisted less about there
+ABOVE = 0.1
+#: how far the cut surface goes beyond the gear, over its largest radius; largest angle (rad) between the edges of its outer wall
+BEYOND, WALL = 0.1, 0.2
+
+
+@dataclass(frozen=True)
+class CutSurface:
+    """The cut surface before tooth 0: polar angles `theta` (N,), rad, at station coordinates `stations` (N,), ascending.
+
+    Between them it is straight. `above` (N,): rho (mm), or z where stations are cylinders, a little above the root.
+    """
+
+    level: Level
+    stations: Array
+    theta: Array
+    above: Array
+
+    @staticmethod
+    def of(member: Member) -> CutSurface:
+        """Through the middles of the root before tooth 0, of all rows of teeth."""
+        tooth, level = member.tooth, member.tooth.blank.axial
+        turning = np.abs(np.diff(_middles(tooth, tooth.even)[1]))
+        # straight rows between which the surface is twisted by little
+        most = min(MOST_TWIST, TWIST_OF_PITCH * tooth.pitch_angle)
+        rows = int(np.ceil(turning.sum() / most)) + 1 if turning.max() > STRAIGHT else 1
+        low, high = (share / rows for share in INSIDE)
+        root, theta, above = _middles(tooth, tooth.sections(np.linspace(low, 1.0 - high, rows + 1)))
+        places = np.concatenate([level.value(half.points(root)) for half in member.halves])
+        order = np.argsort(places)
+        theta, above = (np.tile(of_one, len(member.halves))[order] for of_one in (theta, above))
+        return CutSurface(level, places[order], theta, above)
+
+    def rows(self, mesh: TriangleMesh) -> Array:
+        """Points (M, 3, 3) of a grid on it whose rows are generatrices from one side of a mesh to the other, beyond its outline.
+
+        The first of a row is on the axis, or, where stations are cylinders, the first row is; the second above the root.
+        """
+        (across, up), base = station_normal(self.level), float(self.level.value(np.zeros(3)))
+        rho, z = np.hypot(mesh.vertices[:, 0], mesh.vertices[:, 1]), mesh.vertices[:, 2]
+        margin = BEYOND * float(rho.max())
+        outer = float(rho.max()) + margin
+        if up == 0.0:
+            ends, sides = base + across * np.array([0.0, outer]), (z.min() - margin, z.max() + margin)
+        else:
+            value = across * rho + up * z + base
+            ends, sides = np.array([value.min() - margin, value.max() + margin]), (0.0, outer)
+        stations = np.sort(np.concatenate((ends, self.stations)))
+        angle, above = (np.interp(stations, self.stations, of_row) for of_row in (self.theta + BESIDE, self.above))
+        grid = np.stack((np.full_like(above, sides[0]), above, np.full_like(above, sides[1])), axis=1)
+        rest = (stations - base)[:, None] * np.ones(3)
+        rhos, zs = (rest / across, grid) if up == 0.0 else (grid, (rest - across * grid) / up)
+        return np.stack((rhos * np.cos(angle)[:, None], rhos * np.sin(angle)[:, None], zs), axis=-1)
+
+
+def _middles(tooth: Tooth, sections: Sections) -> tuple[Array, Array, Array]:
+    """Middle of the root before tooth 0, (T, 3), mm, its polar angles (T,), rad, without jumps, and `CutSurface.above` (T,)."""
+    half, place = np.array([0.5]), 0 if station_normal(tooth.blank.axial)[1] else 1
+    root, land = (tooth.grid(region, half, sections).points[0] for region in (Region.ROOT, Region.LAND))
+    low, high = (np.stack((np.hypot(r[:, 0], r[:, 1]), r[:, 2]))[place] for r in (root, land))
+    return root, tooth.joint.running(tooth.joint.angle(root)), low + ABOVE * (high - low)
+
+
+def _check_pitches(member: Member, pitches: int) -> None:
+    """Raise DesignError where a member has no sector of so many pitches."""
+    if np.isinf(member.tooth.joint.cycle(member.tooth.teeth)):
+        raise ArgumentError("sector", pitches, must_be=f"left out for the {member.name}, which does not turn")
+    most = member.tooth.teeth - 1
+    if most < 1:
+        raise ArgumentError("sector", pitches, must_be=f"left out for the {member.name}, which has one tooth")
+    if not 1 <= pitches <= most:
+        raise ArgumentError(
+            "sector", pitches, must_be=f"a whole number from 1 to {most}; without it the {member.name} is whole"
+        )
+    member.check_alike()
+
+
+def cyclic(member: Member, pitches: int) -> tuple[Member, tuple[str, ...]]:
+    """The member without what does not repeat after so many pitches, and a line for all that is left out.
+
+    Raises DesignError where there is no sector of so many.
+    """
+    _check_pitches(member, pitches)
+    warnings = []
+    if member.keyway is not None:
+        member = replace(member, keyway=None)
+        warnings.append(f"the sector of the {member.name} has no keyway, which does not repeat")
+    if member.holes is not None and member.holes.count * pitches % member.tooth.teeth:
+        warnings.append(
+            f"the sector of the {member.name} has none of the {member.holes.count} holes, which do not repeat after "
+            f"{pitches} of {member.tooth.teeth} pitches"
+        )
+        member = replace(member, holes=None)
+    return member, tuple(warnings)
+
+
+def sector(whole: TriangleMesh, member: Member, pitches: int) -> TriangleMesh:
+    """The first `pitches` pitches of a member from its whole mesh: closed by the faces cut_right, before tooth 0, and cut_left.
+
+    Raises DesignError where the mesh does not repeat after so many pitches.
+    """
+    import manifold3d
+
+    angle = pitches * member.tooth.pitch_angle
+    turn = Rigid.about_z(angle)
+    gear_id, right, left, wall = (manifold3d.Manifold.reserve_ids(4) + k for k in range(4))
+    gear = _solid(whole.vertices, {gear_id: whole.triangles})
+    cut, sides = _wedge(CutSurface.of(member).rows(whole), angle)
+    made = (gear ^ _solid(cut, dict(zip((right, left, wall), sides, strict=True)))).to_mesh64()
+    vertices = np.array(made.vert_properties)[:, :3]
+    triangles = np.array(made.tri_verts, dtype=np.int64)
+    origin = np.repeat(np.asarray(made.run_original_id), np.diff(np.asarray(made.run_index)) // 3)
+    on_cut = np.unique(triangles[np.isin(origin, (right, left))])
+    vertices = _snap(vertices, on_cut, whole.vertices)
+    triangles, kept = _without_doubles(vertices, triangles, on_cut)
+    origin, source = origin[kept], np.asarray(made.face_id, dtype=np.int64)[kept]
+    first, surface = triangles[origin == right], origin == gear_id
+    partners = _partners(vertices, first, triangles[origin == left], turn)
+    if partners is None:
+        raise DesignError(
+            member.name, reason=f"its body does not repeat after {pitches} of {member.tooth.teeth} pitches"
+        )
+    # the second face is the first one turned: nodes of its outline are there already
+    vertices[partners[:, 1]] = turn.point(vertices[partners[:, 0]])
+    inner = np.setdiff1d(first, partners[:, 0])
+    numbers = np.arange(len(vertices))
+    numbers[partners[:, 0]], numbers[inner] = partners[:, 1], len(vertices) + np.arange(len(inner))
+    vertices = np.concatenate((vertices, turn.point(vertices[inner])))
+    used, compact = np.unique(np.concatenate((triangles[surface], first, numbers[first][:, ::-1])), return_inverse=True)
+    vertices, compact = vertices[used], compact.reshape(-1, 3)
+    own, names = whole.regions[source[surface]], len(whole.region_names)
+    return replace(
+        whole,
+        vertices=vertices,
+        triangles=compact,
+        regions=np.concatenate((own, np.repeat(names + np.arange(2), len(first)))).astype(np.int32),
+        region_names=(*whole.region_names, *CUT_REGIONS),
+        normals=np.concatenate((whole.normals[source[surface]], facet_normals(vertices, compact[len(own) :]))),
+    )
+
+
+def genus_of(mesh: TriangleMesh, member: Member, pitches: int) -> int:
+    """Number of holes through a sector, by those of the member and the pieces that they leave of a cut face."""
+    cut = mesh.only(Region.CUT_RIGHT).triangles
+    edges = np.unique(np.sort(cut[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+    pieces = int(cut.max()) + 1 - len(edges) + len(cut)
+    holes = (member.genus - member.plain_body.genus) * pitches // member.tooth.teeth
+    return 1 + holes - pieces
+
+
+def _wedge(rows: Array, angle: float) -> tuple[Array, tuple[Index, Index, Index]]:
+    """Vertices (V, 3), and triangles of three sides, of the solid between a grid (M, N, 3) and itself turned by an angle about z.
+
+    The sides: the grid, the turned grid, and what points of its border go over in between, in steps.
+    """
+    count, steps = rows.shape[0] * rows.shape[1], int(np.ceil(angle / WALL))
+    points = rows.reshape(-1, 3)
+    vertices = Rigid.about_z(angle * np.arange(steps + 1) / steps).rotation[:, None] @ points[..., None]
+    # points on the axis stay where they are
+    fixed = np.flatnonzero(np.hypot(points[:, 0], points[:, 1]) == 0.0)
+    numbers = np.arange((steps + 1) * count).reshape(steps + 1, count)
+    numbers[:, fixed] = fixed
+    places = np.arange(count).reshape(rows.shape[:2])
+    corners = np.stack((places[:-1, :-1], places[:-1, 1:], places[1:, 1:], places[1:, :-1]), axis=-1).reshape(-1, 4)
+    grid = np.concatenate((corners[:, :3], corners[:, [0, 2, 3]]))
+    border = np.concatenate((places[0], places[1:, -1], places[-1, -2::-1], places[-2:0:-1, 0]))
+    along = np.stack((border, np.roll(border, -1)), axis=1)
+    quads = np.concatenate((numbers[:-1, along], numbers[1:, along[:, ::-1]]), axis=2).reshape(-1, 4)
+    wall = np.concatenate((quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]))
+    sides = [numbers[0][grid][:, ::-1], numbers[-1][grid], wall]
+    sides = [side[(side != np.roll(side, 1, axis=1)).all(axis=1)] for side in sides]
+    vertices = vertices.reshape(-1, 3)
+    a, b, c = np.moveaxis(vertices[np.concatenate(sides)], 1, 0)
+    if np.einsum("ij,ij->", a, np.cross(b, c)) < 0.0:
+        sides = [side[:, ::-1] for side in sides]
+    return vertices, (sides[0], sides[1], sides[2])
+
+
+def _solid(vertices: Array, runs: dict[int, Index]) -> Any:
+    """manifold3d's solid of triangles with an original id for each run of them, their places in all as face ids."""
+    import manifold3d
+
+    triangles = np.concatenate(list(runs.values()))
+    ends = np.cumsum([0, *(run.size for run in runs.values())])
+    return manifold3d.Manifold(
+        manifold3d.Mesh64(
+            np.array(vertices, order="C"),
+            np.array(triangles, dtype=np.uint64, order="C"),
+            run_index=ends.astype(np.uint64),
+            run_original_id=np.array(list(runs), dtype=np.uint32),
+            face_id=np.arange(len(triangles), dtype=np.uint64),
+        )
+    )
+
+
+def _snap(vertices: Array, cut: Index, nodes: Array) -> Array:
+    """The vertices (V, 3) with those of the `cut` that are next to `nodes` of the gear on these."""
+    from scipy.spatial import cKDTree
+
+    distance, nearest = cKDTree(nodes).query(vertices[cut], distance_upper_bound=_near(nodes))
+    close, snapped = np.isfinite(distance), vertices.copy()
+    snapped[cut[close]] = nodes[nearest[close]]
+    return snapped
+
+
+def _without_doubles(vertices: Array, triangles: Index, cut: Index) -> tuple[Index, Index]:
+    """Triangles with one vertex for all that are next to each other on the `cut`; and which of the triangles are left."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(vertices[cut]).sparse_distance_matrix(cKDTree(vertices), _near(vertices), output_type="ndarray")
+    graph = coo_array((np.ones(len(pairs)), (cut[pairs["i"]], pairs["j"])), shape=(len(vertices),) * 2)
+    group = connected_components(graph, directed=False)[1]
+    triangles = np.unique(group, return_index=True)[1][group][triangles]
+    kept = np.flatnonzero((triangles != np.roll(triangles, 1, axis=1)).all(axis=1))
+    return triangles[kept], kept
+
+
+def _near(vertices: Array) -> float:
+    """How far apart (mm) vertices are that are one."""
+    return SAME * float(np.abs(vertices).max())
+
+
+def _outline(triangles: Index) -> Index:
+    """Edges (E, 2) of triangles that only one of them has, each with its smaller node first."""
+    ends, counts = np.unique(
+        np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0, return_counts=True
+    )
+    return np.asarray(ends[counts == 1])
+
+
+def _partners(vertices: Array, first: Index, last: Index, turn: Rigid) -> Index | None:
+    """Nodes (N, 2) on the outline of the first cut face, and where they are, turned, on the last one's; None where they are not."""
+    from scipy.spatial import cKDTree
+
+    near, far = _outline(first), _outline(last)
+    own, there = np.unique(near), np.unique(far)
+    distance, nearest = cKDTree(vertices[there]).query(turn.point(vertices[own]))
+    if (
+        len(own) != len(there)
+        or distance.max(initial=0.0) > SAME * float(np.abs(vertices).max())
+        or np.unique(nearest).size < len(there)
+    ):
+        return None
+    turned = np.sort(there[nearest][np.searchsorted(own, near)], axis=1)
+    if not np.array_equal(np.unique(turned, axis=0), far):
+        return None
+    return np.stack((own, there[nearest]), axis=1)
