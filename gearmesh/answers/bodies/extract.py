@@ -53,8 +53,10 @@ class ExtractMesh:
 
 @dataclass(frozen=True)
 class Extract:
-    """The `space` between two teeth, `flanks` alone, a `sector` of so many pitches, or, without any, the whole; `offset` (mm) of all
-    tooth surfaces along their normals, positive away from the member's material."""
+    """The `space` between two teeth, `flanks` alone, a `sector` of so many pitches, or, without any, the whole.
+
+    `offset` (mm): of all tooth surfaces along their normals, positive away from the member's material.
+    """
 
     offset: float = 0.0
     space: bool = False
