@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 import gearmesh as gm
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.mesh.sector import cyclic, genus_of, sector
+from gearmesh.mesh.extracts.sector import cyclic, genus_of, sector
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.teeth.region import Region
 

@@ -113,7 +113,7 @@ class Extract:
 
 
 def _sector_mesh(member: Member, tolerance: float, pitches: int) -> ExtractMesh:
-    from gearmesh.mesh.sector import cyclic, genus_of, sector
+    from gearmesh.mesh.extracts.sector import cyclic, genus_of, sector
     from gearmesh.mesh.solid import gear_solid
     from gearmesh.mesh.tessellate import tessellate
 

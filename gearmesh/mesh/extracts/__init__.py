@@ -1,0 +1,1 @@
+"""Meshes of parts of a member: sectors of some pitches."""
