@@ -301,23 +301,25 @@ class Gears(SolvedGears):
         rotation: float | None = None,
         friction: float = 0.0,
         pair: int | str = 0,
+        sector: int | None = None,
     ) -> FiniteElements | UnloadedFiniteElements:
         """A model of the teeth in mesh at `phi1` (deg), as fine as the design's table fe says, ready to be written or solved.
 
         `members`: only some of the pair; `rotation` (deg) of the pinion takes the place of the design's torque; `friction`:
         coefficient of Coulomb on the flanks. Of a gear without a mating gear: held as in a pair, not loaded, with evenly spaced
-        lines, in its own frame. Raises DesignError for what needs a mating gear where there is none.
+        lines, in its own frame. With `sector` so many pitches of one member, a divisor of its teeth, with cyclic symmetry: loads
+        and supports are those of every sector. Raises DesignError for what needs a mating gear where there is none.
         """
         if not self.train.pairs:
             from gearmesh.answers.bodies.finite_element_model import unloaded_elements_of
 
             asked = {"phi1": phi1, "rotation": rotation, "friction": friction, "pair": pair}
-            return unloaded_elements_of(self.design, self.train, self.warnings, members, asked)
+            return unloaded_elements_of(self.design, self.train, self.warnings, members, asked, sector)
         from gearmesh.answers.bodies.finite_elements import finite_elements_of
 
         angle = None if rotation is None else float(np.radians(rotation))
         return finite_elements_of(
-            self.design, self.train.pair(pair), self.warnings, float(np.radians(phi1)), members, angle, friction
+            self.design, self.train.pair(pair), self.warnings, float(np.radians(phi1)), members, angle, friction, sector
         )
 
     def finite_element_decks(

@@ -12,14 +12,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearmesh.contact.hertz import STEEL, Material
-from gearmesh.fe.model import STIFFNESS_RATIO, ContactPair, Model, NodeForces, RigidTie, Support
+from gearmesh.errors import ArgumentError
+from gearmesh.fe.model import STIFFNESS_RATIO, ContactPair, CyclicSymmetry, Model, NodeForces, RigidTie, Support
 from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, neighbours
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, plane_cross, unit
+from gearmesh.mesh.hexahedra.cyclic import pair_cuts
 from gearmesh.mesh.hexahedra.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HexMesh, join
 from gearmesh.teeth.gear_train import GearPair, Member
-from gearmesh.teeth.region import Side
+from gearmesh.teeth.region import CUT_REGIONS, Side
 
 #: overclosure that a model under a torque starts with, over the approach by Hertz. CalculiX makes contact elements only where
 #: faces overlap, so that flanks that just touch at a point have none, and a pinion free to turn is singular. From 0.3 to 1
@@ -49,13 +51,15 @@ LINE_POINTS = 1000
 class MeshRequest:
     """What every member's mesh shall hold, in contact or without.
 
-    `teeth`: their number, None for all; `cells`: numbers of elements; `rim`: mm under the root, None for the default.
+    `teeth`: their number, None for all; `cells`: numbers of elements; `rim`: mm under the root, None for the default; `sector`:
+    instead of some teeth so many pitches, for cyclic symmetry.
     """
 
     teeth: int | None = 3
     cells: Cells = CELLS
     rim: float | None = None
     second_order: bool = False
+    sector: int | None = None
 
 
 @dataclass(frozen=True)
@@ -125,6 +129,8 @@ def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "g
         (name,) = request.members
         forces = _hertz_forces(pair, name, model, request, at)
         model = replace(model, supports=(Support(f"{name}_held"),), forces=(forces,))
+        own_to_model = at.frame @ pair.members[name].mount.at(turns[pair.index(name)])
+        model = replace(model, cyclic=cyclic_symmetry(pair.members[name], request, own_to_model))
     return GearModel(model, at, preload, gap)
 
 
@@ -146,13 +152,40 @@ def member_mesh(pair: GearPair, name: str, request: Request, at: PlacedPair) -> 
 
 
 def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
-    """One member's mesh in its own frame, its lines those of a grid; with the set held, rim and cut faces."""
+    """One member's mesh in its own frame, its lines those of a grid; with the set held, rim and cut faces; of a sector the rim."""
     tooth = member.one_tooth
-    count = min(request.teeth or tooth.teeth, tooth.teeth)
+    count = min(request.sector or request.teeth or tooth.teeth, tooth.teeth)
     teeth = np.arange(count) - (count - 1) // 2
     mesh = hex_mesh(tooth, teeth, grid, request.rim, second_order=request.second_order)
+    if request.sector is not None:
+        mesh = pair_cuts(mesh, tooth.joint.to(request.sector * tooth.pitch_angle))
+        # what follows the first cut face is held with it
+        own = np.setdiff1d(mesh.node_sets["rim"], mesh.node_sets["cut_left"])
+        return replace(mesh, node_sets=mesh.node_sets | {"held": own})
     held = [mesh.node_sets[key] for key in ("rim", "cut_right", "cut_left") if key in mesh.node_sets]
     return replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
+
+
+def cyclic_symmetry(member: Member, request: MeshRequest, own_to_model: Rigid) -> CyclicSymmetry | None:
+    """That of the sector of a member in a model's frame; None where none is asked for."""
+    if request.sector is None:
+        return None
+    first, last = (f"{member.name}_{region}" for region in CUT_REGIONS)
+    axis = own_to_model.point(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+    return CyclicSymmetry(member.tooth.teeth // request.sector, first, last, axis)
+
+
+def check_sector(member: Member, pitches: int) -> None:
+    """Raise DesignError for pitches that do not divide a member, and for one that does not turn."""
+    teeth = member.tooth.teeth
+    fitting = [k for k in range(1, teeth) if teeth % k == 0]
+    if np.isinf(member.tooth.joint.cycle(teeth)) or not fitting:
+        raise ArgumentError("sector", pitches, must_be=f"left out for the {member.name}, which has no sectors")
+    if pitches not in fitting:
+        allowed = ", ".join(map(str, fitting))
+        raise ArgumentError(
+            "sector", pitches, must_be=f"a divisor of the {teeth} teeth of the {member.name}: {allowed}"
+        )
 
 
 def unloaded_model(member: Member, request: MeshRequest, material: Material, title: str = "gearmesh") -> Model:
@@ -162,7 +195,8 @@ def unloaded_model(member: Member, request: MeshRequest, material: Material, tit
     """
     name = member.name
     mesh = join({name: held_mesh(member, request, plain_grid(request.cells))})
-    return Model(title, mesh, {name: material}, supports=(Support(f"{name}_held"),))
+    cyclic = cyclic_symmetry(member, request, Rigid.identity())
+    return Model(title, mesh, {name: material}, supports=(Support(f"{name}_held"),), cyclic=cyclic)
 
 
 def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexGrid:

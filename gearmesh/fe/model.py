@@ -62,6 +62,20 @@ class NodeForces:
 
 
 @dataclass(frozen=True)
+class CyclicSymmetry:
+    """The mesh is one of `sectors` alike, which go round the axis through two points, `axis` (2, 3), mm.
+
+    `first`, `last`: sets of nodes and of faces of the two cut faces; node k of `last` is node k of `first`, turned about it by
+    360 deg / `sectors`. Supports and loads are those of every sector.
+    """
+
+    sectors: int
+    first: str
+    last: str
+    axis: Array
+
+
+@dataclass(frozen=True)
 class Model:
     """Bodies, supports, rigid ties, contacts and forces of one static step. `materials` names an element set each, covering all."""
 
@@ -72,3 +86,4 @@ class Model:
     ties: tuple[RigidTie, ...] = ()
     contacts: tuple[ContactPair, ...] = ()
     forces: tuple[NodeForces, ...] = ()
+    cyclic: CyclicSymmetry | None = None

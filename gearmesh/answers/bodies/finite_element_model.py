@@ -9,13 +9,13 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from gearmesh.answers.bodies.model_figures import MeshFigures, UnloadedModelFigures
+from gearmesh.answers.bodies.model_figures import CyclicFigures, MeshFigures, UnloadedModelFigures
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.contact.hertz import Material
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
-from gearmesh.fe.gear_model import MeshRequest, unloaded_model
+from gearmesh.fe.gear_model import MeshRequest, check_sector, unloaded_model
 from gearmesh.fe.model import Model
 from gearmesh.figures import Content, Summary
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
@@ -56,18 +56,24 @@ class FiniteElementModel(Result):
     @property
     def figures(self) -> Summary:
         """All figures, by their keys."""
-        return Summary(self.measured)
+        return Summary(self.measured, *self.cyclic)
+
+    @property
+    def cyclic(self) -> tuple[CyclicFigures, ...]:
+        """Those of the sector that it is, if it is one."""
+        symmetry = self.model.cyclic
+        return () if symmetry is None else (CyclicFigures.of(symmetry, self.model.mesh),)
 
     @property
     def listings(self) -> list[Listing]:
-        return [figures("Model", self.measured)]
+        return [figures("Model", self.figures)]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([self.measured.flat])
 
     @property
     def sections(self) -> Mapping[str, Content]:
-        return {**header(self.design), "model": self.measured, "solution": None}
+        return {**header(self.design), "model": self.figures, "solution": None}
 
     def save(self, path: str | PathLike[str], *, timing: bool = True, program: str | None = None) -> Path:
         """Write the model (.inp, .msh, .vtu, .cdb) or its figures (.json); `program` "calculix" or "abaqus" is whose .inp.
@@ -102,8 +108,11 @@ class UnloadedFiniteElements(FiniteElementModel):
         raise self.train.needs_pair("solve", True)
 
 
-def mesh_request_of(design: Design) -> MeshRequest:
-    """The mesh that a design's table fe defines, in contact or without. Raises DesignError for an even number of teeth."""
+def mesh_request_of(design: Design, sector: int | None = None) -> MeshRequest:
+    """The mesh that a design's table fe defines, in contact or without, of some teeth or a `sector`.
+
+    Raises DesignError for an even number of teeth.
+    """
     wanted = design.in_mm().fe
     if wanted.teeth and wanted.teeth % 2 == 0:
         raise DesignError("fe.teeth", wanted.teeth, must_be="an odd number, or 0 for all teeth")
@@ -112,6 +121,7 @@ def mesh_request_of(design: Design) -> MeshRequest:
         cells=Cells(wanted.flank, wanted.fillet, wanted.thickness, wanted.rim_layers, wanted.face),
         rim=wanted.rim,
         second_order=wanted.order == 2,
+        sector=sector,
     )
 
 
@@ -132,8 +142,9 @@ def unloaded_elements_of(
     warnings: tuple[str, ...] = (),
     members: Sequence[str] | None = None,
     asked: Mapping[str, object] | None = None,
+    sector: int | None = None,
 ) -> UnloadedFiniteElements:
-    """The model of the member of a gear set without pairs; `asked`: arguments that need a mating gear, and their values.
+    """The model of the member of a gear set without pairs, or of a `sector`; `asked`: arguments that need a mating gear.
 
     Raises DesignError for any of these that is neither None nor 0, for another member, and for a design that cannot be modelled.
     """
@@ -145,7 +156,9 @@ def unloaded_elements_of(
     if members is not None and tuple(members) != (member.name,):
         raise ArgumentError("members", list(members), must_be=f"left out, or {member.name}")
     material = Material(*design.elastic(member.name))
-    model = unloaded_model(member, mesh_request_of(design), material, design.name or design.kind)
+    if sector is not None:
+        check_sector(member, sector)
+    model = unloaded_model(member, mesh_request_of(design, sector), material, design.name or design.kind)
     measured = mesh_figures(model.mesh)
     model_figures = UnloadedModelFigures(**vars(measured), seconds=time.perf_counter() - started)
     noticed = (*warnings, *omissions([member]), *bad_shapes([measured]))

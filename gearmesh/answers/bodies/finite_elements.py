@@ -33,7 +33,7 @@ from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, cell, figures, round_to
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, OutputError
-from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, gear_model, grid_of
+from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, check_sector, gear_model, grid_of
 from gearmesh.fe.model import Model
 from gearmesh.fe.placing import PlacedPair, focus_on, place
 from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, largest_principal
@@ -133,7 +133,7 @@ class FiniteElementSolution(Result):
 
     @property
     def sections(self) -> Mapping[str, Content]:
-        return {**header(self.problem.design), "model": self.problem.measured, "solution": self.measured}
+        return {**header(self.problem.design), "model": self.problem.figures, "solution": self.measured}
 
 
 @dataclass(frozen=True, repr=False)
@@ -177,13 +177,22 @@ class FiniteElementDecks(Result):
 
 
 def request_of(
-    design: Design, pair: GearPair, members: Sequence[str], rotation: float | None = None, friction: float = 0.0
+    design: Design,
+    pair: GearPair,
+    members: Sequence[str],
+    rotation: float | None = None,
+    friction: float = 0.0,
+    sector: int | None = None,
 ) -> Request:
     """The model that a design's tables fe and material define; `rotation` (rad) of the pinion takes the place of the torque.
 
-    Raises DesignError for an even number of teeth and a coefficient of `friction` that is none.
+    Raises DesignError for an even number of teeth, a coefficient of `friction` that is none and a `sector` that there is not.
     """
-    own, wanted = mesh_request_of(design), design.in_mm().fe
+    own, wanted = mesh_request_of(design, sector), design.in_mm().fe
+    if sector is not None:
+        if len(members) > 1:
+            raise ArgumentError("sector", sector, must_be="left out for members in mesh; choose one of them")
+        check_sector(pair.members[members[0]], sector)
     if not 0.0 <= friction <= LARGEST_FRICTION:
         raise ArgumentError("friction", friction, must_be=f"a coefficient from 0 to {LARGEST_FRICTION:g}")
     if friction and len(members) == 1:
@@ -209,12 +218,14 @@ def finite_elements_of(
     members: Sequence[str] | None = None,
     rotation: float | None = None,
     friction: float = 0.0,
+    sector: int | None = None,
 ) -> FiniteElements:
-    """The model of a pair at phi1 (rad, counted as the source counts it), of both or only some of its `members`.
+    """The model of a pair at phi1 (rad, counted as the source counts it), of both or only some of its `members`, or a `sector` of
+    one.
 
     Raises DesignError for a design that cannot be modelled, NoSolutionError where no teeth touch.
     """
-    request = _request(design, pair, members, rotation, friction)
+    request = _request(design, pair, members, rotation, friction, sector)
     made = _make(design, pair, request, place(pair, phi1, request.torque, request.materials))
     return replace(made, warnings=(*warnings, *_missing_parts(pair, request), *_warnings(request, [made.measured])))
 
@@ -275,10 +286,14 @@ def _script(jobs: Sequence[str], program: str | None) -> str:
 
 
 def _request(
-    design: Design, pair: GearPair, members: Sequence[str] | None, rotation: float | None, friction: float
+    design: Design,
+    pair: GearPair,
+    members: Sequence[str] | None,
+    rotation: float | None,
+    friction: float,
+    sector: int | None = None,
 ) -> Request:
-    request = request_of(design, pair, tuple(pair.members) if members is None else members, rotation, friction)
-    return request
+    return request_of(design, pair, tuple(pair.members) if members is None else members, rotation, friction, sector)
 
 
 def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> FiniteElements:

@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from gearmesh.fe.gear_model import resolving
+from gearmesh.fe.model import CyclicSymmetry
 from gearmesh.figures import Figures, figure
 from gearmesh.mesh.hexahedra.hexahedra import NEARLY
+from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,19 @@ class MeshFigures(Figures):
     nodes: int = figure("nodes", whole=True)
     min_scaled_jacobian: float = figure("least scaled Jacobian of the elements")
     volume: float = figure("volume of the elements", "mm3", "V")
+
+
+@dataclass(frozen=True)
+class CyclicFigures(Figures):
+    """The cyclic symmetry of a finite-element model of a sector."""
+
+    sectors: int = figure("sectors of the model that make the whole gear", whole=True)
+    node_pairs: int = figure("nodes on either cut face of the sector", whole=True)
+
+    @staticmethod
+    def of(symmetry: CyclicSymmetry, mesh: HexMesh) -> CyclicFigures:
+        """Of a model's mesh."""
+        return CyclicFigures(symmetry.sectors, len(mesh.node_sets[symmetry.first]))
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.fe.decks.registry import register
-from gearmesh.fe.model import ContactPair, Model, NodeForces, RigidTie
+from gearmesh.fe.model import ContactPair, CyclicSymmetry, Model, NodeForces, RigidTie
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rows import lines
 from gearmesh.mesh.hexahedra.hexes import HexMesh
@@ -111,6 +111,8 @@ def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
         yield from _tie(tie, pair, dialect)
     for i, contact in enumerate(model.contacts, 1):
         yield from _contact(contact, f"contact_{i}", dialect)
+    if model.cyclic is not None:
+        yield from _cyclic(model.cyclic)
     solver = f", SOLVER={_solver(model)}" if dialect is _CALCULIX else ""
     yield f"*STEP\n*STATIC{solver}\n1., 1.\n"
     for support in model.supports:
@@ -192,6 +194,15 @@ def _contact(contact: ContactPair, name: str, dialect: _Dialect) -> Iterator[str
     if contact.friction:
         yield dialect.friction.format(coefficient=contact.friction, slope=STICK_RATIO * contact.stiffness)
     yield f"*CONTACT PAIR, INTERACTION={name}, TYPE=SURFACE TO SURFACE\n{contact.slave}, {contact.master}\n"
+
+
+def _cyclic(cyclic: CyclicSymmetry) -> Iterator[str]:
+    """The cut faces tied to each other: nodes of the last one follow those of the first, which are the same, turned."""
+    tie = f"{cyclic.first}_{cyclic.last}"
+    yield f"** node k of the set {cyclic.last} is node k of {cyclic.first}, turned by 360 deg / {cyclic.sectors}\n"
+    yield f"*TIE, CYCLIC SYMMETRY, NAME={tie}\n{cyclic.last}, {cyclic.first}\n"
+    yield f"*CYCLIC SYMMETRY MODEL, N={cyclic.sectors}, TIE={tie}\n"
+    yield ", ".join(_NUMBER % x for x in cyclic.axis.ravel()) + "\n"
 
 
 def _drive(tie: RigidTie, nodes: tuple[int, int]) -> Iterator[str]:

@@ -57,6 +57,14 @@ def fe(
         str | None,
         typer.Option("--teeth", metavar="K|all", help="Teeth of each member: an odd number, or all."),
     ] = None,
+    sector: Annotated[
+        int | None,
+        typer.Option(
+            "--sector",
+            metavar="K",
+            help="K pitches of one member with cyclic symmetry; K divides its teeth, and loads are those of every sector.",
+        ),
+    ] = None,
     phi1: Positions = None,
     torque: Annotated[float | None, typer.Option("--torque", metavar="NM", help="Torque on the pinion.")] = None,
     rotation: Annotated[
@@ -86,6 +94,8 @@ def fe(
     _refuse_fe_options(rotation, friction, output, picture, solve)
     if len(positions) > 1:
         _refuse_for_several(str(phi1), output, solve)
+    if sector is not None:
+        _refuse_for_sector(sector, teeth, len(positions))
     design = load_design(design_file, [*(settings or []), *_fe_overrides(teeth, torque)])
     for file in (output if len(positions) == 1 else None, json_file, picture):
         refuse_unwritable(file)
@@ -116,7 +126,7 @@ def fe(
             warnings = answer.warnings
         else:
             model = gears.finite_elements(
-                positions[0], members=members, rotation=rotation, friction=friction or 0.0, pair=mesh
+                positions[0], members=members, rotation=rotation, friction=friction or 0.0, pair=mesh, sector=sector
             )
             if output is not None:
                 model.save(output, program=chosen)
@@ -177,6 +187,14 @@ def _refuse_for_several(phi1: str, output: Path | None, solve: bool) -> None:
         raise ArgumentError("phi1", phi1, must_be="one position with --solve; run.sh in the folder -o solves several")
     if output is not None and (output.suffix or output.is_file()):
         raise ArgumentError("output", output, must_be="a folder for several positions, a name without suffix")
+
+
+def _refuse_for_sector(sector: int, teeth: str | None, positions: int) -> None:
+    """What does not go with a sector."""
+    if teeth is not None:
+        raise ArgumentError("teeth", teeth, must_be="left out with --sector")
+    if positions > 1:
+        raise ArgumentError("sector", sector, must_be="left out for several positions")
 
 
 def _fe_overrides(teeth: str | None, torque: float | None) -> list[str]:
