@@ -36,6 +36,7 @@ COMMANDS = {
     "limits": "contact",
     "topography": "outputs",
     "drawing": "outputs",
+    "freecad": "outputs",
     "settings": "designs",
     "vh": "contact",
     "gear": "designs",

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.util
 import json
 import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from oracles.command_line import refused
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.app.cli import main
 from gearmesh.cad.brep import exact_volume
 from gearmesh.io.palette import region_colours
 
@@ -244,3 +248,104 @@ def test_readers_have_every_solid_in_its_place(reader: str, planetary: Path) -> 
     expected = [[volumes[name], *of.places[name].point(z)] for name, z in zip(of.members, middles, strict=True)]
     np.testing.assert_allclose(np.array(solids)[:, 0], np.array(expected)[:, 0], rtol=3e-5)
     np.testing.assert_allclose(np.array(solids)[:, 1:], np.array(expected)[:, 1:], atol=1e-4)
+
+
+# ---------------------------------------------------------------- FreeCAD
+
+STATE = r"""
+import json
+import FreeCAD
+
+def keep(step):
+    features = FreeCAD.ActiveDocument.Objects
+    shapes = {own.Label: own.Shape for own in features if hasattr(own, "member")}
+    kept = {
+        "volumes": {name: shape.Volume for name, shape in shapes.items()},
+        "valid": all(shape.isValid() for shape in shapes.values()),
+        "turn": {name: shape.Placement.Rotation.Angle for name, shape in shapes.items()},
+        "states": [list(own.State) for own in features],
+    }
+    open(step + ".json", "w").write(json.dumps(kept))
+"""
+#: parameters change in a document that the macro has just made
+CHANGED = r"""
+exec(open("gears.FCMacro").read())
+document = FreeCAD.ActiveDocument
+gears = document.getObject("Gears")
+keep("first")
+gears.pinion_teeth, gears.overrides, gears.phi1 = 14, ["gear.bore=20"], 90.0
+document.recompute()
+keep("changed")
+gears.pinion_teeth = 2
+document.recompute()
+keep("refused")
+gears.pinion_teeth = 14
+document.saveAs("gears.FCStd")
+"""
+#: and in one that was opened
+OPENED = r"""
+document = FreeCAD.openDocument("gears.FCStd")
+exec(open("gears.FCMacro").read())
+document.getObject("Gears").gear_teeth = 15
+document.recompute()
+keep("opened")
+"""
+SMALL = ["pinion.teeth=12", "gear.teeth=13", "pinion.face_width=10", "gear.face_width=10", "gear.bore=0"]
+
+
+def write_macro(folder: Path) -> str:
+    settings = [word for change in SMALL for word in ("--set", change)]
+    file = folder / "gears.FCMacro"
+    assert main(["freecad", str(SAMPLES / "helical.toml"), "-o", str(file), "--tol", "1um", *settings]) == 0
+    return file.read_text()
+
+
+def test_a_macro_has_the_keys_of_the_design_as_typed_properties(tmp_path: Path) -> None:
+    tree = ast.parse(write_macro(tmp_path))
+    (setup,) = (
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "SETUP"
+    )
+    kinds = {key["key"]: (key["type"], key["value"]) for key in setup["keys"].values()}
+    assert kinds["pinion.teeth"] == ("Integer", 12)
+    assert kinds["module"] == ("Float", 5.0)
+    assert setup["keys"]["pinion_teeth"]["about"] == "number of teeth: a whole number from 3 to 10000"
+    assert not {"kind", "units", "name"} & set(kinds)
+    design = gm.load(SAMPLES / "helical.toml", SMALL)
+    assert gm.parse(tomllib.loads(setup["design"])) == design
+    assert (setup["tolerance"], setup["folder"]) == ("1um", str(SAMPLES))
+
+
+def test_macros_have_a_suffix_of_their_own(tmp_path: Path) -> None:
+    words = refused("freecad", SAMPLES / "helical.toml", "-o", tmp_path / "gears.py")
+    assert words == f"cannot write {tmp_path / 'gears.py'}: its suffix must be .fcmacro"
+    assert "--tol = 0" in refused("freecad", SAMPLES / "helical.toml", "-o", tmp_path / "a.FCMacro", "--tol", "0")
+
+
+@needs_freecad
+@pytest.mark.sweep
+def test_features_follow_their_parameters(tmp_path: Path) -> None:
+    """Exact volumes after changes, the program's line where it refuses them, and again in a document that was opened."""
+    write_macro(tmp_path)
+    printed = ""
+    for program in (CHANGED, OPENED):
+        (tmp_path / "run.py").write_text(STATE + program)
+        done = subprocess.run(
+            ["freecadcmd", "run.py"], input="", capture_output=True, text=True, check=False, cwd=tmp_path
+        )
+        printed += done.stdout + done.stderr
+    steps = {file.stem: json.loads(file.read_text()) for file in tmp_path.glob("*.json")}
+    bored = [*SMALL, "pinion.teeth=14", "gear.bore=20"]
+    for step, changes in (
+        ("first", SMALL),
+        ("changed", bored),
+        ("refused", bored),
+        ("opened", [*bored, "gear.teeth=15"]),
+    ):
+        assert steps[step]["valid"]
+        expected = exact_volumes(gears("helical", tuple(changes)))
+        assert steps[step]["volumes"] == pytest.approx(expected, rel=1e-6)
+        assert [words == ["Up-to-date"] for words in steps[step]["states"]] == [step != "refused", True, True]
+    assert np.degrees(steps["changed"]["turn"]["pinion"]) == pytest.approx(90.0, abs=1e-9)
+    assert "gearmesh: error: pinion.teeth = 2: must be a whole number from 3 to 10000" in printed

@@ -1,0 +1,37 @@
+"""The command `freecad`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Set, design_text, load_design
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, write_text
+
+
+def freecad(
+    design_file: DesignFile,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE.FCMacro", help="File to write.", show_default=False)
+    ],
+    tol: Annotated[
+        str,
+        typer.Option(
+            "--tol", metavar="LEN", help="Largest distance from the exact surface: 10um, 0.01mm, 0.0004in; bare = mm."
+        ),
+    ] = "0.1um",
+    settings: Set = None,
+) -> None:
+    """A macro for FreeCAD: a feature with the keys of the design, one for each member, made anew when a key changes."""
+    from gearmesh.answers.bodies.freecad import macro
+    from gearmesh.design.files import is_input, override, read
+
+    refuse_suffix(output, ".fcmacro")
+    refuse_unwritable(output)
+    tolerance_in_mm(tol)
+    design = load_design(design_file, settings)
+    folder = Path.cwd() if is_input(design_file) else design_file.resolve().parent
+    data = override(read(design_file), settings or [])
+    write_text(str(output), lambda: macro(design, data, design_text(design_file, settings), folder, tol))
