@@ -64,12 +64,12 @@ def _properties(
                     "key": ".".join(own),
                     "group": path[0] if path else "design",
                     "about": about,
-                    **_typed(key, value),
+                    **_value_type(key, value),
                 },
             )
 
 
-def _typed(key: Key, value: bool | int | float | str) -> dict[str, Any]:
+def _value_type(key: Key, value: bool | int | float | str) -> dict[str, Any]:
     """Type, value and choices of the property of a key."""
     if isinstance(value, bool):
         return {"type": "Bool", "value": value}
