@@ -22,6 +22,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import Body, end_regions
+from gearmesh.teeth.blank.end_edge import SHARP
 from gearmesh.teeth.blank.halves import HalfEnd
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
@@ -38,6 +39,12 @@ def solid_part(member: Member, teeth: SplineTooth) -> Part:
     """
     require_occ()
     member.check_alike()
+    if member.tooth.blank.ends != SHARP:
+        raise DesignError(
+            f"{member.name}.end_chamfer",
+            reason="STEP files cannot have the chamfers of end faces",
+            remedy="remove end_chamfer, or write a mesh (stl, 3mf, obj, ...)",
+        )
     return whole_part(member, tuple(_faces(member, teeth)), (*teeth.tooth.regions, *member.body_regions))
 
 

@@ -172,6 +172,38 @@ TipChamfer = Annotated[float | None, Key("length", "45 deg chamfer between flank
 TipRounding = Annotated[float | None, Key("length", "rounding between flank and top land", low=0)]
 
 
+#: Broken edges of the end faces
+EndWidth = Annotated[
+    float | None,
+    Key(
+        "length",
+        "chamfer of the teeth's edges at both end faces: width on the end face, at right angles to them",
+        low=0,
+    ),
+]
+EndAngle = Annotated[
+    float | None,
+    Key("angle", "angle of these chamfers to the end face", low=10, high=80, default="45"),
+]
+ToeWidth = Annotated[float | None, Key("length", "the same at the toe alone; 0 = sharp", low=0, default="end_chamfer")]
+HeelWidth = Annotated[
+    float | None, Key("length", "the same at the heel alone; 0 = sharp", low=0, default="end_chamfer")
+]
+
+
+class EndEdges(Protocol):
+    """A table whose end faces may have broken edges."""
+
+    @property
+    def end_chamfer(self) -> float | None: ...
+    @property
+    def end_chamfer_toe(self) -> float | None: ...
+    @property
+    def end_chamfer_heel(self) -> float | None: ...
+    @property
+    def end_chamfer_angle(self) -> float | None: ...
+
+
 class BrokenEdges(Protocol):
     """A table whose tip edges may be broken."""
 
@@ -201,12 +233,20 @@ class GearBody(Table):
     hub: Hub | None = None
     tip_chamfer: TipChamfer = None
     tip_rounding: TipRounding = None
+    end_chamfer: EndWidth = None
+    end_chamfer_toe: ToeWidth = None
+    end_chamfer_heel: HeelWidth = None
+    end_chamfer_angle: EndAngle = None
     material: MemberMaterial | None = None
     mount: MemberMount | None = None
 
     @model_validator(mode="after")
     def _edges(self) -> Self:
         refuse_both_edges(self)
+        if self.end_chamfer_angle is not None and not (
+            self.end_chamfer or self.end_chamfer_toe or self.end_chamfer_heel
+        ):
+            raise conflict("end_chamfer_angle", self.end_chamfer_angle, reason="needs end_chamfer")
         return self
 
     @model_validator(mode="after")

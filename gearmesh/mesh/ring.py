@@ -32,7 +32,8 @@ class TeethRing:
     @staticmethod
     def of(meshes: Sequence[ToothMesh], order: Index, halves: tuple[HalfGear, ...]) -> TeethRing:
         """Of meshes with lines at common stations."""
-        return TeethRing(tuple(WeldedHalves.of(mesh.weld(), halves) for mesh in meshes), order)
+        rows = max(mesh.end_rows for mesh in meshes)
+        return TeethRing(tuple(WeldedHalves.of(mesh.weld(rows), halves) for mesh in meshes), order)
 
     @property
     def teeth(self) -> int:

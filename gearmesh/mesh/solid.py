@@ -101,8 +101,8 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
     shift = np.arange(len(places))[:, None, None] * len(points)
     triangles = (corners.reshape(-1, 3) + shift).reshape(-1, 3)
     vertices = np.einsum("kij,nj->kni", moved.rotation, points) + moved.translation[..., None, :]
-    normals = np.einsum("kij,nj->kni", moved.rotation, _normals(tooth_mesh)).reshape(-1, 3)
-    regions = np.tile(_regions(tooth_mesh), len(places))
+    normals = np.einsum("kij,nj->kni", moved.rotation, _normals(tooth_mesh, 1)).reshape(-1, 3)
+    regions = np.tile(_regions(tooth_mesh, 1), len(places))
     return labelled_mesh(vertices.reshape(-1, 3), triangles, regions, _names(tooth_mesh), normals, name)
 
 
@@ -129,31 +129,34 @@ def prove(mesh: TriangleMesh, genus: int) -> Proof:
 
 
 def _names(tooth_mesh: ToothMesh) -> tuple[Region, ...]:
-    return tuple(patch.region for patch in tooth_mesh.patches)
+    return *(patch.region for patch in tooth_mesh.patches), *tooth_mesh.end_meshes()
 
 
-def _regions(tooth_mesh: ToothMesh) -> NDArray[np.int32]:
+def _regions(tooth_mesh: ToothMesh, end_rows: int) -> NDArray[np.int32]:
     """Region (M,) of every triangle of a tooth, an index into `_names`."""
-    sizes = [len(patch.triangles) for patch in tooth_mesh.patches]
+    ends = tooth_mesh.end_meshes(end_rows).values()
+    sizes = [len(patch.triangles) for patch in tooth_mesh.patches] + [len(mesh.triangles) for mesh in ends]
     return np.repeat(np.arange(len(sizes), dtype=np.int32), sizes)
 
 
-def _normals(tooth_mesh: ToothMesh) -> Array:
-    """Exact normals (M, 3) at the centres of a tooth's triangles."""
-    return np.concatenate([patch.normals for patch in tooth_mesh.patches])
+def _normals(tooth_mesh: ToothMesh, end_rows: int) -> Array:
+    """Exact normals (M, 3) at the centres of a tooth's triangles; none, 0, of chamfers of its ends."""
+    ends = [np.zeros(mesh.triangles.shape) for mesh in tooth_mesh.end_meshes(end_rows).values()]
+    return np.concatenate([patch.normals for patch in tooth_mesh.patches] + ends)
 
 
 def _close(tooth_meshes: Sequence[ToothMesh], body: Body, member: Member) -> TriangleMesh:
     ring, halves = TeethRing.of(tooth_meshes, member.order, member.halves), member.halves
     axial, tolerance = member.tooth.blank.axial, tooth_meshes[0].tolerance
+    rows = max(mesh.end_rows for mesh in tooth_meshes)
     normals = np.concatenate(
         [
-            ring.turn(kind, np.concatenate([half.vectors(_normals(mesh)) for half in halves]))
+            ring.turn(kind, np.concatenate([half.vectors(_normals(mesh, rows)) for half in halves]))
             for kind, mesh in enumerate(tooth_meshes)
         ]
     )
     regions = np.concatenate(
-        [np.tile(_regions(mesh), len(halves) * ring.places(kind).size) for kind, mesh in enumerate(tooth_meshes)]
+        [np.tile(_regions(mesh, rows), len(halves) * ring.places(kind).size) for kind, mesh in enumerate(tooth_meshes)]
     )
     under = gear_body(ring, member.rows.outer, axial, body, tolerance)
     for gap in member.gaps:

@@ -12,16 +12,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.mesh.ends.end_mesh import EndMesh, end_mesh
 from gearmesh.mesh.forms import Forms, LinkPlan, cheapest
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
 from gearmesh.mesh.strip_triangulation import StripTriangulation
-from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.end_strip import EndStrip
+from gearmesh.teeth.region import END_EDGES, Region, Side
 from gearmesh.teeth.section import GeneratedLink, Link, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 
@@ -49,20 +52,45 @@ class ToothMesh:
     @property
     def deviation(self) -> float:
         """Largest measured distance between facets and surface, mm."""
-        return max(patch.deviation for patch in self.patches)
+        ends = (mesh.deviation for mesh in self.end_meshes().values())
+        return max(max(patch.deviation for patch in self.patches), *ends, 0.0)
 
     @property
     def triangles(self) -> int:
         """Triangles of one tooth."""
-        return sum(len(patch.triangles) for patch in self.patches)
+        ends = sum(len(mesh.triangles) for mesh in self.end_meshes().values())
+        return ends + sum(len(patch.triangles) for patch in self.patches)
 
     @property
     def whole(self) -> bool:
         """True where it has all links, so that the last one ends where the next tooth begins."""
         return len(self.patches) == len(self.tooth.regions)
 
-    def weld(self) -> Welded:
-        """The links in one, neighbouring ones with the nodes of their seam in common."""
+    def end_meshes(self, rows: int = 1) -> dict[Region, EndMesh]:
+        """The chamfers of its end faces, in so many rows of triangles at least; none of a few links."""
+        strips = self.tooth.end_strips if self.whole else (None, None)
+        return {
+            END_EDGES[end]: self._end_mesh(strip, end, rows) for end, strip in enumerate(strips) if strip is not None
+        }
+
+    def _end_mesh(self, strip: EndStrip, end: int, rows: int) -> EndMesh:
+        key = end, rows
+        if key not in self._end_meshes:
+            s = [(patch.region, patch.nodes.s[patch.nodes.end(float(end))]) for patch in self.patches]
+            self._end_meshes[key] = end_mesh(strip, s, end, self.tolerance, rows)
+        return self._end_meshes[key]
+
+    @cached_property
+    def _end_meshes(self) -> dict[tuple[int, int], EndMesh]:
+        return {}
+
+    @property
+    def end_rows(self) -> int:
+        """Most rows of triangles of a chamfer at its ends, 1 without any."""
+        return max((mesh.first.size for mesh in self.end_meshes().values()), default=1)
+
+    def weld(self, end_rows: int = 1) -> Welded:
+        """The links in one, neighbouring ones with the nodes of their seam in common, and after them the chamfers of its ends."""
         firsts = [patch.nodes.line(0.0) for patch in self.patches]
         points, numbers, count = [], [], 0
         for patch in self.patches:
@@ -83,7 +111,10 @@ class ToothMesh:
         ]
         triangles = [of[patch.triangles] for of, patch in zip(numbers, self.patches, strict=True)]
         lines = tuple(of[first] for of, first in zip(numbers, firsts, strict=True))
-        return Welded(np.concatenate(points), np.concatenate(triangles), ends[0], ends[1], lines)
+        welded = Welded(np.concatenate(points), np.concatenate(triangles), ends[0], ends[1], lines)
+        for region, mesh in self.end_meshes(end_rows).items():
+            welded = welded.with_end(END_EDGES.index(region), mesh)
+        return welded
 
 
 @dataclass(frozen=True)
@@ -98,6 +129,17 @@ class Welded:
     toe: Index
     heel: Index
     firsts: tuple[Index, ...] = ()
+
+    def with_end(self, end: int, mesh: EndMesh) -> Welded:
+        """The same with the chamfer at its toe (0) or heel (1), whose outline takes the place of that end's."""
+        count, fresh = len(self.vertices), len(mesh.vertices)
+        own = np.concatenate(((self.toe, self.heel)[end], count + np.arange(fresh)))
+        numbers = np.concatenate((own, count + fresh + own))
+        triangles = np.concatenate((self.triangles + fresh * (self.triangles >= count), numbers[mesh.triangles]))
+        outline, line = numbers[mesh.outline], numbers[mesh.first]
+        firsts = (np.concatenate((self.firsts[0], line) if end else (line[::-1], self.firsts[0])), *self.firsts[1:])
+        toe, heel = (self.toe, outline) if end else (outline, self.heel)
+        return Welded(np.concatenate((self.vertices, mesh.vertices)), triangles, toe, heel, firsts)
 
 
 def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | None = None) -> ToothMesh:

@@ -172,7 +172,7 @@ class Member:
     @property
     def extent(self) -> tuple[float, float]:
         """First and last station (mm) of the whole."""
-        return self.rows.extent(self.tooth.blank.extent)
+        return self.rows.extent(self.tooth.blank.faces)
 
     @property
     def plain_body(self) -> Body:

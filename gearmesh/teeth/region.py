@@ -51,6 +51,8 @@ class Region(StrEnum):
     TIP_SURFACE = "tip_surface"
     CUT_RIGHT = "cut_right"
     CUT_LEFT = "cut_left"
+    EDGE_TOE = "edge_toe"
+    EDGE_HEEL = "edge_heel"
 
     @property
     def side(self) -> Side | None:
@@ -65,6 +67,8 @@ class Region(StrEnum):
 FLANKS = {Side.RIGHT: Region.FLANK_RIGHT, Side.LEFT: Region.FLANK_LEFT}
 FILLETS = {Side.RIGHT: Region.FILLET_RIGHT, Side.LEFT: Region.FILLET_LEFT}
 EDGES = {Side.RIGHT: Region.EDGE_RIGHT, Side.LEFT: Region.EDGE_LEFT}
+#: chamfers of the end faces at toe and heel
+END_EDGES = (Region.EDGE_TOE, Region.EDGE_HEEL)
 _SIDES = {region: side for regions in (FLANKS, FILLETS, EDGES) for side, region in regions.items()}
 
 #: regions that a body may have, in the order of the files, which list them all; and those listed only where there are any

@@ -23,7 +23,10 @@ from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.development import Development
+from gearmesh.teeth.blank.end_edge import SHARP
 from gearmesh.teeth.blank.tip_edge import TipEdge
+from gearmesh.teeth.end_strip import EndStrip
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.section import (
     BottomLink,
@@ -55,6 +58,8 @@ TURN_STATIONS = 24
 PROOF_STATIONS = 9
 #: share of a link from its ends within which a break is none of its seams
 CLOSEST = 1e-3
+#: half the step of s over which drawn curves are differentiated
+HALF_STEP = 1e-6
 #: rounds, and parts in each, in which the interval between two of them is divided: places cost less than rounds
 BREAK_ROUNDS, BREAK_PARTS = 10, 16
 
@@ -153,6 +158,25 @@ class Tooth:
     def _coarse_ends(self, which: Side) -> Ends:
         """Where the links of one side end at a few stations from the middle, the first of them, outwards."""
         return self._ends(which, np.array([0.5, 0.0, 0.25, 0.75, 1.0]), root=False)
+
+    @cached_property
+    def sharp_ends(self) -> Tooth:
+        """The tooth whose links go on to the end faces."""
+        return self if self.blank.ends == SHARP else replace(self, blank=self.blank.sharp)
+
+    @cached_property
+    def end_strips(self) -> tuple[EndStrip | None, EndStrip | None]:
+        """The chamfers of its end faces at toe and heel, None where there is none. Raises TrimError where one has no room."""
+        toe, heel = (self._end_strip(end) for end in (0, 1))
+        return toe, heel
+
+    def _end_strip(self, end: int) -> EndStrip | None:
+        chamfer, at = self.blank.ends[end], np.array([float(end)])
+        if chamfer is None:
+            return None
+        both = self, self.sharp_ends
+        chains, sections = (self.chain, both[1].chain), (self.sections(at), both[1].sections(at))
+        return EndStrip(chains, sections, Development(self.blank.axial, self.joint), chamfer)
 
     @property
     def regions(self) -> tuple[Region, ...]:
@@ -342,22 +366,40 @@ class Tooth:
                     area += width * weights @ self._area_density(link, first + width * nodes, sections)
             total += (high - low) * float(weights @ area)
         toe, heel = self.blank.extent
-        return float((heel - toe) * total)
+        return float((heel - toe) * total) + sum(self._strip_volume(end, nodes, weights) for end in (0, 1))
+
+    def _strip_volume(self, end: int, nodes: Array, weights: Array) -> float:
+        """Volume (mm^3) of a tooth over the floor within the depth of the chamfer at an end, 0 where there is none."""
+        strip = self.end_strips[end]
+        if strip is None:
+            return 0.0
+        way = self.blank.extent[end] - self.blank.faces[end]
+        stations = self.blank.faces[end] + nodes * way
+        total = 0.0
+        for piece in strip.pieces:
+            at, ahead, behind = (
+                strip.at(piece, s[:, None], nodes) for s in (nodes, nodes + HALF_STEP, nodes - HALF_STEP)
+            )
+            total += float(weights @ self._density(at, (ahead - behind) / (2.0 * HALF_STEP), stations) @ weights)
+        return abs(way) * float(np.sign(self.blank.extent[1] - self.blank.extent[0])) * total
 
     def _area_density(self, link: Link, s: Array, sections: Sections) -> Array:
         """d(area over the floor)/ds on an (S, T) grid: the area between generatrices is the integral of rho du."""
         grid = link.grid(s, sections)
         if grid.jet is None:
-            step = 1e-6
-            ahead = link.grid(s + step, sections).points
-            behind = link.grid(s - step, sections).points
-            along_s = (ahead - behind) / (2.0 * step)
+            ahead = link.grid(s + HALF_STEP, sections).points
+            behind = link.grid(s - HALF_STEP, sections).points
+            along_s = (ahead - behind) / (2.0 * HALF_STEP)
         else:
             rate = parameter(s[:, None], link.span(sections), link.seams)[1]
             gradient = self.blank.axial.gradient(grid.points)
             dv = -dot(gradient, grid.jet.r_u) / dot(gradient, grid.jet.r_v)
             along_s = (grid.jet.r_u + grid.jet.r_v * dv[..., None]) * rate[..., None]
-        x, y, z = np.moveaxis(grid.points, -1, 0)
+        return self._density(grid.points, along_s, sections.stations)
+
+    def _density(self, points: Array, along_s: Array, stations: Array) -> Array:
+        """The same of points (S, T, 3) at stations (T,), mm, and their derivatives by s."""
+        x, y, z = np.moveaxis(points, -1, 0)
         if self.joint.travel is not None:
             # of a bar: between the section and the bar's back
             bar: Array = (x - self.blank.body.profile[0][0]) * along_s[..., 1]
@@ -366,7 +408,8 @@ class Tooth:
         turning = (x * along_s[..., 1] - y * along_s[..., 0]) / rho**2
         across, up = station_normal(self.blank.axial)
         first, last = (np.array(self.blank.body.profile[k]) for k in (0, -1))
-        floor, floor_z = (first + sections.t[:, None] * (last - first)).T
+        toe, heel = self.blank.faces
+        floor, floor_z = (first + ((stations - toe) / (heel - toe))[:, None] * (last - first)).T
         # rho is linear in u
         density: Array = 0.5 * (rho + floor) * (up * (rho - floor) - across * (z - floor_z)) * turning
         return density

@@ -24,6 +24,7 @@ from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
+from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.gear_train import GearPair, GearTrain, SourceParameters
 from gearmesh.teeth.mount import Mount
@@ -55,7 +56,7 @@ def build(design: BeveloidDesign) -> GearTrain:
         # a gear that is turned over counts u along its own axis turned over [LT02 Table 4]
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
         made = member(name, spec, racks, roll, _source_parameters(letter, along), tip_key)
-        members.append(with_modifications(made, spec))
+        members.append(with_end_chamfers(with_modifications(made, spec), spec))
         rolls.append(roll)
     flank = Side(design.contact.flank)
     pair = GearPair(

@@ -25,8 +25,9 @@ from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
+from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.system import Displacements
-from gearmesh.teeth.gear_train import GearPair, GearTrain, SourceParameters
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member, SourceParameters
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.tools.rack import Arc, RackSurface
@@ -48,17 +49,7 @@ def build(design: CircularArcDesign) -> GearTrain:
     racks = {name: _rack(design, name) for name in ("pinion", "gear")}
     mounts, specs = _mounts(design), {"pinion": design.pinion, "gear": design.gear}
     pinion, gear = (
-        replace(
-            member(
-                name,
-                specs[name],
-                (rack, rack),
-                rolls[name],
-                _source_parameters(name, rack, rolls[name], design),
-                "addendum",
-            ),
-            mount=mounts[name],
-        )
+        replace(with_end_chamfers(_member(design, name, rack, rolls[name]), specs[name]), mount=mounts[name])
         for name, rack in racks.items()
     )
     side = Side(design.contact.flank)
@@ -76,6 +67,12 @@ def build(design: CircularArcDesign) -> GearTrain:
     why = "the cutter's tooth has room for no other"
     standards = {f"{name}.fillet_radius": (standard, why) for name, standard in FILLETS.items()}
     return GearTrain(design.kind, (pair,), (*unusual_defaults(design, standards), *_loose(design)))
+
+
+def _member(design: CircularArcDesign, name: str, rack: RackTooth, roll: Roll) -> Member:
+    """A member whose rack has two sides alike."""
+    spec = design.pinion if name == "pinion" else design.gear
+    return member(name, spec, (rack, rack), roll, _source_parameters(name, rack, roll, design), "addendum")
 
 
 def _loose(design: CircularArcDesign) -> tuple[str, ...]:

@@ -14,12 +14,16 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bounds import at_most
+from gearmesh.teeth.blank.end_edge import EndChamfer
 from gearmesh.teeth.blank.tip_edge import TipEdge
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
-    from gearmesh.design.core import BrokenEdges
+    from gearmesh.design.core import BrokenEdges, EndEdges
 
+#: angle (deg) of the chamfers of end faces to these, where it is not given
+ANGLE = 45.0
 #: halvings to the largest share that fits, of which messages show six digits
 HALVINGS = 24
 
@@ -46,6 +50,47 @@ def with_tip_edge(name: str, tooth: Tooth, spec: BrokenEdges) -> Tooth:
         refusal = edge_refusal(name, broken, failure)
         raise refusal or DesignError(name, reason=failure.reason) from failure
     return broken
+
+
+def with_end_chamfers(member: Member, spec: EndEdges) -> Member:
+    """A member with the chamfers of its end faces that its part `spec` of a design asks for (in mm). It is the last step:
+    modifications are of the whole face.
+
+    Raises DesignError naming the key, its value and the largest that fits.
+    """
+    widths = [spec.end_chamfer if own is None else own for own in (spec.end_chamfer_toe, spec.end_chamfer_heel)]
+    if not any(widths):
+        return member
+    slope = np.tan(np.radians(ANGLE if spec.end_chamfer_angle is None else spec.end_chamfer_angle))
+
+    def tooth(share: float) -> Tooth:
+        first, last = (EndChamfer(share * w, float(share * w * slope)) if w else None for w in widths)
+        return replace(member.tooth, blank=member.tooth.blank.with_ends((first, last)))
+
+    if goes(lambda: _prove_ends(tooth(1.0))):
+        return replace(member, tooth=tooth(1.0))
+    asked = {key: getattr(spec, key) for key in ("end_chamfer", "end_chamfer_toe", "end_chamfer_heel")}
+    key, width = next((key, own) for key, own in asked.items() if own)
+    limit = largest(lambda share: goes(lambda: _prove_ends(tooth(share))))
+    larger, most = "larger than teeth, face width or rim allow", f"at most {at_most(limit * width)} mm"
+    raise DesignError(f"{member.name}.{key}", width, unit="mm", reason=larger, allowed=most)
+
+
+def _prove_ends(tooth: Tooth) -> None:
+    """Raise TrimError where the chamfers of its ends have no room: in the face, on the teeth or on the body."""
+    blank = tooth.blank
+    toe, heel = blank.extent
+    if (heel - toe) * np.subtract(*blank.faces[::-1]) <= 0.0:
+        raise TrimError("end", 0.0, "the end chamfers meet")
+    across = blank.across
+    ends = zip(tooth.end_strips, (blank.body.profile[0], blank.body.profile[-1]), strict=True)
+    for strip, (rho, z) in ends:
+        if strip is None:
+            continue
+        inner = float(across.value(np.array([rho, 0.0, z])))
+        above = across.value(strip.outline) - inner
+        if (above * np.sign(above[0]) <= 0.0).any():
+            raise TrimError("end", 0.0, "the end chamfer reaches the body's profile")
 
 
 def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | None:

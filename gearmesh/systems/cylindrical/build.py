@@ -22,6 +22,7 @@ from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications, with_true_involutes
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights
+from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.cylindrical.cutting.cutter import other_cutters, trimming_warnings
 from gearmesh.systems.cylindrical.cutting.hobbed import hobbed_racks
 from gearmesh.systems.cylindrical.cutting.shaped import cut_of, shaped_member
@@ -90,7 +91,7 @@ def gear_member(gear: GearProportions) -> Member:
     and balls that do not touch them."""
     made = _toothed_member(gear)
     check_measures(gear, made)
-    return made
+    return with_end_chamfers(made, gear.spec)
 
 
 def _toothed_member(gear: GearProportions) -> Member:

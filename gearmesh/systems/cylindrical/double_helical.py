@@ -70,6 +70,8 @@ def double_helical_member(design: HalvesKeys, half: Member, gear: GearProportion
     near = 0.5 * half_width(design, spec)
     plane = near + 0.5 * design.gap
     own = half.tooth.blank.body
+    if design.gap == 0.0:
+        half = _sharp_inside(half, 0 if internal else 1)
     if internal:
         rim = own.profile[0][0]
         body = Body.tube(rim, 2.0 * plane + near, -near, Region.RIM)
@@ -83,6 +85,15 @@ def double_helical_member(design: HalvesKeys, half: Member, gear: GearProportion
     smallest = root if groove is None else groove
     keyway, hub, holes = body_features(name, spec, own.bore_radius, smallest, root, body.web)
     return replace(half, keyway=keyway, hub=hub, holes=holes, rows=DoubleHelical(plane, near, True, groove, body))
+
+
+def _sharp_inside(half: Member, end: int) -> Member:
+    """A half without a chamfer at the end 0 (toe) or 1 (heel), where it meets the other one."""
+    blank = half.tooth.blank
+    if blank.ends[end] is None:
+        return half
+    ends = (None, blank.ends[1]) if end == 0 else (blank.ends[0], None)
+    return replace(half, tooth=replace(half.tooth, blank=blank.with_ends(ends)))
 
 
 def _groove(design: HalvesKeys, gear: GearProportions, floor: float) -> float | None:

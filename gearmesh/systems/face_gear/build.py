@@ -32,7 +32,7 @@ from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, round_tips
-from gearmesh.systems.common.tooth_edges import with_tip_edge
+from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.face_gear.design import CLEARANCE
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.systems.face_gear.pinion_root import clear_root, unlike_standard
@@ -188,9 +188,8 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
         return {"theta_s": np.degrees(p), "u_s": v + place}
 
     inner, outer = blank.extent
-    return Member(
-        "gear", tooth, source_parameters, *body_features("gear", design.gear, blank.body.bore_radius, inner, outer)
-    )
+    features = body_features("gear", design.gear, blank.body.bore_radius, inner, outer)
+    return with_end_chamfers(Member("gear", tooth, source_parameters, *features), design.gear)
 
 
 def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -> ToothSide:
@@ -301,7 +300,8 @@ def _pinion(design: FaceGearDesign, place: float) -> Member:
         return {"theta_1": np.degrees(theta), "u_1": v + place}
 
     racks = round_tips("pinion", spec, m, (flank, flank), heights)
-    return with_modifications(member("pinion", spec, racks, roll, source_parameters, "addendum"), spec)
+    made = member("pinion", spec, racks, roll, source_parameters, "addendum")
+    return with_end_chamfers(with_modifications(made, spec), spec)
 
 
 # ---------------------------------------------------------------- assembly

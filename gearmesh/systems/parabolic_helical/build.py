@@ -29,6 +29,7 @@ from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import ROOT, Roll, ToothMaking, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
+from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
 from gearmesh.systems.system import Displacements, ToolPart
 from gearmesh.teeth.gear_train import GearPair, GearTrain, SourceParameters
@@ -71,7 +72,10 @@ def build(design: ParabolicHelicalDesign) -> GearTrain:
     }
     if isinstance(design.gear, Modified):
         made["gear"] = with_modifications(made["gear"], design.gear)
-    pinion, gear = (replace(member, mount=mounts[name]) for name, member in made.items())
+    specs = _specs(design)
+    pinion, gear = (
+        replace(with_end_chamfers(member, specs[name]), mount=mounts[name]) for name, member in made.items()
+    )
     side = Side(design.contact.flank)
     pair = GearPair(
         pinion=pinion,

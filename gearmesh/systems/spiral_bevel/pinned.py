@@ -62,7 +62,7 @@ def _one_machine(values: Values) -> Values:
 
 def conjugate_values(design: ConjugateDesign, train: GearTrain) -> Values:
     """Of a complete conjugate design in mm and the gear set built of it: the face width, and edge radii as they fit."""
-    toe, heel = train.members["gear"].tooth.blank.extent
+    toe, heel = train.members["gear"].tooth.blank.faces
     values: Values = {"face_width": heel - toe}
     for name, member in train.members.items():
         values[f"{name}.edge_radius"] = min(edge_radius(member, flank) for flank in Side)

@@ -27,6 +27,7 @@ from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.polylines import first_crossing
 from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.common.bounds import at_least, at_most
@@ -275,7 +276,7 @@ class _Hobbing:
     def _meeting(self, above: ToothCut, below: ToothCut) -> tuple[float, float] | None:
         """Parameters where the curves of two parts cross, the crossing next to the tip of `above`; None where there is none."""
         (p, v, one), (q, w, other) = self._section_curve(above), self._section_curve(below)
-        at = _first_crossing(one, other)
+        at = first_crossing(one, other)
         if at is None:
             return None
         number = np.arange(SAMPLES)
@@ -297,19 +298,3 @@ class _Hobbing:
 
     def _surface(self, part: ToothCut) -> Envelope:
         return Envelope(RackSurface(part.profile, self.own.beta, 0.0), RackRoll(self.own.radius))
-
-
-def _first_crossing(one: Array, other: Array) -> tuple[float, float] | None:
-    """Where two polylines (N, 2) and (M, 2) cross, the crossing nearest to the first's beginning, in numbers of their points."""
-    a, b = one[:-1, None], other[None, :-1]
-    u, v = np.diff(one, axis=0)[:, None], np.diff(other, axis=0)[None]
-    turn = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-    d = b - a
-    with np.errstate(divide="ignore", invalid="ignore"):
-        s = (d[..., 0] * v[..., 1] - d[..., 1] * v[..., 0]) / turn
-        t = (d[..., 0] * u[..., 1] - d[..., 1] * u[..., 0]) / turn
-    i, j = np.nonzero((s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0))
-    if not i.size:
-        return None
-    first = int(np.argmin(i + s[i, j]))
-    return float(i[first] + s[i, j][first]), float(j[first] + t[i, j][first])

@@ -13,7 +13,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bodies.body import body_features, bore_radius
-from gearmesh.systems.common.tooth_edges import with_tip_edge
+from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.blank.root import bottom, root_cone
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
@@ -79,7 +79,8 @@ def bevel_member(
         return {f"u_{letter}": p, f"theta_{letter}": np.degrees(v)}
 
     (toe, _), *_, (heel, _) = body.body.profile
-    return Member(name, tooth, source_parameters, *body_features(name, spec, body.body.bore_radius, toe, heel))
+    features = body_features(name, spec, body.body.bore_radius, toe, heel)
+    return with_end_chamfers(Member(name, tooth, source_parameters, *features), spec)
 
 
 def _on_cone(own: MemberBlank, root: ConeLevel, cone_distance: float, below: float = 0.0) -> tuple[float, float]:

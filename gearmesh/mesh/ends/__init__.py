@@ -1,0 +1,1 @@
+"""Triangles of the chamfers at the end faces of teeth."""

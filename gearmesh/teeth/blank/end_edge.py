@@ -1,0 +1,20 @@
+"""Broken edges between the teeth and their end faces, as deburring leaves them: how large they are; see `teeth.end_strip`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class EndChamfer:
+    """A chamfer along the whole outline of an end face: `width` on the end face, at right angles to the outline, and `depth` under
+    it, mm."""
+
+    width: float
+    depth: float
+
+
+#: at toe and heel; None where the edge is sharp
+EndChamfers = tuple[EndChamfer | None, EndChamfer | None]
+#: sharp edges
+SHARP: EndChamfers = (None, None)

@@ -1,0 +1,252 @@
+r"""The chamfer along the outline of an end face: a strip between the tooth's section under it and a curve parallel to the outline.
+
+    end face      ____outer____          outer: in the end face, `width` inside the outline that sharp edges would have
+                 /             \
+                /               \        straight between the two, in the plane of the development of each station
+    section    |____inner________|       inner: the section of the tooth, `depth` under the end face
+
+Every link of the section has a strip of its own. At convex corners of the outline the parallel curves are cut off where they cross
+(mitres), and what lies between two that cross before it reaches the end face ends in a point, as a tip rounding smaller than the
+chamfer does. At concave corners an arc about the corner joins them. Lengths in mm, in the tooth's own frame; the development is
+that of `teeth.blank.development`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from gearmesh.kernel.numeric.algebra import Array, components
+from gearmesh.kernel.numeric.polylines import first_crossing
+from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.teeth.blank.development import Development
+from gearmesh.teeth.blank.end_edge import EndChamfer
+from gearmesh.teeth.region import EDGES, Region
+from gearmesh.teeth.section import Link, Sections
+
+#: points of an arc between which crossings are looked for
+SAMPLES = 65
+#: ends of parallel curves that are no farther apart (mm) are one point
+SNAP = 1e-7
+#: Newton steps to a crossing, and the step of s of its differences
+STEPS, STEP = 8, 1e-5
+#: how far inside a smooth piece of a link its normals at its ends are taken
+INSIDE = 1e-9
+
+
+@dataclass(frozen=True)
+class _Arc:
+    """A smooth piece of a link of the outline with sharp edges, from `span` s to s, and the curve `width` inside it."""
+
+    region: Region
+    link: Link
+    sections: Sections
+    plane: Development
+    about: Array
+    span: tuple[float, float]
+    width: float
+
+    def at(self, s: Array) -> tuple[Array, Array]:
+        """X, Y and unit normals out of the material (N, 2) at s (N,)."""
+        grid = self.link.grid(s, self.sections)
+        r, n = grid.points[:, 0], grid.normals[:, 0]
+        normal = self.plane.flat_vector(n, r, self.about)
+        return self.plane.flat(r, self.about), normal / np.hypot(normal[:, 0], normal[:, 1])[:, None]
+
+    def parallel(self, s: Array) -> Array:
+        """X, Y (N, 2) of the parallel curve at s (N,)."""
+        first, last = self.span
+        edge = INSIDE * (last - first)
+        point, _ = self.at(s)
+        _, normal = self.at(np.clip(s, first + edge, last - edge))
+        return point - self.width * normal
+
+    @property
+    def samples(self) -> Array:
+        return np.linspace(*self.span, SAMPLES)
+
+    def turned_back(self) -> tuple[bool, bool]:
+        """Whether the parallel curve runs against the outline everywhere, and whether it does anywhere: inside a convex curve that
+        is bent more."""
+        s = self.samples
+        forth = (np.diff(self.at(s)[0], axis=0) * np.diff(self.parallel(s), axis=0)).sum(axis=-1) > 0.0
+        return not forth.any(), not forth.all()
+
+
+@dataclass(frozen=True)
+class StripPiece:
+    """A part of the strip: of the section's `region`, from `inner` s to s, beside the parallel curve from `outer` s to s.
+
+    Where one of both is a point, `corner` (2,), X and Y, the other one is fanned out from it; `arc` (rad) is the angle of an arc
+    round a concave corner, from its first normal on.
+    """
+
+    region: Region
+    arc: _Arc | None
+    link: Link
+    inner: tuple[float, float]
+    outer: tuple[float, float]
+    point: Array | None = None
+    round: tuple[Array, float, float, float] | None = None
+
+
+class EndStrip:
+    """The chamfer of one tooth at the end 0 (toe) or 1 (heel) of its face.
+
+    Raises TrimError where the chamfer leaves no land, or turns back inside a curve that is bent more.
+    """
+
+    def __init__(
+        self,
+        chains: tuple[dict[Region, Link], dict[Region, Link]],
+        sections: tuple[Sections, Sections],
+        plane: Development,
+        chamfer: EndChamfer,
+    ) -> None:
+        """`chains` and `sections` (of one station) of the tooth under the chamfer, and of that with sharp edges at the end face."""
+        self.chamfer, self._plane, self._sections = chamfer, plane, sections[0]
+        under, sharp = (
+            chain[Region.LAND].grid([0.5], at).points[0, 0] for chain, at in zip(chains, sections, strict=True)
+        )
+        self._about = plane.about(sharp)
+        self._on = tuple(np.array([np.hypot(r[0], r[1]), 0.0, r[2]]) for r in (sharp, under))
+        arcs, spans = list[_Arc](), list[tuple[Link, tuple[float, float]]]()
+        for region, link in chains[1].items():
+            below = chains[0][region]
+            pieces = [pairwise((0.0, *(s for s, _ in own.seams), 1.0)) for own in (link, below)]
+            for span, inner in zip(*pieces, strict=True):
+                arcs.append(_Arc(region, link, sections[1], plane, self._about, span, chamfer.width))
+                spans.append((below, inner))
+        self.pieces = tuple(_pieces(arcs, spans))
+
+    @property
+    def outline(self) -> Array:
+        """Points (N, 3) of the outline of the end face."""
+        return np.concatenate([self.at(piece, np.linspace(0.0, 1.0, 9), np.zeros(1)) for piece in self.pieces])
+
+    def at(self, piece: StripPiece, sigma: Array, tau: Array) -> Array:
+        """Points (..., 3) of a piece at sigma along it and tau from the end face (0) to the section under it (1), (...,) each."""
+        sigma, tau = np.broadcast_arrays(np.asarray(sigma, dtype=float), np.asarray(tau, dtype=float))
+        along, every = np.unique(sigma.ravel(), return_inverse=True)
+        outer, inner = (
+            q[every].reshape(*sigma.shape, 2) for q in (self._outer(piece, along), self._inner(piece, along))
+        )
+        q = outer + tau[..., None] * (inner - outer)
+        on = self._on[0] + tau[..., None] * (self._on[1] - self._on[0])
+        return self._plane.lift(q, on, self._about)
+
+    def _inner(self, piece: StripPiece, sigma: Array) -> Array:
+        """X, Y (N, 2) of the section under the end face."""
+        first, last = piece.inner
+        grid = piece.link.grid(first + sigma * (last - first), self._sections)
+        return self._plane.flat(grid.points[:, 0], self._about)
+
+    def _outer(self, piece: StripPiece, sigma: Array) -> Array:
+        """X, Y (N, 2) of the outline of the end face."""
+        if piece.round is not None:
+            centre, radius, start, turn = piece.round
+            angle = start + sigma * turn
+            return centre - radius * components(np.cos(angle), np.sin(angle))
+        if piece.point is not None:
+            return np.broadcast_to(piece.point, (sigma.size, 2))
+        assert piece.arc is not None
+        first, last = piece.outer
+        return piece.arc.parallel(first + sigma * (last - first))
+
+
+def _pieces(arcs: list[_Arc], spans: list[tuple[Link, tuple[float, float]]]) -> list[StripPiece]:
+    """The strip's pieces along the outline."""
+    kept, trimmed = _trimmed(arcs)
+    pieces = list[StripPiece]()
+    for k, (arc, (link, inner)) in enumerate(zip(arcs, spans, strict=True)):
+        if k in trimmed:
+            pieces.append(StripPiece(arc.region, arc, link, inner, trimmed[k]))
+            following = k + 1
+            if (
+                following in trimmed
+                and following < len(arcs)
+                and (corner := _concave(arc, arcs[following])) is not None
+            ):
+                pieces.append(StripPiece(arc.region, None, link, (inner[1], inner[1]), (0.0, 1.0), round=corner))
+        else:
+            beside = max((j for j in kept if j < k), default=kept[0])
+            point = arcs[beside].parallel(np.array([trimmed[beside][beside < k]]))[0]
+            pieces.append(StripPiece(arc.region, None, link, inner, (0.0, 1.0), point=point))
+    return pieces
+
+
+def _trimmed(arcs: list[_Arc]) -> tuple[list[int], dict[int, tuple[float, float]]]:
+    """Numbers of the arcs whose parallel curves reach the end face, and the part of each, s to s, that is left of them."""
+    backwards = [arc.turned_back() for arc in arcs]
+    kept = [k for k, (everywhere, _) in enumerate(backwards) if not everywhere]
+    if any(backwards[k][1] for k in kept):
+        raise TrimError("end", 0.0, "the end chamfer is wider than the radius of a curve of the tooth's outline")
+    while True:
+        spans = {k: list(arcs[k].span) for k in kept}
+        dropped = None
+        for j, k in pairwise(kept):
+            if k == j + 1 and not _convex(arcs[j], arcs[k]):
+                continue
+            crossing = _crossing(arcs[j], arcs[k])
+            if crossing is None:
+                dropped = min((j, k), key=lambda n: _length(arcs[n]))
+                break
+            spans[j][1], spans[k][0] = crossing
+        if dropped is None:
+            dropped = next((k for k, (first, last) in spans.items() if last <= first), None)
+        if dropped is None:
+            return kept, {k: (first, last) for k, (first, last) in spans.items()}
+        if arcs[dropped].region not in EDGES.values():
+            raise TrimError("end", 0.0, f"the end chamfer leaves nothing of the {arcs[dropped].region} in the end face")
+        kept.remove(dropped)
+
+
+def _length(arc: _Arc) -> float:
+    return float(np.hypot(*np.diff(arc.at(arc.samples)[0], axis=0).T).sum())
+
+
+def _corner(one: _Arc, other: _Arc) -> tuple[Array, Array, Array]:
+    """Where two neighbouring arcs meet, (2,), and the normals of both there."""
+    (q, first), (_, second) = one.at(np.array([one.span[1]])), other.at(np.array([other.span[0]]))
+    return q[0], first[0], second[0]
+
+
+def _convex(one: _Arc, other: _Arc) -> bool:
+    """Whether the material has an edge between two neighbouring arcs."""
+    q, first, second = _corner(one, other)
+    if one.width * float(np.linalg.norm(second - first)) <= SNAP:
+        return False
+    before = one.at(np.array([one.span[1] - 1e-4 * (one.span[1] - one.span[0])]))[0][0]
+    return float(second @ (q - before)) > 0.0
+
+
+def _concave(one: _Arc, other: _Arc) -> tuple[Array, float, float, float] | None:
+    """Centre, radius, first angle and turn (rad) of the arc about a concave corner between two arcs, None where there is none."""
+    q, first, second = _corner(one, other)
+    if one.width * float(np.linalg.norm(second - first)) <= SNAP or _convex(one, other):
+        return None
+    start = float(np.arctan2(first[1], first[0]))
+    turn = float(np.arctan2(first[0] * second[1] - first[1] * second[0], first @ second))
+    return q, one.width, start, turn
+
+
+def _crossing(one: _Arc, other: _Arc) -> tuple[float, float] | None:
+    """s on both where the parallel curves of two arcs cross, next to the end of the first; None where they do not."""
+    s, t = one.samples, other.samples
+    near = first_crossing(one.parallel(s)[::-1], other.parallel(t))
+    if near is None:
+        return None
+    numbers = np.arange(SAMPLES)
+    x = np.array([np.interp(near[0], numbers, s[::-1]), np.interp(near[1], numbers, t)])
+    steps = [STEP * (arc.span[1] - arc.span[0]) for arc in (one, other)]
+    for _ in range(STEPS):
+        (a, low, high), (b, left, right) = (
+            arc.parallel(at + step * np.array([0.0, -1.0, 1.0]))
+            for arc, at, step in zip((one, other), x, steps, strict=True)
+        )
+        slopes = np.stack(((high - low) / (2.0 * steps[0]), -(right - left) / (2.0 * steps[1])), axis=-1)
+        x = x - np.linalg.solve(slopes, a - b)
+    x = np.clip(x, (one.span[0], other.span[0]), (one.span[1], other.span[1]))
+    return float(x[0]), float(x[1])

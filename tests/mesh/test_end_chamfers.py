@@ -1,0 +1,146 @@
+"""Chamfers of end faces: their form against distances and offset polygons, their solids, and the face that is left for contact."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from oracles.built import built_sample
+from oracles.places import SAMPLES
+from oracles.plane_curves import from_polylines
+
+import gearmesh as gm
+from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.mesh.solid import gear_solid, prove
+from gearmesh.mesh.tessellate import tessellate
+from gearmesh.teeth.blank.end_edge import EndChamfer
+from gearmesh.teeth.blank.tip_edge import TipEdge
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.tooth import Tooth
+
+
+def chamfered(sample: str, name: str, *ends: tuple[float, float] | None, tip: TipEdge | None = None) -> Member:
+    """A member of a sample with chamfers (width, depth), mm, at toe and heel."""
+    member = built_sample(sample).pairs[0].members[name]
+    first, last = (None if end is None else EndChamfer(*end) for end in ends)
+    blank = member.tooth.blank.with_ends((first, last))
+    return replace(member, tooth=replace(member.tooth, blank=blank, tip_edge=tip or member.tooth.tip_edge))
+
+
+def outline(tooth: Tooth, t: float, points: int) -> Array:
+    """The transverse section of one tooth, as a polyline (N, 2) with so many points a link."""
+    s, sections = np.linspace(0.0, 1.0, points), tooth.sections([t])
+    return np.concatenate([tooth.grid(region, s, sections).points[:, 0, :2] for region in tooth.regions])
+
+
+def turned(points: Array, angle: float) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return points @ np.array([[c, s], [-s, c]])
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("name", "tip"), [("pinion", None), ("gear", TipEdge(0.3)), ("gear", TipEdge(0.3, rounded=True))]
+)
+def test_the_end_face_ends_as_far_inside_the_sharp_outline_as_the_chamfer_is_wide(
+    name: str, tip: TipEdge | None
+) -> None:
+    """Nowhere nearer, so that all corners are cut where they must be: of sharp helical teeth, with tip chamfers that reach the end
+    face, and with roundings smaller than the chamfer, which do not."""
+    width = 0.5
+    tooth = chamfered("helical", name, (width, 0.3), None, tip=tip).tooth
+    strip = tooth.end_strips[0]
+    assert strip is not None
+    inside = np.concatenate([strip.at(piece, np.linspace(0.0, 1.0, 41), np.zeros(1)) for piece in strip.pieces])
+    assert inside[:, 2] == pytest.approx(tooth.blank.faces[0], abs=1e-12)
+    own = outline(tooth.sharp_ends, 0.0, 801)
+    three = np.concatenate([turned(own, k * tooth.pitch_angle) for k in (-1, 0, 1)])
+    assert from_polylines(inside[:, :2], [three]) == pytest.approx(width, abs=2e-5)
+
+
+def test_what_chamfers_take_off_spur_teeth() -> None:
+    """Against polygons offset inwards by manifold3d, with mitres, at three depths, by Simpson's rule. On the curved flanks beside a
+    mitre the rulings lean: 3e-4 of what is taken off."""
+    import manifold3d
+
+    members = {name: {"teeth": teeth, "face_width": 20} for name, teeth in (("pinion", 12), ("gear", 31))}
+    tooth = gm.build(gm.parse({"kind": "cylindrical", "module": 3, **members})).pairs[0].pinion.tooth
+    width, depth = 0.4, 0.25
+    broken = replace(tooth, blank=tooth.blank.with_ends((EndChamfer(width, depth), None)))
+    own = outline(tooth, 0.5, 81)
+    section = manifold3d.CrossSection([np.concatenate([turned(own, k * tooth.pitch_angle) for k in range(12)])])
+    areas = [section.offset(-share * width, manifold3d.JoinType.Miter, 20.0).area() for share in (0.0, 0.5, 1.0)]
+    removed = depth * (areas[0] - (areas[0] + 4.0 * areas[1] + areas[2]) / 6.0)
+    assert tooth.volume() - broken.volume() == pytest.approx(removed, rel=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("sample", "name", "ends", "tip"),
+    [
+        ("helical", "pinion", ((0.5, 0.5), (1.0, 0.6)), TipEdge(0.3)),
+        ("spiral_bevel_geometry2", "pinion", ((0.4, 0.4), (0.8, 0.4)), None),
+        ("internal", "gear", ((0.3, 0.3), None), None),
+    ],
+)
+def test_solids_are_closed_and_weigh_what_the_sections_say(
+    sample: str, name: str, ends: tuple[tuple[float, float] | None, ...], tip: TipEdge | None
+) -> None:
+    member, tolerance = replace(chamfered(sample, name, *ends, tip=tip), keyway=None, hub=None, holes=None), 0.02
+    mesh = tessellate(member.tooth, tolerance)
+    assert mesh.deviation <= tolerance
+    assert len(mesh.end_meshes()) == sum(end is not None for end in ends)
+    solid = gear_solid(member, tolerance, mesh)
+    assert prove(solid, member.genus).ok
+    assert solid.volume() == pytest.approx(member.plain_volume(), rel=5e-4)
+
+
+@pytest.mark.quick
+def test_a_chamfer_on_a_back_cone_is_as_wide_as_asked() -> None:
+    """Distances of the end face's outline from that of sharp teeth, on the cone, where no corner is near."""
+    width = 0.7
+    tooth = chamfered("spiral_bevel_geometry2", "gear", None, (width, 0.5)).tooth
+    strip = tooth.end_strips[1]
+    assert strip is not None
+    up = abs(station_normal(tooth.blank.axial)[1])
+    sharp = tooth.sharp_ends
+    s, sections = np.linspace(0.0, 1.0, 2001), sharp.sections([1.0])
+    curve = np.concatenate([sharp.grid(region, s, sections).points[:, 0] for region in sharp.regions])
+    for piece in strip.pieces:
+        if piece.region not in (Region.FLANK_LEFT, Region.FLANK_RIGHT, Region.LAND):
+            continue
+        r = strip.at(piece, np.array([0.3, 0.5, 0.7]), np.zeros(1))
+        assert tooth.blank.axial.value(r) == pytest.approx(tooth.blank.faces[1], abs=1e-9)
+        a, b = np.hypot(r[:, 0], r[:, 1])[:, None] / up, np.hypot(curve[:, 0], curve[:, 1]) / up
+        turn = up * (np.arctan2(r[:, 1], r[:, 0])[:, None] - np.arctan2(curve[:, 1], curve[:, 0]))
+        apart = np.sqrt((a - b) ** 2 + 4.0 * a * b * np.sin(0.5 * turn) ** 2).min(axis=1)
+        assert apart == pytest.approx(width, abs=2e-5)
+
+
+@pytest.mark.quick
+def test_contact_is_on_the_face_between_the_chamfers() -> None:
+    plain = gm.load(SAMPLES / "helical.toml")
+    design = gm.load(
+        SAMPLES / "helical.toml", ["gear.end_chamfer=2", "gear.end_chamfer_heel=0", "gear.end_chamfer_angle=60"]
+    )
+    gears, whole = gm.build(design), gm.build(plain)
+    tooth, depth = gears.pairs[0].gear.tooth, 2.0 * np.tan(np.radians(60.0))
+    toe, heel = whole.pairs[0].gear.tooth.blank.extent
+    assert tooth.blank.extent == pytest.approx((toe + depth, heel), abs=1e-12)
+    assert gears.members["gear"].extent == pytest.approx((toe, heel), abs=1e-12)
+    ratios = [float(g.contact().summary["contact_ratio"]) for g in (gears, whole)]
+    # the overlap ratio is that of the narrower face
+    module, beta = plain.given_module, np.radians(plain.helix_angle)
+    assert ratios[1] - ratios[0] == pytest.approx(depth * np.sin(beta) / (np.pi * module), abs=1e-6)
+
+
+def test_refusals() -> None:
+    for override, message in (
+        ("pinion.end_chamfer_toe=9", r"pinion.end_chamfer_toe = 9 mm: larger than .* at most 3\.\d+ mm"),
+        ("pinion.end_chamfer_angle=30", r"pinion.end_chamfer_angle = 30.*: needs end_chamfer"),
+    ):
+        with pytest.raises(DesignError, match=message):
+            gm.build(gm.load(SAMPLES / "helical.toml", [override]))
