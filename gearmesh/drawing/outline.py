@@ -17,7 +17,7 @@ STATIONS, LINKS = 25, 13
 
 @dataclass(frozen=True)
 class ToothRow:
-    """Of one row of teeth, in the axial half plane: lines (STATIONS, 2) of tip and root, (z, rho), from toe to heel."""
+    """Of one row of teeth, in the axial half plane: lines (STATIONS or more, 2) of tip and root, (z, rho), from toe to heel."""
 
     tip: Array
     root: Array
@@ -66,6 +66,11 @@ def outline_of(member: Member) -> Outline:
 
     def line(region: Region) -> Array:
         points = tooth.grid(region, np.array([0.5]), sections).points[0]
+        ends = [
+            np.empty((0, 3)) if strip is None else strip.over(region, np.array([0.5]), np.zeros(1))
+            for strip in tooth.end_strips
+        ]
+        points = np.concatenate((ends[0], points, ends[1]))
         # of a rack the height over the reference plane
         rho = tooth.joint.radius(points)
         return np.stack((points[:, 2], rho), axis=-1)
@@ -94,7 +99,7 @@ def end_of_teeth(member: Member, above: bool) -> Array:
 
     Of a double helical member that of its first half.
     """
-    tooth = member.tooth
+    tooth = member.tooth.sharp_ends
     sections = tooth.sections([0.0, 1.0])
     links = [tooth.grid(region, np.linspace(0.0, 1.0, LINKS), sections).points for region in tooth.regions]
     heel_above = float(links[0][:, 1, 2].mean()) > float(links[0][:, 0, 2].mean())

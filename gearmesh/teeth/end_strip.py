@@ -137,6 +137,10 @@ class EndStrip:
         on = self._on[0] + tau[..., None] * (self._on[1] - self._on[0])
         return self._plane.lift(q, on, self._about)
 
+    def over(self, region: Region, sigma: Array, tau: Array) -> Array:
+        """As `at`, of the first piece beside a region of the outline."""
+        return self.at(next(piece for piece in self.pieces if piece.region is region), sigma, tau)
+
     def _inner(self, piece: StripPiece, sigma: Array) -> Array:
         """X, Y (N, 2) of the section under the end face."""
         first, last = piece.inner

@@ -99,7 +99,7 @@ class Extract:
 
         member = self.shift(member)
         if self.space:
-            links = tessellate(Space.before(member.one_tooth), tolerance)
+            links = tessellate(Space.before(member.one_tooth.sharp_ends), tolerance)
             return ExtractMesh(space_mesh(links, f"{member.name}_space"), parts(links), 0)
         if self.flanks:
             meshes = flank_meshes(member, self.flanks, tolerance)
