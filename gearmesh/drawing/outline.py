@@ -17,7 +17,7 @@ STATIONS, LINKS = 25, 13
 
 @dataclass(frozen=True)
 class ToothRow:
-    """Of one row of teeth, in the axial half plane: lines (STATIONS or more, 2) of tip and root, (z, rho), from toe to heel."""
+    """Of one row of teeth, in the axial half plane: lines (STATIONS, 2) of tip and root, (z, rho), from toe to heel."""
 
     tip: Array
     root: Array
@@ -60,17 +60,12 @@ class Outline:
 
 
 def outline_of(member: Member) -> Outline:
-    """The outline of a member. Raises TrimError for teeth that cannot be trimmed."""
-    tooth = member.tooth
+    """The outline of a member, its end faces sharp. Raises TrimError for teeth that cannot be trimmed."""
+    tooth = member.tooth.sharp_ends
     sections = tooth.sections(np.linspace(0.0, 1.0, STATIONS))
 
     def line(region: Region) -> Array:
         points = tooth.grid(region, np.array([0.5]), sections).points[0]
-        ends = [
-            np.empty((0, 3)) if strip is None else strip.over(region, np.array([0.5]), np.zeros(1))
-            for strip in tooth.end_strips
-        ]
-        points = np.concatenate((ends[0], points, ends[1]))
         # of a rack the height over the reference plane
         rho = tooth.joint.radius(points)
         return np.stack((points[:, 2], rho), axis=-1)
@@ -109,6 +104,6 @@ def end_of_teeth(member: Member, above: bool) -> Array:
 
 def tip_edges(member: Member) -> tuple[Array, Array]:
     """Both edges of a land from toe to heel, (STATIONS, 2) over x and y."""
-    tooth = member.tooth
+    tooth = member.tooth.sharp_ends
     points = tooth.grid(Region.LAND, np.array([0.0, 1.0]), tooth.sections(np.linspace(0.0, 1.0, STATIONS))).points
     return points[0, :, :2], points[1, :, :2]

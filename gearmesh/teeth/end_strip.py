@@ -37,7 +37,7 @@ INSIDE = 1e-9
 
 
 @dataclass(frozen=True)
-class _Arc:
+class _SharpPiece:
     """A smooth piece of a link of the outline with sharp edges, from `span` s to s, and the curve `width` inside it."""
 
     region: Region
@@ -84,7 +84,7 @@ class StripPiece:
     """
 
     region: Region
-    arc: _Arc | None
+    arc: _SharpPiece | None
     link: Link
     inner: tuple[float, float]
     outer: tuple[float, float]
@@ -112,12 +112,12 @@ class EndStrip:
         )
         self._about = plane.about(sharp)
         self._on = tuple(np.array([np.hypot(r[0], r[1]), 0.0, r[2]]) for r in (sharp, under))
-        arcs, spans = list[_Arc](), list[tuple[Link, tuple[float, float]]]()
+        arcs, spans = list[_SharpPiece](), list[tuple[Link, tuple[float, float]]]()
         for region, link in chains[1].items():
             below = chains[0][region]
             pieces = [pairwise((0.0, *(s for s, _ in own.seams), 1.0)) for own in (link, below)]
             for span, inner in zip(*pieces, strict=True):
-                arcs.append(_Arc(region, link, sections[1], plane, self._about, span, chamfer.width))
+                arcs.append(_SharpPiece(region, link, sections[1], plane, self._about, span, chamfer.width))
                 spans.append((below, inner))
         self.pieces = tuple(_pieces(arcs, spans))
 
@@ -136,10 +136,6 @@ class EndStrip:
         q = outer + tau[..., None] * (inner - outer)
         on = self._on[0] + tau[..., None] * (self._on[1] - self._on[0])
         return self._plane.lift(q, on, self._about)
-
-    def over(self, region: Region, sigma: Array, tau: Array) -> Array:
-        """As `at`, of the first piece beside a region of the outline."""
-        return self.at(next(piece for piece in self.pieces if piece.region is region), sigma, tau)
 
     def _inner(self, piece: StripPiece, sigma: Array) -> Array:
         """X, Y (N, 2) of the section under the end face."""
@@ -160,7 +156,7 @@ class EndStrip:
         return piece.arc.parallel(first + sigma * (last - first))
 
 
-def _pieces(arcs: list[_Arc], spans: list[tuple[Link, tuple[float, float]]]) -> list[StripPiece]:
+def _pieces(arcs: list[_SharpPiece], spans: list[tuple[Link, tuple[float, float]]]) -> list[StripPiece]:
     """The strip's pieces along the outline."""
     kept, trimmed = _trimmed(arcs)
     pieces = list[StripPiece]()
@@ -181,7 +177,7 @@ def _pieces(arcs: list[_Arc], spans: list[tuple[Link, tuple[float, float]]]) -> 
     return pieces
 
 
-def _trimmed(arcs: list[_Arc]) -> tuple[list[int], dict[int, tuple[float, float]]]:
+def _trimmed(arcs: list[_SharpPiece]) -> tuple[list[int], dict[int, tuple[float, float]]]:
     """Numbers of the arcs whose parallel curves reach the end face, and the part of each, s to s, that is left of them."""
     backwards = [arc.turned_back() for arc in arcs]
     kept = [k for k, (everywhere, _) in enumerate(backwards) if not everywhere]
@@ -207,17 +203,17 @@ def _trimmed(arcs: list[_Arc]) -> tuple[list[int], dict[int, tuple[float, float]
         kept.remove(dropped)
 
 
-def _length(arc: _Arc) -> float:
+def _length(arc: _SharpPiece) -> float:
     return float(np.hypot(*np.diff(arc.at(arc.samples)[0], axis=0).T).sum())
 
 
-def _corner(one: _Arc, other: _Arc) -> tuple[Array, Array, Array]:
+def _corner(one: _SharpPiece, other: _SharpPiece) -> tuple[Array, Array, Array]:
     """Where two neighbouring arcs meet, (2,), and the normals of both there."""
     (q, first), (_, second) = one.at(np.array([one.span[1]])), other.at(np.array([other.span[0]]))
     return q[0], first[0], second[0]
 
 
-def _convex(one: _Arc, other: _Arc) -> bool:
+def _convex(one: _SharpPiece, other: _SharpPiece) -> bool:
     """Whether the material has an edge between two neighbouring arcs."""
     q, first, second = _corner(one, other)
     if one.width * float(np.linalg.norm(second - first)) <= SNAP:
@@ -226,7 +222,7 @@ def _convex(one: _Arc, other: _Arc) -> bool:
     return float(second @ (q - before)) > 0.0
 
 
-def _concave(one: _Arc, other: _Arc) -> tuple[Array, float, float, float] | None:
+def _concave(one: _SharpPiece, other: _SharpPiece) -> tuple[Array, float, float, float] | None:
     """Centre, radius, first angle and turn (rad) of the arc about a concave corner between two arcs, None where there is none."""
     q, first, second = _corner(one, other)
     if one.width * float(np.linalg.norm(second - first)) <= SNAP or _convex(one, other):
@@ -236,7 +232,7 @@ def _concave(one: _Arc, other: _Arc) -> tuple[Array, float, float, float] | None
     return q, one.width, start, turn
 
 
-def _crossing(one: _Arc, other: _Arc) -> tuple[float, float] | None:
+def _crossing(one: _SharpPiece, other: _SharpPiece) -> tuple[float, float] | None:
     """s on both where the parallel curves of two arcs cross, next to the end of the first; None where they do not."""
     s, t = one.samples, other.samples
     near = first_crossing(one.parallel(s)[::-1], other.parallel(t))

@@ -50,7 +50,7 @@ class EndMesh:
 
 
 @dataclass(frozen=True)
-class _Row:
+class _EndRow:
     """Places (piece, sigma) of the vertices of a row, both (K,), and their numbers."""
 
     tau: float
@@ -78,7 +78,7 @@ def _in_rows(strip: EndStrip, s: Sequence[tuple[Region, Array]], end: int, toler
         _refined(strip, piece, sigma, CHORDS * tolerance) for piece, sigma in zip(strip.pieces, coarse, strict=True)
     ]
     count = sum(len(of) - 1 for _, of in s)
-    ordered, vertices, made = list[_Row](), list[Array](), count
+    ordered, vertices, made = list[_EndRow](), list[Array](), count
     for k, tau in enumerate(np.linspace(1.0, 0.0, rows + 1)):
         row = _row(strip, fine if k else coarse, float(tau), made, first=k == 0)
         if k:
@@ -138,7 +138,7 @@ def _refined(strip: EndStrip, piece: StripPiece, sigma: Array, tolerance: float)
     return nodes
 
 
-def _row(strip: EndStrip, sigma: list[Array], tau: float, made: int, *, first: bool) -> _Row:
+def _row(strip: EndStrip, sigma: list[Array], tau: float, made: int, *, first: bool) -> _EndRow:
     """One row, its new vertices numbered from `made` on, or (the `first` one) as the tooth's; -1 where the next tooth begins.
 
     Neighbouring pieces have a vertex in common, and pieces that are a point in this row but one.
@@ -151,7 +151,7 @@ def _row(strip: EndStrip, sigma: list[Array], tau: float, made: int, *, first: b
             own[k][1:] = False
     chosen = np.concatenate(own)
     number = np.cumsum(chosen) - 1 + (0 if first else made)
-    return _Row(tau, piece, np.concatenate(sigma), np.where(number == number[-1], -1, number))
+    return _EndRow(tau, piece, np.concatenate(sigma), np.where(number == number[-1], -1, number))
 
 
 def _places(strip: EndStrip, piece: Index, sigma: Array, tau: Array) -> Array:
@@ -159,7 +159,7 @@ def _places(strip: EndStrip, piece: Index, sigma: Array, tau: Array) -> Array:
     return np.concatenate([strip.at(strip.pieces[k], sigma[piece == k], tau[piece == k]) for k in np.unique(piece)])
 
 
-def _between(low: _Row, high: _Row, piece: int) -> Index:
+def _between(low: _EndRow, high: _EndRow, piece: int) -> Index:
     """Triangles (M, 3) of a piece between two rows, the second with nodes between those of the first; numbers count both rows."""
     below, above = np.flatnonzero(low.piece == piece), np.flatnonzero(high.piece == piece)
     on = np.searchsorted(high.sigma[above], low.sigma[below] - 1e-12)
@@ -174,7 +174,7 @@ def _between(low: _Row, high: _Row, piece: int) -> Index:
     return np.array(triangles, dtype=np.int64).reshape(-1, 3)
 
 
-def _miss(strip: EndStrip, piece: int, low: _Row, high: _Row, corners: Index) -> float:
+def _miss(strip: EndStrip, piece: int, low: _EndRow, high: _EndRow, corners: Index) -> float:
     """Largest distance (mm), across the facets (M, 3), of points on them from those of the chamfer at the same sigma and tau."""
     if not len(corners):
         return 0.0
