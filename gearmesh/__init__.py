@@ -12,6 +12,7 @@
     gears.section("pinion").save("pinion.dxf")                    the section across the axis, as arcs and splines
     gears.drawing("pinion").save("pinion.pdf")                    a workshop drawing with dimensions and gear data
     gears.topography("pinion").save("right.csv")                  all modifications of a flank, as a file to design with
+    gears.toolpath("pinion", "ball:1mm", "10um").save("p.cls")     passes of a ball-end cutter on a five-axis machine, proved
     gears.finite_elements(phi1=0.0).save("pair.inp")              a complete model of three teeth each
     gears.check(), gears.limits(), gears.sheet()                  meshes and contact checked; undercut; derived values
     gears.vh()                                                    of bevel gears: V-H check

@@ -33,12 +33,13 @@ MAY_IMPORT: dict[str, str] = {
     "design": "files",
     "systems": "kernel tools teeth contact design",  # and never another system
     "mesh": "kernel teeth",
+    "toolpath": "kernel teeth",
     "check": "kernel teeth mesh",  # never the solver that it checks
     "io": "kernel mesh files",
     "cad": "kernel teeth mesh io",
     "fe": "kernel teeth contact mesh io",
     "loaded": "kernel teeth contact mesh fe",
-    "answers": "kernel tools teeth contact design files systems mesh check io cad fe loaded",
+    "answers": "kernel tools teeth contact design files systems mesh toolpath check io cad fe loaded",
     "study": "kernel teeth contact design files io systems loaded answers",
     "view": "kernel tools teeth contact mesh check fe loaded io answers",  # and of solvers their results alone
     "drawing": "kernel teeth design systems cad answers view",  # of answers the sheet, of view the writer of figures

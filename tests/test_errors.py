@@ -140,6 +140,7 @@ REFUSED: list[tuple[Callable[[gm.Gears], Any], str, Any, str, str]] = [
     (lambda g: g.solid("pinion", tolerance="1 ell"), "tolerance", "1 ell", "a length as", ""),
     (lambda g: g.solid("pinion", tolerance=-1), "tolerance", "-1", "a length as", ""),
     (lambda g: g.topography("sun", "left"), "member", "sun", "one of pinion, gear", ""),
+    (lambda g: g.toolpath("pinion", "ball:1", "10um", order="both"), "order", "both", "one of zigzag, one-way", ""),
     (lambda g: g.topography("pinion", "upper"), "flank", "upper", "one of right, left", ""),
     (lambda g: g.loaded_contact(-3.0), "torque", "-3", "one or more finite numbers above 0", ""),
     (lambda g: g.compensate(), "kind", "cylindrical", "spiral_bevel", "has no"),

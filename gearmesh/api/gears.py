@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
     from gearmesh.answers.bodies.section import Section
     from gearmesh.answers.bodies.solid import Solid, Solids
+    from gearmesh.answers.bodies.toolpath import ToolPathAnswer
     from gearmesh.answers.bodies.topography import FlankTopography
     from gearmesh.answers.check import Check, RollTest
     from gearmesh.answers.contact.contact import Contact
@@ -291,6 +292,80 @@ class Gears(SolvedGears):
         within = self.within(tolerance, TOLERANCE)
         return flank_topography(self.design, self.member(member), flank, within)
 
+    def toolpath(
+        self,
+        member: str,
+        tool: str,
+        scallop: Length,
+        *,
+        stock: Length = 0.0,
+        tolerance: Length | None = None,
+        flank: str = "both",
+        surfaces: str = "all",
+        spaces: int | str = 0,
+        order: str = "zigzag",
+        lead: float | None = None,
+        tilt: float | None = None,
+        feed: float = 500.0,
+    ) -> ToolPathAnswer:
+        """How a ball-end cutter finishes the spaces between the teeth of a member on a five-axis machine, proved on exact surfaces.
+
+        Parameters
+        ----------
+        tool : "ball:D" or "ball:D,L"
+            Diameter of ball and shank, and length of the shank beyond the ball's centre, by default five diameters.
+        scallop : mm
+            The most that is left over the exact surfaces, chords included.
+        stock : mm
+            What is left over them on purpose, along the normals.
+        tolerance : mm
+            The part of the scallop that chords between points may take, by default a tenth.
+        flank, surfaces : "right", "left" or "both"; "all" or "flanks"
+            What is finished: flanks with fillets and root, or flanks alone.
+        spaces : int or "all"
+            The number of the space, that of the tooth after it (0 is on the x axis), or all of all rows of teeth.
+        order : "zigzag" or "one-way"
+            Feed order.
+        lead, tilt : deg
+            Angles of the tool axis from the middle of the space: towards the heel, and away from the flank that is cut; by default
+            the least with which the shank is clear of all teeth.
+        feed : mm/min
+            For .cls files.
+
+        Returns
+        -------
+        ToolPathAnswer
+            `save("pinion.cls")` writes an APT cutter location file, .csv and .vtp hold the same positions.
+
+        Raises
+        ------
+        DesignError
+            For a ball larger than fits into the space or its fillets, with the largest that does, and for other input.
+        NoSolutionError
+            Where the shank is not clear of the teeth, with the longest that is, or what is left cannot be met.
+
+        Examples
+        --------
+        >>> gears.toolpath("pinion", "ball:1mm,30mm", "10um").save("pinion.cls")
+        """
+        from gearmesh.answers.bodies.toolpath import tool_path_of
+
+        return tool_path_of(
+            self,
+            member,
+            tool,
+            scallop,
+            stock=stock,
+            tolerance=tolerance,
+            flank=flank,
+            surfaces=surfaces,
+            spaces=spaces,
+            order=order,
+            lead=lead,
+            tilt=tilt,
+            feed=feed,
+        )
+
     # ---------------------------------------------------------------- finite elements
 
     def finite_elements(
@@ -446,7 +521,7 @@ class Gears(SolvedGears):
         view: str = "contact",
         member: str | None = None,
         *,
-        of: LoadedContact | FiniteElementSolution | None = None,
+        of: LoadedContact | FiniteElementSolution | ToolPathAnswer | None = None,
         torque: float | None = None,
         phi1: ArrayLike | None = None,
         size: tuple[int, int] | None = None,
@@ -468,7 +543,8 @@ class Gears(SolvedGears):
         `torque` in Nm, by default the largest) or, as figures of all torques, "loaded_flank" (that on the flanks laid into their
         planes), "loaded_te" (transmission error with and without load), "loaded_share" (load share of a tooth pair over its
         engagement), "loaded_stress" (bending stress) and "loaded_pair" (pressure and bending stress of a tooth pair over its
-        engagement). `of` a solved model of finite elements: "stress" (contact pressure and tension in colours).
+        engagement). `of` a solved model of finite elements: "stress" (contact pressure and tension in colours); `of` a tool
+        path: "toolpath" (its passes in the space, with the tool).
 
         At `phi1` (deg), by default the design's positions; `size` in pixels, by default 1600 x 1200, or what a figure needs at
         so many `dpi`; `note` is shown beside the design's name.

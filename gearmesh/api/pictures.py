@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from gearmesh.answers.bodies.finite_elements import FiniteElementSolution
 from gearmesh.answers.bodies.solid import member_solid, solids_of
+from gearmesh.answers.bodies.toolpath import ToolPathAnswer
 from gearmesh.answers.check import roll_test
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.rolling import rolling_contact
@@ -31,9 +32,12 @@ from gearmesh.view.load.fe_views import solution_picture
 from gearmesh.view.load.loaded_pictures import LoadedPictures
 from gearmesh.view.mesh_section import FRAMES, mesh_section
 from gearmesh.view.picture import FIGURES, VIEWS, Animation, Diagram, Picture
+from gearmesh.view.tools.path_scene import path_scene
 
 #: what a picture of a solved model of finite elements shows
 STRESS = "stress"
+#: what a picture of a tool path shows
+TOOL_PATH = "toolpath"
 #: views that need no mating gear
 ALONE = ("pair", "tool", "contact_lines")
 #: what the worm that grinds a member is called where members are
@@ -98,7 +102,7 @@ def picture(
 
 
 def picture_of_answer(
-    answer: LoadedContact | FiniteElementSolution,
+    answer: LoadedContact | FiniteElementSolution | ToolPathAnswer,
     view: str,
     member: str | None,
     torque: float | None,
@@ -109,6 +113,10 @@ def picture_of_answer(
     """The picture that `Gears.picture` promises of an answer."""
     if isinstance(answer, LoadedContact):
         return LoadedPictures(answer).picture(view, member, torque=torque, size=size, dpi=dpi, note=note)
+    if isinstance(answer, ToolPathAnswer):
+        if view != TOOL_PATH:
+            raise ArgumentError("view", view, must_be=f"{TOOL_PATH}, for a tool path")
+        return Picture(path_scene(answer, size or pictures.SIZE, note))
     if view != STRESS:
         raise ArgumentError("view", view, must_be=f"{STRESS}, for a solved finite-element model")
     return solution_picture(answer)

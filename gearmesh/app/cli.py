@@ -37,6 +37,7 @@ COMMANDS = {
     "topography": "outputs",
     "drawing": "outputs",
     "freecad": "outputs",
+    "toolpath": "outputs",
     "settings": "designs",
     "vh": "contact",
     "gear": "designs",

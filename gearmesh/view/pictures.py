@@ -35,8 +35,8 @@ from gearmesh.view.diagrams.flank_diagrams import (
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.projection import flank_projection
 from gearmesh.view.scene import Scene, ToothView, contact_on
-from gearmesh.view.tool_contact import tool_contact_scene
-from gearmesh.view.tool_scene import tool_scene
+from gearmesh.view.tools.tool_contact import tool_contact_scene
+from gearmesh.view.tools.tool_scene import tool_scene
 from gearmesh.view.views import gap_scene, member_scene, pair_scene, pattern_scene, set_scene
 
 #: width and height of a picture in pixels

@@ -8,7 +8,9 @@ of this kind.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import BinaryIO
 from xml.etree.ElementTree import Element, fromstring
 
 import numpy as np
@@ -43,6 +45,12 @@ class _Appended:
         self.offset += 8 + len(block)
         return element
 
+    def write(self, file: BinaryIO, head: str) -> None:
+        """Write the elements, up to where the arrays begin, the arrays, and the end of the file."""
+        file.write(head.encode())
+        file.writelines(self.blocks)
+        file.write(b"\n</AppendedData>\n</VTKFile>\n")
+
 
 def _write_file(mesh: TriangleMesh, path: Path, dataset: str, cells: str) -> None:
     """Write a file of type `dataset` with the triangles in its element `cells` (Polys or Cells)."""
@@ -69,14 +77,37 @@ def _write_file(mesh: TriangleMesh, path: Path, dataset: str, cells: str) -> Non
         f'</Piece>\n</{dataset}>\n<AppendedData encoding="raw">\n_'
     )
     with open(path, "wb") as file:
-        file.write(text.encode())
-        file.writelines(data.blocks)
-        file.write(b"\n</AppendedData>\n</VTKFile>\n")
+        data.write(file, text)
 
 
 def write_surface(mesh: TriangleMesh, path: Path) -> None:
     """Write a VTP straight to `path` (not by way of a temporary file)."""
     _write_file(mesh, path, "PolyData", "Polys")
+
+
+def write_polylines(
+    path: Path,
+    points: NDArray[np.float64],
+    lines: Sequence[NDArray[np.int64]],
+    point_data: Mapping[str, NDArray[np.float64]],
+    cell_data: Mapping[str, NDArray[np.int32]],
+) -> None:
+    """Write polylines through points (K, 3), mm, as a VTP: `lines` of numbers of points, vectors (K, 3) of every point, and whole
+    numbers of every line."""
+    data = _Appended()
+    offsets = np.cumsum([len(line) for line in lines])
+    vectors = "".join(data.array(name, array, "<f8") for name, array in point_data.items())
+    numbers = "".join(data.array(name, array, "<i4") for name, array in cell_data.items())
+    text = (
+        '<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
+        f'<PolyData>\n<Piece NumberOfPoints="{len(points)}" NumberOfLines="{len(lines)}">\n'
+        f"<PointData>\n{vectors}</PointData>\n<CellData>\n{numbers}</CellData>\n"
+        f"<Points>\n{data.array('Points', points, '<f8')}</Points>\n"
+        f"<Lines>\n{data.array('connectivity', np.concatenate(lines), '<i8')}{data.array('offsets', offsets, '<i8')}</Lines>\n"
+        '</Piece>\n</PolyData>\n<AppendedData encoding="raw">\n_'
+    )
+    with whole_file(path) as temporary, open(temporary, "wb") as file:
+        data.write(file, text)
 
 
 def write_vtp(scene: Scene, path: Path) -> None:

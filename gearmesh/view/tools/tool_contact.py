@@ -20,7 +20,7 @@ from gearmesh.teeth.generation.contact_lines import ContactLine, ToolContact
 from gearmesh.tools.drawing import ToolSheet
 from gearmesh.view.palette import CURVES, INK
 from gearmesh.view.scene import STEEL, TOOL, Curve, Scene, SceneBody, Word
-from gearmesh.view.tool_scene import sheet_mesh
+from gearmesh.view.tools.tool_scene import sheet_mesh
 from gearmesh.view.views import frame
 
 #: by how much a picture is larger than what it holds, how far tool and tooth are apart, in the height of what generates the flank,

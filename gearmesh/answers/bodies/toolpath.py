@@ -1,0 +1,255 @@
+"""Tool paths: how a ball-end cutter finishes spaces between teeth on a five-axis machine, and what it leaves, proved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.result import Result, header
+from gearmesh.answers.tables import Listing, figures
+from gearmesh.design.core import Design
+from gearmesh.errors import ArgumentError
+from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.lengths import Length, in_mm
+from gearmesh.toolpath.ball import BallCutter
+from gearmesh.toolpath.motion import ONE_WAY, ZIGZAG
+from gearmesh.toolpath.toolpath import PathOrder, ToolPath, tool_path
+
+#: what may be asked for
+FLANKS, SURFACES, FEEDS = ("right", "left", "both"), ("all", "flanks"), (ZIGZAG, ONE_WAY)
+#: mm: least and largest scallop; deg: largest lead and tilt; mm/min: least and largest feed, and the feed where none is given
+SCALLOPS, ANGLES, RATES, FEED = (1e-4, 1.0), (-85.0, 85.0), (1e-3, 1e6), 500.0
+#: largest part of the scallop that chords may take
+CHORD = 0.5
+#: what a CSV has of every position
+COLUMNS = ("space", "pass", "rapid", "x", "y", "z", "i", "j", "k", "contact_x", "contact_y", "contact_z")
+
+
+@dataclass(frozen=True)
+class PathAngles(Figures):
+    """Angles of the tool axis over all passes."""
+
+    tilt_min: float = figure("least tilt of the tool axis from the middle of the space, away from the own flank", "deg")
+    tilt_max: float = figure("largest tilt of the tool axis", "deg")
+    lead_min: float = figure("least lead of the tool axis, towards the heel", "deg")
+    lead_max: float = figure("largest lead of the tool axis", "deg")
+
+
+@dataclass(frozen=True)
+class SurfaceLeft(Figures):
+    """What a tool path leaves on one surface of the space."""
+
+    region: str = figure("surface of the space")
+    passes: int = figure("passes over it", whole=True)
+    left_max: float = figure("largest height of the finished surface over the exact one, less the stock", "um")
+    left_min: float = figure("least height; negative is a gouge", "um")
+
+
+@dataclass(frozen=True)
+class ToolPathFigures(Figures):
+    """A tool path of a ball-end cutter, as it was planned and proved."""
+
+    member: str = figure("name of the member")
+    ball_diameter: float = figure("diameter of the ball", "mm", "D")
+    largest_diameter: float = figure("diameter of the largest ball that fits", "mm")
+    largest_by: str = figure("what limits it")
+    shank_length: float = figure("length of the shank beyond the ball's centre", "mm", "L")
+    shank_clearance: float = figure(
+        "least distance of the shank from the teeth; at most a quarter of the ball's radius", "mm"
+    )
+    passes: int = figure("passes in one space", whole=True)
+    points: int = figure("positions of the tool in all spaces", whole=True)
+    spaces: int = figure("spaces that are cut", whole=True)
+    length: float = figure("way of the tip at feed, in one space", "mm")
+    step_over_min: float = figure("least distance of neighbouring passes", "mm", "s")
+    step_over_max: float = figure("largest distance of neighbouring passes", "mm")
+    scallop: float = figure("largest height that was allowed, chords included", "um", "h")
+    chord: float = figure("what of it chords were allowed", "um")
+    stock: float = figure("stock that is left on purpose", "um")
+    left_max: float = figure("largest height of the finished surface over the exact one, less the stock", "um")
+    left_min: float = figure("least height; negative is a gouge", "um")
+    gouge: float = figure("deepest gouge anywhere, also of lands and other teeth", "um")
+    measured_points: int = figure("points of exact surfaces at which heights and gouges were measured", whole=True)
+    angles: PathAngles = figure("angles of the tool axis", key="", parts=PathAngles)
+    surfaces: list[SurfaceLeft] = figure("what is left on each surface", shown=False)
+
+
+@dataclass(frozen=True, repr=False)
+class ToolPathAnswer(Result):
+    """Passes of a ball-end cutter through spaces of a member, in its own frame (mm), and what they leave.
+
+    `path` has the arrays: `path.passes` of one space, `path.whole` all positions; `feed` is in mm/min.
+    """
+
+    design: Design
+    member: str
+    path: ToolPath
+    order: PathOrder
+    feed: float = FEED
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".cls", ".csv", ".vtp", ".json")
+
+    @property
+    def measured(self) -> ToolPathFigures:
+        """All figures."""
+        path, left, budget = self.path, self.path.left, self.order.budget
+        step_over, um = path.passes.step_over, 1e3
+        tilt, lead = (np.degrees(angle) for angle in (path.axes.tilt, path.axes.lead))
+        angles = PathAngles(*(float(f(angle)) + 0.0 for angle in (tilt, lead) for f in (np.min, np.max)))
+        return ToolPathFigures(
+            member=self.member,
+            ball_diameter=path.ball.diameter,
+            largest_diameter=2.0 * path.largest.radius,
+            largest_by=path.largest.why,
+            shank_length=path.ball.length,
+            shank_clearance=path.clearance,
+            passes=len(path.passes.centres),
+            points=len(path.whole.tips),
+            spaces=int(np.unique(path.whole.space).size),
+            length=path.motion.length,
+            step_over_min=step_over[0],
+            step_over_max=step_over[1],
+            scallop=um * self.order.scallop,
+            chord=um * budget.chord,
+            stock=um * self.order.stock,
+            left_max=um * left.scallop,
+            left_min=um * min(left.least.values()),
+            gouge=um * left.gouge,
+            measured_points=left.points,
+            angles=angles,
+            surfaces=self._surfaces,
+        )
+
+    @property
+    def _surfaces(self) -> list[SurfaceLeft]:
+        left, passes = self.path.left, self.path.passes
+        count = {wall.region: int((passes.wall == k).sum()) for k, wall in enumerate(self.path.space.walls)}
+        return [
+            SurfaceLeft(str(region), count[region], 1e3 * largest, 1e3 * left.least[region])
+            for region, largest in left.largest.items()
+        ]
+
+    @property
+    def headline(self) -> str:
+        own = self.measured
+        return (
+            f"{self.member}, {own.passes} passes of a ball of {own.ball_diameter:.4g} mm, {own.points} positions: "
+            f"{own.left_max:.3g} um left, gouge {own.gouge:.2g} um"
+        )
+
+    @property
+    def listings(self) -> list[Listing]:
+        rows = [[row.region, row.passes, row.left_max, row.left_min] for row in self._surfaces]
+        heads = ["surface", "passes", "left_max_um", "left_min_um"]
+        return [figures("", self.measured), Listing("What is left on each surface", heads, rows)]
+
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), **Summary(self.measured)}
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """All positions: number of space and pass from 1, whether the way there is rapid, the tool's tip x, y, z (mm) and unit axis
+        i, j, k, and the point of contact, NaN where there is none."""
+        motion = self.path.whole
+        numbers = [motion.space + 1, motion.number + 1, motion.rapid]
+        vectors = np.concatenate((motion.tips, motion.axes, motion.contacts), axis=1).T
+        return {name: column.tolist() for name, column in zip(COLUMNS, (*numbers, *vectors), strict=True)}
+
+    def _write(self, target: Path) -> None:
+        {".cls": self._write_cls, ".csv": self._write_csv, ".vtp": self._write_vtp}[target.suffix.lower()](target)
+
+    def _write_cls(self, target: Path) -> None:
+        from gearmesh.io.atomic import whole_text
+        from gearmesh.toolpath.cls import cls_text
+
+        title = f"{self.design.name or self.design.kind} {self.member}".upper()
+        whole_text(target, cls_text(title, self._notes, self.path.whole, self.path.ball, self.feed))
+
+    @property
+    def _notes(self) -> list[str]:
+        own = self.measured
+        return [
+            f"GEARMESH: BALL {own.ball_diameter:.6g} MM, {own.passes} PASSES A SPACE",
+            f"SCALLOP {own.scallop:.6g} UM, STOCK {own.stock:.6g} UM",
+            f"MEASURED: LEFT {own.left_min:.3f} TO {own.left_max:.3f} UM, GOUGE {own.gouge:.3f} UM",
+            "GOTO IS THE TIP OF THE TOOL, IN THE FRAME OF THE MEMBER, Z ITS AXIS",
+        ]
+
+    def _write_csv(self, target: Path) -> None:
+        from gearmesh.files.csv_table import csv_text
+        from gearmesh.io.atomic import whole_text
+
+        table = self.to_dict()
+        table["rapid"] = [int(rapid) for rapid in table["rapid"]]
+        whole_text(target, csv_text(COLUMNS, zip(*table.values(), strict=True)))
+
+    def _write_vtp(self, target: Path) -> None:
+        from gearmesh.io.meshes.vtk import write_polylines
+
+        motion = self.path.whole
+        steps = np.diff(motion.rapid.astype(int)) != 0
+        lines = np.split(np.arange(len(motion.tips)), np.flatnonzero(steps | (np.diff(motion.number) != 0)) + 1)
+        data = {"tip": motion.tips, "axis": motion.axes, "contact": motion.contacts}
+        columns = {"pass": motion.number + 1, "space": motion.space + 1, "rapid": motion.rapid}
+        cells = {
+            name: np.array([column[line[0]] for line in lines], dtype=np.int32) for name, column in columns.items()
+        }
+        write_polylines(target, motion.centres, lines, data, cells)
+
+
+def tool_path_of(
+    gears: GearSet,
+    member: str,
+    tool: str,
+    scallop: Length,
+    *,
+    stock: Length = 0.0,
+    tolerance: Length | None = None,
+    flank: str = "both",
+    surfaces: str = "all",
+    spaces: int | str = 0,
+    order: str = ZIGZAG,
+    lead: float | None = None,
+    tilt: float | None = None,
+    feed: float = FEED,
+) -> ToolPathAnswer:
+    """As `Gears.toolpath` says."""
+    for name, value, allowed in (("flank", flank, FLANKS), ("surfaces", surfaces, SURFACES), ("order", order, FEEDS)):
+        if value not in allowed:
+            raise ArgumentError(name, value, must_be=f"one of {', '.join(allowed)}")
+    for name, angle in (("lead", lead), ("tilt", tilt)):
+        if angle is not None and not ANGLES[0] <= angle <= ANGLES[1]:
+            raise ArgumentError(name, angle, must_be=f"an angle from {ANGLES[0]:g} to {ANGLES[1]:g} deg")
+    if not (math.isfinite(feed) and RATES[0] <= feed <= RATES[1]):
+        raise ArgumentError("feed", feed, must_be=f"a feed from {RATES[0]:g} to {RATES[1]:g} mm/min")
+    if spaces != "all" and not (isinstance(spaces, int) and not isinstance(spaces, bool)):
+        raise ArgumentError("spaces", spaces, must_be="all, or the number of one")
+    height = in_mm("scallop", scallop, *SCALLOPS, "10um, 0.01mm or 0.0004in")
+    chord = (
+        None
+        if tolerance is None
+        else in_mm("tolerance", tolerance, 1e-2 * SCALLOPS[0], CHORD * height, "1um or 0.001mm")
+    )
+    asked = PathOrder(
+        scallop=height,
+        chord=chord,
+        stock=in_mm("stock", stock, 0.0, 100.0, "0.1, 100um or 0.004in"),
+        flank=flank,
+        surfaces=surfaces,
+        spaces=None if spaces == "all" else int(spaces),
+        feed=order,
+        lead=None if lead is None else math.radians(lead),
+        tilt=None if tilt is None else math.radians(tilt),
+    )
+    return ToolPathAnswer(
+        gears.design, member, tool_path(gears.part(member).member, BallCutter.of(tool), asked), asked, float(feed)
+    )

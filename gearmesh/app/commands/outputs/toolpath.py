@@ -1,0 +1,117 @@
+"""The command `toolpath`: passes of a ball-end cutter through the spaces between teeth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Json, Set, load_alone
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+
+#: suffix of a picture
+PICTURE = ".png"
+
+
+def toolpath(
+    design_file: DesignFile,
+    member: Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)],
+    tool: Annotated[
+        str,
+        typer.Option(
+            "--tool",
+            metavar="ball:D[,L]",
+            help="Ball-end cutter: diameter of ball and shank, and length of the shank beyond the ball's centre, as "
+            "ball:3mm,40mm; bare = mm. [default length: 5 D]",
+            show_default=False,
+        ),
+    ],
+    scallop: Annotated[
+        str,
+        typer.Option(
+            "--scallop",
+            metavar="LEN",
+            help="The most that is left over the exact surfaces, chords included: 10um, 0.01mm; bare = mm.",
+            show_default=False,
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE.(cls|csv|vtp|png)",
+            help="APT cutter location file, table, lines for VTK, or a picture of the passes.",
+        ),
+    ] = None,
+    stock: Annotated[
+        str, typer.Option("--stock", metavar="LEN", help="Stock left over the exact surfaces, along the normals.")
+    ] = "0",
+    tol: Annotated[
+        str | None,
+        typer.Option(
+            "--tol",
+            metavar="LEN",
+            help="The part of the scallop that chords between points may take. [default: a tenth]",
+            show_default=False,
+        ),
+    ] = None,
+    flank: Annotated[
+        str, typer.Option("--flank", metavar="right|left|both", help="Flanks that are finished.")
+    ] = "both",
+    surfaces: Annotated[
+        str,
+        typer.Option("--surfaces", metavar="all|flanks", help="Flanks with fillets and root, or flanks alone."),
+    ] = "all",
+    spaces: Annotated[
+        str,
+        typer.Option("--spaces", metavar="all|K", help="All spaces, or one: that before tooth K; 0 is on the x axis."),
+    ] = "0",
+    order: Annotated[str, typer.Option("--order", metavar="zigzag|one-way", help="Feed order.")] = "zigzag",
+    lead: Annotated[
+        float | None,
+        typer.Option("--lead", metavar="DEG", help="Angle of the tool axis towards the heel. [default: chosen]"),
+    ] = None,
+    tilt: Annotated[
+        float | None,
+        typer.Option(
+            "--tilt",
+            metavar="DEG",
+            help="Angle of the tool axis from the middle of the space, away from the flank that is cut. [default: chosen]",
+        ),
+    ] = None,
+    feed: Annotated[float, typer.Option("--feed", metavar="MMPM", help="Feed in mm/min, for .cls.")] = 500.0,
+    json_file: Json = None,
+    settings: Set = None,
+) -> None:
+    """Finishing passes of a ball-end cutter on a five-axis machine, with step-over by the scallop, tool axes clear of all teeth,
+    and what they leave measured on the exact surfaces."""
+    if output is not None:
+        refuse_suffix(output, ".cls", ".csv", ".vtp", PICTURE)
+    for file in (output, json_file):
+        refuse_unwritable(file)
+    gears = load_alone(design_file, settings)
+    with working("tool path"):
+        path = gears.toolpath(
+            member,
+            tool,
+            scallop,
+            stock=stock,
+            tolerance=tol,
+            flank=flank,
+            surfaces=surfaces,
+            spaces=int(spaces) if spaces.lstrip("-").isdecimal() else spaces,
+            order=order,
+            lead=lead,
+            tilt=tilt,
+            feed=feed,
+        )
+        if output is not None and output.suffix.lower() == PICTURE:
+            gears.picture("toolpath", of=path).save(output)
+        elif output is not None:
+            path.save(output)
+    write_text(json_file, path.json)
+    if json_file != "-":
+        show(path.listings)
+    warn(gears.warnings)

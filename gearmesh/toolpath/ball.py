@@ -1,0 +1,198 @@
+r"""Ball-end cutters, and the largest that fits into a space.
+
+                 | |          shank: a cylinder of the ball's diameter, `length` long beyond the ball's centre
+                 | |
+        ---.     | |    .---
+            \    (c)   /
+             \    r   /       c = r + (R + stock) n touches the surface in r; the tip is at c - R a, a the unit tool axis
+              `--.|.-'
+
+A ball that touches in r, with normal n, and passes through q has the radius |q - r|^2 / (2 n . (q - r)). The least of these
+over all q
+of the space, and 1/k1 of the larger principal curvature in r (q next to r), is the radius of the largest ball that touches in r
+without gouging; the least over all r that are finished is that of the largest cutter. In a groove it is the ball that touches both
+walls, in a fillet its least radius.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.errors import ArgumentError
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent_basis
+from gearmesh.kernel.surface.surface import Jet
+from gearmesh.lengths import in_mm
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.section import Sections
+from gearmesh.toolpath.space import Space
+
+#: length (diameters) of a shank that is not given
+LENGTH = 5.0
+#: stations along the face, and points across a wall where it is touched, and where it may be hit
+STATIONS, TOUCHED, HIT = 9, 17, 33
+#: places on either side of a station where walls may be hit, as a share of the depth of the space: a ball reaches not much farther
+BESIDE = np.linspace(-0.6, 0.6, 37)
+#: how many of the narrowest places are refined; rounds, points of each, and by how much the window shrinks
+PLACES, ROUNDS, WINDOW, SHRINK = 2, 8, 7, 0.36
+#: distance (mm) below which two points are one: 1/k1 has the limit
+SAME = 1e-3
+#: a ball is refused where it is larger than the largest by more than this share of it
+ROOM = 1e-6
+
+
+@dataclass(frozen=True)
+class BallCutter:
+    """Ball-end cutter, mm: diameter of ball and shank, and length of the shank beyond the ball's centre."""
+
+    diameter: float
+    length: float
+
+    @property
+    def radius(self) -> float:
+        return 0.5 * self.diameter
+
+    @staticmethod
+    def of(text: str) -> BallCutter:
+        """The cutter that "ball:D" or "ball:D,L" says. Raises DesignError for another text."""
+        kind, _, sizes = text.partition(":")
+        parts = sizes.split(",")
+        if kind != "ball" or len(parts) > 2:
+            raise ArgumentError("tool", text[:60], must_be="ball:D or ball:D,L, as ball:3mm,40mm")
+        diameter, *length = (in_mm("tool", part, 1e-3, 1e4, "3, 3mm or 0.125in") for part in parts)
+        return BallCutter(diameter, length[0] if length else LENGTH * diameter)
+
+
+@dataclass(frozen=True)
+class LargestBall:
+    """Radius (mm) of the largest ball that touches all that is finished, the region in which it touches where it is narrowest, and
+    what it hits there: another region, or the same one, where the surface is too much curved."""
+
+    radius: float
+    touched: Region
+    hit: Region
+
+    @property
+    def why(self) -> str:
+        """What limits it, in words."""
+        touched, hit = (str(region).replace("_", " ") for region in (self.touched, self.hit))
+        return f"the least radius of the {touched}" if touched == hit else f"the room between {touched} and {hit}"
+
+
+#: number of a wall, s and t
+_Place = tuple[int, float, float]
+#: lines s (S,) of walls by their numbers
+_Lines = list[tuple[int, Array]]
+
+
+@dataclass(frozen=True)
+class _Spots:
+    """Places (N) and their jets (N,)."""
+
+    places: list[_Place]
+    jet: Jet
+
+    @property
+    def bend(self) -> Array:
+        """Largest principal curvature (N,), 1/mm; 0 where it is not defined."""
+        k1 = principal(shape_operator(self.jet, *tangent_basis(self.jet))).k1
+        return np.where(np.isfinite(k1), k1, 0.0)
+
+
+@dataclass(frozen=True)
+class _Narrowest:
+    """Radius (mm) of the smallest of balls that touch in a place and pass through another, and both places."""
+
+    radius: float
+    places: tuple[_Place, _Place]
+
+    @staticmethod
+    def of(touched: _Spots, hit: _Spots) -> _Narrowest:
+        way = hit.jet.r[None] - touched.jet.r[:, None]
+        square, height = dot(way, way), dot(way, touched.jet.n[:, None])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            radius = np.where((height > 0.0) & (square > SAME**2), square / (2.0 * height), np.inf)
+            curved = np.where(touched.bend > 0.0, 1.0 / touched.bend, np.inf)
+        i, j = np.unravel_index(int(np.argmin(radius)), radius.shape)
+        k = int(np.argmin(curved))
+        if curved[k] < radius[i, j]:
+            return _Narrowest(float(curved[k]), (touched.places[k], touched.places[k]))
+        return _Narrowest(float(radius[i, j]), (touched.places[i], hit.places[j]))
+
+
+def largest_ball(space: Space, walls: Sequence[int], stock: float) -> LargestBall:
+    """The largest ball that finishes some walls of a space, with the rest of it in the way, and leaves `stock` (mm)."""
+    toe, heel = space.tooth.blank.extent
+    beside = BESIDE * min(1.0, space.depth / abs(heel - toe))
+    stations = np.linspace(0.0, 1.0, STATIONS)
+    ways = [(np.array([t]), np.unique(np.clip(t + beside, 0.0, 1.0))) for t in stations]
+    lines = ([(k, np.linspace(0.0, 1.0, TOUCHED)) for k in walls], _everywhere(space))
+    spots = _at(space, [(line, t) for both in ways for line, t in zip(lines, both, strict=True)])
+    by_station = [_Narrowest.of(touched, hit) for touched, hit in zip(spots[::2], spots[1::2], strict=True)]
+    by_station.sort(key=lambda pair: pair.radius)
+    sizes = (1.0 / (TOUCHED - 1), 1.0 / (STATIONS - 1)), (1.0 / (HIT - 1), float(beside[1] - beside[0]))
+    least = min((_refine(space, pair, sizes) for pair in by_station[:PLACES]), key=lambda pair: pair.radius)
+    regions = (space.walls[k].region for k, _, _ in least.places)
+    return LargestBall(least.radius - stock, *regions)
+
+
+def _everywhere(space: Space) -> _Lines:
+    """Lines of all walls where a ball may hit them."""
+    return [(k, np.linspace(0.0, 1.0, HIT)) for k in range(len(space.walls))]
+
+
+def _refine(space: Space, pair: _Narrowest, sizes: tuple[tuple[float, float], tuple[float, float]]) -> _Narrowest:
+    """The narrowest ball near one, within windows of `sizes`, shares across the wall and along it, about its places."""
+    for k in range(ROUNDS):
+        windows = [_window(place, size, SHRINK**k) for place, size in zip(pair.places, sizes, strict=True)]
+        touched, hit = _at(space, windows)
+        tried = _Narrowest.of(touched, hit)
+        pair = tried if tried.radius < pair.radius else pair
+    return pair
+
+
+def refuse_too_large(ball: BallCutter, largest: LargestBall) -> None:
+    """Raise DesignError for a ball that is larger than the largest that fits."""
+    if ball.radius <= largest.radius * (1.0 + ROOM):
+        return
+    most = 2.0 * largest.radius
+    if most < SAME:
+        raise ArgumentError(
+            "tool",
+            f"ball:{ball.diameter:g}",
+            reason=f"no ball reaches all of the {str(largest.touched).replace('_', ' ')}: it ends in a sharp inner corner",
+            remedy="finish the flanks alone with surfaces = flanks, or round the tip of the tool that generates the teeth",
+        )
+    raise ArgumentError(
+        "tool",
+        f"ball:{ball.diameter:g}",
+        reason=f"the largest ball that fits has a diameter of {np.floor(1e4 * most) / 1e4:.7g} mm, by {largest.why}",
+    )
+
+
+def _window(place: _Place, size: tuple[float, float], share: float) -> tuple[_Lines, Array]:
+    """Lines of a wall and stations about a place."""
+    k, *centre = place
+    steps = share * np.linspace(-1.0, 1.0, WINDOW)
+    s, t = (np.unique(np.clip(c + width * steps, 0.0, 1.0)) for c, width in zip(centre, size, strict=True))
+    return [(k, s)], t
+
+
+def _at(space: Space, grids: list[tuple[_Lines, Array]]) -> list[_Spots]:
+    """Places on lines of walls at stations t (T,), of several such grids."""
+    sections = space.tooth.sections(np.concatenate([t for _, t in grids]))
+    ends = np.cumsum([t.size for _, t in grids])
+    return [
+        _spots(space, lines, t, sections[end - t.size : end])
+        for (lines, t), end in zip(grids, ends.tolist(), strict=True)
+    ]
+
+
+def _spots(space: Space, lines: _Lines, t: Array, sections: Sections) -> _Spots:
+    jets = [space.walls[k].jet(s, sections) for k, s in lines]
+    names = ("r", "n", "r_u", "r_v", "n_u", "n_v")
+    jet = Jet(*(np.concatenate([getattr(jet, name).reshape(-1, 3) for jet in jets]) for name in names))
+    return _Spots([(k, a, b) for k, s in lines for a in s.tolist() for b in t.tolist()], jet)

@@ -1,0 +1,162 @@
+"""Tool paths leave what is asked for and gouge nothing: measured from the file that is written, and by what must be refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from oracles.command_line import refused, run
+from oracles.places import SAMPLES
+from oracles.swept_balls import BETWEEN, heights, positions
+
+import gearmesh as gm
+from gearmesh.toolpath.ball import BallCutter, largest_ball
+from gearmesh.toolpath.motion import ToolMotion
+from gearmesh.toolpath.proof import Left, measure_left
+from gearmesh.toolpath.space import Space, choose_walls
+from gearmesh.toolpath.toolpath import GOUGE, PathOrder, tool_path
+
+#: points of every wall at which the file is judged
+POINTS = 400
+
+
+def sample(name: str) -> Callable[[], gm.Gears]:
+    return lambda: gm.build(gm.load(SAMPLES / f"{name}.toml"), alone=True)
+
+
+CASES = {
+    "spiral bevel, one-way, with stock": (sample("spiral_bevel_basic"), "pinion", "ball:1.1,20", "40um",
+                                          {"stock": "30um", "order": "one-way"}),
+    "hypoid, left flank": (sample("hypoid"), "gear", "ball:1.9", "40um", {"flank": "left", "surfaces": "flanks"}),
+    "face gear, undercut": (sample("face_gear"), "gear", "ball:2", "100um", {"flank": "right"}),
+    "novikov, hollow flanks": (sample("novikov"), "gear", "ball:2.4", "60um", {"lead": 10.0}),
+    "8 teeth of 0.5 mm, undercut": (lambda: gm.gear(8, module=0.5, face=4), "gear", "ball:0.52", "5um", {}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(name, marks=[] if k in (0, 4) else pytest.mark.sweep) for k, name in enumerate(CASES)]
+)
+def test_the_file_leaves_no_more_than_asked_and_gouges_nothing(case: str, tmp_path: Path) -> None:
+    make, member, tool, scallop, how = CASES[case]
+    answer = make().toolpath(member, tool, scallop, **how)
+    file = answer.save(tmp_path / "path.cls")
+    space, random = answer.path.space, np.random.default_rng(7)
+    cut = choose_walls(space, answer.order.flank, answer.order.surfaces)
+    sections = space.tooth.sections(np.sort(random.random(25)))
+    highest = 0.0
+    for k, wall in enumerate(space.walls):
+        jet = wall.jet(np.append(random.random(POINTS // 25 - 2), [0.0, 1.0]), sections)
+        left = heights(file, jet.r.reshape(-1, 3), jet.n.reshape(-1, 3)) - answer.order.stock
+        assert left.min() > -GOUGE - (0.0 if k in cut else answer.order.stock)
+        if k in cut:
+            assert left.max() < answer.order.scallop + BETWEEN
+            highest = max(highest, float(left.max()))
+    # not more passes than the scallop takes: points at random come near to the highest ridge
+    assert highest > 0.4 * answer.order.scallop
+    assert answer.measured.left_max > 0.7e3 * answer.order.scallop
+    assert highest < 1e-3 * answer.measured.left_max + BETWEEN
+
+
+@pytest.mark.quick
+def test_the_proof_reports_a_gouge_and_a_ridge() -> None:
+    member, ball, order = gm.gear(17, module=2, face=6).members["gear"], BallCutter(1.3, 10.0), PathOrder(0.02)
+    path = tool_path(member, ball, order)
+    walls = choose_walls(path.space, "both", "all")
+
+    def measured(motion: ToolMotion) -> Left:
+        return measure_left(path.space, walls, path.passes, motion, 0.0, 0.02)
+
+    assert path.left.gouge < GOUGE
+    assert 0.7 * 0.02 < path.left.scallop <= 0.02
+    deeper = replace(path.motion, tips=path.motion.tips - 1e-3 * path.motion.axes)
+    assert measured(deeper).gouge == pytest.approx(1e-3, rel=0.05)
+    without = path.motion.number != int(np.flatnonzero(path.passes.wall == 4)[-5])
+    names = ("tips", "axes", "rapid", "space", "number", "contacts")
+    fewer = replace(path.motion, **{name: getattr(path.motion, name)[without] for name in names})
+    assert measured(fewer).scallop > 1.5 * path.left.scallop
+
+
+@pytest.mark.quick
+def test_the_largest_ball() -> None:
+    """Of a rack it is its tip rounding, to the rounding of 100 mm over the height of an arc of 1 um; of a hypoid pinion's flank
+    the one that touches at its form point and at the root beside it."""
+    rack = Space(gm.gear(20, module=4, rack=True).members["rack"])
+    assert largest_ball(rack, choose_walls(rack, "both", "all"), 0.0).radius == pytest.approx(0.38 * 4.0, abs=1e-7)
+    assert largest_ball(rack, choose_walls(rack, "both", "all"), 0.1).radius == pytest.approx(1.42, abs=1e-7)
+    space = Space(sample("hypoid")().members["pinion"])
+    radius = largest_ball(space, choose_walls(space, "left", "flanks"), 0.0).radius
+    # brute force: at the form point, from 0.8 to 1 of the face, what is farthest within a ball of that radius
+    t = np.linspace(0.8, 1.0, 21)
+    touched = space.walls[0].jet(np.array([1.0]), space.tooth.sections(t))
+    near = space.tooth.sections(np.linspace(0.75, 1.0, 251))
+    points = np.concatenate([space.walls[k].jet(np.linspace(0.0, 1.0, 41), near).r.reshape(-1, 3) for k in (1, 2)])
+    within = [
+        min(float(np.linalg.norm(points - c, axis=1).min()) for c in (touched.r + share * radius * touched.n)[0])
+        - share * radius
+        for share in (0.99, 1.02)
+    ]
+    assert within[0] > -1e-9
+    assert within[1] < -3e-4
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "words"),
+    [
+        (
+            "--tool ball:9",
+            2,
+            "--tool = ball:9: the largest ball that fits has a diameter of 1.2048 mm, by the least radius of",
+        ),
+        ("--tool ball:1,300 --lead 0", 3, "is a shank of 300 mm clear of the teeth, one of"),
+        ("--tool ball:1 --spaces 70", 2, "--spaces = 70: must be all, or from 0 to 69"),
+        ("--tool cone:9", 2, "--tool = cone:9: must be ball:D or ball:D,L"),
+        ("--tool ball:1 --flank up", 2, "--flank = up: must be one of right, left, both"),
+    ],
+)
+def test_refusals(arguments: str, status: int, words: str) -> None:
+    design = SAMPLES / "internal.toml"
+    asked = ("--member", "gear", "--scallop", "100um", *arguments.split())
+    assert words in refused("toolpath", design, *asked, status=status)
+
+
+def test_every_format_has_the_same_positions(tmp_path: Path) -> None:
+    import pyvista
+
+    design, cls = SAMPLES / "double_helical.toml", tmp_path / "path.cls"
+    asked = (
+        "--member",
+        "pinion",
+        "--tool",
+        "ball:3,25",
+        "--scallop",
+        "60um",
+        "--spaces",
+        "all",
+        "--surfaces",
+        "flanks",
+    )
+    status, out, _ = run("toolpath", design, *asked, "-o", cls)
+    assert status == 0
+    assert [line for line in out.splitlines() if len(line) > 80] == []
+    head = cls.read_text().splitlines()
+    assert head[0].startswith("PARTNO ")
+    assert {"UNITS/MM", "MULTAX/ON", "LOADTL/1", "FEDRAT/500.0000,MMPM", "FINI"} <= set(head)
+    assert "CUTTER/3.000000,1.500000,0.000000,1.500000,0.000000,0.000000,26.500000" in head
+    assert max(map(len, head)) <= 72
+    radius, tips, axes, rapid = positions(cls)
+    answer = gm.build(gm.load(design), alone=True).toolpath(
+        "pinion", "ball:3,25", "60um", spaces="all", surfaces="flanks"
+    )
+    table = np.genfromtxt(answer.save(tmp_path / "path.csv"), delimiter=",", names=True)
+    assert np.array_equal(table["x"], tips[:, 0])
+    assert np.array_equal(table["rapid"] == 1.0, rapid)
+    # both halves, all spaces: the same turned, and seen in the mirror
+    assert np.unique(table["space"]).size == 46
+    assert np.linalg.norm(axes, axis=1) == pytest.approx(1.0, abs=1e-6)
+    lines = pyvista.read(answer.save(tmp_path / "path.vtp"))
+    assert lines.points == pytest.approx(tips + radius * axes, abs=1e-5)
+    assert lines.n_lines == len(lines.cell_data["pass"])
