@@ -21,7 +21,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.passes import Passes
-from gearmesh.toolpath.space import Space
+from gearmesh.toolpath.space import CutSpace
 
 #: deg: tilts and leads that are tried; leads other than the first only where no tilt alone keeps the shank clear
 TILTS = np.arange(-40.0, 85.0, 5.0)
@@ -56,7 +56,7 @@ class _Tried:
 
 
 def choose_axes(
-    space: Space, passes: Passes, ball: BallCutter, lead: float | None = None, tilt: float | None = None
+    space: CutSpace, passes: Passes, ball: BallCutter, lead: float | None = None, tilt: float | None = None
 ) -> Axes:
     """Axes of all passes. Given `lead` and `tilt`, rad, are kept.
 
@@ -77,7 +77,7 @@ def choose_axes(
 
 
 def _choose(
-    space: Space, passes: Passes, ball: BallCutter, some: Array, lead: float | None, tilt: float | None
+    space: CutSpace, passes: Passes, ball: BallCutter, some: Array, lead: float | None, tilt: float | None
 ) -> Array:
     """Lead and tilt (2, S), rad, of some passes (S,)."""
     tilts = np.radians(TILTS) if tilt is None else np.array([tilt])
@@ -109,7 +109,7 @@ def _choose(
     return best
 
 
-def _try(space: Space, passes: Passes, ball: BallCutter, some: Array, leads: Array, tilts: Array) -> _Tried:
+def _try(space: CutSpace, passes: Passes, ball: BallCutter, some: Array, leads: Array, tilts: Array) -> _Tried:
     """Clearance and clear length of passes (P,) with axes (K,)."""
     clearance = np.full((some.size, tilts.size), np.inf)
     clear = np.full_like(clearance, np.inf)
@@ -138,7 +138,7 @@ def _shank(centres: Array, axes: Array, points: Array, radius: float) -> tuple[A
     return away - radius, up
 
 
-def _in_the_way(space: Space, passes: Passes, ball: BallCutter, j: int) -> list[tuple[Array, float]]:
+def _in_the_way(space: CutSpace, passes: Passes, ball: BallCutter, j: int) -> list[tuple[Array, float]]:
     """Points (Q, 3) of the teeth about a station and of all others that the shank may reach, in blocks, each with what the teeth
     may be nearer (mm) than their points."""
     stations, extent = passes.sections.stations, space.tooth.blank.extent

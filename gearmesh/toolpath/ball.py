@@ -28,7 +28,7 @@ from gearmesh.kernel.surface.surface import Jet
 from gearmesh.lengths import in_mm
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections
-from gearmesh.toolpath.space import Space
+from gearmesh.toolpath.space import CutSpace
 
 #: length (diameters) of a shank that is not given
 LENGTH = 5.0
@@ -123,7 +123,7 @@ class _Narrowest:
         return _Narrowest(float(radius[i, j]), (touched.places[i], hit.places[j]))
 
 
-def largest_ball(space: Space, walls: Sequence[int], stock: float) -> LargestBall:
+def largest_ball(space: CutSpace, walls: Sequence[int], stock: float) -> LargestBall:
     """The largest ball that finishes some walls of a space, with the rest of it in the way, and leaves `stock` (mm)."""
     toe, heel = space.tooth.blank.extent
     beside = BESIDE * min(1.0, space.depth / abs(heel - toe))
@@ -139,12 +139,12 @@ def largest_ball(space: Space, walls: Sequence[int], stock: float) -> LargestBal
     return LargestBall(least.radius - stock, *regions)
 
 
-def _everywhere(space: Space) -> _Lines:
+def _everywhere(space: CutSpace) -> _Lines:
     """Lines of all walls where a ball may hit them."""
     return [(k, np.linspace(0.0, 1.0, HIT)) for k in range(len(space.walls))]
 
 
-def _refine(space: Space, pair: _Narrowest, sizes: tuple[tuple[float, float], tuple[float, float]]) -> _Narrowest:
+def _refine(space: CutSpace, pair: _Narrowest, sizes: tuple[tuple[float, float], tuple[float, float]]) -> _Narrowest:
     """The narrowest ball near one, within windows of `sizes`, shares across the wall and along it, about its places."""
     for k in range(ROUNDS):
         windows = [_window(place, size, SHRINK**k) for place, size in zip(pair.places, sizes, strict=True)]
@@ -181,7 +181,7 @@ def _window(place: _Place, size: tuple[float, float], share: float) -> tuple[_Li
     return [(k, s)], t
 
 
-def _at(space: Space, grids: list[tuple[_Lines, Array]]) -> list[_Spots]:
+def _at(space: CutSpace, grids: list[tuple[_Lines, Array]]) -> list[_Spots]:
     """Places on lines of walls at stations t (T,), of several such grids."""
     sections = space.tooth.sections(np.concatenate([t for _, t in grids]))
     ends = np.cumsum([t.size for _, t in grids])
@@ -191,7 +191,7 @@ def _at(space: Space, grids: list[tuple[_Lines, Array]]) -> list[_Spots]:
     ]
 
 
-def _spots(space: Space, lines: _Lines, t: Array, sections: Sections) -> _Spots:
+def _spots(space: CutSpace, lines: _Lines, t: Array, sections: Sections) -> _Spots:
     jets = [space.walls[k].jet(s, sections) for k, s in lines]
     names = ("r", "n", "r_u", "r_v", "n_u", "n_v")
     jet = Jet(*(np.concatenate([getattr(jet, name).reshape(-1, 3) for jet in jets]) for name in names))

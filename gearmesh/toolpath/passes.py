@@ -27,7 +27,7 @@ from gearmesh.kernel.surface.curvature import shape_operator
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.ball import BallCutter
-from gearmesh.toolpath.space import Space, SpaceFrames, SpaceWall
+from gearmesh.toolpath.space import CutSpace, SpaceFrames, SpaceWall
 
 #: lines across a wall, and stations, at which the step is asked
 LINES, STATIONS = 65, 33
@@ -79,7 +79,7 @@ class Passes:
 
 
 def plan_passes(
-    space: Space, walls: Sequence[int], ball: BallCutter, stock: float, budget: Budget, denser: Array
+    space: CutSpace, walls: Sequence[int], ball: BallCutter, stock: float, budget: Budget, denser: Array
 ) -> Passes:
     """Passes of some walls. `denser` (W,): by what factor the passes of each wall of the space are closer than planned.
 
@@ -124,7 +124,7 @@ def _evenly(s: Array, per_unit: Array) -> Array:
     return np.interp(np.linspace(0.0, total[-1], count + 1), total, s)
 
 
-def _with_points(space: Space, lines: dict[int, Array], ball: BallCutter, stock: float, chord: float) -> Passes:
+def _with_points(space: CutSpace, lines: dict[int, Array], ball: BallCutter, stock: float, chord: float) -> Passes:
     """Stations at which every chord is within its tolerance, and the passes over them."""
     fixed = np.unique(np.concatenate(([0.0, 1.0], space.tooth.breaks)))
     t = np.unique(np.concatenate((np.linspace(0.0, 1.0, CHORDS + 1), fixed)))
@@ -168,7 +168,7 @@ def _with_middles(t: Array) -> Array:
     return fine
 
 
-def _points(space: Space, lines: dict[int, Array], sections: Sections) -> tuple[Array, Array]:
+def _points(space: CutSpace, lines: dict[int, Array], sections: Sections) -> tuple[Array, Array]:
     """Points and normals (P, T, 3) of the exact surface on lines of several walls."""
     walls: list[tuple[SpaceWall, Array]] = [(space.walls[k], s) for k, s in lines.items()]
     jets = [wall.jet(s, sections) for wall, s in walls]

@@ -32,7 +32,7 @@ from gearmesh.teeth.region import Region
 from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.motion import ToolMotion
 from gearmesh.toolpath.passes import Passes
-from gearmesh.toolpath.space import Space
+from gearmesh.toolpath.space import CutSpace
 
 #: points of a wall in the step of a pass, beside the pass itself and the middle between two, and the fewest across a wall
 IN_STEP, FEWEST = 2, 25
@@ -107,7 +107,7 @@ def _pairs(tree: Any, points: Array, distance: float) -> tuple[NDArray[np.int64]
 
 
 def measure_left(
-    space: Space,
+    space: CutSpace,
     walls: Sequence[int],
     passes: Passes,
     motion: ToolMotion,
@@ -184,7 +184,7 @@ def _distances(points: Array, ways: _Ways) -> Array:
     return distances
 
 
-def clear_of_teeth(space: Space, motion: ToolMotion, places: Sequence[Rigid]) -> bool:
+def clear_of_teeth(space: CutSpace, motion: ToolMotion, places: Sequence[Rigid]) -> bool:
     """Whether the ball on its way from the end of a motion in one place to its start in the next stays clear of the teeth."""
     from scipy.spatial import cKDTree
 
@@ -195,7 +195,7 @@ def clear_of_teeth(space: Space, motion: ToolMotion, places: Sequence[Rigid]) ->
     return bool(cKDTree(np.concatenate((space.beside, space.far[0]))).query(centres)[0].min() > motion.radius)
 
 
-def shank_clearance(space: Space, motion: ToolMotion, ball: BallCutter) -> float:
+def shank_clearance(space: CutSpace, motion: ToolMotion, ball: BallCutter) -> float:
     """Least distance (mm) of the shank from the teeth while the ball is at work, infinite from MEASURED radii on.
 
     The teeth beside the space are points of exact surfaces not farther from each other than e = SPACING radii; a shank could be
@@ -231,7 +231,7 @@ def _clearance(teeth: Array, centres: Array, axes: Array, ball: BallCutter, gap:
     return least - gap
 
 
-def _dense(space: Space, spacing: float) -> Array:
+def _dense(space: CutSpace, spacing: float) -> Array:
     """Points (K, 3) of the walls and what is beside them, about `spacing` (mm) apart."""
     toe, heel = space.tooth.blank.extent
     along = int(np.clip(np.ceil(1.2 * abs(heel - toe) / spacing), 9, 401))

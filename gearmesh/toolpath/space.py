@@ -73,7 +73,7 @@ class SpaceFrames:
 
 
 @dataclass(frozen=True)
-class Space:
+class CutSpace:
     """The space before the tooth on +x of a member all of whose teeth are alike; raises DesignError for others."""
 
     member: Member
@@ -126,7 +126,9 @@ class Space:
         """Points (K, 3) of the two teeth beside the space, at NEAR."""
         grids = self._grids(*NEAR)
         before = self.tooth.joint.to(-self.tooth.pitch_angle)
-        return np.concatenate([place.point(grid).reshape(-1, 3) for grid in grids for place in (before, Rigid.identity())])
+        return np.concatenate(
+            [place.point(grid).reshape(-1, 3) for grid in grids for place in (before, Rigid.identity())]
+        )
 
     @cached_property
     def far(self) -> tuple[Array, float]:
@@ -135,9 +137,13 @@ class Space:
         grids = self._grids(*FAR)
         cloud = np.concatenate([grid.reshape(-1, 3) for grid in grids])
         places = joint.places(teeth).tolist()
-        rows = [(row, [k for k in places if i or k not in (-1, 0, teeth - 1)]) for i, row in enumerate(self.member.halves)]
+        rows = [
+            (row, [k for k in places if i or k not in (-1, 0, teeth - 1)]) for i, row in enumerate(self.member.halves)
+        ]
         points = [row.points(joint.to(k * pitch).point(cloud)) for row, numbers in rows for k in numbers]
-        steps = [max(float(np.linalg.norm(np.diff(grid, axis=axis), axis=-1).max()) for grid in grids) for axis in (0, 1)]
+        steps = [
+            max(float(np.linalg.norm(np.diff(grid, axis=axis), axis=-1).max()) for grid in grids) for axis in (0, 1)
+        ]
         return np.concatenate(points) if points else np.empty((0, 3)), 0.5 * float(np.hypot(*steps))
 
     def _grids(self, across: int, along: int) -> list[Array]:
@@ -153,7 +159,7 @@ class Space:
         return np.concatenate([place.point(grid.points).reshape(-1, 3) for grid in grids for place in places])
 
 
-def choose_walls(space: Space, flank: str, surfaces: str) -> Sequence[int]:
+def choose_walls(space: CutSpace, flank: str, surfaces: str) -> Sequence[int]:
     """Numbers of the walls that are finished: flanks with fillets and root, or flanks alone; of one side or of both."""
     numbers = {"left": (0, 1, 2), "right": (2, 3, 4), "both": (0, 1, 2, 3, 4)}[flank]
     return [k for k in numbers if surfaces == "all" or space.walls[k].region.is_flank]

@@ -14,7 +14,7 @@ from gearmesh.toolpath.ball import BallCutter, LargestBall, largest_ball, refuse
 from gearmesh.toolpath.motion import ToolMotion, join, motion_of
 from gearmesh.toolpath.passes import Budget, Passes, plan_passes
 from gearmesh.toolpath.proof import CHORDS, DRAFT, Left, clear_of_teeth, measure_left, shank_clearance
-from gearmesh.toolpath.space import Space, choose_walls
+from gearmesh.toolpath.space import CutSpace, choose_walls
 
 #: mm: the deepest gouge that a path may have
 GOUGE = 1e-4
@@ -58,7 +58,7 @@ class ToolPath:
     """Passes and axes in one space, its motion and what it leaves; `whole`: the motion through all spaces asked for;
     clearance (mm) of the shank, `inf` where nothing is near it."""
 
-    space: Space
+    space: CutSpace
     ball: BallCutter
     largest: LargestBall
     passes: Passes
@@ -76,7 +76,7 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
     Raises DesignError for a ball that does not fit, and NoSolutionError where the shank is not clear of the teeth, or where what is
     left or gouged cannot be brought within what is asked for.
     """
-    space = Space(member)
+    space = CutSpace(member)
     walls = choose_walls(space, order.flank, order.surfaces)
     largest = largest_ball(space, walls, order.stock)
     refuse_too_large(ball, largest)
@@ -118,7 +118,7 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
     )
 
 
-def _factors(space: Space, left: Left, scallop: float) -> Array:
+def _factors(space: CutSpace, left: Left, scallop: float) -> Array:
     """By how much closer (W,) the passes of each wall of the space have to be."""
     measured = np.array([left.largest.get(wall.region, 0.0) for wall in space.walls])
     with np.errstate(invalid="ignore"):
@@ -134,7 +134,7 @@ def _refusal(ball: BallCutter, left: Left, scallop: float) -> NoSolutionError:
     return NoSolutionError("tool", f"ball:{ball.diameter:g}", reason=reason, remedy="choose a smaller ball")
 
 
-def _through_spaces(space: Space, motion: ToolMotion, which: int | None) -> ToolMotion:
+def _through_spaces(space: CutSpace, motion: ToolMotion, which: int | None) -> ToolMotion:
     """The motion through the spaces that are asked for.
 
     Raises DesignError for one that there is not, and NoSolutionError where the way from one to the next, above the tips, is

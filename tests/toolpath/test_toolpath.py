@@ -16,7 +16,7 @@ import gearmesh as gm
 from gearmesh.toolpath.ball import BallCutter, largest_ball
 from gearmesh.toolpath.motion import ToolMotion
 from gearmesh.toolpath.proof import Left, measure_left
-from gearmesh.toolpath.space import Space, choose_walls
+from gearmesh.toolpath.space import CutSpace, choose_walls
 from gearmesh.toolpath.toolpath import GOUGE, PathOrder, tool_path
 
 #: points of every wall at which the file is judged
@@ -84,10 +84,10 @@ def test_the_proof_reports_a_gouge_and_a_ridge() -> None:
 def test_the_largest_ball() -> None:
     """Of a rack it is its tip rounding, to the rounding of 100 mm over the height of an arc of 1 um; of a hypoid pinion's flank
     the one that touches at its form point and at the root beside it."""
-    rack = Space(gm.gear(20, module=4, rack=True).members["rack"])
+    rack = CutSpace(gm.gear(20, module=4, rack=True).members["rack"])
     assert largest_ball(rack, choose_walls(rack, "both", "all"), 0.0).radius == pytest.approx(0.38 * 4.0, abs=1e-7)
     assert largest_ball(rack, choose_walls(rack, "both", "all"), 0.1).radius == pytest.approx(1.42, abs=1e-7)
-    space = Space(sample("hypoid")().members["pinion"])
+    space = CutSpace(sample("hypoid")().members["pinion"])
     radius = largest_ball(space, choose_walls(space, "left", "flanks"), 0.0).radius
     # brute force: at the form point, from 0.8 to 1 of the face, what is farthest within a ball of that radius
     t = np.linspace(0.8, 1.0, 21)
