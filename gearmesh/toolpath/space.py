@@ -141,10 +141,10 @@ class CutSpace:
             (row, [k for k in places if i or k not in (-1, 0, teeth - 1)]) for i, row in enumerate(self.member.halves)
         ]
         points = [row.points(joint.to(k * pitch).point(cloud)) for row, numbers in rows for k in numbers]
-        steps = [
+        across, along = (
             max(float(np.linalg.norm(np.diff(grid, axis=axis), axis=-1).max()) for grid in grids) for axis in (0, 1)
-        ]
-        return np.concatenate(points) if points else np.empty((0, 3)), 0.5 * float(np.hypot(*steps))
+        )
+        return np.concatenate(points) if points else np.empty((0, 3)), 0.5 * float(np.hypot(across, along))
 
     def _grids(self, across: int, along: int) -> list[Array]:
         """Points (across, along, 3) of all links of the tooth on +x."""
