@@ -332,8 +332,11 @@ class MeshField:
 
     @cached_property
     def _bounds(self) -> tuple[Array, Array]:
-        pieces, _ = self._pieces
-        return self.chart.lowest(pieces), self.chart.split(pieces)[0].max(axis=1)
+        return self._boxes(self.corners)
+
+    def _boxes(self, triangles: Array) -> tuple[Array, Array]:
+        """Least and greatest flat coordinates (K, 2) over triangles (K, 3, 3)."""
+        return self.chart.lowest(triangles), self.chart.split(triangles)[0].max(axis=1)
 
     @cached_property
     def _area_vectors(self) -> Array:
@@ -350,7 +353,8 @@ class MeshField:
 
     @cached_property
     def _bins(self) -> _Bins:
-        return _Bins.of(*self._bounds)
+        pieces, whose = self._pieces
+        return _Bins.of(*self._boxes(pieces), whose)
 
     @property
     def box(self) -> Array:
@@ -371,11 +375,11 @@ class MeshField:
         return RimPlaces(flat, self.chart.rate(point, end - start), hits)
 
     def at(self, flat: Array) -> Hits:
-        query, piece = self._bins.pairs(flat)
+        query, triangle = self._bins.pairs(flat)
         low, high = self._bounds
         margin = 1e-9 * (high.max(axis=0) - low.min(axis=0))
-        near = ((flat[query] >= low[piece] - margin) & (flat[query] <= high[piece] + margin)).all(axis=-1)
-        query, triangle = query[near], self._pieces[1][piece[near]]
+        near = ((flat[query] >= low[triangle] - margin) & (flat[query] <= high[triangle] + margin)).all(axis=-1)
+        query, triangle = query[near], triangle[near]
 
         corner, normal = self.corners[triangle, 0], self._area_vectors[triangle]
         with np.errstate(all="ignore"):  # lines that run along a plane or miss it
@@ -407,7 +411,7 @@ def _halve(triangles: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class _Bins:
-    """Boxes sorted into a rectangular grid of bins: bin k holds members[start[k] : start[k + 1]]."""
+    """Triangles in a rectangular grid of bins, by the boxes of their pieces: bin k holds members[start[k] : start[k + 1]]."""
 
     origin: Array
     size: Array
@@ -416,8 +420,8 @@ class _Bins:
     members: NDArray[np.int64]
 
     @staticmethod
-    def of(low: Array, high: Array) -> _Bins:
-        """Bins of about the average size of the boxes from `low` to `high` (T, 2)."""
+    def of(low: Array, high: Array, whose: NDArray[np.int64]) -> _Bins:
+        """Bins of about the average size of the boxes from `low` to `high` (K, 2) of pieces of the triangles `whose` (K,)."""
         origin, extent = low.min(axis=0), high.max(axis=0) - low.min(axis=0)
         average = np.maximum((high - low).mean(axis=0), extent / MOST_BINS)
         shape = np.maximum(np.ceil(extent / np.maximum(average, np.finfo(float).tiny)), 1.0).astype(np.int64)
@@ -428,12 +432,14 @@ class _Bins:
         span = last - first + 1
         box, step = _expand(span.prod(axis=1))
         cell = first[box] + np.stack((step // span[box, 1], step % span[box, 1]), axis=-1)
-        key = cell[:, 0] * shape[1] + cell[:, 1]
+        # of the many pieces that an oblique triangle may have in a bin one is enough
+        count = int(whose.max(initial=0)) + 1
+        key, member = np.divmod(np.unique((cell[:, 0] * shape[1] + cell[:, 1]) * count + whose[box]), count)
         start = np.concatenate(([0], np.cumsum(np.bincount(key, minlength=int(shape.prod())))))
-        return _Bins(origin, size, shape, start, box[np.argsort(key, kind="stable")])
+        return _Bins(origin, size, shape, start, member)
 
     def pairs(self, flat: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Indices of queries `flat` (N, 2) and of the boxes in their bins."""
+        """Indices of queries `flat` (N, 2) and of the triangles in their bins."""
         place = (flat - self.origin) / self.size
         inside = np.all((place >= -1e-6) & (place <= self.shape + 1e-6), axis=-1)
         cell = np.clip(np.where(inside[:, None], place, 0.0).astype(np.int64), 0, self.shape - 1)
