@@ -1,7 +1,7 @@
 """What does the electrode for the spaces of a bevel gear look like? The space between two teeth as a solid, less a spark gap.
 
-Electrode and gear of spiral_bevel_basic.toml: the space between two teeth with its flanks, fillets and root moved by the spark gap of
-0.15 mm along their exact normals, lifted out of it along the normal of the tip cone. As a file:
+Electrode and gear of spiral_bevel_basic.toml: the space between two teeth with its flanks, fillets and root moved by the spark
+gap of 0.15 mm along their exact normals, lifted along the normal of the tip cone. As a file, STL or STEP:
 
     gearmesh solid spiral_bevel_basic.toml --member gear --space --offset 0.15mm -o electrode.stl
 

@@ -178,10 +178,16 @@ class Gears(SolvedGears):
         return solids_of(self, self.within(tolerance), file, Extract.of(offset), phi1)
 
     def cad(
-        self, member: str | None = None, tolerance: Length | None = None, *, offset: Length = 0.0, phi1: float = 0.0
+        self,
+        member: str | None = None,
+        tolerance: Length | None = None,
+        *,
+        space: bool = False,
+        offset: Length = 0.0,
+        phi1: float = 0.0,
     ) -> Cad:
         """One member as a CAD solid in its own frame, or all of them placed as they mesh at `phi1` (deg; fixed frame), with an
-        `offset` as of `solid`.
+        `offset` as of `solid`; or the `space` between two teeth of one.
 
         Its faces are within `tolerance` (mm; 0.0001) of the exact surfaces. Raises OutputError where OpenCASCADE is missing,
         NoSolutionError where the pair has no contact at phi1.
@@ -195,7 +201,7 @@ class Gears(SolvedGears):
         from gearmesh.answers.bodies.extract import Extract
         from gearmesh.cad.brep import TOLERANCE
 
-        return cad_of(self, member, self.within(tolerance, TOLERANCE), Extract.of(offset), phi1)
+        return cad_of(self, member, self.within(tolerance, TOLERANCE), Extract.of(offset, space=space), phi1)
 
     def to_build123d(self, tolerance: Length | None = None, *, phi1: float = 0.0) -> build123d.Compound:
         """All members as an assembly for build123d: `cad(tolerance=tolerance, phi1=phi1).to_build123d()`.

@@ -111,7 +111,7 @@ class SplineTooth:
     Patches are counted from toe to heel, split at `bounds` (G + 1,). `corners` (L, G + 1, 3), mm, is where links begin at the
     bounds. `deviation` (mm) for each link with patches: the largest distance, measured between the nodes, of spline points
     from the exact points of the same parameters, which bounds that of the surfaces and of their borders. `half`: the row that it
-    stands in.
+    stands in. `closed`: of a space, whose last link ends where its first begins.
     """
 
     tooth: Tooth
@@ -121,6 +121,17 @@ class SplineTooth:
     corners: Array
     deviation: dict[Piece, float]
     half: HalfGear = field(default_factory=HalfGear)
+    closed: bool = False
+
+    @property
+    def count(self) -> int:
+        """How many of them go round."""
+        return 1 if self.closed else self.tooth.teeth
+
+    @property
+    def step(self) -> float:
+        """Angle (rad) from where the first link begins to where the last one ends."""
+        return 0.0 if self.closed else self.tooth.pitch_angle
 
     def place(self, half: HalfGear) -> SplineTooth:
         """The first half's tooth in another row, from its own toe to its heel."""
@@ -136,11 +147,12 @@ class SplineTooth:
 
     @cached_property
     def outward(self) -> bool:
-        """Whether the vector product of the directions along the chain and from toe to heel leaves the material."""
+        """Whether the vector product of the directions along the chain and from toe to heel leaves the material, of a space
+        that of the space."""
         sections = self.tooth.sections(np.array([0.49, 0.5, 0.51]))
-        grid = self.tooth.grid(Region.LAND, np.array([0.49, 0.5, 0.51]), sections)
+        grid = self.tooth.grid(Region.FLANK_RIGHT, np.array([0.49, 0.5, 0.51]), sections)
         along, up = grid.points[2, 1] - grid.points[0, 1], grid.points[1, 2] - grid.points[1, 0]
-        return bool(self.half.hand_sign * dot(cross(along, up), grid.normals[1, 1]) > 0.0)
+        return bool(self.half.hand_sign * dot(cross(along, up), grid.normals[1, 1]) > 0.0) != self.closed
 
 
 def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:

@@ -73,7 +73,7 @@ def _faces(member: Member, teeth: SplineTooth) -> list[NamedFace]:
     """All faces of a member: of the teeth of all halves and the gaps between, and of its body."""
     faces, loops, rows = list[NamedFace](), list[tuple[Loop, Loop]](), list[tuple[_Row, _Row]]()
     for half in member.halves:
-        toothed, ends, outlines = _tooth_faces(teeth.place(half), {-end: rows[0][end] for end in half.shared})
+        toothed, ends, outlines = tooth_faces(teeth.place(half), {-end: rows[0][end] for end in half.shared})
         faces += toothed
         loops.append(ends)
         rows.append(outlines)
@@ -121,16 +121,16 @@ def volume(part: Part) -> float:
 _Row = tuple[list[Any], list[Any]]
 
 
-def _tooth_faces(
+def tooth_faces(
     teeth: SplineTooth, shared: Mapping[int, _Row] | None = None
 ) -> tuple[list[NamedFace], tuple[Loop, Loop], tuple[_Row, _Row]]:
     """The faces of all teeth, the loops of their outline on toe and heel, and what these are made of.
 
     `shared`: the outline at toe (0) or heel (-1), where other teeth have it already.
     """
-    links, count = len(teeth.links), teeth.tooth.teeth * len(teeth.links)
-    turns = [_turn(k * teeth.tooth.pitch_angle) for k in range(teeth.tooth.teeth)]
-    rotations = Rigid.about_z(np.arange(teeth.tooth.teeth) * teeth.tooth.pitch_angle).rotation
+    links, count = len(teeth.links), teeth.count * len(teeth.links)
+    turns = [_turn(k * teeth.step) for k in range(teeth.count)]
+    rotations = Rigid.about_z(np.arange(teeth.count) * teeth.step).rotation
     vertices = [[vertex(rotations[n // links] @ r) for r in teeth.corners[n % links]] for n in range(count)]
     for row, (corners, _) in (shared or {}).items():
         for places, corner in zip(vertices, corners, strict=True):
@@ -171,7 +171,7 @@ def _tooth_faces(
             )
             shape = part.face(place(part.surface, n), sides)
             name = f"{part.region}_{k + 1}{teeth.half.suffix}"
-            faces.append(NamedFace(shape, name, part.region, 0 if k else teeth.tooth.teeth))
+            faces.append(NamedFace(shape, name, part.region, 0 if k else teeth.count))
     ends = [
         Loop(
             tuple(edges[row] for edges in across),
@@ -197,7 +197,7 @@ def _turn(angle: float) -> Any:
 
 @dataclass(frozen=True)
 class _Arc:
-    """The end of a turned link on a circle about z, from a polar angle on; mm and rad."""
+    """The end of a turned link on a circle about z, from a polar angle on, back where the width is negative; mm and rad."""
 
     rho: float
     z: float
@@ -217,7 +217,7 @@ def _next_corner(teeth: SplineTooth, link: int, row: int) -> Array:
     """Where a link of tooth 1 ends at one of the bounds, (3,), mm."""
     if link + 1 < len(teeth.links):
         return np.asarray(teeth.corners[link + 1, row])
-    return Rigid.about_z(teeth.tooth.pitch_angle).point(teeth.corners[0, row])
+    return Rigid.about_z(teeth.step).point(teeth.corners[0, row])
 
 
 @dataclass(frozen=True)
@@ -240,7 +240,10 @@ class LinkCurves:
         arcs = {row: _Arc.of(teeth, i, row) for row in (rows[0], rows[-1])}
         return LinkCurves(
             {
-                row: (Geom_Circle(frame((0.0, 0.0, arc.z), 1.0, arc.start).Ax2(), arc.rho), arc.width)
+                row: (
+                    Geom_Circle(frame((0.0, 0.0, arc.z), np.copysign(1.0, arc.width), arc.start).Ax2(), arc.rho),
+                    abs(arc.width),
+                )
                 for row, arc in arcs.items()
             },
             along,
@@ -258,7 +261,7 @@ def link_border(teeth: SplineTooth, i: int) -> list[tuple[Array, Array]]:
 
     It may be one more than the last: where the next tooth begins.
     """
-    joint, pitch = teeth.tooth.joint, teeth.tooth.pitch_angle
+    joint, pitch = teeth.tooth.joint, teeth.step
     turn = joint.to(pitch * (i // len(teeth.links)))
     i %= len(teeth.links)
     own = teeth.patches.get(teeth.links[i])
@@ -350,7 +353,8 @@ def _turned_link(teeth: SplineTooth, i: int) -> _DrawnFace:
     toe, heel = (_Arc.of(teeth, i, row) for row in rows)
     if teeth.level(teeth.links[i]).normal[0] == 0.0:
         plane = Geom_Plane(frame((0.0, 0.0, toe.z), 1.0, 0.0))
-        return _DrawnFace(teeth.links[i].region, rows, plane, (), heel.rho < toe.rho, teeth.outward)
+        with_chain = (heel.rho < toe.rho) == (toe.width > 0.0)
+        return _DrawnFace(teeth.links[i].region, rows, plane, (), with_chain, teeth.outward)
     ends = np.array([(toe.rho, toe.z), (heel.rho, heel.z)])
     # far from where the surface is cut open
     middle = toe.start + 0.5 * toe.width
@@ -366,7 +370,7 @@ def _turned_link(teeth: SplineTooth, i: int) -> _DrawnFace:
     low, high = (
         curve(Trace.arc(arc.width, arc.rho, arc.z, _within_half_turn(arc.start - middle))) for arc in (toe, heel)
     )
-    with_chain = turned.axis * float(turned.generatrix @ (ends[1] - ends[0])) > 0.0
+    with_chain = toe.width * turned.axis * float(turned.generatrix @ (ends[1] - ends[0])) > 0.0
     return _DrawnFace(
         teeth.links[i].region, rows, turned.surface, (low, *far, high, *reversed(near)), with_chain, teeth.outward
     )
@@ -387,7 +391,7 @@ def _traces(teeth: SplineTooth, row: int) -> tuple[Trace, ...]:
         else:
             arc = _Arc.of(teeth, i, row)
             links.append(Trace.arc(arc.width, arc.rho, arc.z, _within_half_turn(arc.start - angle)))
-    return tuple(trace.turn(k * teeth.tooth.pitch_angle) for k in range(teeth.tooth.teeth) for trace in links)
+    return tuple(trace.turn(k * teeth.step) for k in range(teeth.count) for trace in links)
 
 
 def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[NamedFace]:

@@ -135,7 +135,7 @@ class TurnedSurface:
         polar, v = trace.control[:, 0] + offset, (trace.control[:, 1:] - self.foot) @ self.generatrix
         u = polar if self.axis > 0.0 else 2.0 * np.pi - polar
         if len(u) == 2:
-            return straight2d((float(u[0]), float(v[0])), (self.axis, 0.0))
+            return straight2d((float(u[0]), float(v[0])), (float(np.sign(u[1] - u[0])), 0.0))
         return spline_curve2d(np.stack((u, v), axis=-1), trace.knots)
 
 

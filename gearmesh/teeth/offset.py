@@ -2,8 +2,9 @@
 
 Everything that bounds the teeth moves, what tools generate as a `Parallel` surface, lands and roots as parallel levels; end
 faces, bore and the rest of the body stay where they are. Surfaces are trimmed against each other anew, by what trims every tooth:
-those that touch have points and normals in common and still touch, those that meet in an edge end where they cross. Distances are
-in mm, positive away from the material.
+those that touch have points and normals in common and still touch, those that meet in an edge end where they cross. What
+is drawn, not generated, is drawn anew: tip chamfers in their size, roundings with a radius larger by the distance, a root
+straight from fillet to fillet where two cutters leave it so. Distances are in mm, positive away from the material.
 
 A distance may be too large in three ways, which are looked for on sections from toe to heel:
 
@@ -25,11 +26,12 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.offset import Parallel
 from gearmesh.kernel.surface.stations import along
+from gearmesh.kernel.surface.strip import Strip
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
-from gearmesh.teeth.tooth_side import TipCorner, ToothSide
+from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
 
 #: name under which a distance is refused
 KEY = "offset"
@@ -41,8 +43,8 @@ ACCURACY = 1e-4
 TOUCHING = 1e-7
 #: Newton steps to where a tip chamfer ends
 STEPS = 20
-#: lengths (mm) of a section that are rounding
-SHORT = 1e-9
+#: lengths (mm) of a section that are rounding, and by which neighbouring links may miss each other
+SHORT, MISS = 1e-9, 1e-7
 
 
 def offset_member(member: Member, distance: float) -> Member:
@@ -60,34 +62,63 @@ def offset_member(member: Member, distance: float) -> Member:
 
 def offset_tooth(tooth: Tooth, distance: float) -> Tooth:
     """The tooth with all its surfaces moved. Raises DesignError, with the largest distance that works, where it is too large."""
-    made = _shift(tooth, distance)
-    if not _fault(made, tooth):
+    made = _trial(tooth, distance)
+    if isinstance(made, Tooth):
         return made
     most, rounds = float(np.sign(distance)) * min(abs(distance), tooth.height), int(np.ceil(-np.log2(ACCURACY)))
     largest, beyond = last_true(
-        lambda tried, _: np.array([not _fault(_shift(tooth, float(d)), tooth) for d in tried]),
+        lambda tried, _: np.array([isinstance(_trial(tooth, float(d)), Tooth) for d in tried]),
         np.zeros(1),
         np.array([most]),
         rounds=rounds,
     )
-    bound = "at most" if distance > 0.0 else "at least"
     # what is wrong next to what works says more than what is wrong far beyond it
-    reason = _fault(_shift(tooth, float(beyond[0])), tooth)
-    digits = int(np.ceil(-np.log10(ACCURACY * tooth.height)))
+    reason = _trial(tooth, float(beyond[0]))
+    digits = max(int(np.ceil(-np.log10(ACCURACY * tooth.height))), 0)
     shown = np.trunc(largest[0] * 10.0**digits) / 10.0**digits
-    raise ArgumentError(KEY, distance, unit="mm", reason=reason, allowed=f"{bound} {shown:.{max(digits, 0)}f} mm")
+    bound = "at most" if distance > 0.0 else "at least"
+    raise ArgumentError(KEY, distance, unit="mm", reason=str(reason), allowed=f"{bound} {shown:.{digits}f} mm")
+
+
+def _trial(tooth: Tooth, distance: float) -> Tooth | str:
+    """The tooth with all its surfaces moved, or what is wrong with it."""
+    try:
+        made = _shift(tooth, distance)
+        made.prove()
+        fault = _fault(made, tooth)
+    except (NoSolutionError, ValueError) as failure:
+        # ValueError: fillets between which no root can be drawn
+        return str(failure)
+    return fault or made
 
 
 def _shift(tooth: Tooth, distance: float) -> Tooth:
     """The tooth with all its surfaces moved, as it comes."""
     blank = replace(tooth.blank, tip=tooth.blank.tip.parallel(distance), root=tooth.blank.root.parallel(distance))
-    edge, bottom = tooth.tip_edge, tooth.bottom
+    edge = tooth.tip_edge
     if edge is not None and edge.rounded:
         edge = replace(edge, size=edge.size + distance) if edge.size + distance > 0.0 else None
-    if bottom is not None:
-        bottom = replace(bottom, surface=Parallel(bottom.surface, distance))
     right, left = (_side(side, blank, distance) for side in (tooth.right, tooth.left))
-    return replace(tooth, right=right, left=left, blank=blank, tip_edge=edge, bottom=bottom)
+    made = replace(tooth, right=right, left=left, blank=blank, tip_edge=edge)
+    return made if tooth.bottom is None else replace(made, bottom=_bottom(tooth, tooth.bottom, made, distance))
+
+
+def _bottom(tooth: Tooth, bottom: Bottom, made: Tooth, distance: float) -> Bottom:
+    """The root of a tooth; one that does not touch the fillets, drawn from one to the other, is drawn between those of `made`."""
+    axial, extent = tooth.blank.axial, tooth.blank.extent
+    middle, back = np.array([0.5 * sum(extent)]), tooth.joint.to(-tooth.pitch_angle)
+
+    def end(side: ToothSide, stations: Array) -> Jet:
+        return along(side.fillet, np.full_like(stations, side.root), stations, axial)[1]
+
+    fillets = (end(tooth.left, middle).move(back), end(tooth.right, middle))
+    if all(
+        _touch(fillet.n, along(bottom.surface, np.array([h]), middle, axial)[1].n)
+        for fillet, h in zip(fillets, bottom.ends, strict=True)
+    ):
+        return replace(bottom, surface=Parallel(bottom.surface, distance))
+    strip = Strip.through(axial, extent, lambda a: back.point(end(made.left, a).r), lambda a: end(made.right, a).r)
+    return Bottom(strip, (0.0, 1.0))
 
 
 def _side(side: ToothSide, blank: Blank, distance: float) -> ToothSide:
@@ -137,15 +168,13 @@ def _touch(n: Array, other: Array) -> bool:
 
 def _fault(made: Tooth, base: Tooth) -> str:
     """What is wrong with a tooth whose surfaces were moved from those of `base`; empty where nothing is."""
-    t, s = np.linspace(0.0, 1.0, PROOF_STATIONS), np.linspace(0.0, 1.0, ACROSS)
-    try:
-        made.prove()
-        sections = made.sections(t)
-        grids = {region: made.grid(region, s, sections) for region in made.regions}
-        middle = base.sections([0.5])
-        sound = {region: base.grid(region, [0.5], middle).jet for region in grids if region in base.regions}
-    except NoSolutionError as failure:
-        return str(failure)
+    s, sections, middle = (
+        np.linspace(0.0, 1.0, ACROSS),
+        made.sections(np.linspace(0.0, 1.0, PROOF_STATIONS)),
+        base.sections([0.5]),
+    )
+    grids = {region: made.grid(region, s, sections) for region in made.regions}
+    sound = {region: base.grid(region, [0.5], middle).jet for region in grids if region in base.regions}
     # the body is where the root is not
     ends = np.array([(rho, 0.0, z) for rho, z in made.blank.body.profile[:: len(made.blank.body.profile) - 1]])
     if (made.blank.root.value(ends) >= 0.0).any():
@@ -157,6 +186,9 @@ def _fault(made: Tooth, base: Tooth) -> str:
         density = float(np.sign(area_density(before))[0, 0]) * area_density(grid.jet)
         if density.min() < -SHORT * density.max():
             return f"the {region} would fold: its radius of curvature is smaller"
+    for (region, grid), after in zip(grids.items(), [*grids.values()][1:], strict=False):
+        if np.abs(grid.points[-1] - after.points[0]).max() > MISS:
+            return f"the {region} would part from what it meets"
     if _crosses(made, np.concatenate([grid.points[1:] for grid in grids.values()])):
         return "the teeth would cut themselves or each other"
     return ""

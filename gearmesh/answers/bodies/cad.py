@@ -150,6 +150,30 @@ def cad_solid(member: Member, tolerance: float, offset: float | None = None) -> 
     )
 
 
+def cad_space(member: Member, tolerance: float, offset: float | None = None) -> tuple[Part, CadFigures]:
+    """The space before the tooth on +x of a member, as `cad_solid` the whole; of a double helical one that of its first half.
+
+    Raises DesignError where teeth differ and for a space that makes no valid solid, OutputError where OpenCASCADE is missing.
+    """
+    from gearmesh.cad.solid_part import volume
+    from gearmesh.cad.space_part import space_part, spline_space
+    from gearmesh.teeth.space import Space
+
+    started, space = time.perf_counter(), Space.before(member.one_tooth)
+    drawn = spline_space(space, tolerance)
+    part = space_part(member, drawn)
+    measured = volume(part)
+    return part, CadFigures(
+        faces=len(part.faces),
+        volume=measured,
+        volume_error=measured / space.volume() - 1.0,
+        max_deviation=1e3 * max(drawn.deviation.values()),
+        tolerance=1e3 * tolerance,
+        seconds=time.perf_counter() - started,
+        offset=offset,
+    )
+
+
 def cad_of(gears: GearSet, member: str | None, tolerance: float, extract: Extract = WHOLE, phi1: float = 0.0) -> Cad:
     """One member as a CAD solid, or all of them in mesh, as `Gears.cad` says; `tolerance` in mm, `phi1` in deg."""
     from gearmesh.cad.step import Occurrence, Part, PartAssembly
@@ -157,11 +181,14 @@ def cad_of(gears: GearSet, member: str | None, tolerance: float, extract: Extrac
     require_occ()
     if member is not None and phi1:
         raise ArgumentError("phi1", phi1, must_be="left out for one member, which is in its own frame")
+    if member is None and extract.space:
+        raise ArgumentError("space", extract.space, must_be="left out for several members")
+    make = cad_space if extract.space else cad_solid
     places = {} if member is not None else gears.places_at(phi1)
     wanted = [gears.part(name) for name in ([member] if member is not None else places)]
     made, measured = dict[str, Part](), dict[str, CadFigures]()
     for alike in _alike([part.member for part in wanted]):
-        part, figures = cad_solid(extract.shift(alike[0]), tolerance, extract.offset or None)
+        part, figures = make(extract.shift(alike[0]), tolerance, extract.offset or None)
         # planet_1, planet_2 and planet_3 are three times the part planet
         part = replace(part, name=part.name.rstrip("0123456789").rstrip("_")) if len(alike) > 1 else part
         made.update((own.name, part) for own in alike)

@@ -1,0 +1,77 @@
+"""The space between two teeth as a solid with named faces for CAD: splines, root and tip surface, planes or cones at the ends."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from gearmesh.cad.brep import Patch, SplineTooth, spline_tooth
+from gearmesh.cad.occ import PRECISION, face, frame, wire
+from gearmesh.cad.solid_part import tooth_faces, whole_part
+from gearmesh.cad.step import NamedFace, Part, require_occ
+from gearmesh.cad.turned import Loop, TurnedSurface
+from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.teeth.blank.body import end_regions
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.space import Space
+
+
+def spline_space(space: Space, tolerance: float) -> SplineTooth:
+    """Patches of a space within `tolerance` (mm) of its exact surfaces, those of the left side on the tooth before."""
+    drawn, back = spline_tooth(space, tolerance), space.joint.to(-space.pitch_angle)
+    regions = [link.region for link in drawn.links]
+    before = regions.index(Region.TIP_SURFACE) + 1
+    left = drawn.links[before:]
+
+    def place(patches: tuple[Patch, ...]) -> tuple[Patch, ...]:
+        return tuple(replace(patch, control=back.point(patch.control)) for patch in patches)
+
+    patches = {link: place(own) if link in left else own for link, own in drawn.patches.items()}
+    corners = np.concatenate((drawn.corners[:before], back.point(drawn.corners[before:])))
+    return replace(drawn, patches=patches, corners=corners, closed=True)
+
+
+def space_part(member: Member, space: SplineTooth) -> Part:
+    """The solid of a member's space. Raises DesignError where it is none, OutputError where OpenCASCADE is missing."""
+    require_occ()
+    faces, loops, _ = tooth_faces(space)
+    regions = end_regions(space.tooth.blank.axial)
+    for end, (loop, region) in enumerate(zip(loops, regions, strict=True)):
+        faces.append(NamedFace(_end_face(space, loop, end), region, region))
+    name = f"{member.name}_space"
+    return whole_part(replace(member, name=name), tuple(faces), (*space.tooth.regions, *regions))
+
+
+def _end_face(space: SplineTooth, loop: Loop, end: int) -> Any:
+    """The plane, cone or cylinder inside the outline at toe (0) or heel (1)."""
+    from OCP.BRep import BRep_Builder
+    from OCP.Geom import Geom_Plane
+    from OCP.TopLoc import TopLoc_Location
+
+    across, up = station_normal(space.tooth.blank.axial)
+    # where links begin, in (polar angle or y, height), goes round as the loop does
+    corners = space.corners[:, -end]
+    if across == 0.0:
+        surface, u, v = Geom_Plane(frame((0.0, 0.0, loop.z), 1.0, 0.0)), corners[:, 0], corners[:, 1]
+        outward = up > 0.0
+    else:
+        rho = np.hypot(corners[:, 0], corners[:, 1])
+        low, high = (
+            int(pick(np.abs(rho - rho[0]) + np.abs(corners[:, 2] - corners[0, 2]))) for pick in (np.argmin, np.argmax)
+        )
+        ends = [np.array([rho[k], corners[k, 2]]) for k in (low, high)]
+        # far from where the surface is cut open
+        turned = TurnedSurface.through(*ends, loop.angle - np.pi)
+        builder, here, surface = BRep_Builder(), TopLoc_Location(), turned.surface
+        for drawn, trace in zip(loop.edges, loop.traces, strict=True):
+            builder.UpdateEdge(drawn, turned.curve(trace, np.pi), surface, here, max(PRECISION, trace.miss))
+        angle = np.arctan2(corners[:, 1], corners[:, 0]) - loop.angle
+        u = turned.axis * ((angle + np.pi) % (2.0 * np.pi) - np.pi)
+        v = np.array([turned.length(*place) for place in zip(rho, corners[:, 2], strict=True)])
+        outward = across > 0.0
+    forward = float(u @ np.roll(v, -1) - v @ np.roll(u, -1)) > 0.0
+    edges = loop.edges if forward else loop.edges[::-1]
+    return face(surface, [wire(*((drawn, forward) for drawn in edges))], outward == (end == 1))
