@@ -14,6 +14,7 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.kernel.numeric.algebra import unit
 from gearmesh.kernel.surface.meridian import CircularMeridian, Joined, Meridian, ParallelMeridian
 from gearmesh.kernel.surface.stations import along
 from gearmesh.mesh.triangles import TriangleMesh
@@ -185,6 +186,11 @@ def test_flanks_for_metrology_have_the_exact_surface_at_every_vertex(tmp_path: P
     normals = np.stack([data[name][:count] for name in ("nx", "ny", "nz")], axis=-1)
     assert np.abs(jet.r - mesh.vertices[:count]).max() < 1e-12
     assert np.abs(jet.n - normals).max() < 1e-12
+    every = np.stack([data[name] for name in ("nx", "ny", "nz")], axis=-1)
+    a, b, c = np.moveaxis(mesh.corners(), 1, 0)
+    facets = unit(np.cross(b - a, c - a))
+    assert np.einsum("tki,ti->tk", every[mesh.triangles], facets).min() > 0.99
+    assert np.abs(np.linalg.norm(every, axis=1) - 1.0).max() < 1e-12
     sections = tooth.sections(data["t"][:count])
     points = tooth.grid(Region.FLANK_LEFT, data["s"][None, :count], sections).points[0]
     assert np.abs(points - mesh.vertices[:count]).max() < 1e-9
