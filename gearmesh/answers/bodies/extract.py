@@ -91,9 +91,9 @@ class Extract:
 
         Of a double helical member the space is that of its first half. Raises DesignError where teeth differ that must be alike.
         """
-        from gearmesh.mesh.flank_surface import flank_meshes, join_flanks
+        from gearmesh.mesh.extracts.flank_surface import flank_meshes, join_flanks
+        from gearmesh.mesh.extracts.space import parts, space_mesh
         from gearmesh.mesh.solid import gear_solid, some_teeth
-        from gearmesh.mesh.space import parts, space_mesh
         from gearmesh.mesh.tessellate import tessellate, tessellate_alike
         from gearmesh.teeth.space import Space
 

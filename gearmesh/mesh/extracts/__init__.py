@@ -1,1 +1,1 @@
-"""Meshes of parts of a member: sectors of some pitches."""
+"""Meshes of parts of a member: sectors of some pitches, spaces between teeth, flanks."""
