@@ -159,7 +159,7 @@ def cad_space(member: Member, tolerance: float, offset: float | None = None) -> 
     from gearmesh.cad.space_part import space_part, spline_space
     from gearmesh.teeth.space import Space
 
-    started, space = time.perf_counter(), Space.before(member.one_tooth)
+    started, space = time.perf_counter(), Space.before(member.one_tooth.sharp_ends)
     drawn = spline_space(space, tolerance)
     part = space_part(member, drawn)
     measured = volume(part)
