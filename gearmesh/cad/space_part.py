@@ -59,12 +59,10 @@ def _end_face(space: SplineTooth, loop: Loop, end: int) -> Any:
         outward = up > 0.0
     else:
         rho = np.hypot(corners[:, 0], corners[:, 1])
-        low, high = (
-            int(pick(np.abs(rho - rho[0]) + np.abs(corners[:, 2] - corners[0, 2]))) for pick in (np.argmin, np.argmax)
-        )
-        ends = [np.array([rho[k], corners[k, 2]]) for k in (low, high)]
+        far = int(np.argmax(np.abs(rho - rho[0]) + np.abs(corners[:, 2] - corners[0, 2])))
+        first, last = (np.array([rho[k], corners[k, 2]]) for k in (0, far))
         # far from where the surface is cut open
-        turned = TurnedSurface.through(*ends, loop.angle - np.pi)
+        turned = TurnedSurface.through(first, last, loop.angle - np.pi)
         builder, here, surface = BRep_Builder(), TopLoc_Location(), turned.surface
         for drawn, trace in zip(loop.edges, loop.traces, strict=True):
             builder.UpdateEdge(drawn, turned.curve(trace, np.pi), surface, here, max(PRECISION, trace.miss))
