@@ -155,8 +155,8 @@ def cad_space(member: Member, tolerance: float, offset: float | None = None) -> 
 
     Raises DesignError where teeth differ and for a space that makes no valid solid, OutputError where OpenCASCADE is missing.
     """
+    from gearmesh.cad.extracts.space_part import space_part, spline_space
     from gearmesh.cad.solid_part import volume
-    from gearmesh.cad.space_part import space_part, spline_space
     from gearmesh.teeth.space import Space
 
     started, space = time.perf_counter(), Space.before(member.one_tooth.sharp_ends)
