@@ -26,6 +26,7 @@ from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.cylindrical.cutting.cutter import other_cutters, trimming_warnings
 from gearmesh.systems.cylindrical.cutting.hobbed import hobbed_racks
 from gearmesh.systems.cylindrical.cutting.shaped import cut_of, shaped_member
+from gearmesh.systems.cylindrical.cutting.tip_surface import with_tip_surface
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import HALF, double_helical_member, half_of
 from gearmesh.systems.cylindrical.geometry.geometry import distance_of, sum_of_shifts
@@ -105,7 +106,7 @@ def _toothed_member(gear: GearProportions) -> Member:
         )
     if not spec.hobbed:
         made = shaped_member(name, spec, cut_of(gear), tip_key, f"theta_{letter}", f"u_{letter}")
-        made = with_modifications(made, spec, internal=own.internal)
+        made = with_modifications(with_tip_surface(made, spec, tip), spec, internal=own.internal)
         own_flanks = made.tooth.unmodified_tooth is made.tooth
         return with_true_involutes(made, internal=own.internal) if own_flanks else made
     racks = hobbed_racks(name, spec, own, Heights(tip - own.radius, root - own.radius))
@@ -114,7 +115,7 @@ def _toothed_member(gear: GearProportions) -> Member:
         return {f"l_{letter}": p, f"u_{letter}": v}
 
     made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), source_parameters, tip_key)
-    return with_modifications(made, spec)
+    return with_modifications(with_tip_surface(made, spec, tip), spec)
 
 
 def _mounts(design: CylindricalDesign, geometry: PairProportions) -> tuple[Mount, Mount]:

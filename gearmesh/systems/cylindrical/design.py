@@ -187,6 +187,26 @@ class CylindricalMember(MemberTable, Modified):
             "length", "tip diameter, instead of addendum and tip_alteration", low=0, above=True, default="from addendum"
         ),
     ] = None
+    tip_cone_angle: Annotated[
+        float | None,
+        Key(
+            "angle",
+            "angle of a conical tip to the axis, positive where it widens along z; the tip diameter is that at mid face",
+            low=-60,
+            high=60,
+            default="0, a cylinder",
+        ),
+    ] = None
+    tip_throat_radius: Annotated[
+        float | None,
+        Key(
+            "length",
+            "radius of a throated tip in the axial plane: the tip diameter is that at mid face, the ends are higher",
+            low=0,
+            above=True,
+            default="no throat",
+        ),
+    ] = None
     root_diameter: Annotated[
         float | None,
         Key("length", "root diameter, instead of dedendum", low=0, above=True, default="from dedendum"),
@@ -271,6 +291,7 @@ class CylindricalMember(MemberTable, Modified):
                     raise conflict(key, None, reason="an internal gear has none; its body is the rim around the teeth")
         elif self.rim is not None:
             raise conflict("rim", self.rim, reason="only an internal gear has one")
+        self._check_tip_surface()
         if self.formed:
             self._check_formed()
         if self.hob is not None and not self.hobbed:
@@ -287,6 +308,20 @@ class CylindricalMember(MemberTable, Modified):
                         "shaper.addendum", self.shaper.addendum, reason=f"cannot be given together with {key}"
                     )
         return self
+
+    def _check_tip_surface(self) -> None:
+        given = {"tip_cone_angle": self.tip_cone_angle, "tip_throat_radius": self.tip_throat_radius}
+        for key, value in given.items():
+            if not value:
+                continue
+            if self.modified:
+                raise conflict(key, value, reason="cannot be given together with modifications")
+            if self.hob is not None and self.hob.chamfer_diameter is not None:
+                raise conflict(key, value, reason="cannot be given together with hob.chamfer_diameter")
+        if all(given.values()):
+            raise conflict(
+                "tip_throat_radius", self.tip_throat_radius, reason="cannot be given together with tip_cone_angle"
+            )
 
     def _check_formed(self) -> None:
         if not self.internal:

@@ -1,0 +1,78 @@
+r"""Tips of cylindrical gears that are turned to another surface of revolution than a cylinder: cones and throats.
+
+    tip_cone_angle            rho = d_a / 2 + z tan(angle)
+    tip_throat_radius R       an arc in the axial plane, d_a / 2 at mid face, R + d_a / 2 its centre: higher at both ends
+
+z = 0 is at mid face; on internal gears, whose tips grow towards the axis, the arc's centre is at d_a / 2 - R.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.surface.levels import ConeLevel, LandLevel
+from gearmesh.kernel.surface.meridian import CircularMeridian, Meridian
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.tooth_edges import goes, largest
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.tooth import Tooth
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalMember
+
+
+def with_tip_surface(member: Member, spec: CylindricalMember, tip: float) -> Member:
+    """A member with the tip surface that its part `spec` of a design asks for; `tip`: its tip radius at mid face (mm).
+
+    Raises DesignError naming the key, its value and the limit, where the teeth have no such tip.
+    """
+    if spec.tip_cone_angle:
+        return replace(member, tooth=_coned(member, spec.tip_cone_angle, tip))
+    if spec.tip_throat_radius is not None:
+        return replace(member, tooth=_throated(member, spec.tip_throat_radius, tip))
+    return member
+
+
+def _coned(member: Member, angle: float, tip: float) -> Tooth:
+    inwards = member.tooth.blank.body.around
+
+    def tooth(share: float) -> Tooth:
+        slope = np.tan(np.radians(share * angle))
+        level = ConeLevel.of(tip, slope)
+        if inwards:
+            level = ConeLevel(level.angle + np.pi, -level.offset)
+        return _with_tip(member.tooth, level)
+
+    if goes(tooth(1.0).prove):
+        return tooth(1.0)
+    limit = largest(lambda share: goes(tooth(share).prove)) * angle
+    allowed = f"at most {at_most(limit)} deg" if angle > 0.0 else f"at least -{at_most(-limit)} deg"
+    raise _refusal(member, "tip_cone_angle", angle, "deg", allowed)
+
+
+def _throated(member: Member, radius: float, tip: float) -> Tooth:
+    blank = member.tooth.blank
+    half, height = 0.5 * abs(blank.extent[1] - blank.extent[0]), -tip if blank.body.around else tip
+
+    def tooth(share: float) -> Tooth:
+        arc = CircularMeridian((0.0, height + radius / share), radius / share)
+        return _with_tip(member.tooth, Meridian(arc, blank.axial))
+
+    if radius > half and goes(tooth(1.0).prove):
+        return tooth(1.0)
+    share = largest(lambda share: radius > share * half and (share == 0.0 or goes(tooth(share).prove)))
+    allowed = f"at least {at_least(radius / share)} mm" if share > 0.0 else "left out"
+    raise _refusal(member, "tip_throat_radius", radius, "mm", allowed)
+
+
+def _with_tip(tooth: Tooth, level: LandLevel) -> Tooth:
+    return replace(tooth, blank=replace(tooth.blank, tip=level))
+
+
+def _refusal(member: Member, key: str, value: float, unit: str, allowed: str) -> DesignError:
+    reason = "the teeth have no such tip from end to end"
+    return DesignError(f"{member.name}.{key}", value, unit=unit, reason=reason, allowed=allowed)

@@ -1,0 +1,85 @@
+"""Conical and throated tips of cylindrical gears, against solids that are turned by brute force."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import manifold3d
+import numpy as np
+import pytest
+from oracles.built import built
+
+import gearmesh as gm
+from gearmesh.errors import DesignError
+from gearmesh.mesh.solid import gear_solid, prove
+from gearmesh.teeth.region import Region
+
+TOLERANCE = 0.01
+#: a cone from 61.8 to 64.2 mm, over the face
+ANGLE = float(np.degrees(np.arctan(1.2 / 20.0)))
+
+
+def design(**pinion: Any) -> dict[str, Any]:
+    gear = {"teeth": 37, "face_width": 20}
+    pinion = {"teeth": 19, "face_width": 20, "bore": 0, **pinion}
+    return {"kind": "cylindrical", "module": 3, "helix_angle": 12, "pinion": pinion, "gear": gear}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "meridian"),
+    [
+        ("tip_cone_angle", 4.0, lambda z: 31.5 + z * np.tan(np.radians(4.0))),
+        ("tip_throat_radius", 60.0, lambda z: 31.5 + 60.0 - np.sqrt(60.0**2 - z**2)),
+    ],
+)
+def test_a_tip_surface_is_what_turning_leaves_of_higher_teeth(key: str, value: float, meridian: Any) -> None:
+    """Teeth with a cylindrical tip as high as the highest place, less all beyond the body that the meridian bounds."""
+    member = built(design(tip_diameter=63.0, **{key: value})).members["pinion"]
+    assert prove(gear_solid(member, TOLERANCE), member.genus).ok
+    land = member.tooth.grid(Region.LAND, [0.0, 0.3, 1.0], member.tooth.even).points
+    assert np.hypot(land[..., 0], land[..., 1]) == pytest.approx(meridian(land[..., 2]), abs=1e-9)
+    higher = built(design(tip_diameter=2.0 * float(meridian(np.array([10.0]))[0]))).members["pinion"]
+    mesh = gear_solid(higher, 0.2 * TOLERANCE)
+    whole = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices.copy(), mesh.triangles.astype(np.uint64)))
+    z = np.linspace(-10.5, 10.5, 43)
+    profile = np.array([(0.0, -10.5), *zip(meridian(z).tolist(), z.tolist(), strict=True), (0.0, 10.5)])
+    cut = whole ^ manifold3d.CrossSection([profile]).revolve(2000)
+    removed = higher.plain_volume() - member.plain_volume()
+    assert whole.volume() - cut.volume() == pytest.approx(removed, rel=5e-3)
+
+
+def test_contact_goes_up_to_the_cone() -> None:
+    """Contact of helical teeth ends in a corner of the pinion's tip: its ratio is that of the tip diameter there."""
+    coned, plain = (
+        gm.build(gm.parse(design(**keys))).contact().summary["contact_ratio"]
+        for keys in ({"tip_diameter": 63.0, "tip_cone_angle": ANGLE}, {"tip_diameter": 64.2})
+    )
+    assert coned == pytest.approx(plain, abs=1e-6)
+
+
+@pytest.mark.quick
+def test_internal_tips() -> None:
+    base = {"kind": "cylindrical", "module": 2, "pinion": {"teeth": 20, "face_width": 16}}
+    for more, meridian in (
+        ({"tip_cone_angle": -3.0}, lambda z, tip: tip - z * np.tan(np.radians(3.0))),
+        ({"tip_throat_radius": 50.0}, lambda z, tip: tip - 50.0 + np.sqrt(50.0**2 - z**2)),
+    ):
+        ring = {"teeth": -60, "face_width": 14, "tip_diameter": 117.0, **more}
+        tooth = gm.build(gm.parse({**base, "gear": ring})).pairs[0].gear.tooth
+        land = tooth.grid(Region.LAND, [0.5], tooth.even).points[0]
+        assert np.hypot(land[:, 0], land[:, 1]) == pytest.approx(meridian(land[:, 2], 58.5), abs=1e-9)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"tip_cone_angle": 40.0}, r"pinion.tip_cone_angle = 40 deg: the teeth have no such tip .* at most \d"),
+        ({"tip_throat_radius": 9.0}, r"pinion.tip_throat_radius = 9 mm: the teeth have no such tip .* at least \d"),
+        ({"tip_cone_angle": 1.0, "tip_throat_radius": 90.0}, "cannot be given together with tip_cone_angle"),
+        ({"tip_cone_angle": 1.0, "modifications": {"helix_crowning": 0.01}}, "cannot be given together with modific"),
+    ],
+)
+def test_tips_that_teeth_cannot_have(keys: dict[str, Any], message: str) -> None:
+    with pytest.raises(DesignError, match=message):
+        gm.build(gm.parse(design(**keys)))
