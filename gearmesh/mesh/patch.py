@@ -18,6 +18,8 @@ Index = NDArray[np.int64]
 
 #: rows of nodes from which on it pays to look whether a link ends at the same parameters everywhere
 MANY_ROWS = 200
+#: where on an edge its distance from the surface is looked at
+PLACES = (0.15, 0.25, 0.35, 0.5, 0.65, 0.75, 0.85)
 #: digits of the station parameter t that count: stations that are the same but for rounding are trimmed once
 DIGITS = 12
 
@@ -35,9 +37,19 @@ class LinkNodes:
     parameters: Array | None
 
     @staticmethod
-    def of(tooth: Tooth, region: Region, s: Array, rows: Index, sections: Sections) -> LinkNodes:
-        """Nodes at s (N,) in the sections numbered `rows` (N,)."""
-        return LinkNodes._on(tooth, region, s, sections[rows])
+    def of(tooth: Tooth, region: Region, s: Array, t: Array, trimmed: Sections, second: Array) -> LinkNodes:
+        """Nodes at s, t (N,): exact points of the surface, of the trimmed sections (T,) themselves at their stations.
+
+        Between these stations, ascending from 0 to 1, the link's ends are straight over t; a drawn link has no nodes there.
+        `second`: values (N,) near the surface's second parameters.
+        """
+        link = tooth.chain[region]
+        if link.surface is None:
+            return LinkNodes._on(tooth, region, s, trimmed[np.searchsorted(trimmed.t, t)])
+        first, last = (np.interp(t, trimmed.t, end) for end in link.span(trimmed))
+        p = parameter(s, (first, last), link.seams)[0]
+        v, jet = along(link.surface, p, tooth.stations(t), tooth.blank.axial, second)
+        return LinkNodes(tooth, region, s, t, jet.r, jet.n, np.stack((p, v), axis=-1))
 
     @staticmethod
     def _on(tooth: Tooth, region: Region, s: Array, sections: Sections) -> LinkNodes:
@@ -60,9 +72,19 @@ class LinkNodes:
         """Signed distance (M,), mm, of the middles of nodes (M, K), edges or triangles, from the surface."""
         return distance(self.middle(corners), self.points[corners].mean(axis=1))
 
-    def miss(self, corners: Index) -> Array:
-        """`height` without its sign."""
-        return np.abs(self.height(corners))
+    def arch(self, edges: Index) -> Array:
+        """Largest distance (M,), mm, of edges (M, 2) from the surface by its normals at their ends alone, to third order.
+
+        With slopes a and b at x = 0 and 1 the distance is x (1 - x) (a (1 - x) - b x); in the middle, where `height` looks, it may
+        vanish.
+        """
+        first, last = edges.T
+        along = self.points[last] - self.points[first]
+        a, b = dot(self.normals[first], along), dot(self.normals[last], along)
+        largest = np.zeros(len(edges))
+        for x in PLACES:
+            np.maximum(largest, x * (1.0 - x) * np.abs(a * (1.0 - x) - b * x), out=largest)
+        return largest
 
     def over(self, corners: Index, places: Array) -> Array:
         """Exact points (M, K, 3) at barycentric places (K, 3) of triangles (M, 3) in the (s, t) plane; of a surface only."""

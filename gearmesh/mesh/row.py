@@ -50,8 +50,8 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
     # the bar begins in the middle of the first root, and its last one is half of another
     triangles = (one.triangles + first_numbers).reshape(-1, 3)[root:]
     first, last = one.firsts[1], one.firsts[0] + teeth * count
-    (low, high), (toe, heel) = ((k * len(first) + np.arange(len(first)) + len(vertices) for k in (0, 1)), (0, -1))
-    corners = len(vertices) + 2 * len(first) + np.arange(4)
+    low, high = len(vertices) + np.arange(len(first)), len(vertices) + len(first) + np.arange(len(last))
+    corners, (toe, heel) = len(vertices) + len(first) + len(last) + np.arange(4), (0, -1)
     ends = [vertices[line] for line in (first, last)]
     for end, way, beyond in zip(ends, ways[[0, -1]], (-overhang, overhang), strict=True):
         end[:, 1] = tooth.root_middle(end[:, 2]) + way[1] + beyond

@@ -158,8 +158,9 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
         if abs(rise) >= 0.5 * row:
             corners.append((rise > 0.0, rise > 0.0))
         else:
-            # between lines of two nodes each both are one question
-            corners.append((bool(starts[k]), bool(starts[k] if len(left) == 2 else ends[k])))
+            # a line of two nodes has none for a chain that starts and ends on it
+            held = len(left if starts[k] else right) == 2
+            corners.append((bool(starts[k]), bool(starts[k] if held else ends[k])))
     return corners
 
 

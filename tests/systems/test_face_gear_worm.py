@@ -169,7 +169,7 @@ def test_root_of_the_worm_takes_one_strip_whose_diagonals_are_its_rulings() -> N
     tooth = system.worm(load(SAMPLES / "face_gear.toml")).member.tooth
     root = tessellate(tooth, 0.02, (Region.ROOT,))
     (patch,) = root.patches
-    assert np.unique(patch.nodes.s[np.isin(patch.nodes.t, root.t[1:-1])]).size == 2
+    assert np.unique(patch.nodes.s[(patch.nodes.t > 0.0) & (patch.nodes.t < 1.0)]).size == 2
     assert root.deviation < 0.02
     # the middles of all edges, by closed form: it is a cylinder
     points = patch.points[patch.triangles]

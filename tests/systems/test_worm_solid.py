@@ -236,8 +236,8 @@ def test_distance_from_the_surface_is_right_next_to_singular_points() -> None:
     """Against a cloud of exact points: near singular points a search for the closest point may lead away from it."""
     design = load(NOVIKOV, ["worm.pitch_radius=9.86", "worm.length=12"])
     mesh = tessellate(part_of_design(design).member.tooth, 0.1)
-    found, sections = deviations(mesh), mesh.tooth.sections(np.linspace(0.0, 1.0, 301))
-    cloud = [mesh.tooth.grid(patch.region, np.linspace(0.0, 1.0, 301), sections).points for patch in mesh.patches]
+    found, sections = deviations(mesh), mesh.tooth.sections(np.linspace(0.0, 1.0, 701))
+    cloud = [mesh.tooth.grid(patch.region, np.linspace(0.0, 1.0, 701), sections).points for patch in mesh.patches]
     tree, seen = cKDTree(np.concatenate(cloud).reshape(-1, 3)), 0.0
     for patch in mesh.patches:
         # away from the end faces, beyond which the exact surface goes on and the cloud does not

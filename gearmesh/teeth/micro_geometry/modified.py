@@ -206,6 +206,8 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
         jet = along(side.flank, np.full_like(middle, p), middle, tooth.blank.axial)[1]
         return float(true.place(jet)[0])
 
+    # station coordinates run against z where a ring's teeth look the other way
+    stations = np.asarray(tooth.blank.axial.value(np.array([(0.0, 0.0, z) for z in kinks.positions]).reshape(-1, 3)))
     begins = true.extent.root
     tip_corner = side.tip_corner
     if tip_corner is not None:
@@ -222,7 +224,7 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
         tip_corner=tip_corner,
         flank_breaks=kinks.lengths,
         fillet_breaks=side.fillet_breaks,
-        face_breaks=tuple(sorted({*side.face_breaks, *kinks.positions})),
+        face_breaks=tuple(sorted({*side.face_breaks, *stations.tolist()})),
         creases=kinks.creases,
         ridges=kinks.ridges,
         tabulated=modification is not None and any(isinstance(field, Topography) for field in modification.fields),

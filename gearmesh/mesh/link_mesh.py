@@ -1,0 +1,206 @@
+"""The mesh of one link by its plan: nodes, strips of triangles between its lines, and how far these are from the surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.mesh.lines import between, integral, nodes, rows, stations
+from gearmesh.mesh.patch import LinkNodes, PatchMesh, distance
+from gearmesh.mesh.plan import LinkPlan
+from gearmesh.mesh.strip_triangulation import StripTriangulation
+from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.section import GeneratedLink, Link, Sections, breaks
+from gearmesh.teeth.tooth import Tooth
+
+Index = NDArray[np.int64]
+
+#: below this (mm) a deviation is rounding
+FLOOR = 1e-9
+#: rounds of turning diagonals, and more of them where a mesh misses the tolerance
+TURNS = (1, 6)
+#: rounds in which chords of the section curves are halved
+ROUNDS = 12
+
+
+@dataclass(frozen=True)
+class LinkLines:
+    """The lines of a link at s (S + 1,) and the stations of their nodes, t (N,), line k from `begins`[k] on; those on the ends given."""
+
+    s: Array
+    t: Array
+    begins: Index
+
+    @staticmethod
+    def of(plan: LinkPlan, seams: Array, fixed: Array, first: Array, last: Array) -> LinkLines:
+        """`seams` (K,): places of lines; `fixed`: stations of nodes on all of them; `first`, `last`: stations of the first and last line."""
+        s = nodes(*plan.across, seams)
+        if plan.staggered and s.size % 2 == 0:
+            # no two lines that are not staggered beside each other
+            s = nodes(plan.across[0], plan.across[1] * (s.size - 0.5) / integral(*plan.across)[-1], seams)
+        if s.size == 2:
+            return LinkLines(s, np.concatenate((first, last)), np.cumsum([0, first.size, last.size]))
+        along = rows(plan.along, np.zeros(s.size - 2) if plan.alike else s[1:-1])
+        staggered = plan.staggered & (np.arange(1, s.size - 1) % 2 == 1)
+        t, begins = stations(along, fixed, staggered)
+        return LinkLines(
+            s, np.concatenate((first, t, last)), np.concatenate(([0], first.size + begins, [first.size + t.size + last.size]))
+        )
+
+    @property
+    def line(self) -> Index:
+        """Which line (N,) each node is on."""
+        return np.repeat(np.arange(self.s.size), np.diff(self.begins))
+
+
+@dataclass(frozen=True)
+class LinkMesh:
+    """The mesh of a link, its lines at s with so many cells (S + 1,), and by how much, mm, edges along `lines` and `strips` (S,) miss the
+    surface."""
+
+    patch: PatchMesh
+    s: Array
+    cells: Array
+    lines: Array
+    strips: Array
+
+    @property
+    def worst(self) -> float:
+        return max(float(self.lines.max()), float(self.strips.max()))
+
+
+def mesh_link(tooth: Tooth, region: Region, lines: LinkLines, trimmed: Sections, plan: LinkPlan, second: Array, tolerance: float) -> LinkMesh:
+    """`trimmed`: sections at the stations of the first and the last line, at least; `second` (S, T): as those of `Forms`.
+
+    Section curves at toe and heel keep `tolerance` (mm).
+    """
+    link, count = tooth.chain[region], lines.s.size
+    ends = [
+        _between(link, lines.s, trimmed[end], density, tolerance)
+        for end, density in zip((np.s_[:1], np.s_[-1:]), plan.outline, strict=True)
+    ]
+    pieces = [piece for inner, _ in ends for piece in inner]
+    at_end = [np.full(sum(piece.size for piece in inner), t) for (inner, _), t in zip(ends, (0.0, 1.0), strict=True)]
+    line = np.concatenate((lines.line, np.full(sum(piece.size for piece in pieces), -1)))
+    s, t = np.concatenate((lines.s[lines.line], *pieces)), np.concatenate((lines.t, *at_end))
+    points = LinkNodes.of(tooth, region, s, t, trimmed, between(second, s, t))
+    numbers = [np.arange(low, high) for low, high in pairwise(lines.begins)]
+    sizes = np.cumsum([lines.t.size, *(piece.size for piece in pieces)])
+    inner = [np.arange(low, high) for low, high in pairwise(sizes)]
+    level = between(plan.level, s, t)
+    triangulation = StripTriangulation.of(numbers, inner[: count - 1], inner[count - 1 :], level, points.arch)
+    on_break = np.isin(t, tooth.face_breaks)
+    held, crease = np.where(on_break, t, 0.0), on_break | np.isin(s, breaks(link)) | (link.surface is None)
+    for turns in TURNS:
+        for _ in range(turns):
+            triangulation = triangulation.flip(points.arch, held)
+        triangles, strip = triangulation.triangles()
+        edges, side = _edges(triangles, s.size)
+        heights, centres = points.height(edges), points.middle(triangles)
+        # normals on creases are those of one of both sides, and those of drawn links not square to them
+        arches = np.where(crease[edges].any(axis=1), 0.0, points.arch(edges))
+        edge = np.maximum(np.abs(heights), arches)
+        peaks = _peaks(heights[side], distance(centres, points.points[triangles].mean(axis=1)))
+        peaks = np.maximum(peaks, edge[side].max(axis=1))
+        if peaks.max() <= tolerance:
+            break
+    strips, off = np.full(count - 1, FLOOR), np.full(count, FLOOR)
+    np.maximum.at(strips, strip, peaks)
+    on_line = (line[edges[:, 0]] == line[edges[:, 1]]) & (line[edges[:, 0]] >= 0)
+    np.maximum.at(off, line[edges[on_line, 0]], edge[on_line])
+    if region.is_flank and isinstance(link, GeneratedLink):
+        seam = 0 if link.side is Side.RIGHT else count - 1
+        at = trimmed[np.searchsorted(trimmed.t, lines.t[lines.begins[seam] : lines.begins[seam + 1]])]
+        off[seam] = max(off[seam], _form_point_miss(tooth, link, at))
+    deviation = max(float(off.max()), float(strips.max()), *(miss for _, miss in ends))
+    return LinkMesh(
+        PatchMesh(points, triangles, centres.normals, deviation), lines.s, np.diff(lines.begins) - 1.0, off, strips
+    )
+
+
+def _edges(triangles: Index, count: int) -> tuple[Index, Index]:
+    """Edges (E, 2) between `count` nodes, and which are those of each triangle (M, 3)."""
+    low, high = np.moveaxis(np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]], axis=-1), -1, 0)
+    coded, side = np.unique(low * count + high, return_inverse=True)
+    return np.stack(np.divmod(coded, count), axis=-1), side.reshape(-1, 3)
+
+
+def _peaks(sides: Array, centres: Array) -> Array:
+    """Largest distances (M,), mm, of triangles from the surface by those, signed, of the middles of edges (M, 3) and of centres.
+
+    With a, b, c at the edges' middles, opposite to the corners, the distance is 4 (a y z + b z x + c x y) at barycentric x, y, z.
+    It peaks at x : y : z = a (b + c - a) : b (c + a - b) : c (a + b - c) or, where that is outside, at the middle of an edge. What
+    the centre has beyond it is of third order and vanishes on the edges like x y z.
+    """
+    shares = sides * (sides.sum(axis=1, keepdims=True) - 2.0 * sides)
+    inside = (shares > 0.0).all(axis=1)
+    x, y, z = (shares[inside] / shares[inside].sum(axis=1, keepdims=True)).T
+    a, b, c = sides[inside].T
+    more = centres[inside] - 4.0 / 9.0 * (a + b + c)
+    peaks: Array = np.maximum(np.abs(sides).max(axis=1), np.abs(centres))
+    peaks[inside] = np.maximum(
+        peaks[inside], np.abs(4.0 * (a * y * z + b * z * x + c * x * y) + 27.0 * more * x * y * z)
+    )
+    return peaks
+
+
+def _between(
+    link: Link, s: Array, end: Sections, density: tuple[Array, Array], tolerance: float
+) -> tuple[list[Array], float]:
+    """Nodes (S) of a section curve between the lines s (S+1,), as many as keep its chords within the tolerance.
+
+    And the largest distance (mm) of the chords from the curve.
+    """
+    total = np.interp(s, density[0], integral(*density))
+    cells = np.maximum(1, np.ceil(np.diff(total) - 1e-9).astype(int))
+    for _ in range(ROUNDS):
+        nodes = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(s[:-1], s[1:], cells, strict=True)]
+        worst = np.maximum.reduceat(
+            _off_curve(link, np.append(np.concatenate(nodes), 1.0), end), np.cumsum(cells) - cells
+        )
+        if not (worst > tolerance).any():
+            break
+        more = np.ceil(cells * np.clip(np.sqrt(worst / tolerance), 1.0, 2.0)).astype(int)
+        cells = np.where(worst > tolerance, np.maximum(more, cells + 1), cells)
+    return [line[1:] for line in nodes], float(worst.max())
+
+
+def _off_curve(link: Link, s: Array, end: Sections) -> Array:
+    """Largest distance (S,), mm, of the chords between nodes s (S+1,) from the section curve, in their middles."""
+    fine = np.empty(2 * s.size - 1)
+    fine[::2], fine[1::2] = s, 0.5 * (s[:-1] + s[1:])
+    curve = link.grid(fine, end).points[:, 0]
+    nodes = curve[::2]
+    chord, away = np.diff(nodes, axis=0), curve[1::2] - nodes[:-1]
+    length = dot(chord, chord)
+    share = np.divide(dot(away, chord), length, out=np.zeros_like(length), where=length > 0.0)
+    off = away - share[..., None] * chord
+    distance: Array = np.sqrt(dot(off, off))
+    return distance
+
+
+def _form_point_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float:
+    """Largest distance (mm) of the chords between stations from the form point with the fillet, where that is a sharp edge.
+
+    Where flank and fillet pass into each other smoothly, the chord may lie beside the form point: both surfaces are near it.
+    """
+    own = tooth.side(flank.side)
+
+    def on_edge(sections: Sections) -> NDArray[np.bool_]:
+        is_edge: NDArray[np.bool_] = (sections.of(flank.side).form_point_flank != own.form_point[0]) | own.sharp
+        return is_edge
+
+    if not on_edge(stations).any():
+        return 0.0
+    places, t = (0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0), stations.t
+    sections = tooth.sections(np.append((t[:-1, None] + np.diff(t)[:, None] * places).ravel(), 1.0))
+    curve = flank.grid([0.0 if flank.side is Side.RIGHT else 1.0], sections).points[0]
+    nodes = curve[:: len(places)]
+    chord, away = np.diff(nodes, axis=0)[:, None], curve[:-1].reshape(-1, len(places), 3) - nodes[:-1, None]
+    off = away - (dot(away, chord) / dot(chord, chord))[..., None] * chord
+    sharp = on_edge(sections)[:-1].reshape(-1, len(places))
+    return float(np.sqrt(dot(off, off)[:, 1:][sharp[:, 1:]].max(initial=0.0)))
