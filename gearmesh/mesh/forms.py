@@ -21,8 +21,8 @@ STEP = 1e-6
 class Forms:
     """Second forms of links (R, S, T), mm, on uniform samples of s and t.
 
-    `outline` (R, 2, S): as `length`, of the section curves at toe and heel in space. `second` (R, S, T): the second parameters of
-    the surfaces there, 0 of links that are drawn.
+    `outline` (R, 2, S): as `length`, of the section curves at toe and heel in space. `second` (R, S, T): the second
+    parameters of the surfaces there, 0 of links that are drawn.
     """
 
     length: Array
@@ -51,7 +51,8 @@ class Forms:
 def _second_form(
     tooth: Tooth, link: Link, grid: Grid, s: Array, around: Array, sections: Sections
 ) -> tuple[Array, Array, Array]:
-    """L, M, N (S, T) by s and t, of sections before, at and after every station, `around` (T, 3), and the grid at s and t.
+    """L, M, N (S, T) by s and t, of sections before, at and after every station, `around` (T, 3), and the grid at s
+    and t.
 
     n . r_xy = -r_x . n_y, where x and y are s and t: along s the station stays, along t it grows evenly.
     """

@@ -18,8 +18,8 @@ WIDER = 0.8
 def stations(along: Array, fixed: Array, staggered: NDArray[np.bool_]) -> tuple[Array, Index]:
     """Stations t (N,) of the nodes of all lines, one line after the other, and where (n + 1,) each begins in them.
 
-    `along` (n, T): cells per unit of t at uniform t. `fixed`: stations inside (0, 1) that are nodes of every line; `staggered` (n,):
-    lines with their nodes in the middles of the cells, and at the fixed stations.
+    `along` (n, T): cells per unit of t at uniform t. `fixed`: stations inside (0, 1) that are nodes of every line;
+    `staggered` (n,): lines with their nodes in the middles of the cells, and at the fixed stations.
     """
     ends = np.concatenate(([0.0], fixed, [1.0]))
     knots = np.unique(np.concatenate((np.linspace(0.0, 1.0, along.shape[1]), fixed)))
@@ -71,7 +71,9 @@ def _columns(table: Array, y: Array) -> Array:
 
 
 def nodes(s: Array, per_unit: Array, seams: Array) -> Array:
-    """Nodes from 0 to 1 with the given number of cells per unit of s (piecewise linear over s), some of them on the seams (K,)."""
+    """Nodes from 0 to 1 with the given number of cells per unit of s (piecewise linear over s), some of them on the
+    seams (K,).
+    """
     total = integral(s, per_unit)
     ends = np.concatenate(([0.0], np.interp(seams, s, total), total[-1:]))
     parts = []

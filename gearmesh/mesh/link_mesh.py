@@ -1,4 +1,6 @@
-"""The mesh of one link by its plan: nodes, strips of triangles between its lines, and how far these are from the surface."""
+"""The mesh of one link by its plan: nodes, strips of triangles between its lines, and how far these are from the
+surface.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ ROUNDS = 12
 
 @dataclass(frozen=True)
 class LinkLines:
-    """The lines of a link at s (S + 1,) and the stations of their nodes, t (N,), line k from `begins`[k] on; those on the ends given."""
+    """The lines of a link at s (S + 1,) and the stations of their nodes, t (N,), line k from `begins`[k] on; those on
+    the ends given.
+    """
 
     s: Array
     t: Array
@@ -37,7 +41,9 @@ class LinkLines:
 
     @staticmethod
     def of(plan: LinkPlan, seams: Array, fixed: Array, first: Array, last: Array) -> LinkLines:
-        """`seams` (K,): places of lines; `fixed`: stations of nodes on all of them; `first`, `last`: stations of the first and last line."""
+        """`seams` (K,): places of lines; `fixed`: stations of nodes on all of them; `first`, `last`: stations of the
+        first and last line.
+        """
         s = nodes(*plan.across, seams)
         if plan.staggered and s.size % 2 == 0:
             # no two lines that are not staggered beside each other
@@ -48,7 +54,9 @@ class LinkLines:
         staggered = plan.staggered & (np.arange(1, s.size - 1) % 2 == 1)
         t, begins = stations(along, fixed, staggered)
         return LinkLines(
-            s, np.concatenate((first, t, last)), np.concatenate(([0], first.size + begins, [first.size + t.size + last.size]))
+            s,
+            np.concatenate((first, t, last)),
+            np.concatenate(([0], first.size + begins, [first.size + t.size + last.size])),
         )
 
     @property
@@ -59,8 +67,9 @@ class LinkLines:
 
 @dataclass(frozen=True)
 class LinkMesh:
-    """The mesh of a link, its lines at s with so many cells (S + 1,), and by how much, mm, edges along `lines` and `strips` (S,) miss the
-    surface."""
+    """The mesh of a link, its lines at s with so many cells (S + 1,), and by how much, mm, edges along `lines` and
+    `strips` (S,) miss the surface.
+    """
 
     patch: PatchMesh
     s: Array
@@ -73,8 +82,11 @@ class LinkMesh:
         return max(float(self.lines.max()), float(self.strips.max()))
 
 
-def mesh_link(tooth: Tooth, region: Region, lines: LinkLines, trimmed: Sections, plan: LinkPlan, second: Array, tolerance: float) -> LinkMesh:
-    """`trimmed`: sections at the stations of the first and the last line, at least; `second` (S, T): as those of `Forms`.
+def mesh_link(
+    tooth: Tooth, region: Region, lines: LinkLines, trimmed: Sections, plan: LinkPlan, second: Array, tolerance: float
+) -> LinkMesh:
+    """`trimmed`: sections at the stations of the first and the last line, at least; `second` (S, T): as those of
+    `Forms`.
 
     Section curves at toe and heel keep `tolerance` (mm).
     """
@@ -130,11 +142,13 @@ def _edges(triangles: Index, count: int) -> tuple[Index, Index]:
 
 
 def _peaks(sides: Array, centres: Array) -> Array:
-    """Largest distances (M,), mm, of triangles from the surface by those, signed, of the middles of edges (M, 3) and of centres.
+    """Largest distances (M,), mm, of triangles from the surface by those, signed, of the middles of edges (M, 3) and
+    of centres.
 
-    With a, b, c at the edges' middles, opposite to the corners, the distance is 4 (a y z + b z x + c x y) at barycentric x, y, z.
-    It peaks at x : y : z = a (b + c - a) : b (c + a - b) : c (a + b - c) or, where that is outside, at the middle of an edge. What
-    the centre has beyond it is of third order and vanishes on the edges like x y z.
+    With a, b, c at the edges' middles, opposite to the corners, the distance is 4 (a y z + b z x + c x y) at
+    barycentric x, y, z. It peaks at x : y : z = a (b + c - a) : b (c + a - b) : c (a + b - c) or, where that is
+    outside, at the middle of an edge. What the centre has beyond it is of third order and vanishes on the edges like x
+    y z.
     """
     shares = sides * (sides.sum(axis=1, keepdims=True) - 2.0 * sides)
     inside = (shares > 0.0).all(axis=1)
@@ -184,9 +198,11 @@ def _off_curve(link: Link, s: Array, end: Sections) -> Array:
 
 
 def _form_point_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float:
-    """Largest distance (mm) of the chords between stations from the form point with the fillet, where that is a sharp edge.
+    """Largest distance (mm) of the chords between stations from the form point with the fillet, where that is a sharp
+    edge.
 
-    Where flank and fillet pass into each other smoothly, the chord may lie beside the form point: both surfaces are near it.
+    Where flank and fillet pass into each other smoothly, the chord may lie beside the form point: both surfaces are
+    near it.
     """
     own = tooth.side(flank.side)
 

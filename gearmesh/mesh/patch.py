@@ -40,8 +40,8 @@ class LinkNodes:
     def of(tooth: Tooth, region: Region, s: Array, t: Array, trimmed: Sections, second: Array) -> LinkNodes:
         """Nodes at s, t (N,): exact points of the surface, of the trimmed sections (T,) themselves at their stations.
 
-        Between these stations, ascending from 0 to 1, the link's ends are straight over t; a drawn link has no nodes there.
-        `second`: values (N,) near the surface's second parameters.
+        Between these stations, ascending from 0 to 1, the link's ends are straight over t; a drawn link has no nodes
+        there. `second`: values (N,) near the surface's second parameters.
         """
         link = tooth.chain[region]
         if link.surface is None:
@@ -73,10 +73,11 @@ class LinkNodes:
         return distance(self.middle(corners), self.points[corners].mean(axis=1))
 
     def arch(self, edges: Index) -> Array:
-        """Largest distance (M,), mm, of edges (M, 2) from the surface by its normals at their ends alone, to third order.
+        """Largest distance (M,), mm, of edges (M, 2) from the surface by its normals at their ends alone, to third
+        order.
 
-        With slopes a and b at x = 0 and 1 the distance is x (1 - x) (a (1 - x) - b x); in the middle, where `height` looks, it may
-        vanish.
+        With slopes a and b at x = 0 and 1 the distance is x (1 - x) (a (1 - x) - b x); in the middle, where `height`
+        looks, it may vanish.
         """
         first, last = edges.T
         along = self.points[last] - self.points[first]
@@ -87,7 +88,9 @@ class LinkNodes:
         return largest
 
     def over(self, corners: Index, places: Array) -> Array:
-        """Exact points (M, K, 3) at barycentric places (K, 3) of triangles (M, 3) in the (s, t) plane; of a surface only."""
+        """Exact points (M, K, 3) at barycentric places (K, 3) of triangles (M, 3) in the (s, t) plane; of a surface
+        only.
+        """
         assert self.parameters is not None
         s, t, v = ((coordinate[corners] @ places.T).ravel() for coordinate in (self.s, self.t, self.parameters[:, 1]))
         link, span = self.tooth.chain[self.region], self._constant_span
@@ -99,7 +102,8 @@ class LinkNodes:
 
     @cached_property
     def _constant_span(self) -> tuple[Array, Array] | None:
-        """First parameters at which the link begins and ends, if they are the same at all nodes and between their rows, else None.
+        """First parameters at which the link begins and ends, if they are the same at all nodes and between their
+        rows, else None.
 
         So it is of threads: where neither undercut nor a tip cylinder cuts them off there is nothing to trim.
         """
@@ -123,7 +127,8 @@ class LinkNodes:
 
 @dataclass(frozen=True)
 class PatchMesh:
-    """One link: its nodes, triangles (M, 3), counterclockwise seen from outside, and the exact normals at their centres.
+    """One link: its nodes, triangles (M, 3), counterclockwise seen from outside, and the exact normals at their
+    centres.
 
     `deviation` is the largest measured distance, mm.
     """

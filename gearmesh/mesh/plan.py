@@ -1,23 +1,26 @@
-"""What a link asks of its mesh: how many lines across it, where on each of them the nodes are, how many triangles that takes.
+"""What a link asks of its mesh: how many lines across it, where on each of them the nodes are, how many triangles that
+takes.
 
-With the second form L ds^2 + 2 M ds dt + N dt^2 of a link (see `forms`), an edge (ds, dt) misses the surface by an eighth of it. Nodes on
-lines of constant s are as far apart as the lines allow, |N| dt^2 <= 8 eps, on each line for itself; then the widest strip ds between lines
-follows in closed form, in one of four ways:
+With the second form L ds^2 + 2 M ds dt + N dt^2 of a link (see `forms`), an edge (ds, dt) misses the surface by an
+eighth of it. Nodes on lines of constant s are as far apart as the lines allow, |N| dt^2 <= 8 eps, on each line for
+itself; then the widest strip ds between lines follows in closed form, in one of four ways:
 
-    conjugate   diagonals run in the conjugate direction dt/ds = -M / N, whatever the nodes' places: L becomes L - M^2 / N, M vanishes
+    conjugate   diagonals run in the conjugate direction dt/ds = -M / N, whatever the nodes' places: L becomes L - M^2
+                / N, M vanishes
     plain       along the sections, whatever the places
-    aligned     along the sections, all lines with nodes at the same stations: the better diagonal of a cell, |L ds^2 - 2 |M| ds dt + N dt^2|
+    aligned     along the sections, all lines with nodes at the same stations: the better diagonal of a cell, |L ds^2 -
+                2 |M| ds dt + N dt^2|
     staggered   the same stations, on every other line half a cell further: |L ds^2 +- M ds dt + N dt^2 / 4|
 
-Where L N < M^2 only edges count, and conjugate cells are within 2 / sqrt(5) of the largest triangles that there are. Where L N > M^2 the
-distance peaks inside an acute triangle, at half the square of its circumradius in the metric of the form. Where a surface is curved
-little along s, as a face gear's flanks are, M alone counts, and staggered cells are the best. On a developable flank the conjugate diagonals
-are rulings and one strip is as wide as the flank; on the thread of a worm, whose sections go round the axis as its helices do, they cross it.
+Where L N < M^2 only edges count, and conjugate cells are within 2 / sqrt(5) of the largest triangles that there are.
+Where L N > M^2 the distance peaks inside an acute triangle, at half the square of its circumradius in the metric of
+the form. Where a surface is curved little along s, as a face gear's flanks are, M alone counts, and staggered cells
+are the best. On a developable flank the conjugate diagonals are rulings and one strip is as wide as the flank; on the
+thread of a worm, whose sections go round the axis as its helices do, they cross it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -49,12 +52,13 @@ FEW, CLOSE = 1.5, 1.5
 
 @dataclass(frozen=True)
 class LinkPlan:
-    """`across`: samples s (S,) and strips per unit of s; `along` (S, T): cells per unit of t on lines; levels (S, STATIONS).
+    """`across`: samples s (S,) and strips per unit of s; `along` (S, T): cells per unit of t on lines; levels (S,
+    STATIONS).
 
-    The diagonals are to follow the lines of constant level over (s, t). `alike`: all lines have nodes at the same stations, if
-    `staggered` every other one half a cell further. `outline`: cells
-    per unit of s of the section curves at toe and heel, as pairs (s, density). `otherwise` is the plan without shear of a link that has it.
-    `triangles`: about how many it takes.
+    The diagonals are to follow the lines of constant level over (s, t). `alike`: all lines have nodes at the same
+    stations, if `staggered` every other one half a cell further. `outline`: cells per unit of s of the section curves
+    at toe and heel, as pairs (s, density). `otherwise` is the plan without shear of a link that has it. `triangles`:
+    about how many it takes.
     """
 
     across: tuple[Array, Array]
@@ -67,7 +71,9 @@ class LinkPlan:
     otherwise: LinkPlan | None = None
 
     def with_more_nodes(self, s: Array, factor: Array) -> LinkPlan:
-        """With so many times (n,) more nodes on and next to the lines at s (n,); if all lines are alike on all of them."""
+        """With so many times (n,) more nodes on and next to the lines at s (n,); if all lines are alike on all of
+        them.
+        """
         count = len(self.along)
         if self.alike:
             return replace(self, along=self.along * factor.max())
@@ -79,7 +85,9 @@ class LinkPlan:
 
 @dataclass(frozen=True)
 class _Way:
-    """A way to mesh links, tried with nodes closer by each of CLOSER (C): `along`, `across` (C, R, S, T), `triangles` (C, R)."""
+    """A way to mesh links, tried with nodes closer by each of CLOSER (C): `along`, `across` (C, R, S, T), `triangles`
+    (C, R).
+    """
 
     along: Array
     across: Array
@@ -105,8 +113,8 @@ class _Way:
 def link_plans(forms: Forms, tolerance: float, at_ends: float, *, straight: bool = False) -> list[LinkPlan]:
     """Of each link the plan with the fewest triangles.
 
-    `at_ends`: tolerance (mm) of the outline of the end faces; `straight`: without shear, as where the surfaces have corners at
-    stations.
+    `at_ends`: tolerance (mm) of the outline of the end faces; `straight`: without shear, as where the surfaces have
+    corners at stations.
     """
     samples = np.linspace(0.0, 1.0, forms.length.shape[1])
     slope = _slopes(forms, tolerance)
@@ -128,7 +136,14 @@ def link_plans(forms: Forms, tolerance: float, at_ends: float, *, straight: bool
             across = np.maximum(across, np.where(density[k] <= CLOSE * across, density[k], 0.0).max(axis=0))
         outline = (samples, density[k, 0]), (samples, density[k, 1])
         return LinkPlan(
-            (samples, across), way.along[of, k], level, outline, way.alike, way.staggered, float(way.triangles[of, k]), otherwise
+            (samples, across),
+            way.along[of, k],
+            level,
+            outline,
+            way.alike,
+            way.staggered,
+            float(way.triangles[of, k]),
+            otherwise,
         )
 
     for k in every.tolist():
@@ -141,9 +156,11 @@ def link_plans(forms: Forms, tolerance: float, at_ends: float, *, straight: bool
 
 
 def _sizes(forms: Forms) -> Array:
-    """|N| (R, S, T), or what takes its place beside stations where N passes through 0: there M^2 / |L|, at most what N has on the line.
+    """|N| (R, S, T), or what takes its place beside stations where N passes through 0: there M^2 / |L|, at most what N
+    has on the line.
 
-    With nodes that close the diagonals lean by L / M, so that they have L, and strips are as wide as L and M let them be.
+    With nodes that close the diagonals lean by L / M, so that they have L, and strips are as wide as L and M let them
+    be.
     """
     size = np.abs(forms.face)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -153,7 +170,9 @@ def _sizes(forms: Forms) -> Array:
 
 
 def _slopes(forms: Forms, tolerance: float) -> Array:
-    """M / N (R, S, T), of which the conjugate direction is the negative, no larger than where N is small beside the rest of its line."""
+    """M / N (R, S, T), of which the conjugate direction is the negative, no larger than where N is small beside the
+    rest of its line.
+    """
     size = _sizes(forms)
     least = np.maximum(LEAST * size.max(axis=-1, keepdims=True), 8e-6 * tolerance)
     slopes: Array = np.clip(forms.twist / np.copysign(np.maximum(size, least), forms.face), -SLOPE, SLOPE)
@@ -223,7 +242,9 @@ def _widest_aligned(length: Array, twist: Array, face: Array, dt: Array, limit: 
 
 
 def _widest_staggered(length: Array, twist: Array, face: Array, dt: Array, limit: float) -> Array:
-    """Widest ds where every other line has its nodes half a cell further: |L ds^2 + N dt^2 / 4| + |M| ds dt within 8 eps."""
+    """Widest ds where every other line has its nodes half a cell further: |L ds^2 + N dt^2 / 4| + |M| ds dt within 8
+    eps.
+    """
     skew, quarter = np.abs(twist) * dt, 0.25 * face * dt**2
     ds = np.full_like(skew, 1e3)
     for sign in (1.0, -1.0):
@@ -242,10 +263,11 @@ def _widest_staggered(length: Array, twist: Array, face: Array, dt: Array, limit
 
 
 def _inside(widest: Array, edges: Callable[[Array], tuple[Array, Array, Array]], bowl: Array, limit: float) -> Array:
-    """Widest ds up to `widest` where triangles with edges of the given forms by ds keep their insides within `limit`, 8 eps.
+    """Widest ds up to `widest` where triangles with edges of the given forms by ds keep their insides within `limit`,
+    8 eps.
 
-    `bowl`: (L N - M^2) dt^2, of which only what is above 0 asks for that. The distance inside an acute triangle is half the square
-    of its circumradius, a b c / (4 ds^2 dt^2 (L N - M^2)).
+    `bowl`: (L N - M^2) dt^2, of which only what is above 0 asks for that. The distance inside an acute triangle is
+    half the square of its circumradius, a b c / (4 ds^2 dt^2 (L N - M^2)).
     """
     curved = bowl > 0.0
     if not curved.any():
@@ -262,10 +284,11 @@ def _inside(widest: Array, edges: Callable[[Array], tuple[Array, Array, Array]],
 
 
 def _levels(slope: Array) -> Array:
-    """Level (S, STATIONS) of slopes M / N (S, T) by s and t: where the line dt/ds = -slope through each place meets s = 0.
+    """Level (S, STATIONS) of slopes M / N (S, T) by s and t: where the line dt/ds = -slope through each place meets s
+    = 0.
 
-    By Heun's method. Slopes that are taken straight between the samples, or at the end of a step where it begins, turn the
-    diagonals of a worm's root by degrees.
+    By Heun's method. Slopes that are taken straight between the samples, or at the end of a step where it begins, turn
+    the diagonals of a worm's root by degrees.
     """
     s, coarse, t = (np.linspace(0.0, 1.0, n) for n in (*slope.shape, STATIONS))
     level = np.tile(t, (s.size, 1))
@@ -280,5 +303,3 @@ def _levels(slope: Array) -> Array:
         there = np.interp(level[k:] + step * here, t, fine[k - 1])
         level[k:] += 0.5 * step * (here + there)
     return level
-
-

@@ -121,7 +121,8 @@ class ToothMesh:
 
 @dataclass(frozen=True)
 class Welded:
-    """One tooth: vertices (V, 3), triangles (M, 3), its vertices at `toe` and `heel` in order, and on each link's first line.
+    """One tooth: vertices (V, 3), triangles (M, 3), its vertices at `toe` and `heel` in order, and on each link's
+    first line.
 
     Of a whole tooth a vertex V + k is vertex k of the next one.
     """
@@ -161,7 +162,11 @@ def tessellate_alike(
     """
     drafts = [_Draft.of(tooth, regions or tooth.regions, tolerance) for tooth in teeth]
     count = len(drafts[0].regions)
-    finer, fixed, seams = np.ones(count + 1), np.unique(np.concatenate([tooth.breaks for tooth in teeth])), list[Array]()
+    finer, fixed, seams = (
+        np.ones(count + 1),
+        np.unique(np.concatenate([tooth.breaks for tooth in teeth])),
+        list[Array](),
+    )
     for _ in range(ROUNDS):
         before, seams = seams, _seams(drafts, finer, fixed)
         moved = [not before or not np.array_equal(*pair) for pair in zip(seams, before or seams, strict=True)]
@@ -173,9 +178,11 @@ def tessellate_alike(
 
 
 def _seams(drafts: Sequence[_Draft], finer: Array, fixed: Array) -> list[Array]:
-    """Stations of the nodes of every seam (R + 1) between the links of all drafts, as many as the links on both sides of it want.
+    """Stations of the nodes of every seam (R + 1) between the links of all drafts, as many as the links on both sides
+    of it want.
 
-    The last seam of a whole tooth is the first one of the next. `finer` (R + 1,): how much closer the nodes must be beyond that.
+    The last seam of a whole tooth is the first one of the next. `finer` (R + 1,): how much closer the nodes must be
+    beyond that.
     """
     count, seams = len(drafts[0].regions), list[Array]()
     whole = count == len(drafts[0].tooth.regions)
@@ -209,7 +216,17 @@ class _Draft:
     def of(tooth: Tooth, regions: tuple[Region, ...], tolerance: float) -> _Draft:
         forms, allowed = Forms.of(tooth, regions), SAFETY * tolerance
         plans = link_plans(forms, SAFETY * allowed, allowed, straight=tooth.face_breaks.size > 0)
-        return _Draft(tooth, regions, tolerance, forms, plans, [np.inf] * len(regions), [0] * len(regions), {}, set(range(len(regions))))
+        return _Draft(
+            tooth,
+            regions,
+            tolerance,
+            forms,
+            plans,
+            [np.inf] * len(regions),
+            [0] * len(regions),
+            {},
+            set(range(len(regions))),
+        )
 
     @property
     def patches(self) -> tuple[PatchMesh, ...]:
@@ -217,7 +234,8 @@ class _Draft:
         return tuple(self.meshes[k].patch for k in range(len(self.regions)))
 
     def mesh(self, seams: list[Array], moved: list[bool], finer: Array, fixed: Array) -> None:
-        """Mesh what is new, with nodes at the stations `seams` of every seam, some of them `moved`, and refine its plans.
+        """Mesh what is new, with nodes at the stations `seams` of every seam, some of them `moved`, and refine its
+        plans.
 
         `finer` (R + 1,): by how much more nodes a seam needs.
         """
@@ -229,7 +247,8 @@ class _Draft:
             return
         tooth = self.tooth
         lines = {
-            k: LinkLines.of(self.plans[k], breaks(tooth.chain[self.regions[k]]), fixed, seams[k], seams[k + 1]) for k in wanted
+            k: LinkLines.of(self.plans[k], breaks(tooth.chain[self.regions[k]]), fixed, seams[k], seams[k + 1])
+            for k in wanted
         }
         drawn = [lines[k].t for k in wanted if tooth.chain[self.regions[k]].surface is None]
         trimmed = tooth.sections(np.unique(np.concatenate([*seams, *drawn, fixed])))
@@ -247,7 +266,9 @@ class _Draft:
             return
         plain = plan.otherwise
         self.worse[k] += mesh.worst > WORSE * self.missed[k]
-        if plain is not None and self.worse[k] > (PATIENCE if plain.triangles > DEAR * len(mesh.patch.triangles) else 0):
+        if plain is not None and self.worse[k] > (
+            PATIENCE if plain.triangles > DEAR * len(mesh.patch.triangles) else 0
+        ):
             # lines that lean with the surface and miss it by more for being more: the plain ones take their place
             self.plans[k] = plain
             self.stale.add(k)

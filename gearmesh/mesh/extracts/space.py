@@ -31,14 +31,15 @@ def parts(tooth_mesh: ToothMesh) -> tuple[ToothMesh, ToothMesh]:
 def space_mesh(tooth_mesh: ToothMesh, name: str) -> TriangleMesh:
     """The closed mesh of a `Space`, of the mesh of its links; normals point out of it, into the teeth."""
     space, (here, before) = tooth_mesh.tooth, (part.weld() for part in parts(tooth_mesh))
-    back, line, count = space.joint.to(-space.pitch_angle), len(tooth_mesh.t), len(here.vertices)
+    back, count = space.joint.to(-space.pitch_angle), len(here.vertices)
     ours = len(here.triangles)
     # the last line of either part is the first one of the other
     left = np.empty(len(before.vertices), dtype=np.int64)
+    line, last = len(before.firsts[0]), len(here.firsts[0])
     left[before.firsts[0]] = np.arange(count - line, count)
-    left[-line:] = here.firsts[0]
+    left[-last:] = here.firsts[0]
     own = np.ones(len(left), dtype=bool)
-    own[before.firsts[0]] = own[-line:] = False
+    own[before.firsts[0]] = own[-last:] = False
     left[own] = count + np.arange(own.sum())
     vertices = np.concatenate((here.vertices, back.point(before.vertices[own])))
     normals = np.concatenate([patch.normals for patch in tooth_mesh.patches])

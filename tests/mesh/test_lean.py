@@ -1,0 +1,90 @@
+"""Triangles of flanks and fillets, held against the fewest that any mesh can have, by an integral that knows nothing of the mesher."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.surface.curvature import gaussian_curvature, shape_operator, tangent_basis
+from gearmesh.mesh.tessellate import ToothMesh, tessellate
+from gearmesh.systems.system import worm
+from gearmesh.teeth.region import FILLETS, FLANKS, Region
+from gearmesh.teeth.tooth import Tooth
+
+CURVED = {*FLANKS.values(), *FILLETS.values()}
+
+
+@cache
+def tooth_of(sample: str, member: str) -> Tooth:
+    design = gm.load(SAMPLES / f"{sample}.toml")
+    return worm(design).member.tooth if member == "worm" else gm.build(design).members[member].tooth
+
+
+def fewest(tooth: Tooth, region: Region, order: int = 20) -> float:
+    """Integral of sqrt(|k1 k2|) dA over c, mm: over the error the fewest triangles, c = 3 sqrt(3) / 2 or, on saddles, 2 sqrt(5)."""
+    nodes, weights = np.polynomial.legendre.leggauss(order)
+    x, w, step = 0.5 * (nodes + 1.0), 0.5 * weights, 1e-5
+
+    def points(ds: float, dt: float) -> Array:
+        return tooth.grid(region, x + ds, tooth.sections(x + dt)).points
+
+    jet = tooth.grid(region, x, tooth.sections(x)).jet
+    assert jet is not None
+    normal = cross(points(step, 0.0) - points(-step, 0.0), points(0.0, step) - points(0.0, -step)) / (4.0 * step**2)
+    gaussian = gaussian_curvature(shape_operator(jet, *tangent_basis(jet)))
+    density = np.sqrt(np.abs(gaussian) * dot(normal, normal)) / np.where(gaussian > 0.0, 1.5 * np.sqrt(3.0), 20.0**0.5)
+    return float(w @ density @ w)
+
+
+def ratio(mesh: ToothMesh) -> float:
+    """Triangles of flanks and fillets over the fewest, developable ones left out."""
+    needs = {region: fewest(mesh.tooth, region) for region in mesh.tooth.regions if region in CURVED}
+    bent = {region for region, need in needs.items() if need > 1e-6 * sum(needs.values())}
+    taken = sum(len(patch.triangles) for patch in mesh.patches if patch.region in bent)
+    return taken * max(patch.deviation for patch in mesh.patches) / sum(needs.values())
+
+
+@pytest.mark.parametrize(
+    ("sample", "member", "most"),
+    [
+        ("spiral_bevel_basic", "pinion", 1.5),
+        ("novikov", "gear", 1.5),
+        ("novikov", "worm", 1.5),
+        ("circular_arc", "pinion", 1.5),
+        ("internal", "gear", 1.5),
+        ("double_helical", "pinion", 1.4),
+        # a tooth turns from the toe to the heel into another, and lines go from one to the other
+        ("beveloid_crossed", "pinion", 2.9),
+        ("face_gear", "gear", 2.4),
+    ],
+)
+def test_flanks_and_fillets_take_few_triangles(sample: str, member: str, most: float) -> None:
+    assert ratio(tessellate(tooth_of(sample, member), 0.01)) < most
+
+
+@pytest.mark.parametrize(("sample", "member"), [("beveloid_crossed", "pinion"), ("face_gear", "gear")])
+def test_links_have_nodes_of_their_own_and_their_seams_in_common(sample: str, member: str) -> None:
+    """Both links at a seam have its nodes, to the bit, the last one those of the next tooth; the lines between have fewer."""
+    mesh = tessellate(tooth_of(sample, member), 0.005)
+    count = len(mesh.patches)
+    for k, patch in enumerate(mesh.patches):
+        following, seam, first = mesh.patches[(k + 1) % count], patch.nodes.line(1.0), None
+        first = following.nodes.line(0.0)
+        np.testing.assert_array_equal(patch.nodes.t[seam], following.nodes.t[first])
+        if k + 1 < count:
+            np.testing.assert_allclose(patch.points[seam], following.points[first], rtol=0.0, atol=1e-9)
+    sizes = {np.count_nonzero(patch.nodes.s == s) for patch in mesh.patches for s in np.unique(patch.nodes.s)}
+    assert len(sizes) > 4
+
+
+def test_a_tenth_of_the_tolerance_takes_ten_times_the_triangles() -> None:
+    """First order in triangles: what lines and seams round up to whole numbers of cells becomes less and less."""
+    meshes = [tessellate(tooth_of("spiral_bevel_basic", "pinion"), tolerance) for tolerance in (1e-2, 1e-3)]
+    coarse, fine = (sum(len(p.triangles) for p in mesh.patches if p.region in CURVED) for mesh in meshes)
+    assert 8.0 < fine * meshes[1].deviation / (coarse * meshes[0].deviation) * 10.0 < 10.5
+    assert all(mesh.deviation <= mesh.tolerance for mesh in meshes)
