@@ -37,7 +37,7 @@ from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.system import worm
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import FILLETS, FLANKS
+from gearmesh.teeth.region import FILLETS, FLANKS, Region
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.view.diagrams.plots import CostRun, plot_cost
 
@@ -56,6 +56,23 @@ STEP_PARTS = (
     ("face_gear", "gear"),
 )
 TOLERANCES_UM = (100.0, 10.0, 1.0, 0.1)
+#: a member of every kind
+KINDS = (
+    ("helical", "pinion"),
+    ("internal", "gear"),
+    ("beveloid_crossed", "pinion"),
+    ("beveloid_crossed", "gear"),
+    ("spiral_bevel_basic", "pinion"),
+    ("spiral_bevel_basic", "gear"),
+    ("hypoid", "pinion"),
+    ("zerol", "gear"),
+    ("face_gear", "gear"),
+    ("novikov", "pinion"),
+    ("novikov", "gear"),
+    ("novikov", "worm"),
+    ("circular_arc", "pinion"),
+    ("modified_involute", "pinion"),
+)
 
 
 def best_of(repeats: int, work: Callable[[], Any]) -> tuple[float, Any]:
@@ -287,6 +304,62 @@ def meshes(quick: bool) -> dict[str, list[dict[str, float]]]:
     return results
 
 
+def kinds(quick: bool) -> list[dict[str, Any]]:
+    """Flanks, fillets and ends of a member of every kind: triangles over the fewest possible, by the mesher's own error."""
+    rows = []
+    for sample, name in KINDS:
+        member = _member(sample, name)
+        asked = needs(member.tooth, 40)
+        for tolerance in TOLERANCES_UM[: 3 if quick else None]:
+            mesh = tessellate(member.tooth, 1e-3 * tolerance)
+            solid = gear_solid(member, 1e-3 * tolerance, mesh)
+            error = max(patch.deviation for patch in mesh.patches if patch.region in asked)
+            taken = {patch.region: len(patch.triangles) for patch in mesh.patches}
+            curved = sum(taken[region] for region in asked)
+            counted = sum(max(need.fewest / error, border(member.tooth, k, error)) for k, need in asked.items())
+            row = {"member": f"{sample}, {name}", "tolerance_um": tolerance, "error_um": 1e3 * error}
+            for links, regions in (("flanks", FLANKS), ("fillets", FILLETS)):
+                least = sum(asked[region].fewest for region in regions.values()) / error
+                least = least if least > 1e-3 else np.nan
+                row[links] = sum(taken[region] for region in regions.values()) / least
+            least = sum(need.fewest for need in asked.values()) / error
+            rows.append(
+                {
+                    **{
+                        key: "" if isinstance(value, float) and np.isnan(value) else value for key, value in row.items()
+                    },
+                    "both": curved / least if least > 1e-3 else "",
+                    "counted": curved / counted,
+                    "ends": 100.0
+                    * (1.0 - sum(taken.values()) * member.tooth.teeth * len(member.halves) / len(solid.triangles)),
+                    "triangles": len(solid.triangles),
+                }
+            )
+    return rows
+
+
+def _member(sample: str, name: str) -> Member:
+    """A member of a sample, or the worm that grinds one."""
+    design = gm.load(SAMPLES / f"{sample}.toml", HELICAL[1] if sample == HELICAL[0] else [])
+    return worm(design).member if name == "worm" else gm.build(design).members[name]
+
+
+def border(tooth: Tooth, region: Region, error: float) -> float:
+    """Fewest triangles (less than exact: of curves that are parabolas) of a link whose border keeps the error, mm: its edges less two.
+
+    At toe and heel edges keep to the section curve, on the seams, where the surface goes on, to the surface.
+    """
+    x, edges = np.linspace(0.0, 1.0, 65), 0.0
+    for s, t in ((x, [0.0, 1.0]), ([0.0, 1.0], x)):
+        grid = tooth.grid(region, s, tooth.sections(t))
+        points, normals = (np.moveaxis(of, 1, 0) if s is x else of for of in (grid.points, grid.normals))
+        bent, along = np.diff(points, 2, axis=1), points[:, 2:] - points[:, :-2]
+        across = bent - (dot(bent, along) / dot(along, along))[..., None] * along
+        away = np.sqrt(dot(across, across)) if s is x else np.abs(dot(bent, normals[:, 1:-1]))
+        edges += float(np.maximum(1.0, np.ceil(np.sqrt(away / (8.0 * error)).mean(axis=1) * 64.0 - 0.05)).sum())
+    return edges - 2.0
+
+
 def solids_and_stl(folder: Path, repeats: int) -> list[dict[str, Any]]:
     """The helical benchmark gear and the worm of a ground pinion at 10 um, built and written in process."""
     members = {
@@ -442,6 +515,17 @@ COLUMNS: dict[str, dict[str, str]] = {
         "times_estimate": "times the integral / (2.6 error)",
         "seconds": "meshing time, s",
     },
+    "kinds": {
+        "member": "member",
+        "tolerance_um": "asked, µm",
+        "error_um": "reported, µm",
+        "flanks": "flanks, times the fewest",
+        "fillets": "fillets, times the fewest",
+        "both": "both",
+        "counted": "both, times the fewest by integral and border",
+        "ends": "ends, bore and back, % of all",
+        "triangles": "triangles of the solid",
+    },
     "solid": {
         "part": "solid within 10 µm",
         "triangles": "triangles",
@@ -525,6 +609,8 @@ def main() -> None:
     }
     plot_cost(options.output / "mesh_cost.png", runs)
 
+    result["kinds"] = kinds(options.quick)
+    show("triangles of every kind", result["kinds"])
     result["solid"] = solids_and_stl(options.output, 5)
     show("solids at 10 um, built and written as STL", result["solid"])
     for sample, tolerance in (("spiral_bevel_basic", 0.005), ("novikov", 0.001), ("face_gear", 0.02)):
