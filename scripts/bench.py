@@ -345,7 +345,7 @@ def _member(sample: str, name: str) -> Member:
 
 
 def border(tooth: Tooth, region: Region, error: float) -> float:
-    """Fewest triangles (less than exact: of curves that are parabolas) of a link whose border keeps the error, mm: its edges less two.
+    """Fewest triangles of a link whose border, drawn as parabolas, keeps the error, mm: its edges less two.
 
     At toe and heel edges keep to the section curve, on the seams, where the surface goes on, to the surface.
     """

@@ -1,4 +1,4 @@
-"""Triangles of flanks and fillets, held against the fewest that any mesh can have, by an integral that knows nothing of the mesher."""
+"""Triangles of flanks and fillets against the fewest that any mesh can have, by an integral that knows no mesher."""
 
 from __future__ import annotations
 
