@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.ends.end_mesh import EndMesh, end_mesh
-from gearmesh.mesh.forms import Forms
-from gearmesh.mesh.lines import denser, stations
-from gearmesh.mesh.link_mesh import LinkLines, LinkMesh, mesh_link
+from gearmesh.mesh.links.forms import Forms
+from gearmesh.mesh.links.lines import denser, stations
+from gearmesh.mesh.links.link_mesh import LinkLines, LinkMesh, mesh_link
+from gearmesh.mesh.links.plan import LinkPlan, link_plans
 from gearmesh.mesh.patch import PatchMesh
-from gearmesh.mesh.plan import LinkPlan, link_plans
 from gearmesh.teeth.end_strip import EndStrip
 from gearmesh.teeth.region import END_EDGES, Region
 from gearmesh.teeth.section import breaks

@@ -27,8 +27,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.forms import Forms
-from gearmesh.mesh.lines import ROUNDING
+from gearmesh.mesh.links.forms import Forms
+from gearmesh.mesh.links.lines import ROUNDING
 
 #: so much closer than they need be may nodes on lines be
 CLOSER = np.geomspace(1.0, 8.0, 10)

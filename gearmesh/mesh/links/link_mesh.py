@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, dot
-from gearmesh.mesh.lines import between, integral, nodes, rows, stations
+from gearmesh.mesh.links.lines import between, integral, nodes, rows, stations
+from gearmesh.mesh.links.plan import LinkPlan
 from gearmesh.mesh.patch import LinkNodes, PatchMesh, distance
-from gearmesh.mesh.plan import LinkPlan
 from gearmesh.mesh.strip_triangulation import StripTriangulation
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.section import GeneratedLink, Link, Sections, breaks
