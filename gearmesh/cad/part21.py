@@ -37,6 +37,9 @@ _EDGE_CURVE = re.compile(r"(EDGE_CURVE\('[^']*',#\d+,#\d+,)#(\d+)(,.*)")
 #: long lists are broken into lines of about so many characters
 _LINE = re.compile(r"(.{400}[^,]*#\d+,)(?=#)")
 
+#: characters that a string of the standard does not have as they are [ISO 10303-21 6.4.3]
+_BEYOND = re.compile(r"[^\x20-\x7e]+")
+
 #: instances by number
 Instances = dict[int, str]
 
@@ -56,6 +59,17 @@ def condense(text: str) -> str:
     _drop_curves_on_planes(instances)
     _merge(instances)
     return f"{head}DATA;\n{_renumber(instances, whole)}ENDSEC;{tail}"
+
+
+def basic_alphabet(text: str) -> str:
+    """A text with all but the characters of the basic alphabet as \\X2\\ or \\X4\\ and their numbers [ISO 10303-21 6.4.3.3]."""
+
+    def numbers(match: re.Match[str]) -> str:
+        wide = max(match[0]) > "\uffff"
+        codes = match[0].encode("utf-32-be" if wide else "utf-16-be").hex().upper()
+        return f"\\X{4 if wide else 2}\\{codes}\\X0\\"
+
+    return _BEYOND.sub(numbers, text)
 
 
 def _unfold(value: str) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 
 from gearmesh import __version__
 from gearmesh.cad.occ import location
-from gearmesh.cad.part21 import condense
+from gearmesh.cad.part21 import basic_alphabet, condense
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.palette import region_colours
@@ -185,7 +185,7 @@ def _name(label: Any, name: str) -> None:
     from OCP.TCollection import TCollection_ExtendedString
     from OCP.TDataStd import TDataStd_Name
 
-    TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
+    TDataStd_Name.Set_s(label, TCollection_ExtendedString(basic_alphabet(name)))
 
 
 def _write_header(model: Any, name: str, description: str) -> None:
@@ -193,8 +193,8 @@ def _write_header(model: Any, name: str, description: str) -> None:
     from OCP.TCollection import TCollection_HAsciiString
 
     header = APIHeaderSection_MakeHeader(model)
-    header.SetDescriptionValue(1, TCollection_HAsciiString(description))
-    header.SetName(TCollection_HAsciiString(name))
+    header.SetDescriptionValue(1, TCollection_HAsciiString(basic_alphabet(description)))
+    header.SetName(TCollection_HAsciiString(basic_alphabet(name)))
     header.SetTimeStamp(TCollection_HAsciiString(_time_stamp()))
     header.SetOriginatingSystem(TCollection_HAsciiString(f"gearmesh {__version__}"))
     # instead of "Author" and the like

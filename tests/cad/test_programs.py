@@ -22,6 +22,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.app.cli import main
 from gearmesh.cad.brep import exact_volume
+from gearmesh.cad.part21 import basic_alphabet
 from gearmesh.io.palette import region_colours
 
 #: few teeth, which differ
@@ -34,6 +35,7 @@ SET = [
     "sun.face_width=8",
     "planet.face_width=7",
     "ring.face_width=8",
+    "name=Räder 齿 15",
 ]
 #: mm
 COARSE = 0.001
@@ -214,11 +216,15 @@ def planetary(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_planets_are_one_part_that_occurs_three_times(planetary: Path) -> None:
     text = planetary.read_text()
     names = re.findall(r"=PRODUCT\('([^']*)'", text)
-    assert names == ["Planetary set z 18/27/72", "sun", "planet", "ring"]
+    assert names == [r"R\X2\00E4\X0\der \X2\9F7F\X0\ 15", "sun", "planet", "ring"]
     used = re.findall(r"NEXT_ASSEMBLY_USAGE_OCCURRENCE\('\d+','([^']*)','',#\d+,(#\d+)", text)
     assert [name for name, _ in used] == ["sun", "planet_1", "planet_2", "planet_3", "ring"]
     assert len({product for _, product in used}) == 3
     assert text.count("MANIFOLD_SOLID_BREP") == 3
+
+
+def test_texts_have_the_alphabet_of_the_standard() -> None:
+    assert basic_alphabet("Rad 'x' 12\n\U0001d11eäx") == r"Rad 'x' 12\X4\0000000A0001D11E000000E4\X0\x"
 
 
 def test_a_planet_with_other_flanks_is_a_part_of_its_own() -> None:
