@@ -15,7 +15,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.systems import system as systems
-from gearmesh.systems.common.plain_sheet import member_table, plain_sheet, tool_table
+from gearmesh.systems.common.plain_sheet import mass_table, member_table, plain_sheet, tool_table
 from gearmesh.systems.system import Setting, SheetTable
 
 #: where the values of a row of a table begin, after item and unit
@@ -148,7 +148,7 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
     sheet = (known.sheet or plain_sheet)(gears.design, gears.train)
     # planets, which are numbered, are made alike
     members = {gears.design.table_named(name): member for name, member in gears.train.members.items()}
-    tables = (*sheet.tables, tool_table(members))
+    tables = (*sheet.tables, tool_table(members), mass_table(gears.design, members))
     if speed is not None and torque is None:
         raise ArgumentError("speed", speed, reason="needs a torque")
     if torque is not None:
@@ -174,6 +174,7 @@ def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
         *(table for table in of_member if table.title != at_mid_face.title),
         at_mid_face,
         tool_table({name: part.member}),
+        mass_table(gears.design, {name: part.member}),
     )
     left_out = f"{name}: one member alone: its sheet has no axes, ratio, backlash, contact ratios or forces"
     return DesignSheet(gears.design, tables, {}, (*gears.warnings, *part.warnings, left_out))

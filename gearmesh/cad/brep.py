@@ -175,20 +175,11 @@ def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
 
 def exact_volume(member: Member) -> float:
     """Volume (mm^3) of a member with hub, keyway and holes, from exact sections (`Tooth.volume`) and closed forms."""
-    bore, volume = member.plain_body.bore_radius, member.plain_volume()
-    low, high = member.plain_body.ends
-    height = high - low
-    if member.hub is not None:
-        height += member.hub.length
-        volume += np.pi * ((0.5 * member.hub.diameter) ** 2 - bore**2) * member.hub.length
-    if member.keyway is not None:
-        half = 0.5 * member.keyway.width
-        # the slot from the axis on, less its part inside the bore
-        inside = half * np.sqrt(bore**2 - half**2) + bore**2 * np.arcsin(half / bore)
-        volume -= height * (member.keyway.width * (bore + member.keyway.depth) - inside)
-    if member.holes is not None:
-        low, high = member.hole_range
-        volume -= member.holes.count * np.pi * (0.5 * member.holes.diameter) ** 2 * (high - low)
+    plain, body = member.plain_body, member.body
+    # both cut off what is between them and the axis
+    volume = member.plain_volume() + plain.cut_off() - body.cut_off()
+    for outline, low, high in member.prisms:
+        volume -= (high - low) * sum(curve.swept for curve in outline)
     return float(volume)
 
 

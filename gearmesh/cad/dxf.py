@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.cad.contours.curves import Contour, PlaneArc, PlaneCurve, PlaneSpline
+from gearmesh.cad.contours.curves import Contour, PlaneSpline
 from gearmesh.cad.section import MemberSection
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 
 #: the oldest version that has splines, which most programs read
 VERSION = "R2000"

@@ -17,10 +17,11 @@ from scipy.interpolate import make_interp_spline
 
 from gearmesh.cad.bar import rounding
 from gearmesh.cad.brep import NARROWEST, ROUNDS, Piece
-from gearmesh.cad.contours.curves import DEGREE, Contour, PlaneArc, PlaneCurve, PlaneLine, PlaneSpline
+from gearmesh.cad.contours.curves import DEGREE, Contour, PlaneSpline
 from gearmesh.cad.nodes import MOST, STEP, by_interval, plan, samples
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, unit
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLETS, Region
@@ -29,6 +30,8 @@ from gearmesh.teeth.tooth import Tooth
 
 #: the contour round all teeth
 TEETH = "teeth"
+#: the contours of openings by the region of their walls
+OPENINGS = {Region.HOLE: "holes", Region.BOLT: "bolts", Region.SPOKE: "spokes"}
 #: share of the tolerance that splines keep at the places between their nodes where they are measured
 SHARE = 0.9
 #: z may be so far (mm) beyond an end face that it was meant to lie on
@@ -96,7 +99,7 @@ def member_section(member: Member, z: float, tolerance: float) -> MemberSection:
     # from outside inwards material begins and ends; the teeth bound an external gear outside, an internal one inside
     bounds = [*circles, teeth] if blank.body.around else [teeth, *circles]
     contours = [Contour(name, curves, k % 2 == 0) for k, (name, curves) in enumerate(bounds)]
-    contours += [Contour("holes", (hole,), False) for hole in _holes(member, z)]
+    contours += [Contour(name, curves, False) for name, curves in _openings(member, z)]
     return MemberSection(member.name, z, tuple(contours), deviation)
 
 
@@ -257,39 +260,27 @@ def _fit(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tu
     )
 
 
-def _holes(member: Member, z: float) -> list[PlaneArc]:
-    """The holes, where the plane meets them."""
-    low, high = member.hole_range
-    through = low <= z < high or z == high == member.plain_body.ends[1]
-    if member.holes is None or not through:
-        return []
-    return [PlaneArc.circle(0.5 * member.holes.diameter, centre) for centre in member.holes.centres]
+def _openings(member: Member, z: float) -> list[_Bound]:
+    """Holes and the like, where the plane meets them."""
+    return [
+        (OPENINGS[opening.region], opening.curves)
+        for opening in member.openings
+        if opening.low <= z < opening.high or z == opening.high == member.plain_body.ends[1]
+    ]
 
 
 def _circles(member: Member, z: float) -> list[_Bound]:
     """What bounds the body at z, from outside inwards: circles, and the bore with its keyway."""
-    body = member.plain_body
-    high = body.ends[1]
+    body, high = member.body, member.plain_body.ends[1]
     circles = []
     for (rho, start), (next_rho, end), band in zip(body.profile, body.profile[1:], body.bands, strict=False):
         # where the plane lies on a step of the profile, the section is that just above it, and below it at the end
-        if min(start, end) <= z < max(start, end) or z == high == max(start, end) > min(start, end):
+        if min(start, end) < z <= max(start, end) if z == high else min(start, end) <= z < max(start, end):
             circles.append((rho + (z - start) / (end - start) * (next_rho - rho), band))
     bounds: list[_Bound] = []
     for radius, band in sorted(circles, reverse=True):
         if radius > 0.0:
-            keyed = band is Region.BORE and member.keyway is not None
-            bounds.append((band.value, _bore_with_keyway(member, radius) if keyed else (PlaneArc.circle(radius),)))
+            keyway = member.keyway if band is Region.BORE else None
+            circle = (PlaneArc.circle(radius),) if keyway is None else keyway.in_bore(radius)
+            bounds.append((band.value, circle))
     return bounds
-
-
-def _bore_with_keyway(member: Member, radius: float) -> tuple[PlaneCurve, ...]:
-    """The bore with the keyway on +x."""
-    keyway = member.keyway
-    assert keyway is not None
-    half, bottom = 0.5 * keyway.width, radius + keyway.depth
-    first = float(np.arcsin(half / radius))
-    near = radius * np.cos(first)
-    corners = np.array([(near, -half), (bottom, -half), (bottom, half), (near, half)])
-    arc = PlaneArc(np.zeros(2), radius, first, 2.0 * (np.pi - first))
-    return arc, *(PlaneLine(corners[k], corners[k + 1]) for k in range(3))

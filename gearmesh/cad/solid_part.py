@@ -16,13 +16,14 @@ import numpy as np
 from gearmesh.cad.brep import SplineTooth
 from gearmesh.cad.occ import PRECISION, edge, face, frame, spline_curve, spline_surface, straight2d, vertex, wire
 from gearmesh.cad.step import NamedFace, Part, require_occ
-from gearmesh.cad.turned import Loop, Trace, TurnedSurface, circle, drilled_holes, keyed_bore, plane_face, turned_face
+from gearmesh.cad.turned import Loop, Prism, Trace, TurnedSurface, circle, plane_face, turned_face
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import Body, end_regions
 from gearmesh.teeth.blank.end_edge import SHARP
+from gearmesh.teeth.blank.features import Opening
 from gearmesh.teeth.blank.halves import HalfEnd
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
@@ -411,14 +412,26 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
     faces, keyed = [], -1
     if member.keyway is not None:
         keyed = names.index(Region.BORE)
-        pair, walls = keyed_bore(
-            member.plain_body.bore_radius, (profile[keyed][1], profile[keyed + 1][1]), member.keyway
-        )
-        loops[keyed : keyed + 2] = pair
-        faces += [NamedFace(walls[0], "bore", "bore")]
-        faces += [NamedFace(wall, f"keyway_{i + 1}", "keyway") for i, wall in enumerate(walls[1:])]
-    drilled, walls = drilled_holes(member.hole_range, member.holes) if member.holes is not None else ({}, ())
-    faces += [NamedFace(wall, f"hole_{i + 1}", Region.HOLE) for i, wall in enumerate(walls)]
+        rho, levels = profile[keyed][0], (profile[keyed][1], profile[keyed + 1][1])
+        bore = Prism.of(member.keyway.in_bore(rho), levels)
+        angle = float(np.arcsin(0.5 * member.keyway.width / rho))
+        loops[keyed : keyed + 2] = [
+            Loop(edges, start, rho, z, angle) for edges, start, z in zip(bore.edges, bore.starts, levels, strict=True)
+        ]
+        faces += [NamedFace(bore.faces[0], "bore", "bore")]
+        faces += [NamedFace(wall, f"keyway_{i + 1}", "keyway") for i, wall in enumerate(bore.faces[1:])]
+    cuts = [(opening, Prism.of(opening.curves, (opening.low, opening.high))) for opening in member.openings]
+    faces += _openings(cuts)
+
+    def holes_in(z: float, inner: float, outer: float) -> list[Any]:
+        """Wires of the openings in a plane face at z between two radii."""
+        return [
+            cut.wire_at(row)
+            for opening, cut in cuts
+            for row, level in enumerate((opening.low, opening.high))
+            if level == z and level != opening.floor and inner <= opening.reach[0] and opening.reach[1] <= outer
+        ]
+
     for k, name in enumerate(names):
         first, second = loops[k], loops[k + 1]
         (rho, z), (next_rho, next_z) = profile[k : k + 2]
@@ -427,7 +440,7 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
         if z == next_z:
             outer, inner = (first, second) if rho > next_rho else (second, first)
             assert outer is not None
-            holes = drilled.get(z, ()) if name is Region.WEB else ()
+            holes = holes_in(z, min(rho, next_rho), max(rho, next_rho))
             shape = plane_face(outer, inner, (next_rho > rho) == outward, holes)
         elif first is None or second is None:
             raise DesignError(member.name, reason="the body ends in a point on its axis, which STEP cannot represent")
@@ -441,8 +454,23 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
             shape = turned_face(ring, loop, (across > 0.0) == (end == 1))
         else:
             outer, inner = (ring, loop) if ring is not None and ring.rho > loop.rho else (loop, ring)
-            holes = drilled.get(profile[-end][1], ()) if member.plain_body.web is None else ()
+            rho, z = profile[-end]
+            holes = holes_in(z, 0.0, rho) if member.body.around else holes_in(z, rho, np.inf)
             shape = plane_face(outer, inner, (up > 0.0) == (end == 1), holes)
         region = end_regions(blank.axial)[end]
         faces.append(NamedFace(shape, region, region))
+    return faces
+
+
+def _openings(cuts: list[tuple[Opening, Prism]]) -> list[NamedFace]:
+    """The walls and floors of all openings, counted by their regions."""
+    faces, counts = list[NamedFace](), dict[Region, int]()
+    for opening, cut in cuts:
+        counts[opening.region] = number = counts.get(opening.region, 0) + 1
+        walls = list(cut.faces)
+        if opening.floor is not None:
+            row = int(opening.floor == opening.high)
+            walls.append(cut.floor(row, opening.floor))
+        names = [f"{opening.region}_{number}", *(f"{opening.region}_{number}_{k}" for k in range(2, len(walls) + 1))]
+        faces += [NamedFace(wall, name, opening.region) for wall, name in zip(walls, names, strict=True)]
     return faces

@@ -6,10 +6,11 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from gearmesh.cad.contours.curves import Contour, PlaneArc, PlaneCurve, PlaneSpline
+from gearmesh.cad.contours.curves import Contour, PlaneSpline
 from gearmesh.cad.section import MemberSection
 from gearmesh.io.atomic import PathLike, whole_text
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 
 #: width of the lines, mm, and of the margin round the drawing as a share of its radius
 LINE, MARGIN = 0.1, 0.02

@@ -29,7 +29,8 @@ from gearmesh.cad.occ import (
 )
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.gear_train import Drilling, Slot
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
+from gearmesh.teeth.blank.features import Outline
 
 #: a trace is refined until it is this close (mm) to its curve, each span of which is cut at most into so many
 TRACED, FINEST = 1e-8, 8
@@ -165,13 +166,13 @@ def circle(rho: float, z: float, angle: float) -> Loop:
 
 
 def plane_face(outer: Loop, inner: Loop | None, up: bool, holes: Sequence[Any] = ()) -> Any:
-    """The plane across the axis between two loops, or within one, less `holes` (circles); `up`: the material is below it."""
+    """The plane across the axis between two loops, or within one, less `holes` (wires); `up`: the material is below it."""
     from OCP.Geom import Geom_Plane
 
     wires = [wire(*((edge, True) for edge in outer.edges))]
     if inner is not None:
         wires.append(wire(*((edge, False) for edge in reversed(inner.edges))))
-    wires += [wire((hole, False)) for hole in holes]
+    wires += holes
     return face(Geom_Plane(frame((0.0, 0.0, outer.z), 1.0, 0.0)), wires, up)
 
 
@@ -207,65 +208,90 @@ def turned_face(near: Loop, far: Loop, outward: bool) -> Any:
     return face(turned.surface, [wire(*round_low, (seam, True), *round_high, (seam, False))], outward)
 
 
-def keyed_bore(rho: float, levels: tuple[float, float], keyway: Slot) -> tuple[tuple[Loop, Loop], tuple[Any, ...]]:
-    """A bore with a keyway on +x between two levels z (mm): its loops, and its faces, the bore's own first."""
-    from OCP.BRep import BRep_Builder
-    from OCP.Geom import Geom_Circle, Geom_CylindricalSurface, Geom_Plane
-    from OCP.gp import gp_Ax3, gp_Dir
-    from OCP.TopLoc import TopLoc_Location
+@dataclass(frozen=True)
+class Prism:
+    """The walls of a prism along the axis between two levels: its edges round either, their first vertices, and its faces."""
 
-    half, builder, here = 0.5 * keyway.width, BRep_Builder(), TopLoc_Location()
-    first = float(np.arcsin(half / rho))
-    ends = (first, 2.0 * np.pi - first)
-    near, bottom = rho * np.cos(first), rho + keyway.depth
-    corners = np.array([(near, half), (near, -half), (bottom, -half), (bottom, half)])
-    cylinder = Geom_CylindricalSurface(frame((0.0, 0.0, levels[0]), 1.0, 0.0), rho)
-    loops, posts = [], []
-    for z in levels:
-        at = [vertex((*corner, z)) for corner in corners]
-        arc = edge(Geom_Circle(frame((0.0, 0.0, z), 1.0, 0.0).Ax2(), rho), at[0], at[1], *ends)
-        builder.UpdateEdge(arc, straight2d((0.0, z - levels[0]), (1.0, 0.0)), cylinder, here, PRECISION)
-        loops.append(Loop((arc, *(straight_edge(at[i], at[(i + 1) % 4]) for i in (1, 2, 3))), at[0], rho, z, first))
-        posts.append(at)
-    rises = [straight_edge(low, high) for low, high in zip(*posts, strict=True)]
-    for rise, u in zip(rises[:2], ends, strict=True):
-        builder.UpdateEdge(rise, straight2d((u, 0.0), (0.0, 1.0)), cylinder, here, PRECISION)
-    surfaces = [cylinder]
-    for i in (1, 2, 3):
-        x, y = corners[(i + 1) % 4] - corners[i]
-        # the normal of a loop that goes along the edge and then up
-        surfaces.append(Geom_Plane(gp_Ax3(point((*corners[i], levels[0])), gp_Dir(y, -x, 0.0), gp_Dir(x, y, 0.0))))
-    low, high = loops
-    faces = tuple(
-        face(
-            surface,
-            [wire((low.edges[i], True), (rises[(i + 1) % 4], True), (high.edges[i], False), (rises[i], False))],
-            False,
+    edges: tuple[tuple[Any, ...], tuple[Any, ...]]
+    starts: tuple[Any, Any]
+    faces: tuple[Any, ...]
+
+    @staticmethod
+    def of(outline: Outline, levels: tuple[float, float]) -> Prism:
+        """Of an outline of lines and arcs, counterclockwise, with material round it, between two z (mm), the lower first."""
+        rise = levels[1] - levels[0]
+        posts = [[vertex((*curve.start, z)) for curve in outline] for z in levels]
+        walls = [_wall(curve, levels[0]) for curve in outline]
+        rises = [straight_edge(low, high) for low, high in zip(*posts, strict=True)]
+        edges = tuple(
+            tuple(_round_edge(curve, z, row[k], row[(k + 1) % len(row)]) for k, curve in enumerate(outline))
+            for z, row in zip(levels, posts, strict=True)
         )
-        for i, surface in enumerate(surfaces)
-    )
-    return (low, high), faces
+        faces = []
+        for k, (curve, surface) in enumerate(zip(outline, walls, strict=True)):
+            after = (k + 1) % len(outline)
+            sides = [(edges[0][k], True), (rises[after], True), (edges[1][k], False), (rises[k], False)]
+            clockwise = isinstance(curve, PlaneArc) and curve.width < 0.0
+            if isinstance(curve, PlaneArc):
+                _unroll(curve, surface, rise, (edges[0][k], edges[1][k]), (rises[k], rises[after]))
+            # a plane's normal and that of a cylinder go into the material, but where the outline goes round the axis clockwise
+            ordered = [(side, not forward) for side, forward in reversed(sides)] if clockwise else sides
+            faces.append(face(surface, [wire(*ordered)], clockwise))
+        return Prism((edges[0], edges[1]), (posts[0][0], posts[1][0]), tuple(faces))
+
+    def wire_at(self, row: int) -> Any:
+        """The hole that it makes in a plane face at the lower (0) or upper (1) level."""
+        return wire(*((edge, False) for edge in reversed(self.edges[row])))
+
+    def floor(self, row: int, z: float) -> Any:
+        """Its plane end at the lower (0) or upper (1) level z (mm), with the material beyond."""
+        from OCP.Geom import Geom_Plane
+
+        return face(
+            Geom_Plane(frame((0.0, 0.0, z), 1.0, 0.0)), [wire(*((edge, True) for edge in self.edges[row]))], row == 0
+        )
 
 
-def drilled_holes(levels: tuple[float, float], holes: Drilling) -> tuple[dict[float, list[Any]], tuple[Any, ...]]:
-    """Holes between two levels z (mm): their circles at either level, and their walls."""
+def _wall(curve: PlaneCurve, z: float) -> Any:
+    """The surface of a line or arc moved along the axis from z on."""
+    from OCP.Geom import Geom_CylindricalSurface, Geom_Plane
+    from OCP.gp import gp_Ax3, gp_Dir
+
+    if isinstance(curve, PlaneArc):
+        return Geom_CylindricalSurface(
+            frame((*curve.centre, z), 1.0, min(curve.first, curve.first + curve.width)), curve.radius
+        )
+    x, y = curve.end - curve.start
+    # the normal of a loop that goes along the edge and then up
+    return Geom_Plane(gp_Ax3(point((*curve.start, z)), gp_Dir(y, -x, 0.0), gp_Dir(x, y, 0.0)))
+
+
+def _unroll(curve: PlaneArc, surface: Any, rise: float, edges: tuple[Any, Any], rises: tuple[Any, Any]) -> None:
+    """Give the edges of a cylinder's wall their lines in its parameters: those at both levels, and where the arc
+    begins and ends."""
     from OCP.BRep import BRep_Builder
-    from OCP.Geom import Geom_Circle, Geom_CylindricalSurface
     from OCP.TopLoc import TopLoc_Location
 
-    builder, here, radius = BRep_Builder(), TopLoc_Location(), 0.5 * holes.diameter
-    circles: dict[float, list[Any]] = {z: [] for z in levels}
-    walls = []
-    for x, y in holes.centres.tolist():
-        cylinder = Geom_CylindricalSurface(frame((x, y, levels[0]), 1.0, 0.0), radius)
-        starts = [vertex((x + radius, y, z)) for z in levels]
-        for z, start in zip(levels, starts, strict=True):
-            made = edge(Geom_Circle(frame((x, y, z), 1.0, 0.0).Ax2(), radius), start, start, 0.0, 2.0 * np.pi)
-            builder.UpdateEdge(made, straight2d((0.0, z - levels[0]), (1.0, 0.0)), cylinder, here, PRECISION)
-            circles[z].append(made)
-        seam = straight_edge(*starts)
-        sides = [straight2d((u, 0.0), (0.0, 1.0)) for u in (2.0 * np.pi, 0.0)]
-        builder.UpdateEdge(seam, *sides, cylinder, here, PRECISION)
-        low, high = (circles[z][-1] for z in levels)
-        walls.append(face(cylinder, [wire((low, True), (seam, True), (high, False), (seam, False))], False))
-    return circles, tuple(walls)
+    builder, here, width = BRep_Builder(), TopLoc_Location(), abs(curve.width)
+    first, sense = (0.0, 1.0) if curve.width > 0.0 else (width, -1.0)
+    for made, v in zip(edges, (0.0, rise), strict=True):
+        builder.UpdateEdge(made, straight2d((first, v), (sense, 0.0)), surface, here, PRECISION)
+    begin, end = (straight2d((u, 0.0), (0.0, 1.0)) for u in (first, width - first))
+    if rises[0] is rises[1]:
+        builder.UpdateEdge(rises[0], end, begin, surface, here, PRECISION)
+        return
+    for made, line in zip(rises, (begin, end), strict=True):
+        builder.UpdateEdge(made, line, surface, here, PRECISION)
+
+
+def _round_edge(curve: PlaneCurve, z: float, start: Any, end: Any) -> Any:
+    """The edge of an outline at z, its parameter the length of a line, of an arc the angle from its beginning."""
+    from OCP.Geom import Geom_Circle
+    from OCP.gp import gp_Ax2, gp_Dir
+
+    if not isinstance(curve, PlaneArc):
+        return straight_edge(start, end)
+    axis = gp_Dir(0.0, 0.0, 1.0 if curve.width > 0.0 else -1.0)
+    along = gp_Dir(float(np.cos(curve.first)), float(np.sin(curve.first)), 0.0)
+    circle_there = Geom_Circle(gp_Ax2(point((*curve.centre, z)), axis, along), curve.radius)
+    return edge(circle_there, start, end, 0.0, abs(curve.width))

@@ -69,7 +69,7 @@ class Hub(Table):
 
 
 class Web(Table):
-    """Disc between hub and rim, thinner than the face is wide and in its middle."""
+    """Disc between hub and rim, thinner than the face is wide and in its middle; of bevel gears beside the toe's face."""
 
     thickness: Annotated[float, Key("length", "thickness", low=0, above=True)]
     rim_diameter: Annotated[
@@ -114,6 +114,118 @@ class Holes(Table):
             default="in the middle of the room",
         ),
     ] = None
+
+
+class BoltHoles(Table):
+    """Bolt holes along the axis on a bolt circle, evenly spaced, through the body or into its heel."""
+
+    listed_apart: ClassVar[str] = "bolt holes"
+
+    count: Annotated[int, Key("count", "number of holes", low=1, high=1000)]
+    diameter: Annotated[float, Key("length", "diameter of each hole", low=0, above=True)]
+    circle: Annotated[
+        float | None,
+        Key("length", "diameter of the bolt circle", low=0, above=True, default="in the middle of the room"),
+    ] = None
+    depth: Annotated[
+        float | None,
+        Key("length", "depth of blind holes, from the heel's face", low=0, above=True, default="through"),
+    ] = None
+    start_angle: Annotated[
+        float, Key("angle", "polar angle of the first hole, counted from the tooth on +x", low=-360, high=360)
+    ] = 0.0
+
+
+class SpokeTable(Table):
+    """Spokes of constant width, with openings between them, in the web or, without one, between bore (or hub) and rim."""
+
+    listed_apart: ClassVar[str] = "spokes"
+
+    count: Annotated[int, Key("count", "number of spokes", low=2, high=1000)]
+    width: Annotated[float, Key("length", "width of each spoke", low=0, above=True)]
+    inner_diameter: Annotated[
+        float | None,
+        Key(
+            "length",
+            "where the openings begin",
+            low=0,
+            above=True,
+            default="10 % of the room beyond its inner diameter",
+        ),
+    ] = None
+    outer_diameter: Annotated[
+        float | None,
+        Key(
+            "length", "where the openings end", low=0, above=True, default="10 % of the room within its outer diameter"
+        ),
+    ] = None
+    corner_radius: Annotated[
+        float | None,
+        Key("length", "radius of the openings' corners; 0 = sharp", low=0, default="a tenth of their height"),
+    ] = None
+    start_angle: Annotated[
+        float, Key("angle", "polar angle of the first spoke, counted from the tooth on +x", low=-360, high=360)
+    ] = 0.0
+
+
+#: steps that a shaft or bore may have
+MOST_STEPS = 12
+
+
+class ShaftSteps(Table):
+    """Shaft, shank or journals in one piece with the body, on an end face or, where there is one, on the hub."""
+
+    listed_apart: ClassVar[str] = "shafts"
+
+    diameters: Annotated[
+        tuple[float, ...],
+        Key("length", "diameters of the steps, from the body outwards", low=0, above=True, most=MOST_STEPS),
+    ]
+    lengths: Annotated[tuple[float, ...], Key("length", "length of each step", low=0, above=True, most=MOST_STEPS)]
+    end_diameters: Annotated[
+        tuple[float, ...],
+        Key(
+            "length",
+            "diameter of each step at its outer end, of cones",
+            low=0,
+            above=True,
+            most=MOST_STEPS,
+            default="those of diameters",
+        ),
+    ] = ()
+
+    @model_validator(mode="after")
+    def _one_each(self) -> Self:
+        _refuse_uneven(self.diameters, {"lengths": self.lengths, "end_diameters": self.end_diameters or self.diameters})
+        return self
+
+
+class BoreSteps(Table):
+    """Steps of the bore at one of its ends, of an internal gear of its outside."""
+
+    listed_apart: ClassVar[str] = "bore steps"
+
+    diameters: Annotated[
+        tuple[float, ...],
+        Key("length", "diameters of the steps, from the end face inwards", low=0, above=True, most=MOST_STEPS),
+    ]
+    lengths: Annotated[
+        tuple[float, ...], Key("length", "length of each step along the axis", low=0, above=True, most=MOST_STEPS)
+    ]
+
+    @model_validator(mode="after")
+    def _one_each(self) -> Self:
+        _refuse_uneven(self.diameters, {"lengths": self.lengths})
+        return self
+
+
+def _refuse_uneven(diameters: tuple[float, ...], others: Mapping[str, tuple[float, ...]]) -> None:
+    """Refuse steps that have not all of their sizes."""
+    if not diameters:
+        raise conflict("diameters", list(diameters), must_be="a list of at least one length")
+    for key, values in others.items():
+        if len(values) != len(diameters):
+            raise conflict(key, list(values), must_be=f"{len(diameters)} lengths, one for each of diameters")
 
 
 class MemberMaterial(Table):
@@ -167,6 +279,10 @@ class MemberMount(Table):
             raise conflict(f"{key}.stiffness", None, reason=why)
 
 
+#: Tables of members that say what the body under the teeth is.
+BODY_TABLES = (
+    "keyway", "hub", "web", "holes", "toe_hub", "heel_shaft", "toe_shaft", "heel_bore", "toe_bore", "bolts", "spokes"
+)  # fmt: skip
 #: Broken edges of the tip
 TipChamfer = Annotated[float | None, Key("length", "45 deg chamfer between flank and top land", low=0)]
 TipRounding = Annotated[float | None, Key("length", "rounding between flank and top land", low=0)]
@@ -227,10 +343,22 @@ class GearBody(Table):
     teeth: Annotated[int, Key("count", "number of teeth", low=3, high=10000)]
     bore: Annotated[
         float | None,
-        Key("length", "bore diameter; 0 = no bore", low=0, default="40 % of the root diameter at the small end"),
+        Key(
+            "length",
+            "bore diameter; 0 = no bore",
+            low=0,
+            default="40 % of the root diameter at the small end, 0 with a shaft",
+        ),
     ] = None
     keyway: Keyway | None = None
     hub: Hub | None = None
+    toe_hub: Hub | None = None
+    heel_shaft: ShaftSteps | None = None
+    toe_shaft: ShaftSteps | None = None
+    heel_bore: BoreSteps | None = None
+    toe_bore: BoreSteps | None = None
+    bolts: BoltHoles | None = None
+    spokes: SpokeTable | None = None
     tip_chamfer: TipChamfer = None
     tip_rounding: TipRounding = None
     end_chamfer: EndWidth = None
@@ -256,9 +384,15 @@ class GearBody(Table):
         width = None if self.keyway is None else self.keyway.width
         if width is not None and width >= self.bore:
             raise conflict("keyway.width", width, must_be=f"smaller than the bore, {self.bore:g}")
-        if self.hub is not None and self.hub.diameter <= self.bore:
-            raise conflict("hub.diameter", self.hub.diameter, must_be=f"larger than the bore, {self.bore:g}")
+        for key, hub in (("hub", self.hub), ("toe_hub", self.toe_hub)):
+            if hub is not None and hub.diameter <= self.bore:
+                raise conflict(f"{key}.diameter", hub.diameter, must_be=f"larger than the bore, {self.bore:g}")
         return self
+
+    @property
+    def stated_bore(self) -> float | None:
+        """The bore as it is given, none where a shaft is in one piece with the body; None for the default."""
+        return 0.0 if self.bore is None and (self.heel_shaft or self.toe_shaft) else self.bore
 
 
 class MemberTable(GearBody):

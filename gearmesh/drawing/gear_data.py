@@ -14,6 +14,7 @@ from gearmesh.design.core import DENSITY, Design
 from gearmesh.design.keys import Key, Table
 from gearmesh.drawing.facts import DataRow, Facts, number
 from gearmesh.systems import system as systems
+from gearmesh.systems.common.plain_sheet import MASS
 from gearmesh.systems.system import DrawnRows, SheetTable
 from gearmesh.teeth.gear_train import Member
 
@@ -121,7 +122,7 @@ def _everything(tables: Iterable[SheetTable], name: str) -> list[DataRow]:
     """All that the sheet says of a member, and of its pairs where it does so in a table without columns for them."""
     return [
         _row(*cell)
-        for cell in _cells([table for table in tables if table.columns != ("",)], name)
+        for cell in _cells([table for table in tables if table.columns != ("",) and table.title != MASS], name)
         if cell[1] != "volume"
     ]
 

@@ -19,12 +19,16 @@ from gearmesh.drawing.dimensions import Span, note, room, stack
 from gearmesh.drawing.facts import Facts, diameter, number
 from gearmesh.drawing.outline import Outline, end_of_teeth, outline_of, tip_edges
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.blank.features import Drilling
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import Region
 
 #: mm on paper: between views, chain lines beyond outlines, and the least pitch at which all teeth are drawn
 BETWEEN, BEYOND, PITCH = 10.0, 4.0, 3.0
 #: teeth that are drawn where not all are, and mm that count as nothing
 FEW, NOTHING = 5, 1e-6
+#: points on each curve of an opening
+CURVE = 33
 
 
 class Views(Protocol):
@@ -198,12 +202,12 @@ class WheelViews:
             if member.keyway is not None and up > 0.0:
                 at = body.profile[body.bore_band][1], body.profile[body.bore_band + 1][1]
                 cuts.append((at, (body.bore_radius, body.bore_radius + member.keyway.depth)))
-            if member.holes is not None:
-                middle, half = 0.5 * member.holes.circle, 0.5 * member.holes.diameter
-                cuts.append((member.hole_range, (middle - half, middle + half)))
-                a, b = member.hole_range
-                line = place.on(np.array([(a, middle), (b, middle)]), up)
-                canvas.stroke(_longer(line, BEYOND - 1.0), Pen.CHAIN)
+            for (a, b), reach, drilled in self._cuts:
+                cuts.append(((a, b), reach))
+                if drilled:
+                    middle = 0.5 * sum(reach)
+                    line = place.on(np.array([(a, middle), (b, middle)]), up)
+                    canvas.stroke(_longer(line, BEYOND - 1.0), Pen.CHAIN)
             openings = [place.on(np.array([(z, r) for z, r in zip((a, b, b, a), (s, s, t, t), strict=True)]), up)
                         for (a, b), (s, t) in cuts]  # fmt: skip
             outline = place.on(self.outline.body, up)
@@ -224,6 +228,12 @@ class WheelViews:
             canvas.stroke(np.concatenate([place.on(np.array([(z, rho)]), up) for up in (1.0, -1.0)]))
         axis = place.on(np.array([(z, 0.0) for z in self.outline.ends]), 1.0)
         canvas.stroke(_longer(axis, BEYOND), Pen.CHAIN)
+
+    @cached_property
+    def _cuts(self) -> list[tuple[tuple[float, float], tuple[float, float], bool]]:
+        """Of holes and the openings between spokes, as if they were in the section: z, radii, and whether they are drilled."""
+        cuts = {(cut.low, cut.high, *cut.reach): cut.region is not Region.SPOKE for cut in self.member.openings}
+        return [((a, b), (s, t), drilled) for (a, b, s, t), drilled in cuts.items()]
 
     def _inner_ends(self) -> list[tuple[float, float]]:
         """(z, rho) of both ends of what is open along the axis."""
@@ -270,8 +280,11 @@ class WheelViews:
         for way in (np.array([reach, 0.0]), np.array([0.0, reach])):
             canvas.line(centre - way, centre + way, pen=Pen.CHAIN)
         self._bore(canvas, scale, centre, on)
-        if member.holes is not None:
-            self._holes(canvas, scale, centre, on)
+        for region in {opening.region: None for opening in member.openings}:
+            self._openings(canvas, region, on)
+        for drilled in (member.holes, member.features.bolts):
+            if drilled is not None:
+                self._name_holes(canvas, scale, centre, on, drilled)
 
     def _is_seen(self, z: float) -> bool:
         low, high = self.member.body.ends
@@ -319,20 +332,29 @@ class WheelViews:
         height = Span(centre[1] - scale * radius, top, number(radius + bottom), (centre[0], centre[0] + scale * half))
         stack(canvas, [height], centre[0] + reach, 1, upright=True)
 
-    def _holes(self, canvas: Canvas, scale: float, centre: Array, on: _Mapping) -> None:
-        holes = self.member.holes
-        assert holes is not None
+    def _openings(self, canvas: Canvas, region: Region, on: _Mapping) -> None:
+        """The outlines of openings, of those that end in a floor where they are seen."""
+        for opening in self.member.openings:
+            blind = opening.floor is not None and not self._is_seen(sum((opening.low, opening.high, -opening.floor)))
+            if opening.region is region and not blind:
+                points = np.concatenate([curve.at(np.linspace(0.0, 1.0, CURVE)) for curve in opening.curves])
+                canvas.stroke(on(np.concatenate((points, points[:1]))))
+
+    def _name_holes(self, canvas: Canvas, scale: float, centre: Array, on: _Mapping, holes: Drilling) -> None:
         canvas.circle(centre[0], centre[1], 0.5 * scale * holes.circle, Pen.CHAIN)
         places = on(holes.centres)
-        for x, y in places:
-            canvas.circle(x, y, 0.5 * scale * holes.diameter)
-        # from the one at the lower right, to below the view
-        x, y = places[np.argmax(places[:, 0] - places[:, 1])]
-        way = np.array([1.0, -1.0]) / np.sqrt(2.0)
+        # from the one at the lower right (of bolt holes left), to below the view
+        side = -1.0 if holes.region is Region.BOLT else 1.0
+        x, y = places[np.argmax(side * places[:, 0] - places[:, 1])]
+        way = np.array([side, -1.0]) / np.sqrt(2.0)
         tip = np.array([x, y]) + 0.5 * scale * holes.diameter * way
         low = centre[1] - scale * self.outline.reach - BEYOND - 3.0
-        corner = (float(tip[0] + 2.0), low) if tip[1] > low else (float(tip[0] + 4.0), float(tip[1] - 4.0))
+        corner = (
+            (float(tip[0] + side * 2.0), low) if tip[1] > low else (float(tip[0] + side * 4.0), float(tip[1] - 4.0))
+        )
         text = f"{holes.count} \N{MULTIPLICATION SIGN} {diameter(holes.diameter)} on {diameter(holes.circle)}"
+        if holes.depth is not None:
+            text += f", {number(holes.depth)} deep"
         note(
             canvas,
             (float(tip[0]), float(tip[1])),

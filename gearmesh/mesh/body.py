@@ -22,7 +22,7 @@ from gearmesh.mesh.ring import TeethRing
 from gearmesh.mesh.strip_triangulation import Miss, StripTriangulation
 from gearmesh.teeth.blank.body import Body, end_regions
 from gearmesh.teeth.blank.halves import HalfEnd
-from gearmesh.teeth.region import BODY_REGIONS, GAP_REGIONS, RARE_REGIONS
+from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RARE_REGIONS
 
 #: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles
 ROUNDS = 10_000
@@ -34,7 +34,8 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class BodyMesh:
-    """Vertices (V, 3) beyond those of the teeth, triangles (n, 3), and regions, indices into BODY_, RARE_ and then GAP_REGIONS.
+    """Vertices (V, 3) beyond those of the teeth, triangles (n, 3), and regions, indices into BODY_, RARE_, GAP_ and
+    FEATURE_REGIONS, one after the other.
 
     Triangles count vertices from those of the teeth on: index `offset` + k is vertices[k].
     """
@@ -96,8 +97,10 @@ def gear_body(
         if counts[k] > 1 or counts[k + 1] > 1:
             triangles.append(_band(firsts[k], counts[k], firsts[k + 1], counts[k + 1]))
             regions.append(name)
+    listed = (*BODY_REGIONS, *RARE_REGIONS, *GAP_REGIONS, *FEATURE_REGIONS)
     labels = np.repeat(
-        [(*BODY_REGIONS, *RARE_REGIONS, *GAP_REGIONS).index(name) for name in regions], [len(t) for t in triangles]
+        [listed.index(name) for name in regions],
+        [len(t) for t in triangles],
     )
     return BodyMesh(np.concatenate(vertices), np.concatenate(triangles), labels.astype(np.int32))
 

@@ -1,7 +1,7 @@
 """Whole gears: one meshed tooth turned round the axis, closed by end faces and bore into a proved solid; racks: see `row`.
 
 Neighbouring patches and neighbouring teeth share their vertices, so the surface is closed by construction; keyway and
-holes are cut by manifold3d, with the regions carried through.
+openings are cut by manifold3d, with the regions carried through.
 """
 
 from __future__ import annotations
@@ -16,13 +16,15 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.body import gear_body, ring_count
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
+from gearmesh.mesh.body import gear_body, ring_count, triangulate
 from gearmesh.mesh.ring import TeethRing
 from gearmesh.mesh.row import row_mesh
 from gearmesh.mesh.tessellate import ToothMesh, tessellate_alike
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals, join
 from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.gear_train import Member, Slot
+from gearmesh.teeth.blank.features import Outline, Slot
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLETS, FLANKS, Region
 
 if TYPE_CHECKING:
@@ -71,7 +73,7 @@ def gear_solid(member: Member, tolerance: float, *tooth_meshes: ToothMesh) -> Tr
         regions = np.array([names.index(region) for region in row.regions], dtype=np.int32)
         return labelled_mesh(row.vertices, row.triangles, regions, names, row.normals, member.name)
     body = member.body
-    if member.keyway is None and member.holes is None:
+    if not member.features.is_cut:
         return _close(tooth_meshes, body, member)
     full = _close(tooth_meshes, body if member.keyway is None else body.without_bore, member)
     return _with_features(full, member, tolerance)
@@ -188,7 +190,7 @@ def labelled_mesh(
 
 
 def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> TriangleMesh:
-    """Bore and keyway, and holes, cut by manifold3d; every triangle keeps the region of the solid it came from."""
+    """Bore and keyway, and openings, cut by manifold3d; every triangle keeps the region of the solid it came from."""
     import manifold3d
 
     (low, top), bore, teeth = member.body.ends, member.plain_body.bore_radius, member.tooth.teeth
@@ -201,27 +203,55 @@ def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> Tria
         gear = gear - tool
 
     if member.keyway is not None:
-        cut(_hole(bore, low, top, teeth, tolerance), Region.BORE)
+        cut(_hole(bore, (low - 1.0, top + 1.0), teeth, tolerance), Region.BORE)
         cut(_slot(member.keyway, bore, low, top), Region.KEYWAY)
-    if member.holes is not None:
-        for centre in member.holes.centres.tolist():
-            cut(_hole(0.5 * member.holes.diameter, low, top, AROUND, tolerance, centre), Region.HOLE)
+    for opening in member.openings:
+        # beyond the body where it goes through
+        ends = low - 1.0, top + 1.0
+        if opening.floor is not None:
+            ends = (opening.floor, ends[1]) if opening.floor == opening.low else (ends[0], opening.floor)
+        cut(_prism(opening.curves, ends, tolerance), opening.region)
     if gear.status().name != "NoError" or gear.is_empty():
         raise DesignError(
-            member.name, reason=f"bore, keyway and holes do not make a solid ({gear.status().name}); change their sizes"
+            member.name,
+            reason=f"its body with bore, keyway and openings is no solid ({gear.status().name}); change their sizes",
         )
     return _from_manifold(gear, full, sources, gear_id)
 
 
 def _hole(
-    radius: float, low: float, top: float, teeth: int, tolerance: float, centre: Sequence[float] = (0.0, 0.0)
+    radius: float, ends: tuple[float, float], teeth: int, tolerance: float, centre: Sequence[float] = (0.0, 0.0)
 ) -> Any:
     import manifold3d
 
-    body = manifold3d.Manifold.cylinder(top - low + 2.0, radius, radius, ring_count(teeth, radius, tolerance))
+    body = manifold3d.Manifold.cylinder(ends[1] - ends[0], radius, radius, ring_count(teeth, radius, tolerance))
     # turned to its place, so that holes round the axis are alike
     turned = body.rotate((0.0, 0.0, math.degrees(math.atan2(centre[1], centre[0]))))
-    return turned.translate((*centre, low - 1.0)).as_original()
+    return turned.translate((*centre, ends[0])).as_original()
+
+
+def _prism(curves: Outline, ends: tuple[float, float], tolerance: float) -> Any:
+    """What an opening takes between two z, its arcs as chords within the tolerance."""
+    import manifold3d
+
+    first = curves[0]
+    if isinstance(first, PlaneArc) and first.closed:
+        return _hole(first.radius, ends, AROUND, tolerance, first.centre.tolist())
+    outline = np.concatenate([curve.at(np.arange(n) / n) for curve in curves for n in [_chords(curve, tolerance)]])
+    count, ring = len(outline), np.arange(len(outline))
+    after, cap = np.roll(ring, -1), triangulate(outline)
+    sides = np.stack((ring, after, ring + count, after, after + count, ring + count), axis=1).reshape(-1, 3)
+    points = np.concatenate([np.column_stack((outline, np.full(count, z))) for z in ends])
+    corners = np.concatenate((sides, cap[:, ::-1], cap + count)).astype(np.uint64)
+    return manifold3d.Manifold(manifold3d.Mesh64(points, np.ascontiguousarray(corners))).as_original()
+
+
+def _chords(curve: PlaneCurve, tolerance: float) -> int:
+    """Chords along a line or arc that stay within the tolerance."""
+    if not isinstance(curve, PlaneArc):
+        return 1
+    step = 2.0 * np.arccos(max(1.0 - tolerance / curve.radius, 0.5))
+    return max(1, int(np.ceil(abs(curve.width) / step)))
 
 
 def _slot(keyway: Slot, bore: float, low: float, top: float) -> Any:

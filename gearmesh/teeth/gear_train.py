@@ -13,10 +13,21 @@ from gearmesh.figures import Figures
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.plane.curves import PlaneArc
+from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.blank.features import BodyFeatures, Boss, Drilling, Opening, Outline, Slot
 from gearmesh.teeth.blank.halves import SINGLE_ROW, AxialGap, HalfGear, Rows
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import BAR_REGIONS, BODY_REGIONS, GAP_REGIONS, RARE_REGIONS, Region, Side
+from gearmesh.teeth.region import (
+    BAR_REGIONS,
+    BODY_REGIONS,
+    FEATURE_REGIONS,
+    GAP_REGIONS,
+    RARE_REGIONS,
+    Region,
+    Side,
+)
 from gearmesh.teeth.tooth import Tooth
 
 #: Surface parameters (p, v) (...,) of a flank -> values named and counted as in the source (angles in degrees)
@@ -26,38 +37,6 @@ SourceParameters = Callable[[Array, Array], dict[str, Array]]
 SEAM = 1e-9
 #: sine of the angle between axes that count as parallel
 PARALLEL = 1e-12
-
-
-@dataclass(frozen=True)
-class Slot:
-    """Keyway in the bore, mm: width, and depth beyond the bore's radius."""
-
-    width: float
-    depth: float
-
-
-@dataclass(frozen=True)
-class Boss:
-    """Hub: a cylinder on the heel face, mm."""
-
-    diameter: float
-    length: float
-
-
-@dataclass(frozen=True)
-class Drilling:
-    """Through holes along the axis, evenly spaced, the first on +x: their number, diameter, and the circle through their
-    centres, mm."""
-
-    count: int
-    diameter: float
-    circle: float
-
-    @property
-    def centres(self) -> Array:
-        """Where they are, (count, 2), mm."""
-        angle = 2.0 * np.pi * np.arange(self.count) / self.count
-        return np.asarray(0.5 * self.circle * np.stack((np.cos(angle), np.sin(angle)), axis=-1))
 
 
 @dataclass(frozen=True)
@@ -75,9 +54,7 @@ class Member:
     name: str
     tooth: Tooth
     source_parameters: SourceParameters
-    keyway: Slot | None = None
-    hub: Boss | None = None
-    holes: Drilling | None = None
+    features: BodyFeatures = field(default_factory=BodyFeatures)
     mount: Mount = field(default_factory=lambda: Mount(Rigid.identity()))
     tool_parameters: SourceParameters | None = None
     rows: Rows = SINGLE_ROW
@@ -181,28 +158,63 @@ class Member:
 
     @property
     def body(self) -> Body:
-        """The body under the teeth, with the hub."""
-        plain = self.plain_body
-        return plain if self.hub is None else plain.with_hub(0.5 * self.hub.diameter, self.hub.length)
+        """The body under the teeth, with hubs, shafts and steps of the bore."""
+        return self.features.turn(self.plain_body)
 
     @property
-    def hole_range(self) -> tuple[float, float]:
-        """Between which z (mm) the holes are: the faces of the web, else of the body."""
-        body = self.plain_body
-        return body.ends if body.web is None else (body.web.low, body.web.high)
+    def keyway(self) -> Slot | None:
+        """The keyway in its bore."""
+        return self.features.keyway
+
+    @property
+    def hub(self) -> Boss | None:
+        """The hub on its heel."""
+        return self.features.hub
+
+    @property
+    def holes(self) -> Drilling | None:
+        """The holes that lighten it."""
+        return self.features.holes
+
+    @property
+    def flat_ends(self) -> bool:
+        """Whether the teeth end on planes."""
+        return station_normal(self.tooth.blank.axial)[0] == 0.0
+
+    @property
+    def openings(self) -> tuple[Opening, ...]:
+        """What is cut out of its body along the axis, but for bore and keyway."""
+        return self.features.openings(self.body, self.flat_ends)
+
+    @property
+    def prisms(self) -> tuple[tuple[Outline, float, float], ...]:
+        """Outlines of all that is cut along the axis out of its turned body, each between two z (mm); of a keyway without the
+        bore."""
+        cuts = [(opening.curves, opening.low, opening.high) for opening in self.openings]
+        if self.keyway is not None:
+            band = self.body.bore_band
+            (radius, low), (_, high) = self.body.profile[band : band + 2]
+            arc, *sides = self.keyway.in_bore(radius)
+            assert isinstance(arc, PlaneArc)
+            mouth = PlaneArc(arc.centre, radius, arc.first, arc.width - 2.0 * np.pi)
+            cuts.append(((*sides, mouth), low, high))
+        return tuple(cuts)
 
     @property
     def genus(self) -> int:
         """Number of holes through the whole."""
-        return self.plain_body.genus + (0 if self.holes is None else self.holes.count)
+        return self.plain_body.genus + sum(opening.floor is None for opening in self.openings)
 
     @property
     def body_regions(self) -> tuple[Region, ...]:
         """Regions of the body in the order of the files."""
         if self.tooth.joint.travel is not None:
             return BAR_REGIONS
-        rare = self.gaps or self.holes is not None or self.plain_body.web is not None
-        return (*BODY_REGIONS, *(RARE_REGIONS if rare else ()), *(GAP_REGIONS if self.gaps else ()))
+        features = self.features.rare_regions
+        gaps = features or self.gaps
+        rare = gaps or self.holes is not None or self.plain_body.web is not None
+        lists = ((rare, RARE_REGIONS), (gaps, GAP_REGIONS), (features, FEATURE_REGIONS))
+        return (*BODY_REGIONS, *(region for there, regions in lists if there for region in regions))
 
     @property
     def repeated_regions(self) -> tuple[Region, ...]:
@@ -213,7 +225,7 @@ class Member:
         )
 
     def plain_volume(self) -> float:
-        """Volume (mm^3) of teeth and body, of both halves if there are two, without hub, keyway and holes."""
+        """Volume (mm^3) of teeth and body, of both halves if there are two, without its features."""
         shares = np.bincount(self.order) / self.tooth.teeth
         half = float(shares @ [tooth.volume() for tooth in self.different_teeth])
         if self.overhang:

@@ -54,6 +54,11 @@ class Region(StrEnum):
     EDGE_TOE = "edge_toe"
     EDGE_HEEL = "edge_heel"
 
+    SHAFT = "shaft"
+    COUNTERBORE = "counterbore"
+    BOLT = "bolt"
+    SPOKE = "spoke"
+
     @property
     def side(self) -> Side | None:
         """The side of the tooth that it belongs to; None for root, land and body."""
@@ -76,6 +81,8 @@ BODY_REGIONS = tuple(Region)[8:18]
 RARE_REGIONS = tuple(Region)[18:20]
 #: only where there are two halves with a gap between
 GAP_REGIONS = tuple(Region)[20:21]
+#: only where there is one of them: steps of shaft and bore, bolt holes, openings between spokes
+FEATURE_REGIONS = tuple(Region)[23:27]
 #: those of the bar of a rack
 BAR_REGIONS = (Region.FACE_TOE, Region.FACE_HEEL, Region.BACK, Region.END)
 #: cut faces of a sector of some teeth: before its first tooth, and after its last

@@ -6,7 +6,7 @@ t in [0, 1] runs from toe to heel, s along each link of the section (see `sectio
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -26,7 +26,7 @@ from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.development import Development
 from gearmesh.teeth.blank.end_edge import SHARP
 from gearmesh.teeth.blank.tip_edge import TipEdge
-from gearmesh.teeth.end_strip import EndStrip
+from gearmesh.teeth.end_strip import EndStrip, StripPiece
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.section import (
     BottomLink,
@@ -44,6 +44,8 @@ from gearmesh.teeth.undercut import Undercut, cut_off, form_point, intersection,
 
 #: stations at which the beginning of undercut is looked for
 BREAK_SAMPLES = 17
+#: nodes of Gauss's rule along a generatrix, on which products of three coordinates are polynomials of degree 4
+ACROSS = 3
 #: stations at which a flank is searched for loops with two cusps
 FOLD_STATIONS = 5
 #: distance from where undercut begins or ends at which a flank with such a loop is tried
@@ -377,25 +379,59 @@ class Tooth:
         stations = self.blank.faces[end] + nodes * way
         total = 0.0
         for piece in strip.pieces:
-            at, ahead, behind = (
-                strip.at(piece, s[:, None], nodes) for s in (nodes, nodes + HALF_STEP, nodes - HALF_STEP)
-            )
-            total += float(weights @ self._density(at, (ahead - behind) / (2.0 * HALF_STEP), stations) @ weights)
+            total += float(weights @ self._density(*_strip_outline(strip, piece, nodes), stations) @ weights)
         return abs(way) * float(np.sign(self.blank.extent[1] - self.blank.extent[0])) * total
+
+    def quadrature(self, order: int = 24) -> tuple[Array, Array]:
+        """Points (N, 3), mm, and weights (N,), mm^3, of Gauss's rule over one tooth down to its floor, as `volume`.
+
+        Along the generatrices it is exact for products of up to three coordinates.
+        """
+        (nodes, weights), (places, shares) = (np.polynomial.legendre.leggauss(n) for n in (order, ACROSS))
+        nodes, weights, places, shares = 0.5 * (nodes + 1.0), 0.5 * weights, 0.5 * (places + 1.0), 0.5 * shares
+        points, amounts = [], []
+        for outline, along_s, stations, size in self._outlines(nodes):
+            foot, rate = self._generatrices(outline, along_s, stations)
+            there = foot + places[:, None, None, None] * (outline - foot)
+            wide = 1.0 if self.joint.travel is not None else np.hypot(there[..., 0], there[..., 1])
+            points.append(there.reshape(-1, 3))
+            amounts.append((size * shares[:, None, None] * weights[:, None] * weights * rate * wide).ravel())
+        return np.concatenate(points), np.concatenate(amounts)
+
+    def _outlines(self, nodes: Array) -> Iterator[tuple[Array, Array, Array, float]]:
+        """Points (S, T, 3) of all smooth pieces of a tooth's surface at nodes of both directions, their derivatives by s, their
+        stations (T,), mm, and what the square from 0 to 1 is in s and station, signed from toe to heel."""
+        toe, heel = self.blank.extent
+        for low, high in pairwise((0.0, *self.face_breaks, 1.0)):
+            sections = self.sections(low + (high - low) * nodes)
+            for link in self.chain.values():
+                for first, last in pairwise((0.0, *(s for s, _ in link.seams), 1.0)):
+                    points, along_s = self._outline(link, first + (last - first) * nodes, sections)
+                    yield points, along_s, sections.stations, (heel - toe) * (high - low) * (last - first)
+        for end, strip in enumerate(self.end_strips):
+            way = self.blank.extent[end] - self.blank.faces[end]
+            for piece in () if strip is None else strip.pieces:
+                points, along_s = _strip_outline(strip, piece, nodes)
+                yield points, along_s, self.blank.faces[end] + nodes * way, abs(way) * float(np.sign(heel - toe))
+
+    def _generatrices(self, points: Array, along_s: Array, stations: Array) -> tuple[Array, Array]:
+        """Where the generatrices of sections to points (S, T, 3) leave the floor, (S, T, 3), and what they sweep per ds, (S, T): their
+        length by the polar angle, of a bar by y."""
+        x, y, z = np.moveaxis(points, -1, 0)
+        foot = np.array(points)
+        if self.joint.travel is not None:
+            foot[..., 0] = self.blank.body.profile[0][0]
+            return foot, (x - foot[..., 0]) * along_s[..., 1]
+        rho, (floor, floor_z) = np.hypot(x, y), self._floor(stations)
+        foot[..., :2] *= (floor / rho)[..., None]
+        foot[..., 2] = floor_z
+        across, up = station_normal(self.blank.axial)
+        turning = (x * along_s[..., 1] - y * along_s[..., 0]) / rho**2
+        return foot, (up * (rho - floor) - across * (z - floor_z)) * turning
 
     def _area_density(self, link: Link, s: Array, sections: Sections) -> Array:
         """d(area over the floor)/ds on an (S, T) grid: the area between generatrices is the integral of rho du."""
-        grid = link.grid(s, sections)
-        if grid.jet is None:
-            ahead = link.grid(s + HALF_STEP, sections).points
-            behind = link.grid(s - HALF_STEP, sections).points
-            along_s = (ahead - behind) / (2.0 * HALF_STEP)
-        else:
-            rate = parameter(s[:, None], link.span(sections), link.seams)[1]
-            gradient = self.blank.axial.gradient(grid.points)
-            dv = -dot(gradient, grid.jet.r_u) / dot(gradient, grid.jet.r_v)
-            along_s = (grid.jet.r_u + grid.jet.r_v * dv[..., None]) * rate[..., None]
-        return self._density(grid.points, along_s, sections.stations)
+        return self._density(*self._outline(link, s, sections), sections.stations)
 
     def _density(self, points: Array, along_s: Array, stations: Array) -> Array:
         """The same of points (S, T, 3) at stations (T,), mm, and their derivatives by s."""
@@ -407,12 +443,29 @@ class Tooth:
         rho = np.hypot(x, y)
         turning = (x * along_s[..., 1] - y * along_s[..., 0]) / rho**2
         across, up = station_normal(self.blank.axial)
-        first, last = (np.array(self.blank.body.profile[k]) for k in (0, -1))
-        toe, heel = self.blank.faces
-        floor, floor_z = (first + ((stations - toe) / (heel - toe))[:, None] * (last - first)).T
+        floor, floor_z = self._floor(stations)
         # rho is linear in u
         density: Array = 0.5 * (rho + floor) * (up * (rho - floor) - across * (z - floor_z)) * turning
         return density
+
+    def _floor(self, stations: Array) -> tuple[Array, Array]:
+        """The floor at stations (T,), mm, (T,) each: rho and z."""
+        first, last = (np.array(self.blank.body.profile[k]) for k in (0, -1))
+        toe, heel = self.blank.faces
+        floor, floor_z = (first + ((stations - toe) / (heel - toe))[:, None] * (last - first)).T
+        return floor, floor_z
+
+    def _outline(self, link: Link, s: Array, sections: Sections) -> tuple[Array, Array]:
+        """Points of a link and their derivatives by s at constant stations, (S, T, 3) each."""
+        grid = link.grid(s, sections)
+        if grid.jet is None:
+            ahead = link.grid(s + HALF_STEP, sections).points
+            behind = link.grid(s - HALF_STEP, sections).points
+            return grid.points, (ahead - behind) / (2.0 * HALF_STEP)
+        rate = parameter(s[:, None], link.span(sections), link.seams)[1]
+        gradient = self.blank.axial.gradient(grid.points)
+        dv = -dot(gradient, grid.jet.r_u) / dot(gradient, grid.jet.r_v)
+        return grid.points, (grid.jet.r_u + grid.jet.r_v * dv[..., None]) * rate[..., None]
 
     def _ends(self, which: Side, t: Array, *, root: bool = True) -> Ends:
         """Where the links of one side end; without `root` the root's angle is left out (NaN)."""
@@ -515,3 +568,9 @@ def _changes(holds: Callable[[Array], NDArray[np.bool_]]) -> Array:
         lambda at, k: holds(at) == was[k], t[change], t[change + 1], rounds=BREAK_ROUNDS, split=BREAK_PARTS
     )
     return np.where(was, high, low)
+
+
+def _strip_outline(strip: EndStrip, piece: StripPiece, nodes: Array) -> tuple[Array, Array]:
+    """Points of a piece of a chamfer at nodes of both directions and their derivatives along the outline, (S, T, 3) each."""
+    at, ahead, behind = (strip.at(piece, s[:, None], nodes) for s in (nodes, nodes + HALF_STEP, nodes - HALF_STEP))
+    return at, (ahead - behind) / (2.0 * HALF_STEP)

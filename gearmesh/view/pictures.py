@@ -18,6 +18,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.generation.contact_lines import tool_contact
 from gearmesh.teeth.generation.tool_in_place import ToolInPlace
@@ -131,7 +132,7 @@ def tool_picture(
 ) -> Scene:
     """A member with the tool that generates a flank of it, or the mesh `part` of that tool, in the tool's frame."""
     s, t = (np.linspace(0.0, 1.0, n) for n in TOOL_GRID)
-    plain = replace(member, keyway=None, hub=None, holes=None)
+    plain = replace(member, features=BodyFeatures())
     shown = f"{member.name}, {side} flank, and its {tool.name}"
     grid = member.tooth.flank_grid(side, s, t).points
     return tool_scene(gear_solid(plain, WHOLE), tool, grid, part, _title(title, shown), size)
@@ -291,7 +292,7 @@ def tooth_view(gears: GearPair, name: str) -> ToothView:
     body = gears.members[name]
     fine = teeth_mesh(tessellate(body.tooth, FINE), name, np.array([0]))
     rough = tessellate(body.tooth, COARSE)
-    whole = gear_solid(replace(body, keyway=None, hub=None, holes=None), COARSE, rough)
+    whole = gear_solid(replace(body, features=BodyFeatures()), COARSE, rough)
     context = replace(
         whole,
         triangles=whole.triangles[rough.triangles :],

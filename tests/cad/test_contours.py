@@ -12,10 +12,11 @@ from oracles.places import SAMPLES
 from oracles.plane_curves import evenly, from_polylines
 
 import gearmesh as gm
-from gearmesh.cad.contours.curves import Contour, PlaneArc, PlaneLine
+from gearmesh.cad.contours.curves import Contour
 from gearmesh.cad.contours.parallel import parallels
 from gearmesh.cad.contours.redrawn import Curves
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneLine
 
 #: mm: a keyed pinion, a ring and a rack; what every file is asked to keep
 GEARS = {

@@ -16,9 +16,10 @@ from oracles.plane_curves import evenly, from_polylines
 
 import gearmesh as gm
 from gearmesh.cad.brep import Piece, exact_volume
-from gearmesh.cad.contours.curves import PlaneArc, PlaneLine, PlaneSpline
+from gearmesh.cad.contours.curves import PlaneSpline
 from gearmesh.cad.section import member_section
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneLine
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
 from gearmesh.teeth.gear_train import Member

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from gearmesh.cad.contours.curves import PlaneCurve
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.plane.curves import PlaneCurve
 
 
 def from_polylines(points: Array, lines: list[Array]) -> Array:

@@ -17,7 +17,8 @@ from gearmesh.cad.brep import exact_volume
 from gearmesh.cad.section import member_section
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.bodies.parallel_keys import keyway_in_hub
-from gearmesh.teeth.gear_train import Drilling, Member
+from gearmesh.teeth.blank.features import BodyFeatures, Drilling
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import BODY_REGIONS
 
 #: Ganter, technical information "DIN 6885 keyway, key details", extract page 1: bores, width, depth in the hub, mm
@@ -200,8 +201,9 @@ def test_sections_show_webs_and_holes(case: str) -> None:
     member, _ = gear(case)
     assert member.hub is not None
     assert member.keyway is not None
-    bare = replace(member, hub=None)
-    low, high = member.hole_range
+    bare = replace(member, features=replace(member.features, hub=None))
+    assert member.holes is not None
+    low, high = member.body.levels(member.holes.reach, True)
     inside, outside = (member_section(member, z, 1e-5) for z in (0.5 * (low + high), 13.9))
     face = 28.0
     assert inside.area * (high - low) + outside.area * (face - high + low) == pytest.approx(
@@ -223,7 +225,7 @@ def test_rings_have_holes_in_their_rim() -> None:
     from gearmesh.cad.solid_part import solid_part, volume
 
     pytest.importorskip("OCP")
-    member = replace(ring.ring(-1.0), holes=Drilling(7, 6.0, 106.0))
+    member = replace(ring.ring(-1.0), features=BodyFeatures(holes=Drilling(7, 6.0, 106.0)))
     expected = ring.ring_volume() - 7 * np.pi * 9.0 * 2.0 * ring.HALF
     proof = prove(gear_solid(member, 2e-3), member.genus)
     assert proof.ok

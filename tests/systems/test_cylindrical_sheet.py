@@ -20,8 +20,8 @@ from gearmesh.contact.fit.fit import fit
 from gearmesh.systems.cylindrical.geometry import accuracy
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.line_of_action import form_roll_length
-from gearmesh.systems.cylindrical.geometry.mass import bulk
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
+from gearmesh.teeth.moments import member_moments
 
 #: mm and rad: the sheet has nine decimals
 EXACT = 1e-9
@@ -275,7 +275,7 @@ def test_bodies_have_volume_mass_and_inertia_of_the_solid(name: str) -> None:
     gears = gm.build(design_of("spur", **BODIES[name], material={"density": 2700}))
     sheet = sheet_of(gears)
     plain = gears.members["gear" if name == "keyed" else "pinion"]
-    assert bulk(plain).volume == pytest.approx(plain.tooth.volume(), rel=1e-10)
+    assert member_moments(plain).volume == pytest.approx(plain.tooth.volume(), rel=1e-10)
     for k, member in enumerate(gears.members):
         mesh = gears.solid(member, 0.004).mesh
         a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)

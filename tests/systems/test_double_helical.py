@@ -15,7 +15,7 @@ from gearmesh.cad.brep import exact_volume
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.systems.cylindrical.geometry.mass import bulk
+from gearmesh.teeth.moments import member_moments
 
 GEAR = {"teeth": 43, "face_width": 46, "bore": 30}
 WHEEL = {
@@ -82,7 +82,7 @@ def test_the_whole_is_two_halves_and_the_gap(name: str) -> None:
         # facets take or add less than their tolerance over the surface, and that of a bore's polygon
         area = solid.to_trimesh().area
         assert solid.figures["volume_mm3"] == pytest.approx(whole, abs=0.01 * area)
-        assert bulk(member).volume == pytest.approx(whole, rel=1e-10)
+        assert member_moments(member).volume == pytest.approx(whole, rel=1e-10)
         if name == "featured":
             continue
         half = halves.members[key]

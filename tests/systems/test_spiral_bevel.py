@@ -40,6 +40,7 @@ from gearmesh.systems.spiral_bevel.synthesis.settings import (
     mean_point,
     pinion_side,
 )
+from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 
@@ -305,7 +306,7 @@ def test_keyway_and_hub(name: str) -> None:
     features = {"bore": 12.0, "keyway": {"width": 4.0, "depth": 2.0}, "hub": {"diameter": 24.0, "length": 9.0}}
     gears = pair_of(parse({**BASIC, name: {**BASIC[name], **features}}))
     member = gears.members[name]
-    plain = gear_solid(replace(member, keyway=None, hub=None), 0.02)
+    plain = gear_solid(replace(member, features=BodyFeatures()), 0.02)
     solid = gear_solid(member, 0.02)
     assert prove(solid, 1).ok
     height = float(np.ptp(member.tooth.blank.body.ends))

@@ -20,8 +20,9 @@ from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.blank.features import BodyFeatures, Boss, Slot
 from gearmesh.teeth.blank.tip_edge import TipEdge
-from gearmesh.teeth.gear_train import Boss, Member, Slot
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
@@ -209,7 +210,7 @@ def test_normals_point_to_the_tips_side(gear: Member) -> None:
 
 @pytest.mark.quick
 def test_bore_hub_and_keyway(gear: Member, closed_form: float) -> None:
-    member = replace(gear, keyway=Slot(5.0, 2.0), hub=Boss(32.0, 6.0))
+    member = replace(gear, features=BodyFeatures(keyway=Slot(5.0, 2.0), hub=Boss(32.0, 6.0)))
     solid = gear_solid(member, 1e-3)
     assert prove(solid, 1).ok
     assert solid.volume() == pytest.approx(exact_volume(member), rel=2e-5)
@@ -221,7 +222,7 @@ def test_cad_solid_is_valid_and_has_the_volume(gear: Member, closed_form: float)
     assert volume(part) == pytest.approx(closed_form, rel=1e-8)
     names = {face.name for face in part.faces}
     assert {"inner_cylinder", "outer_cylinder", "face_toe", "bore", "face_heel"} <= names
-    featured = replace(gear, keyway=Slot(5.0, 2.0), hub=Boss(32.0, 6.0))
+    featured = replace(gear, features=BodyFeatures(keyway=Slot(5.0, 2.0), hub=Boss(32.0, 6.0)))
     assert volume(solid_part(featured, spline_tooth(gear.tooth, TOLERANCE))) == pytest.approx(
         exact_volume(featured), rel=1e-6
     )

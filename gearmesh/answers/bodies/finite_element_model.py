@@ -177,15 +177,9 @@ def omissions(members: Iterable[Member]) -> list[str]:
     """Parts of the bodies of members that the model does not have, reported once."""
     parts: dict[str, list[str]] = {}
     for member in members:
-        has = {
-            "hub": member.hub,
-            "keyway": member.keyway,
-            "web": member.plain_body.web,
-            "holes": member.holes,
-        }
-        for part, there in has.items():
-            if there:
-                parts.setdefault(part, []).append(member.name)
+        web = ("web",) if member.plain_body.web is not None else ()
+        for part in (*member.features.names, *web):
+            parts.setdefault(part, []).append(member.name)
     if not parts:
         return []
     what = ", ".join(f"{part} ({', '.join(names)})" for part, names in parts.items())

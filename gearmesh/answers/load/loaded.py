@@ -35,6 +35,7 @@ from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh, whole_cycle
+from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair
 
 #: positions in a pitch
@@ -519,7 +520,7 @@ def _warnings(pair: GearPair, mesh: LoadedMesh, unloaded: float) -> list[str]:
         least = float(mesh.torque[np.flatnonzero(edges)].min())
         lines += _edge_warnings(pair, mesh, least)
     lines += _error_warning(pair, mesh, unloaded)
-    bodies = [member.name for member in pair.both if member.holes or member.keyway or member.hub]
+    bodies = [member.name for member in pair.both if member.features != BodyFeatures()]
     if bodies:
         lines.append(
             f"{' and '.join(bodies)}: the compliance of the body neglects holes, keyway and hub beyond the face"

@@ -1,123 +1,21 @@
-"""Curves in the plane of a section: straight lines, arcs and cubic splines, and the closed contours that they make.
+"""Curves in the plane of a section: cubic splines beside lines and arcs, and the closed contours that they make.
 
 Points are (x, y), mm; contours go counterclockwise, whether material is inside or not.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import BSpline
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.plane.curves import PlaneCurve, rotation
 
 #: degree of the splines: what DXF readers and SVG take
 DEGREE = 3
-
-
-class PlaneCurve(Protocol):
-    """A curve in the plane of a section."""
-
-    @property
-    def start(self) -> Array:
-        """(2,), mm."""
-
-    @property
-    def end(self) -> Array:
-        """(2,), mm."""
-
-    @property
-    def swept(self) -> float:
-        """Area (mm^2) that the line from the origin to the curve's point sweeps, counterclockwise."""
-
-    def at(self, s: Array) -> Array:
-        """Points (K, 2), mm, at s (K,) from 0 to 1."""
-
-    def slope(self, s: Array) -> Array:
-        """Derivatives (K, 2), mm, of the points by s (K,)."""
-
-    def turn(self, angle: float) -> PlaneCurve:
-        """The same about the origin by an angle (rad)."""
-
-    def move(self, way: Array) -> PlaneCurve:
-        """The same moved by `way` (2,), mm."""
-
-
-@dataclass(frozen=True)
-class PlaneLine:
-    """A straight line between two points (2,), mm."""
-
-    start: Array
-    end: Array
-
-    @property
-    def swept(self) -> float:
-        return 0.5 * float(self.start[0] * self.end[1] - self.start[1] * self.end[0])
-
-    def at(self, s: Array) -> Array:
-        return np.asarray(self.start + s[:, None] * (self.end - self.start))
-
-    def slope(self, s: Array) -> Array:
-        return np.broadcast_to(self.end - self.start, (len(s), 2))
-
-    def turn(self, angle: float) -> PlaneLine:
-        rotation = _rotation(angle)
-        return PlaneLine(rotation @ self.start, rotation @ self.end)
-
-    def move(self, way: Array) -> PlaneLine:
-        return PlaneLine(self.start + way, self.end + way)
-
-
-@dataclass(frozen=True)
-class PlaneArc:
-    """An arc about `centre` (2,), mm, from polar angle `first` by `width` (rad), clockwise where that is negative."""
-
-    centre: Array
-    radius: float
-    first: float
-    width: float
-
-    @staticmethod
-    def circle(radius: float, centre: Sequence[float] | Array = (0.0, 0.0)) -> PlaneArc:
-        """A full circle."""
-        return PlaneArc(np.array(centre, dtype=float), radius, 0.0, 2.0 * np.pi)
-
-    @property
-    def closed(self) -> bool:
-        """Whether it is a full circle."""
-        return abs(self.width) == 2.0 * np.pi
-
-    @property
-    def start(self) -> Array:
-        return np.asarray(self.at(np.zeros(1))[0])
-
-    @property
-    def end(self) -> Array:
-        return np.asarray(self.at(np.ones(1))[0])
-
-    @property
-    def swept(self) -> float:
-        (x, y), last = self.centre, self.first + self.width
-        lever = x * (np.sin(last) - np.sin(self.first)) - y * (np.cos(last) - np.cos(self.first))
-        return 0.5 * self.radius * float(self.radius * self.width + lever)
-
-    def at(self, s: Array) -> Array:
-        angle = self.first + s * self.width
-        return np.asarray(self.centre + self.radius * np.stack((np.cos(angle), np.sin(angle)), axis=-1))
-
-    def slope(self, s: Array) -> Array:
-        angle = self.first + s * self.width
-        return self.radius * self.width * np.stack((-np.sin(angle), np.cos(angle)), axis=-1)
-
-    def turn(self, angle: float) -> PlaneArc:
-        return PlaneArc(_rotation(angle) @ self.centre, self.radius, self.first + angle, self.width)
-
-    def move(self, way: Array) -> PlaneArc:
-        return PlaneArc(self.centre + way, self.radius, self.first, self.width)
 
 
 @dataclass(frozen=True)
@@ -168,7 +66,7 @@ class PlaneSpline:
         return PlaneSpline(np.concatenate(([start], self.control[1:-1], [end])), self.knots)
 
     def turn(self, angle: float) -> PlaneSpline:
-        return PlaneSpline(self.control @ _rotation(angle).T, self.knots)
+        return PlaneSpline(self.control @ rotation(angle).T, self.knots)
 
     def move(self, way: Array) -> PlaneSpline:
         return PlaneSpline(self.control + way, self.knots)
@@ -200,8 +98,3 @@ class Contour:
         ends = np.array([curve.end for curve in self.curves])
         starts = np.array([curve.start for curve in self.curves])
         return float(np.linalg.norm(np.roll(starts, -1, axis=0) - ends, axis=-1).max())
-
-
-def _rotation(angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([(c, -s), (s, c)])

@@ -22,9 +22,10 @@ from typing import TypeAlias
 import numpy as np
 from scipy.spatial import cKDTree
 
-from gearmesh.cad.contours.curves import Contour, PlaneArc, PlaneCurve, PlaneLine, PlaneSpline
+from gearmesh.cad.contours.curves import Contour, PlaneSpline
 from gearmesh.cad.contours.redrawn import Curves, Smooth, redraw
 from gearmesh.kernel.numeric.algebra import Array, plane_cross
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 
 #: arcs that would join parallels of splines are left out where the path then misses their distance by less than this share of
 #: the tolerance, and always where the curves turn by less (rad): that much their fit is off

@@ -22,10 +22,11 @@ from typing import Protocol, TypeAlias
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from gearmesh.cad.contours.curves import DEGREE, PlaneArc, PlaneCurve, PlaneLine, PlaneSpline
+from gearmesh.cad.contours.curves import DEGREE, PlaneSpline
 from gearmesh.cad.nodes import Nodes
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, plane_cross
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 
 #: share of the tolerance that is used where it is measured, at so many places in every stretch
 SHARE, PLACES = 0.95, 12

@@ -7,14 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.design.core import Design
+from gearmesh.design.core import DENSITY, Design
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
+from gearmesh.teeth.moments import member_moments
 from gearmesh.teeth.region import Region, Side
 from gearmesh.tools.description import ToolDescription
+
+#: title of the table of masses
+MASS = "Mass and inertia"
 
 
 def plain_sheet(design: Design, train: GearTrain) -> Sheet:
@@ -35,6 +39,28 @@ def plain_sheet(design: Design, train: GearTrain) -> Sheet:
 def member_table(member: Member) -> SheetTable:
     """What the middle of the face says of one member."""
     return SheetTable("Members at mid face", (member.name,), _beside([_at_mid_face(member)]))
+
+
+def mass_table(design: Design, members: Mapping[str, Member]) -> SheetTable:
+    """Mass, centre of gravity and inertia of members, in their own frames."""
+    given = design.material.density
+    density = DENSITY if given is None else given
+    moments = [member_moments(member) for member in members.values()]
+    rigid = [np.concatenate((own.centre, np.diag(own.about_centre(density)))).tolist() for own in moments]
+    turning = [
+        own.about_axis(density) if member.tooth.joint.travel is None else None
+        for own, member in zip(moments, members.values(), strict=True)
+    ]
+    columns = list(zip(*rigid, strict=True))
+    rows: list[Row] = [
+        ("rho", "density" if given is not None else "density, by default", "kg/m^3", tuple(density for _ in moments)),
+        ("V", "volume of the whole", "mm^3", tuple(own.volume for own in moments)),
+        ("m", "mass", "kg", tuple(own.mass(density) for own in moments)),
+        *((f"{axis}_S", f"centre of gravity, {axis}", "mm", columns[k]) for k, axis in enumerate("xyz")),
+        ("J", "moment of inertia about the axis", "kg mm^2", tuple(turning)),
+        *((f"J_{axis}", f"moment of inertia about {axis} through the centre of gravity", "kg mm^2", columns[3 + k]) for k, axis in enumerate("xyz")),
+    ]
+    return table(MASS, tuple(members), rows)
 
 
 def tool_table(members: Mapping[str, Member]) -> SheetTable:

@@ -132,6 +132,10 @@ class Hob(Table):
         return self
 
 
+#: tables of a body that an internal gear has not
+NOT_INSIDE = ("keyway", "hub", "web", "toe_hub", "heel_shaft", "toe_shaft", "spokes")
+
+
 class CylindricalMember(MemberTable, Modified):
     """One gear of a cylindrical pair."""
 
@@ -286,7 +290,7 @@ class CylindricalMember(MemberTable, Modified):
             order = "smaller" if self.internal else "larger"
             raise conflict("tip_diameter", tip, must_be=f"{order} than root_diameter, {root:g}")
         if self.internal:
-            for key in ("bore", "keyway", "hub", "web"):
+            for key in ("bore", *NOT_INSIDE):
                 if getattr(self, key) is not None:
                     raise conflict(key, None, reason="an internal gear has none; its body is the rim around the teeth")
         elif self.rim is not None:

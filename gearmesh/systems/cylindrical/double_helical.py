@@ -9,8 +9,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
+from gearmesh.design.core import BODY_TABLES
 from gearmesh.errors import DesignError
-from gearmesh.systems.common.bodies.body import body_features, disc_body, holes_in
+from gearmesh.systems.common.bodies.body import disc_body
+from gearmesh.systems.common.bodies.features import UnderTeeth, body_features, ring_features
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
 from gearmesh.teeth.blank.body import Body
@@ -46,7 +48,7 @@ def first_halves(design: D) -> D:
     """A design (in mm) of which every double helical member is its first half, with a plain body; any other design as it is."""
     if not design.double_helical:
         return design
-    bare = {"keyway": None, "hub": None, "web": None, "holes": None, "gap_diameter": None}
+    bare = dict.fromkeys((*BODY_TABLES, "gap_diameter"))
     halves = {
         name: spec.model_copy(update={**bare, "face_width": half_width(design, spec)})
         for name, spec in design.specs.items()
@@ -77,14 +79,17 @@ def double_helical_member(design: HalvesKeys, half: Member, gear: GearProportion
         body = Body.tube(rim, 2.0 * plane + near, -near, Region.RIM)
         groove = _groove(design, gear, rim)
         rows = DoubleHelical(plane, near, False, groove, body)
-        holes = None if spec.holes is None else holes_in(name, spec.holes, root if groove is None else groove, rim)
-        return replace(half, holes=holes, rows=rows)
+        under = UnderTeeth(
+            name, half.tooth, body, root if groove is None else groove, rim, gear.own.module, rows.halves
+        )
+        return replace(half, features=ring_features(spec, under), rows=rows)
     body = disc_body(name, spec, own.bore_radius, root, tip - root).shift(plane)
     floor = own.bore_radius if body.web is None else body.web.outer
     groove = _groove(design, gear, floor)
+    rows = DoubleHelical(plane, near, True, groove, body)
     smallest = root if groove is None else groove
-    keyway, hub, holes = body_features(name, spec, own.bore_radius, smallest, root, body.web)
-    return replace(half, keyway=keyway, hub=hub, holes=holes, rows=DoubleHelical(plane, near, True, groove, body))
+    under = UnderTeeth(name, half.tooth, body, smallest, root, gear.own.module, rows.halves)
+    return replace(half, features=body_features(spec, under), rows=rows)
 
 
 def _sharp_inside(half: Member, end: int) -> Member:

@@ -31,7 +31,6 @@ from gearmesh.systems.cylindrical.geometry.line_of_action import (
     tight_distance,
     undercut_reserve,
 )
-from gearmesh.systems.cylindrical.geometry.mass import Bulk, bulk
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
 from gearmesh.systems.cylindrical.geometry.proportions import (
     GearProportions,
@@ -44,6 +43,7 @@ from gearmesh.systems.cylindrical.geometry.root import CriticalSection, critical
 from gearmesh.systems.cylindrical.measured import flank_radii
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
 from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.teeth.moments import member_moments
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys
@@ -602,12 +602,12 @@ def _internal_reserves(pair: SheetPair) -> list[Row]:
 
 def _bodies(pair: SheetGears) -> list[Row]:
     density = DENSITY if pair.design.material.density is None else pair.design.material.density
-    bulks: list[Bulk] = [bulk(member) for member in pair.members]
+    bulks = [member_moments(member) for member in pair.members]
     return [
         ("rho", "density", "kg/m^3", pair.of_all(lambda _: density)),
         ("V", "volume", "mm^3", tuple(bulk.volume for bulk in bulks)),
         ("m", "mass", "kg", tuple(bulk.mass(density) for bulk in bulks)),
-        ("J", "moment of inertia about the axis", "kg mm^2", tuple(bulk.inertia(density) for bulk in bulks)),
+        ("J", "moment of inertia about the axis", "kg mm^2", tuple(bulk.about_axis(density) for bulk in bulks)),
     ]
 
 

@@ -26,7 +26,8 @@ from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.axes import gear_base, shifts
 from gearmesh.systems.common.backlash import thin
-from gearmesh.systems.common.bodies.body import body_features, bore_radius
+from gearmesh.systems.common.bodies.body import bore_radius
+from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
@@ -188,8 +189,8 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
         return {"theta_s": np.degrees(p), "u_s": v + place}
 
     inner, outer = blank.extent
-    features = body_features("gear", design.gear, blank.body.bore_radius, inner, outer)
-    return with_end_chamfers(Member("gear", tooth, source_parameters, *features), design.gear)
+    under = UnderTeeth("gear", tooth, blank.body, inner, outer, design.given_module)
+    return with_end_chamfers(Member("gear", tooth, source_parameters, body_features(design.gear, under)), design.gear)
 
 
 def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -> ToothSide:
@@ -275,7 +276,7 @@ def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
             reason="reaches the root at the inner cylinder",
             allowed=f"less than {at_most(back - root_z[0])} mm",
         )
-    bore = bore_radius("gear", spec.bore, inner, "the inner diameter")
+    bore = bore_radius("gear", spec.stated_bore, inner, "the inner diameter")
     front = back - spec.web
     body = Body.disk(bore, (inner, front), (outer, back))
     return Blank(ConeLevel(0.5 * np.pi), (inner, outer), tip, root, body)

@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import FlankContact, GearBody, MemberTable, PairDesign
+from gearmesh.design.core import FlankContact, GearBody, Holes, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
@@ -107,6 +107,7 @@ class FaceGearGear(GearBody):
     bore: Annotated[
         float | None, Key("length", "bore diameter; 0 = no bore", low=0, default="40 % of the inner diameter")
     ] = None
+    holes: Holes | None = None
 
 
 class ShaperTool(Table):

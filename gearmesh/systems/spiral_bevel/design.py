@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import ContactTable, GearBody, PairDesign
+from gearmesh.design.core import ContactTable, GearBody, Holes, PairDesign, Web
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.design.shown import value_text
@@ -379,7 +379,14 @@ class GearCutter(Machine):
     inside: BladeTable = BladeTable()
 
 
-class BevelMember(GearBody):
+class BevelBody(GearBody):
+    """The body of a bevel gear: between front and back cone, with a plane face at either end."""
+
+    web: Web | None = None
+    holes: Holes | None = None
+
+
+class BevelMember(BevelBody):
     """What both members have."""
 
     root_angle: Annotated[
@@ -475,6 +482,9 @@ class SpiralBevelContact(BevelContact):
 
 class BevelDesign(PairDesign):
     """What all pairs of bevel gears have."""
+
+    pinion: BevelBody
+    gear: BevelBody
 
     module: Annotated[
         float | None, Key("length", "outer transverse module", low=0, above=True, default="given by diametral_pitch")

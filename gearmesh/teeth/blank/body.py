@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,6 +20,30 @@ class Disc:
     outer: float
     low: float
     high: float
+
+
+@dataclass(frozen=True)
+class TurnedStep:
+    """A step of a shaft or bore, mm: its radius, that at its other end (of a cone), its length, and the region of its faces."""
+
+    radius: float
+    end_radius: float
+    length: float
+    region: Region
+
+
+@dataclass(frozen=True)
+class PlaneFace:
+    """A plane end of a body at z between two radii, mm; `up`: it looks to larger z."""
+
+    z: float
+    inner: float
+    outer: float
+    up: bool
+
+    def covers(self, reach: tuple[float, float]) -> bool:
+        """Whether all between two radii is on it."""
+        return self.inner <= reach[0] and reach[1] <= self.outer
 
 
 @dataclass(frozen=True)
@@ -64,20 +90,85 @@ class Body:
         recess = (Region.WEB,) * 3
         return Body(tuple(profile), (*recess, Region.FACE_TOE, Region.BORE, Region.FACE_HEEL, *recess))
 
+    def with_recess(self, web: Disc) -> Body:
+        """A disk with a recess in its heel's face between the radii of a web, which goes on to its toe's face."""
+        last, (_, high) = self.bore_band + 1, self.profile[self.bore_band + 1]
+        recess = [(web.inner, high), (web.inner, web.high), (web.outer, web.high), (web.outer, high)]
+        bands = (*self.bands[: last + 1], *(Region.WEB,) * 3, *self.bands[last:])
+        return Body((*self.profile[: last + 1], *recess, *self.profile[last + 1 :]), bands)
+
     def shift(self, rise: float) -> Body:
         """The body moved along z by `rise` (mm)."""
         return Body(tuple((rho, z + rise) for rho, z in self.profile), self.bands)
 
-    def with_hub(self, radius: float, length: float) -> Body:
-        """The body with a hub of some outer radius and length (mm) on its heel, round the bore."""
-        last, high = self.bore_band + 1, self.ends[1]
-        points, names, top = list(self.profile), list(self.bands), high + length
-        points[last : last + 1] = [(self.bore_radius, top), (radius, top), (radius, high)]
-        names[last:last] = [Region.HUB, Region.HUB]
-        if points[last + 3 : last + 4] == [(radius, high)]:
-            # as wide as that of the web: no face between them
-            del points[last + 2], names[last + 2]
+    def with_steps(self, toe: Sequence[TurnedStep], heel: Sequence[TurnedStep]) -> Body:
+        """The body with steps of hub or shaft on its end faces round the bore, each in order from the body outwards."""
+        points, names = list(self.profile), list(self.bands)
+        for steps, heelward in ((heel, True), (toe, False)):
+            if not steps:
+                continue
+            at = names.index(Region.BORE) + heelward
+            bore, face = points[at]
+            there, bands = _turned_steps(steps, bore, face, 1.0 if heelward else -1.0)
+            # from the bore's end to the body; at the toe the other way round
+            points[at : at + 1] = there if heelward else there[::-1]
+            names[at:at] = bands if heelward else bands[::-1]
+            last = at + len(there) - 1 if heelward else at
+            beside = last + 1 if heelward else last - 1
+            if 0 <= beside < len(points) and points[beside] == points[last]:
+                # as wide as that of the web: no face between them
+                del points[last], names[last if heelward else last - 1]
         return Body(tuple(points), tuple(names))
+
+    def with_stepped_bore(self, toe: Sequence[TurnedStep], heel: Sequence[TurnedStep]) -> Body:
+        """The body with steps of its bore, or of the outside of a ring, each in order from its end inwards."""
+        points, names, band = list(self.profile), list(self.bands), Region.RIM if self.around else Region.BORE
+        for steps, heelward in ((heel, True), (toe, False)):
+            if not steps:
+                continue
+            at = names.index(band) + heelward
+            inwards = self.heel_sign * (-1.0 if heelward else 1.0)
+            radius, z = points[at]
+            there = [(steps[0].radius, z)]
+            for step, after in zip(steps, (*(step.radius for step in steps[1:]), radius), strict=True):
+                z += inwards * step.length
+                there += [(step.radius, z), (after, z)]
+            bands = [steps[0].region] * (len(there) - 1)
+            points[at : at + 1] = there[::-1] if heelward else there
+            names[at:at] = bands
+        return Body(tuple(points), tuple(names))
+
+    @property
+    def heel_sign(self) -> int:
+        """1 where the heel is at larger z than the toe, -1 else: of an internal gear."""
+        return -1 if self.around else 1
+
+    def plane_faces(self, flat_ends: bool) -> list[PlaneFace]:
+        """Its plane ends, those of the teeth with them where these are planes (`flat_ends`), which have no bound at the teeth."""
+        made = [
+            PlaneFace(z, min(rho, other), max(rho, other), other > rho)
+            for (rho, z), (other, end) in pairwise(self.profile)
+            if z == end and rho != other
+        ]
+        for (rho, z), up in zip((self.profile[0], self.profile[-1]), (self.around, not self.around), strict=True):
+            if flat_ends:
+                made.append(PlaneFace(z, *((0.0, rho) if self.around else (rho, np.inf)), up))
+        return made
+
+    def levels(self, reach: tuple[float, float], flat_ends: bool, depth: float | None = None) -> tuple[float, float]:
+        """The z between which an opening between two radii goes through the body, or has a depth (mm) from the heel's face.
+
+        Raises ValueError where it does not begin and end on one plane each.
+        """
+        faces = sorted((face for face in self.plane_faces(flat_ends) if face.covers(reach)), key=lambda face: face.z)
+        through = len(faces) == 2
+        if depth is None and through:
+            return faces[0].z, faces[1].z
+        # seen from the heel's side
+        heel = next((face.z for face in faces if face.up == (self.heel_sign > 0)), None)
+        if depth is not None and heel is not None and (not through or depth < faces[1].z - faces[0].z):
+            return (heel - depth, heel) if self.heel_sign > 0 else (heel, heel + depth)
+        raise ValueError("does not go from one plane face to another")
 
     @property
     def web(self) -> Disc | None:
@@ -86,13 +177,19 @@ class Body:
         if not ends:
             return None
         inner, outer = (pick(rho for pair in ends for rho, _ in pair) for pick in (min, max))
-        low, high = sorted({one[1] for one, other in ends if one[1] == other[1]})
+        levels = {one[1] for one, other in ends if one[1] == other[1]}
+        # with one recess the web goes on to the other end face
+        low, high = sorted(levels if len(levels) == 2 else levels | {self.profile[self.bore_band][1]})
         return Disc(inner, outer, low, high)
 
     @property
     def without_web(self) -> Body:
         """The body with the recesses beside its web filled."""
-        return self if self.web is None else Body.tube(self.bore_radius, self.profile[0][1], self.profile[-1][1])
+        if self.web is None:
+            return self
+        if Region.WEB not in (self.bands[0], self.bands[-1]):
+            return Body.disk(self.bore_radius, self.profile[0], self.profile[-1])
+        return Body.tube(self.bore_radius, self.profile[0][1], self.profile[-1][1])
 
     @property
     def bore_radius(self) -> float:
@@ -149,6 +246,22 @@ class Body:
         closed = np.array((*self.profile, self.profile[0]))
         rho, rise = closed[:, 0], np.diff(closed[:, 1])
         return float(np.pi / 3.0 * (rise @ (rho[1:] ** 2 + rho[1:] * rho[:-1] + rho[:-1] ** 2)))
+
+
+def _turned_steps(
+    steps: Sequence[TurnedStep], bore: float, face: float, sense: float
+) -> tuple[list[tuple[float, float]], list[Region]]:
+    """Points (rho, z) from the bore's end over all steps down to the body's face at z, and the regions of the bands between."""
+    ends = face + sense * np.cumsum([step.length for step in steps])
+    points, bands = [(bore, float(ends[-1]))], list[Region]()
+    for k in range(len(steps) - 1, -1, -1):
+        step, start = steps[k], float(ends[k - 1]) if k else face
+        if points[-1] != (step.end_radius, float(ends[k])):
+            points.append((step.end_radius, float(ends[k])))
+            bands.append(step.region)
+        points.append((step.radius, start))
+        bands.append(step.region)
+    return points, bands
 
 
 def end_regions(level: Level) -> tuple[Region, Region]:

@@ -67,8 +67,8 @@ class StagedMember:
         tooth = tessellate(member.tooth, tolerance)
         whole = gear_solid(member, tolerance, tooth)
         plain = whole
-        if member.keyway is not None or member.holes is not None:
-            plain = gear_solid(replace(member, keyway=None, holes=None), tolerance, tooth)
+        if member.features.is_cut:
+            plain = gear_solid(replace(member, features=member.features.uncut), tolerance, tooth)
         regions = member.repeated_regions
         repeated = np.isin(plain.regions, [plain.region_names.index(name) for name in regions])
         first = np.flatnonzero(repeated)[: int(repeated.sum()) // member.tooth.teeth]

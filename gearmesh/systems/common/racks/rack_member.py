@@ -22,7 +22,8 @@ from gearmesh.kernel.surface.levels import ConeLevel, LandLevel, PlaneLevel
 from gearmesh.kernel.surface.meridian import Meridian
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import GeneratedSurface, Surface
-from gearmesh.systems.common.bodies.body import body_features, bore_radius, disc_body
+from gearmesh.systems.common.bodies.body import bore_radius, disc_body
+from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.common.tooth_edges import edge_refusal, fits, goes, largest, stations_on, tip_edge
@@ -97,9 +98,8 @@ def member(
     )
     prove(name, tooth, spec, tip_key)
     radii = [float(tooth.blank.root.at(z)) for z in tooth.blank.extent]
-    body = tooth.blank.body
-    features = body_features(name, spec, body.bore_radius, min(radii), radii[1], body.web)
-    return Member(name, tooth, source_parameters, *features)
+    under = UnderTeeth(name, tooth, tooth.blank.body, min(radii), radii[1], 2.0 * roll.radius / spec.teeth)
+    return Member(name, tooth, source_parameters, body_features(spec, under))
 
 
 def _rack_making(roll: Roll) -> ToothMaking:
@@ -216,7 +216,7 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tu
                 allowed=f"a narrower face, or less {name}.plunge_coefficient or roll_coefficient",
             ) from failure
         smallest = float(root.at(np.linspace(-half, half, ROOT_SAMPLES)).min())
-    bore = bore_radius(name, spec.bore, smallest, "the smallest root diameter")
+    bore = bore_radius(name, spec.stated_bore, smallest, "the smallest root diameter")
     body = disc_body(name, spec, bore, smallest, float(tip.at(0.0) - root.at(0.0)))
     return Blank(PlaneLevel(0.0), (-half, half), tip, root, body)
 

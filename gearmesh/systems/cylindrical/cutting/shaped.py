@@ -20,7 +20,8 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.kernel.surface.twisted import Twisted
-from gearmesh.systems.common.bodies.body import body_features, bore_radius, disc_body, holes_in
+from gearmesh.systems.common.bodies.body import bore_radius, disc_body
+from gearmesh.systems.common.bodies.features import UnderTeeth, body_features, ring_features
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.racks.rack_member import prove
 from gearmesh.systems.common.tooth_edges import tip_edge
@@ -148,12 +149,9 @@ def shaped_member(
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {theta: np.degrees(p), along: v}
 
-    body = tooth.blank.body
-    if own.internal:
-        holes = None if spec.holes is None else holes_in(name, spec.holes, cut.root, body.profile[0][0])
-        return Member(name, tooth, source_parameters, holes=holes)
-    features = body_features(name, spec, body.bore_radius, cut.root, cut.root, body.web)
-    return Member(name, tooth, source_parameters, *features)
+    under = UnderTeeth(name, tooth, tooth.blank.body, cut.root, cut.root, own.module)
+    features = ring_features(spec, under) if own.internal else body_features(spec, under)
+    return Member(name, tooth, source_parameters, features)
 
 
 def _check_flank(name: str, spec: CylindricalMember, cut: Shaping | Forming) -> None:
@@ -191,7 +189,7 @@ def _side(cut: Shaping | Forming, which: Side) -> ToothSide:
 def _blank(name: str, spec: CylindricalMember, cut: Shaping | Forming) -> Blank:
     half = 0.5 * spec.face_width
     if not cut.own.internal:
-        bore = bore_radius(name, spec.bore, cut.root, "the root diameter")
+        bore = bore_radius(name, spec.stated_bore, cut.root, "the root diameter")
         body = disc_body(name, spec, bore, cut.root, cut.tip - cut.root)
         return Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(cut.tip), ConeLevel.of(cut.root), body)
     rim = RIM * cut.own.module if spec.rim is None else spec.rim

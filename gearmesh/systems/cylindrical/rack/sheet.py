@@ -21,7 +21,6 @@ from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.cylindrical.geometry.allowances import allowances_of
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction
-from gearmesh.systems.cylindrical.geometry.mass import CUBIC
 from gearmesh.systems.cylindrical.geometry.measures import STANDARD
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh
@@ -29,6 +28,7 @@ from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, r
 from gearmesh.systems.cylindrical.sheet import SheetPair, member_tables
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
 from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.teeth.moments import CUBIC
 from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:

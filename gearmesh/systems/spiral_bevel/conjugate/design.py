@@ -7,12 +7,11 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import model_validator
 
-from gearmesh.design.core import GearBody
 from gearmesh.design.keys import Key, conflict
-from gearmesh.systems.spiral_bevel.design import BevelContact, BevelDesign, DrivingSide, EdgeRadius
+from gearmesh.systems.spiral_bevel.design import BevelBody, BevelContact, BevelDesign, DrivingSide, EdgeRadius
 
 
-class ConjugateMember(GearBody):
+class ConjugateMember(BevelBody):
     """One member."""
 
     r_d: Annotated[

@@ -12,7 +12,8 @@ from gearmesh.errors import VagueError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import TrimError
-from gearmesh.systems.common.bodies.body import body_features, bore_radius
+from gearmesh.systems.common.bodies.body import bore_radius, recessed_body
+from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.blank.root import bottom, root_cone
@@ -24,7 +25,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
-    from gearmesh.design.core import GearBody
+    from gearmesh.systems.spiral_bevel.design import BevelBody
 
 #: edge radii that are tried where the default does not fit
 EDGE_SHARES = (1.0, 0.75, 0.5, 0.35, 0.2, 0.1, 0.0)
@@ -48,7 +49,7 @@ REMEDIES = {
 
 def bevel_member(
     name: str,
-    spec: GearBody,
+    spec: BevelBody,
     blank: BevelBlank,
     own: MemberBlank,
     sides: dict[str, Generated],
@@ -79,8 +80,8 @@ def bevel_member(
         return {f"u_{letter}": p, f"theta_{letter}": np.degrees(v)}
 
     (toe, _), *_, (heel, _) = body.body.profile
-    features = body_features(name, spec, body.body.bore_radius, toe, heel)
-    return with_end_chamfers(Member(name, tooth, source_parameters, *features), spec)
+    under = UnderTeeth(name, tooth, body.body, toe, heel, blank.mean_normal_module)
+    return with_end_chamfers(Member(name, tooth, source_parameters, body_features(spec, under)), spec)
 
 
 def _on_cone(own: MemberBlank, root: ConeLevel, cone_distance: float, below: float = 0.0) -> tuple[float, float]:
@@ -92,13 +93,15 @@ def _on_cone(own: MemberBlank, root: ConeLevel, cone_distance: float, below: flo
     return float(s * cone_distance - c * depth), float(c * cone_distance + s * depth - own.pitch_apex)
 
 
-def _body(name: str, spec: GearBody, blank: BevelBlank, own: MemberBlank, root: ConeLevel) -> Body:
+def _body(name: str, spec: BevelBody, blank: BevelBlank, own: MemberBlank, root: ConeLevel) -> Body:
     """The body between front cone and back cone."""
     toe_root = _on_cone(own, root, own.inner_cone_distance)
     toe = _on_cone(own, root, own.inner_cone_distance, TOE_RIM * blank.mean_depth)
     heel = _on_cone(own, root, own.outer_cone_distance, HEEL_RIM * blank.mean_depth)
-    bore = bore_radius(name, spec.bore, toe[0], "the diameter under the teeth at the toe", min(toe[0], toe_root[0]))
-    return Body.disk(bore, toe, heel)
+    bore = bore_radius(
+        name, spec.stated_bore, toe[0], "the diameter under the teeth at the toe", min(toe[0], toe_root[0])
+    )
+    return recessed_body(name, spec, spec.web, Body.disk(bore, toe, heel), root, blank.mean_depth)
 
 
 def _fitting_tooth(

@@ -1,0 +1,1 @@
+"""Plane geometry: lines and arcs of sections and openings."""

@@ -1,0 +1,492 @@
+"""Features of bodies as designs ask for them, each checked against the room that the body has: keyway, hubs, shafts, steps of the
+bore, holes, bolt holes, spokes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations, pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.design.core import MemberTable
+from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.systems.common.bodies.body import LEAST_RIM
+from gearmesh.systems.common.bodies.parallel_keys import LARGEST, SMALLEST, keyway_in_hub
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.teeth.blank.body import Body, Disc, TurnedStep
+from gearmesh.teeth.blank.features import BodyFeatures, Boss, Drilling, Outline, Pattern, Slot, Spokes
+from gearmesh.teeth.blank.halves import HalfGear
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.tooth import Tooth
+
+if TYPE_CHECKING:
+    from gearmesh.design.core import BoltHoles, BoreSteps, GearBody, Holes, Hub, Keyway, ShaftSteps, SpokeTable
+
+#: diameter of holes that are not given, as parts of the room and of the distance from one to the next
+HOLE_ROOM, HOLE_PITCH = 0.5, 0.6
+#: distance of the openings between spokes from the bounds of the room, and radius of their corners, where they are not given, as
+#: parts of the room and of their height
+SPOKE_MARGIN, SPOKE_CORNER = 0.1, 0.1
+#: points along the root line, and along each curve of an outline, where features are measured
+ALONG, ROUND = 33, 32
+#: share of a size by which lines are kept off the faces that they end on
+WALL = 1e-6
+
+
+@dataclass(frozen=True)
+class UnderTeeth:
+    """What is under the teeth of a member, or round those of an internal gear; lengths in mm.
+
+    `body`: with its web; `smallest`: its smallest radius under the teeth, of an internal gear its largest; `heel`: its radius on
+    the heel's face; `module`: what messages count rims by; `halves`: the rows of its teeth.
+    """
+
+    name: str
+    tooth: Tooth
+    body: Body
+    smallest: float
+    heel: float
+    module: float
+    halves: tuple[HalfGear, ...] = (HalfGear(),)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Radii of the end faces that hubs and shafts stand on at toe and heel."""
+        web, bands = self.body.web, self.body.bands
+        if web is None:
+            return self.smallest, self.heel
+        return web.inner if bands[0] is Region.WEB else self.smallest, web.inner
+
+    @property
+    def flat(self) -> bool:
+        """Whether the teeth end on planes."""
+        return station_normal(self.tooth.blank.axial)[0] == 0.0
+
+    @cached_property
+    def root(self) -> Array:
+        """Line (N, 2) of the roots of all rows, (rho, z), from the heel's end of the body to the toe's."""
+        lines = np.concatenate([self._line(Region.ROOT, half) for half in self.halves])
+        return lines[np.argsort(-self.body.heel_sign * lines[:, 1])] if self.flat else lines[::-1]
+
+    @cached_property
+    def least_rim(self) -> float:
+        """Least rim over what is cut into the body, mm."""
+        tip, root = (self._line(region, self.halves[0])[ALONG // 2] for region in (Region.LAND, Region.ROOT))
+        return LEAST_RIM * float(np.linalg.norm(tip - root))
+
+    def _line(self, region: Region, half: HalfGear) -> Array:
+        points = self.tooth.grid(region, np.array([0.5]), self.tooth.sections(np.linspace(0.0, 1.0, ALONG))).points[0]
+        points = half.points(points)
+        return np.stack((np.hypot(points[:, 0], points[:, 1]), points[:, 2]), axis=-1)
+
+    def is_inside(self, body: Body, points: Array) -> bool:
+        """Whether points (N, 2), (rho, z), are all inside a body under the roots."""
+        return bool(_contains(np.concatenate((body.profile, self.root)), points).all())
+
+    def check_rim(self, key: str, value: object, points: Array) -> None:
+        """Refuse a feature that leaves less than the least rim between points (N, 2), (rho, z), and the roots."""
+        left = float(_distances(points, self.root).min()) if self.is_inside(self.body.without_web, points) else 0.0
+        if left < self.least_rim:
+            rim = f"a rim of {left:.3g} mm, {left / self.module:.2g} modules," if left > 0.0 else "no rim"
+            raise DesignError(
+                f"{self.name}.{key}",
+                value,
+                unit="mm",
+                reason=f"leaves {rim} at the roots",
+                allowed=f"at least {at_least(self.least_rim)} mm of rim, {self.least_rim / self.module:.3g} modules or "
+                f"{LEAST_RIM:g} whole depths",
+            )
+
+
+def body_features(spec: GearBody, under: UnderTeeth) -> BodyFeatures:
+    """Features of the part `spec` of a design (in mm). Raises DesignError naming key, value and limit."""
+    name, body, web = under.name, under.body, under.body.web
+    keyway = _keyway(spec, under)
+    keyed = body.bore_radius + (keyway.depth if keyway else 0.0)
+    ends = under.ends
+    hubs = [
+        _boss(name, key, hub, (keyed, end), web)
+        for key, hub, end in (("toe_hub", spec.toe_hub, ends[0]), ("hub", spec.hub, ends[1]))
+    ]
+    shafts = [
+        _shaft(name, key, shaft, (keyed, end if hub is None else None))
+        for key, shaft, hub, end in (
+            ("toe_shaft", spec.toe_shaft, hubs[0], ends[0]),
+            ("heel_shaft", spec.heel_shaft, hubs[1], ends[1]),
+        )
+    ]
+    if web is None and isinstance(spec, MemberTable) and spec.web is not None:
+        raise DesignError(
+            f"{name}.web.thickness", spec.web.thickness, unit="mm", reason="this body has no room for a web"
+        )
+    features = BodyFeatures(keyway=keyway, hub=hubs[1], toe_hub=hubs[0], toe_shaft=shafts[0], heel_shaft=shafts[1])
+    bores = _bore_steps(spec, under, features)
+    features = replace(features, toe_bore=bores[0], heel_bore=bores[1])
+    beside = [0.5 * hub.diameter for hub in hubs if hub] + [steps[0].radius for steps in (*shafts, *bores) if steps]
+    room = (max(keyed, *beside, 0.0), under.smallest) if web is None else (web.inner, web.outer)
+    return _with_openings(spec, under, features, room)
+
+
+def ring_features(spec: MemberTable, under: UnderTeeth) -> BodyFeatures:
+    """Features of the rim of an internal gear, as `body_features`."""
+    outside = under.body.profile[0][0]
+    sides = [
+        _steps(under, key, steps, Region.RIM)
+        for key, steps in (("toe_bore", spec.toe_bore), ("heel_bore", spec.heel_bore))
+    ]
+    _check_lengths(spec, under, under.body)
+    for key, steps in zip(("toe_bore", "heel_bore"), sides, strict=True):
+        for step in steps:
+            if step.radius == outside:
+                raise DesignError(
+                    f"{under.name}.{key}.diameters", 2.0 * outside, unit="mm", reason="is that of the rim: no step"
+                )
+            if step.radius < outside:
+                _check_ring_step(under, key, step)
+    features = BodyFeatures(toe_bore=sides[0], heel_bore=sides[1])
+    least = min([outside, *(step.radius for steps in sides for step in steps)])
+    return _with_openings(spec, under, features, (under.smallest, least))
+
+
+def _check_ring_step(under: UnderTeeth, key: str, step: TurnedStep) -> None:
+    low, high = under.body.ends
+    under.check_rim(f"{key}.diameters", 2.0 * step.radius, _line((step.radius, low), (step.radius, high)))
+
+
+def _keyway(spec: GearBody, under: UnderTeeth) -> Slot | None:
+    name, body, web = under.name, under.body, under.body.web
+    if spec.keyway is None:
+        return None
+    keyway = _slot(name, spec.keyway, 2.0 * body.bore_radius)
+    if keyway.width >= 2.0 * body.bore_radius:
+        raise DesignError(
+            f"{name}.keyway.width",
+            keyway.width,
+            unit="mm",
+            allowed=f"less than the bore, {at_most(2.0 * body.bore_radius)} mm",
+        )
+    limit = (under.smallest if web is None else web.inner) - body.bore_radius
+    if keyway.depth >= limit:
+        raise DesignError(
+            f"{name}.keyway.depth",
+            keyway.depth,
+            unit="mm",
+            allowed=f"less than {at_most(limit)} mm (to the {_within(web)})",
+        )
+    return keyway
+
+
+def _within(web: Disc | None) -> str:
+    """What a hub or keyway has to stay within."""
+    return "root" if web is None else "hub of the web"
+
+
+def _boss(name: str, key: str, spec: Hub | None, bounds: tuple[float, float], web: Disc | None) -> Boss | None:
+    """A hub between two radii (mm), that of the bore and that of its end face."""
+    if spec is None:
+        return None
+    low, high = 2.0 * bounds[0], 2.0 * bounds[1]
+    if not (low < spec.diameter < high or (spec.diameter == high and web is not None)):
+        raise DesignError(
+            f"{name}.{key}.diameter",
+            spec.diameter,
+            unit="mm",
+            allowed=f"between {at_least(low)} (bore) and {at_most(high)} mm ({_within(web)})",
+        )
+    return Boss(spec.diameter, spec.length)
+
+
+def _shaft(name: str, key: str, spec: ShaftSteps | None, bounds: tuple[float, float | None]) -> tuple[TurnedStep, ...]:
+    """Steps of a shaft; `bounds`: radius of the bore, and of the end face that it is on, None of one on a hub, mm."""
+    if spec is None:
+        return ()
+    ends = spec.end_diameters or spec.diameters
+    low, high = bounds
+    for given, diameters in (("diameters", spec.diameters), ("end_diameters", ends)):
+        if min(diameters) <= 2.0 * low:
+            raise DesignError(
+                f"{name}.{key}.{given}",
+                min(diameters),
+                unit="mm",
+                allowed=f"more than the bore, {at_least(2.0 * low)} mm",
+            )
+    if high is not None and spec.diameters[0] >= 2.0 * high:
+        raise DesignError(
+            f"{name}.{key}.diameters",
+            spec.diameters[0],
+            unit="mm",
+            reason="the first step is wider than the end face",
+            allowed=f"less than {at_most(2.0 * high)} mm",
+        )
+    return tuple(
+        TurnedStep(0.5 * diameter, 0.5 * end, length, Region.SHAFT)
+        for diameter, end, length in zip(spec.diameters, ends, spec.lengths, strict=True)
+    )
+
+
+def _steps(under: UnderTeeth, key: str, spec: BoreSteps | None, region: Region) -> tuple[TurnedStep, ...]:
+    """Steps of a bore, or of the outside of a ring."""
+    if spec is None:
+        return ()
+    for one, other in pairwise(spec.diameters):
+        if one == other:
+            raise DesignError(f"{under.name}.{key}.diameters", one, unit="mm", reason="two steps are alike")
+    return tuple(
+        TurnedStep(0.5 * diameter, 0.5 * diameter, length, region)
+        for diameter, length in zip(spec.diameters, spec.lengths, strict=True)
+    )
+
+
+def _bore_steps(spec: GearBody, under: UnderTeeth, features: BodyFeatures) -> list[tuple[TurnedStep, ...]]:
+    """Steps of the bore at toe and heel, of a body with hubs and shafts."""
+    name, turned, bore = under.name, features.turn(under.body), under.body.bore_radius
+    least = bore if features.keyway is None else features.keyway.reach(bore)
+    made = []
+    _check_lengths(spec, under, turned)
+    for key, table, end in (("toe_bore", spec.toe_bore, 0), ("heel_bore", spec.heel_bore, 1)):
+        steps = _steps(under, key, table, Region.COUNTERBORE)
+        made.append(steps)
+        if not steps:
+            continue
+        diameters = [2.0 * step.radius for step in steps]
+        if bore == 0.0:
+            raise DesignError(f"{name}.bore", 0, unit="mm", reason=f"{key} needs a bore", allowed="more than 0 mm")
+        if diameters != sorted(diameters, reverse=True) or diameters[-1] <= 2.0 * least:
+            what = "the bore" if features.keyway is None else "the keyway"
+            raise DesignError(
+                f"{name}.{key}.diameters",
+                diameters,
+                reason="a bore has its widest step at its end",
+                allowed=f"falling from the end face inwards, all above {what}, {at_least(2.0 * least)} mm",
+            )
+        sense = -1.0 if end else 1.0
+        z = turned.profile[turned.bore_band + end][1]
+        for step in steps:
+            line = _line((step.radius * (1.0 + WALL), z), (step.radius * (1.0 + WALL), z + sense * step.length))
+            if not under.is_inside(turned, line):
+                raise DesignError(
+                    f"{name}.{key}.diameters",
+                    2.0 * step.radius,
+                    unit="mm",
+                    reason="breaks through the outside of the body",
+                    allowed="a smaller diameter or length",
+                )
+            if float(_distances(line, under.root).min()) < under.least_rim:
+                under.check_rim(f"{key}.diameters", 2.0 * step.radius, line)
+            z += sense * step.length
+    return made
+
+
+def _check_lengths(spec: GearBody, under: UnderTeeth, body: Body) -> None:
+    """Refuse steps of a bore, or of a ring's outside, that leave nothing of it between them."""
+    lengths = {
+        key: sum(steps.lengths) for key in ("toe_bore", "heel_bore") if (steps := getattr(spec, key)) is not None
+    }
+    band = body.bands.index(Region.RIM if body.around else Region.BORE)
+    room = abs(body.profile[band + 1][1] - body.profile[band][1])
+    if lengths and sum(lengths.values()) >= room:
+        key, length = max(lengths.items(), key=lambda item: item[1])
+        others = sum(lengths.values()) - length
+        raise DesignError(
+            f"{under.name}.{key}.lengths",
+            length,
+            unit="mm",
+            reason="together",
+            allowed=f"less than {at_most(room - others)} mm, the length of the {'rim' if body.around else 'bore'}",
+        )
+
+
+def _with_openings(
+    spec: GearBody, under: UnderTeeth, features: BodyFeatures, room: tuple[float, float]
+) -> BodyFeatures:
+    """Features with holes, bolt holes and spokes, which are between two radii (mm) where the design does not say where."""
+    name, holes = under.name, getattr(spec, "holes", None)
+    made: dict[str, Pattern] = {}
+    if holes is not None:
+        features = replace(features, holes=(drilled := holes_in(name, holes, *room)))
+        made["holes.circle"] = drilled
+    if spec.bolts is not None:
+        features = replace(features, bolts=(bolts := _bolts(name, spec.bolts, room)))
+        made["bolts.circle"] = bolts
+    if spec.spokes is not None:
+        features = replace(features, spokes=(spokes := _spokes(name, spec.spokes, room)))
+        made["spokes.outer_diameter"] = spokes
+    body = features.turn(under.body)
+    for key, pattern in made.items():
+        low, high = _levels(key, pattern, body, under)
+        # what plane end faces have always been allowed stays so
+        if key != "holes.circle" or not under.flat:
+            walls = [_line((rho, low), (rho, high)) for rho in pattern.reach]
+            under.check_rim(key, 2.0 * pattern.reach[1], np.concatenate(walls))
+    for (key, one), (other_key, other) in combinations(made.items(), 2):
+        if _overlap(one, other):
+            raise DesignError(
+                f"{name}.{other_key}",
+                reason=f"its openings meet those of {key.partition('.')[0]}",
+                allowed="another circle, size or start_angle",
+            )
+    return features
+
+
+def _levels(key: str, pattern: Pattern, body: Body, under: UnderTeeth) -> tuple[float, float]:
+    """Between which z openings go through the body. Raises DesignError where they do not begin and end on plane faces."""
+    try:
+        return body.levels(pattern.reach, under.flat, pattern.depth)
+    except ValueError:
+        inner, outer = pattern.reach
+        why = f"openings from {2.0 * inner:.6g} to {2.0 * outer:.6g} mm do not begin and end on one plane face each"
+        if pattern.depth is not None:
+            why = f"holes from {2.0 * inner:.6g} to {2.0 * outer:.6g} mm, {pattern.depth:g} mm deep, do not end in the body"
+        rooms = _rooms(body, under, pattern.depth)
+        allowed = " or ".join(f"{at_least(2.0 * a)} to {at_most(2.0 * b)} mm" for a, b in rooms)
+        raise DesignError(
+            f"{under.name}.{key}", reason=why, allowed=f"diameters from {allowed}" if rooms else ""
+        ) from None
+
+
+def _rooms(body: Body, under: UnderTeeth, depth: float | None) -> list[tuple[float, float]]:
+    """Radii (mm) between which openings are on plane faces."""
+    bounds = {face_bound for face in body.plane_faces(under.flat) for face_bound in (face.inner, face.outer)}
+    # blind holes in the heel do not reach the toe's face
+    limit = under.smallest if depth is None or body.around else max(under.smallest, under.heel)
+    places = sorted({bound for bound in bounds if 0.0 < bound < np.inf} | {limit})
+    rooms = []
+    for one, other in pairwise(places):
+        # beyond the roots there are only the teeth
+        if one >= limit if body.around else other <= limit:
+            try:
+                body.levels((one, other), under.flat, depth)
+            except ValueError:
+                continue
+            rooms.append((one, other))
+    return rooms
+
+
+def _bolts(name: str, spec: BoltHoles, room: tuple[float, float]) -> Drilling:
+    """Bolt holes, in the middle of the room between two radii (mm) where their circle is not given."""
+    circle = sum(room) if spec.circle is None else spec.circle
+    apart = math.sin(math.pi / spec.count)
+    if spec.diameter >= circle:
+        raise DesignError(f"{name}.bolts.diameter", spec.diameter, unit="mm", allowed=f"less than {at_most(circle)} mm")
+    if spec.count > 1 and spec.diameter >= circle * apart:
+        most = math.ceil(math.pi / math.asin(spec.diameter / circle)) - 1
+        raise DesignError(
+            f"{name}.bolts.count",
+            spec.count,
+            reason=f"holes of {spec.diameter:g} mm overlap on {circle:.6g} mm",
+            allowed=f"at most {most}",
+        )
+    return Drilling(spec.count, spec.diameter, circle, math.radians(spec.start_angle), spec.depth, Region.BOLT)
+
+
+def _spokes(name: str, spec: SpokeTable, room: tuple[float, float]) -> Spokes:
+    """Spokes, their openings a little within the room between two radii (mm) where they are not given."""
+    margin = SPOKE_MARGIN * (room[1] - room[0])
+    inner = 2.0 * (room[0] + margin) if spec.inner_diameter is None else spec.inner_diameter
+    outer = 2.0 * (room[1] - margin) if spec.outer_diameter is None else spec.outer_diameter
+    if not inner < outer:
+        raise DesignError(
+            f"{name}.spokes.inner_diameter", inner, unit="mm", allowed=f"less than outer_diameter, {at_most(outer)} mm"
+        )
+    corner = SPOKE_CORNER * 0.5 * (outer - inner) if spec.corner_radius is None else spec.corner_radius
+    spokes = Spokes(spec.count, spec.width, inner, outer, corner, math.radians(spec.start_angle))
+    if not spokes.fits:
+        widest = 2.0 * ((0.5 * inner + corner) * math.sin(math.pi / spec.count) - corner)
+        deepest = 0.25 * (outer - inner)
+        if corner >= deepest:
+            raise DesignError(
+                f"{name}.spokes.corner_radius", corner, unit="mm", allowed=f"less than {at_most(deepest)} mm"
+            )
+        most = f"less than {at_most(widest)} mm" if widest > 0.0 else "fewer spokes or a smaller corner_radius"
+        raise DesignError(
+            f"{name}.spokes.width", spec.width, unit="mm", reason="leaves no opening between the spokes", allowed=most
+        )
+    return spokes
+
+
+def _overlap(one: Pattern, other: Pattern) -> bool:
+    """Whether openings of two patterns meet."""
+    drawn = [[_points(outline) for outline in pattern.outlines] for pattern in (one, other)]
+    return any(bool(_contains(a, b).any() or _contains(b, a).any()) for a in drawn[0] for b in drawn[1])
+
+
+def _points(outline: Outline) -> Array:
+    """Points (N, 2) along a closed line."""
+    return np.concatenate([curve.at(np.arange(ROUND) / ROUND) for curve in outline])
+
+
+def _line(one: tuple[float, float], other: tuple[float, float]) -> Array:
+    """Points (ALONG, 2) from one to the other, but for the very ends, which may lie on faces."""
+    s = np.clip(np.linspace(0.0, 1.0, ALONG), WALL, 1.0 - WALL)[:, None]
+    return np.asarray((1.0 - s) * np.array(one) + s * np.array(other))
+
+
+def _distances(points: Array, line: Array) -> Array:
+    """Distances (N,) of points (N, 2) from a line of straight pieces through (M, 2)."""
+    start, way = line[:-1], np.diff(line, axis=0)
+    length = np.maximum((way**2).sum(axis=-1), np.finfo(float).tiny)
+    along = np.clip(((points[:, None] - start) * way).sum(axis=-1) / length, 0.0, 1.0)
+    return np.asarray(np.linalg.norm(points[:, None] - start - along[..., None] * way, axis=-1).min(axis=1))
+
+
+def _contains(polygon: Array, points: Array) -> NDArray[np.bool_]:
+    """Which (N,) of points (N, 2) are inside a polygon (M, 2)."""
+    (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
+    px, py = points[:, :1], points[:, 1:]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossed = ((y > py) != (v > py)) & (px < (u - x) * (py - y) / (v - y) + x)
+    return np.asarray(crossed.sum(axis=1) % 2 == 1)
+
+
+def holes_in(name: str, spec: Holes, inner: float, outer: float) -> Drilling:
+    """Holes where a body has room between two radii (mm). Raises DesignError naming key, value and limit."""
+    room, apart = outer - inner, math.sin(math.pi / spec.count)
+    circle = inner + outer if spec.circle is None else spec.circle
+    diameter = spec.diameter
+    if diameter is None:
+        widest = 2.0 * min(0.5 * circle - inner, outer - 0.5 * circle)
+        diameter = min(HOLE_ROOM * widest, HOLE_PITCH * circle * apart if spec.count > 1 else math.inf)
+    if spec.circle is None and not diameter < room:
+        raise DesignError(
+            f"{name}.holes.diameter", diameter, unit="mm", allowed=f"less than the room for them, {at_most(room)} mm"
+        )
+    if not (diameter > 0.0 and 2.0 * inner + diameter < circle < 2.0 * outer - diameter):
+        size = max(diameter, 0.0)
+        raise DesignError(
+            f"{name}.holes.circle",
+            circle,
+            unit="mm",
+            allowed=f"between {at_least(2.0 * inner + size)} and {at_most(2.0 * outer - size)} mm",
+        )
+    if spec.count > 1 and diameter >= circle * apart:
+        most = math.ceil(math.pi / math.asin(diameter / circle)) - 1
+        raise DesignError(
+            f"{name}.holes.count",
+            spec.count,
+            reason=f"holes of {diameter:g} mm overlap",
+            allowed=f"at most {most}",
+        )
+    return Drilling(spec.count, diameter, circle)
+
+
+def _slot(name: str, spec: Keyway, bore: float) -> Slot:
+    """The keyway in a bore of some diameter (mm)."""
+    if bore == 0.0:
+        raise DesignError(f"{name}.bore", 0, unit="mm", reason="a keyway needs a bore", allowed="more than 0 mm")
+    if spec.width is not None and spec.depth is not None:
+        return Slot(spec.width, spec.depth)
+    standard = keyway_in_hub(bore)
+    if standard is None:
+        raise DesignError(
+            f"{name}.keyway.standard",
+            spec.standard,
+            reason=f"has no keyway for a bore of {bore:.6g} mm",
+            allowed=f"a {name}.bore from {SMALLEST:g} to {LARGEST:g} mm, or {name}.keyway.width and depth",
+        )
+    return Slot(*standard)
