@@ -29,6 +29,7 @@ COLOURED = 90
 PAIRS = {
     "internal": 0.02,
     "double_helical": 0.02,
+    "helical_hub": 0.02,
     "planetary": 0.02,
     "rack": 0.02,
     "beveloid_crossed": 0.05,

@@ -129,7 +129,7 @@ class BoltHoles(Table):
     ] = None
     depth: Annotated[
         float | None,
-        Key("length", "depth of blind holes, from the heel's face", low=0, above=True, default="through"),
+        Key("length", "depth of blind holes, from the heel's face; without it they go through", low=0, above=True),
     ] = None
     start_angle: Annotated[
         float, Key("angle", "polar angle of the first hole, counted from the tooth on +x", low=-360, high=360)
@@ -173,13 +173,20 @@ MOST_STEPS = 12
 
 
 class ShaftSteps(Table):
-    """Shaft, shank or journals in one piece with the body, on an end face or, where there is one, on the hub."""
+    """Shaft, shank or journals in one piece with the body, on an end face or, where there is one, on the hub; the bore is then 0
+    where it is not given."""
 
     listed_apart: ClassVar[str] = "shafts"
 
     diameters: Annotated[
         tuple[float, ...],
-        Key("length", "diameters of the steps, from the body outwards", low=0, above=True, most=MOST_STEPS),
+        Key(
+            "length",
+            "diameters of the steps, from the body outwards",
+            low=0,
+            above=True,
+            most=MOST_STEPS,
+        ),
     ]
     lengths: Annotated[tuple[float, ...], Key("length", "length of each step", low=0, above=True, most=MOST_STEPS)]
     end_diameters: Annotated[
@@ -347,7 +354,7 @@ class GearBody(Table):
             "length",
             "bore diameter; 0 = no bore",
             low=0,
-            default="40 % of the root diameter at the small end, 0 with a shaft",
+            default="40 % of the root diameter at the small end",
         ),
     ] = None
     keyway: Keyway | None = None

@@ -27,6 +27,8 @@ from gearmesh.teeth.region import Region
 BETWEEN, BEYOND, PITCH = 10.0, 4.0, 3.0
 #: teeth that are drawn where not all are, and mm that count as nothing
 FEW, NOTHING = 5, 1e-6
+#: regions of steps that have a length of their own
+STEPS = (Region.HUB, Region.SHAFT, Region.COUNTERBORE, Region.RIM)
 #: points on each curve of an opening
 CURVE = 33
 
@@ -120,8 +122,10 @@ class WheelViews:
         sizes: dict[float, list[float]] = {}
         sizes_of_teeth = [own.value for own in self.own]
         for (rho, z), (other, end) in pairwise(profile):
-            if rho == other and rho > 0.0 and not any(abs(2.0 * rho - value) < 1e-3 for value in sizes_of_teeth):
-                sizes.setdefault(round(rho, 6), []).extend((z, end))
+            places = {rho: (z, end)} if rho == other else {} if z == end else {rho: (z,), other: (end,)}
+            for own, there in places.items():
+                if own > 0.0 and not any(abs(2.0 * own - value) < 1e-3 for value in sizes_of_teeth):
+                    sizes.setdefault(round(own, 6), []).extend(there)
         for gap in self.member.gaps:
             sizes.setdefault(round(0.5 * gap.diameter, 6), []).extend(gap.body.ends)
         return [_Diameter(2.0 * rho, min(z), max(z), diameter(2.0 * rho)) for rho, z in sizes.items()]
@@ -157,6 +161,9 @@ class WheelViews:
         if self.member.hub is not None:
             top = body.ends[1]
             add((top - self.member.hub.length, 0.5 * self.member.hub.diameter), (top, 0.5 * self.member.hub.diameter))
+        for band, ((rho, z), (other, end)) in zip(body.bands, pairwise(body.profile), strict=True):
+            if z != end and band in STEPS and not (band is Region.RIM and body.bands.count(band) == 1):
+                add((z, rho), (end, other))
         lowest, highest = (pick(body.profile, key=lambda point: point[1]) for pick in (min, max))
         add((lowest[1], lowest[0]), (highest[1], highest[0]))
         at = np.concatenate((self.outline.body, self.tip))
@@ -239,8 +246,11 @@ class WheelViews:
         """(z, rho) of both ends of what is open along the axis."""
         if self.member.body.around:
             return [(float(z), float(rho)) for z, rho in (self.tip[0], self.tip[-1])]
-        band, body = self.member.body.bore_band, self.member.body
-        return [(z, rho) for rho, z in body.profile[band : band + 2] if rho > 0.0]
+        body, seen = self.member.body, dict[float, float]()
+        for band, ends in zip(body.bands, pairwise(body.profile), strict=True):
+            for rho, z in ends if band in (Region.BORE, Region.COUNTERBORE) else ():
+                seen[z] = max(rho, seen.get(z, 0.0))
+        return [(z, rho) for z, rho in seen.items() if rho > 0.0]
 
     def _dimensions(self, canvas: Canvas, place: _Place) -> None:
         ends = np.sort(place.along(np.array(self.outline.ends)))

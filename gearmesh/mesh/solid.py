@@ -237,7 +237,7 @@ def _prism(curves: Outline, ends: tuple[float, float], tolerance: float) -> Any:
     first = curves[0]
     if isinstance(first, PlaneArc) and first.closed:
         return _hole(first.radius, ends, AROUND, tolerance, first.centre.tolist())
-    outline = np.concatenate([curve.at(np.arange(n) / n) for curve in curves for n in [_chords(curve, tolerance)]])
+    outline = np.concatenate([curve.at(np.arange(n) / n) for curve in curves for n in [chords(curve, tolerance)]])
     count, ring = len(outline), np.arange(len(outline))
     after, cap = np.roll(ring, -1), triangulate(outline)
     sides = np.stack((ring, after, ring + count, after, after + count, ring + count), axis=1).reshape(-1, 3)
@@ -246,10 +246,12 @@ def _prism(curves: Outline, ends: tuple[float, float], tolerance: float) -> Any:
     return manifold3d.Manifold(manifold3d.Mesh64(points, np.ascontiguousarray(corners))).as_original()
 
 
-def _chords(curve: PlaneCurve, tolerance: float) -> int:
-    """Chords along a line or arc that stay within the tolerance."""
+def chords(curve: PlaneCurve, tolerance: float) -> int:
+    """Chords along a line or arc of an opening that stay within the tolerance."""
     if not isinstance(curve, PlaneArc):
         return 1
+    if curve.closed:
+        return ring_count(AROUND, curve.radius, tolerance)
     step = 2.0 * np.arccos(max(1.0 - tolerance / curve.radius, 0.5))
     return max(1, int(np.ceil(abs(curve.width) / step)))
 

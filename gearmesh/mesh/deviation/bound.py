@@ -16,21 +16,24 @@ import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.plane.curves import PlaneArc
 from gearmesh.kernel.surface.surface import Surface
-from gearmesh.mesh.body import ring_count
 from gearmesh.mesh.deviation.drawn import DrawnSurface
 from gearmesh.mesh.deviation.edges import Chords, EdgeSide, FaceChords, edge_bounds, known, mirrored
 from gearmesh.mesh.deviation.facets import FacetBounds, Index, facet_bounds
 from gearmesh.mesh.deviation.revolution import facet_distances, polygon_distance
 from gearmesh.mesh.patch import PatchMesh
-from gearmesh.mesh.solid import AROUND
+from gearmesh.mesh.solid import chords
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import BODY_REGIONS, GAP_REGIONS, RARE_REGIONS, Region
+from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RARE_REGIONS, Region
 
 #: regions of a body that are planes across the axis, cylinders or cones round it
-ROUND = tuple({*BODY_REGIONS, *RARE_REGIONS, *GAP_REGIONS} - {Region.KEYWAY, Region.HOLE})
+ROUND = tuple(
+    {*BODY_REGIONS, *RARE_REGIONS, *GAP_REGIONS, *FEATURE_REGIONS}
+    - {Region.KEYWAY, Region.HOLE, Region.BOLT, Region.SPOKE}
+)
 
 
 @dataclass(frozen=True)
@@ -123,8 +126,11 @@ def solid_bound(member: Member, tooth_meshes: Sequence[ToothMesh], closed: Trian
     body = np.isin(closed.regions, [k for k, name in enumerate(closed.region_names) if name in ROUND])
     distances = facet_distances(closed.vertices[closed.triangles[body]])
     bound = bound.join(DeviationBound.of(distances, distances))
-    if member.holes is not None:
-        radius = 0.5 * member.holes.diameter
-        hole = polygon_distance(radius, ring_count(AROUND, radius, tooth_meshes[0].tolerance))
-        bound = bound.join(DeviationBound(hole, hole))
+    for pattern in member.features.patterns:
+        # all of them are alike
+        for curve in pattern.outlines[0]:
+            if isinstance(curve, PlaneArc):
+                part = 2.0 * np.pi / abs(curve.width)
+                wall = polygon_distance(curve.radius, part * chords(curve, tooth_meshes[0].tolerance))
+                bound = bound.join(DeviationBound(wall, wall))
     return bound

@@ -46,6 +46,6 @@ def facet_distances(corners: Array) -> Array:
     return distances
 
 
-def polygon_distance(radius: float, sides: int) -> float:
-    """How far (mm) a regular polygon with its corners on a circle is from it."""
+def polygon_distance(radius: float, sides: float) -> float:
+    """How far (mm) a regular polygon with its corners on a circle is from it; sides are counted round the whole circle."""
     return float(radius * (1.0 - np.cos(np.pi / sides)))

@@ -124,15 +124,20 @@ def cyclic(member: Member, pitches: int) -> tuple[Member, tuple[str, ...]]:
     """
     _check_pitches(member, pitches)
     warnings = []
-    if member.keyway is not None:
-        member = replace(member, keyway=None)
+    features = member.features
+    if features.keyway is not None:
+        features = replace(features, keyway=None)
         warnings.append(f"the sector of the {member.name} has no keyway, which does not repeat")
-    if member.holes is not None and member.holes.count * pitches % member.tooth.teeth:
-        warnings.append(
-            f"the sector of the {member.name} has none of the {member.holes.count} holes, which do not repeat after "
-            f"{pitches} of {member.tooth.teeth} pitches"
-        )
-        member = replace(member, holes=None)
+    for pattern in features.patterns:
+        if pattern.count * pitches % member.tooth.teeth:
+            words = {Region.HOLE: "holes", Region.BOLT: "bolt holes", Region.SPOKE: "openings between spokes"}
+            warnings.append(
+                f"the sector of the {member.name} has none of the {pattern.count} {words[pattern.region]}, which do not repeat "
+                f"after {pitches} of {member.tooth.teeth} pitches"
+            )
+            features = features.without(pattern)
+    if features != member.features:
+        member = replace(member, features=features)
     return member, tuple(warnings)
 
 

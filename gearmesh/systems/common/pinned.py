@@ -46,4 +46,13 @@ def _of_body(spec: GearBody, member: Member) -> Values:
         values |= {"web.rim_diameter": 2.0 * body.web.outer, "web.hub_diameter": 2.0 * body.web.inner}
     if getattr(spec, "holes", None) is not None and member.holes is not None:
         values |= {"holes.diameter": member.holes.diameter, "holes.circle": member.holes.circle}
+    bolts, spokes = member.features.bolts, member.features.spokes
+    if bolts is not None:
+        values["bolts.circle"] = bolts.circle
+    if spokes is not None:
+        values |= {
+            "spokes.inner_diameter": spokes.inner,
+            "spokes.outer_diameter": spokes.outer,
+            "spokes.corner_radius": spokes.corner,
+        }
     return values

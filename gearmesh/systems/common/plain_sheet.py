@@ -48,7 +48,7 @@ def mass_table(design: Design, members: Mapping[str, Member]) -> SheetTable:
     moments = [member_moments(member) for member in members.values()]
     rigid = [np.concatenate((own.centre, np.diag(own.about_centre(density)))).tolist() for own in moments]
     turning = [
-        own.about_axis(density) if member.tooth.joint.travel is None else None
+        None if member.body.bore_diameter is None else own.about_axis(density)
         for own, member in zip(moments, members.values(), strict=True)
     ]
     columns = list(zip(*rigid, strict=True))
@@ -58,7 +58,10 @@ def mass_table(design: Design, members: Mapping[str, Member]) -> SheetTable:
         ("m", "mass", "kg", tuple(own.mass(density) for own in moments)),
         *((f"{axis}_S", f"centre of gravity, {axis}", "mm", columns[k]) for k, axis in enumerate("xyz")),
         ("J", "moment of inertia about the axis", "kg mm^2", tuple(turning)),
-        *((f"J_{axis}", f"moment of inertia about {axis} through the centre of gravity", "kg mm^2", columns[3 + k]) for k, axis in enumerate("xyz")),
+        *(
+            (f"J_{axis}", f"moment of inertia about {axis} through the centre of gravity", "kg mm^2", columns[3 + k])
+            for k, axis in enumerate("xyz")
+        ),
     ]
     return table(MASS, tuple(members), rows)
 

@@ -212,6 +212,11 @@ class BodyFeatures:
         """What of them is turned."""
         return replace(self, keyway=None, holes=None, bolts=None, spokes=None)
 
+    def without(self, pattern: Pattern) -> BodyFeatures:
+        """The same but for one of the patterns."""
+        own = {"holes": self.holes, "bolts": self.bolts, "spokes": self.spokes}
+        return replace(self, **{name: None for name, one in own.items() if one is pattern})
+
     @property
     def names(self) -> tuple[str, ...]:
         """What of them there is, in words."""

@@ -68,8 +68,9 @@ def recessed_body(name: str, spec: GearBody, web: Web | None, disk: Body, root: 
     rims = (
         min(float(root.at(level)) - depths * depth * steep, disk.profile[-1][0]) for depths in (RIM_DEPTHS, LEAST_RIM)
     )
-    wanted, most = rims
-    inner, outer = _web_radii(name, spec, web, (disk.bore_radius, wanted, most))
+    wanted, largest = rims
+    what = f"what leaves {LEAST_RIM:g} whole depths under the roots"
+    inner, outer = _web_radii(name, spec, web, (disk.bore_radius, wanted, largest), what)
     return disk.with_recess(Disc(inner, outer, toe, level))
 
 
@@ -81,8 +82,10 @@ def _check_thickness(name: str, web: Web, room: float, what: str) -> None:
         )
 
 
-def _web_radii(name: str, spec: GearBody, web: Web, limits: tuple[float, float, float]) -> tuple[float, float]:
-    """Radii (mm) of a web's hub and rim; `limits`: radii of the bore, of a rim that is not given, what it may not reach."""
+def _web_radii(
+    name: str, spec: GearBody, web: Web, limits: tuple[float, float, float], most: str = "the smallest root diameter"
+) -> tuple[float, float]:
+    """Radii (mm) of a web's hub and rim; `limits`: radii of the bore, of a rim that is not given, what it may not reach, `most`."""
     bore, default, root = limits
     rim = 2.0 * default if web.rim_diameter is None else web.rim_diameter
     hub = spec.hub.diameter if spec.hub else HUB_BORES * 2.0 * bore if bore > 0.0 else HUB_RIMS * rim
@@ -120,6 +123,6 @@ def _web_radii(name: str, spec: GearBody, web: Web, limits: tuple[float, float, 
             f"{name}.web.rim_diameter",
             rim,
             unit="mm",
-            allowed=f"less than the smallest root diameter, {at_most(2.0 * root)} mm",
+            allowed=f"less than {most}, {at_most(2.0 * root)} mm",
         )
     return 0.5 * hub, 0.5 * rim

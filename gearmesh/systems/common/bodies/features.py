@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.design.core import MemberTable
+from gearmesh.design.keys import Table
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
-from gearmesh.systems.common.bodies.body import LEAST_RIM
+from gearmesh.systems.common.bodies.body import LEAST_RIM, RIM_DEPTHS
 from gearmesh.systems.common.bodies.parallel_keys import LARGEST, SMALLEST, keyway_in_hub
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.teeth.blank.body import Body, Disc, TurnedStep
@@ -307,34 +308,40 @@ def _with_openings(
 ) -> BodyFeatures:
     """Features with holes, bolt holes and spokes, which are between two radii (mm) where the design does not say where."""
     name, holes = under.name, getattr(spec, "holes", None)
-    made: dict[str, Pattern] = {}
+    made: list[tuple[str, float, Pattern]] = []
     if holes is not None:
         features = replace(features, holes=(drilled := holes_in(name, holes, *room)))
-        made["holes.circle"] = drilled
+        made.append((*_stated_size(holes, "holes", ("circle", "diameter", "count")), drilled))
     if spec.bolts is not None:
         features = replace(features, bolts=(bolts := _bolts(name, spec.bolts, room)))
-        made["bolts.circle"] = bolts
+        made.append((*_stated_size(spec.bolts, "bolts", ("circle", "diameter")), bolts))
     if spec.spokes is not None:
-        features = replace(features, spokes=(spokes := _spokes(name, spec.spokes, room)))
-        made["spokes.outer_diameter"] = spokes
+        features = replace(features, spokes=(spokes := _spokes(spec.spokes, under, room)))
+        made.append((*_stated_size(spec.spokes, "spokes", ("outer_diameter", "width")), spokes))
     body = features.turn(under.body)
-    for key, pattern in made.items():
-        low, high = _levels(key, pattern, body, under)
+    for key, value, pattern in made:
+        low, high = _levels(key, value, pattern, body, under)
         # what plane end faces have always been allowed stays so
-        if key != "holes.circle" or not under.flat:
-            walls = [_line((rho, low), (rho, high)) for rho in pattern.reach]
-            under.check_rim(key, 2.0 * pattern.reach[1], np.concatenate(walls))
-    for (key, one), (other_key, other) in combinations(made.items(), 2):
+        if pattern is not features.holes or not under.flat:
+            under.check_rim(key, value, np.concatenate([_line((rho, low), (rho, high)) for rho in pattern.reach]))
+    for (key, _, one), (other_key, value, other) in combinations(made, 2):
         if _overlap(one, other):
             raise DesignError(
                 f"{name}.{other_key}",
+                value,
+                unit="" if other_key.endswith("count") else "mm",
                 reason=f"its openings meet those of {key.partition('.')[0]}",
                 allowed="another circle, size or start_angle",
             )
     return features
 
 
-def _levels(key: str, pattern: Pattern, body: Body, under: UnderTeeth) -> tuple[float, float]:
+def _stated_size(spec: Table, table: str, keys: tuple[str, ...]) -> tuple[str, float]:
+    """The first of some keys of a table that is given, its place in the member's table before it, and its value."""
+    return next((f"{table}.{key}", getattr(spec, key)) for key in keys if getattr(spec, key) is not None)
+
+
+def _levels(key: str, value: float, pattern: Pattern, body: Body, under: UnderTeeth) -> tuple[float, float]:
     """Between which z openings go through the body. Raises DesignError where they do not begin and end on plane faces."""
     try:
         return body.levels(pattern.reach, under.flat, pattern.depth)
@@ -346,7 +353,7 @@ def _levels(key: str, pattern: Pattern, body: Body, under: UnderTeeth) -> tuple[
         rooms = _rooms(body, under, pattern.depth)
         allowed = " or ".join(f"{at_least(2.0 * a)} to {at_most(2.0 * b)} mm" for a, b in rooms)
         raise DesignError(
-            f"{under.name}.{key}", reason=why, allowed=f"diameters from {allowed}" if rooms else ""
+            f"{under.name}.{key}", value, unit="mm", reason=why, allowed=f"diameters from {allowed}" if rooms else ""
         ) from None
 
 
@@ -385,8 +392,12 @@ def _bolts(name: str, spec: BoltHoles, room: tuple[float, float]) -> Drilling:
     return Drilling(spec.count, spec.diameter, circle, math.radians(spec.start_angle), spec.depth, Region.BOLT)
 
 
-def _spokes(name: str, spec: SpokeTable, room: tuple[float, float]) -> Spokes:
-    """Spokes, their openings a little within the room between two radii (mm) where they are not given."""
+def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float]) -> Spokes:
+    """Spokes, their openings a little within the room between two radii (mm) where they are not given; without a web under a rim as
+    thick as that of one."""
+    name = under.name
+    if under.body.web is None:
+        room = room[0], room[1] - RIM_DEPTHS / LEAST_RIM * under.least_rim
     margin = SPOKE_MARGIN * (room[1] - room[0])
     inner = 2.0 * (room[0] + margin) if spec.inner_diameter is None else spec.inner_diameter
     outer = 2.0 * (room[1] - margin) if spec.outer_diameter is None else spec.outer_diameter

@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import (
+    BODY_TABLES,
     FlankContact,
     MemberMaterial,
     TipChamfer,
@@ -33,6 +34,9 @@ class RackTable(Modified):
     """The rack: a bar with teeth, as many pitches long as it has teeth, or longer."""
 
     rank: ClassVar[int] = 0
+    absent: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        BODY_TABLES, "a rack is a plain bar: it has no hub, shaft or bore, and no holes yet"
+    )
 
     teeth: Annotated[
         int | None, Key("count", "number of teeth", low=1, high=10000, default="as many as the length has room for")

@@ -1,0 +1,276 @@
+"""Hubs, shafts, stepped bores, bolt holes and spokes of all kinds: solids, volumes in closed form, STEP, mass, refusals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import gearmesh as gm
+from gearmesh.cad.brep import exact_volume, spline_tooth
+from gearmesh.cad.section import member_section
+from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.solid import gear_solid, prove
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.moments import Moments, member_moments
+
+SAMPLES = Path(__file__).parents[2] / "samples"
+
+
+def member(sample: str, name: str, *keys: str) -> Member:
+    design = gm.load(SAMPLES / f"{sample}.toml", [f"{name}.{key}" for key in keys])
+    return gm.build(design).members[name]
+
+
+def disc(diameter: float, length: float, bore: float = 0.0) -> float:
+    return 0.25 * math.pi * (diameter**2 - bore**2) * length
+
+
+def cone(one: float, other: float, length: float) -> float:
+    return math.pi / 12.0 * length * (one**2 + one * other + other**2)
+
+
+def between_spokes(count: int, width: float, inner: float, outer: float) -> float:
+    """Area of all openings between spokes with sharp corners: what of the ring the spokes do not take."""
+    taken = quad(lambda rho: 2.0 * rho * math.asin(0.5 * width / rho), 0.5 * inner, 0.5 * outer, epsabs=1e-12)[0]
+    return 0.25 * math.pi * (outer**2 - inner**2) - count * taken
+
+
+def thickness(plain: Member) -> float:
+    """Of the body beside its bore."""
+    (_, low), (_, high) = plain.body.profile[plain.body.bore_band : plain.body.bore_band + 2]
+    return high - low
+
+
+def ring_steps(plain: Member) -> float:
+    rim = 2.0 * plain.body.profile[0][0]
+    return disc(250, 5, rim) - disc(rim, 4, 190) - disc(rim, 3, 186) - disc(4, 7)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A member with keys that make its body plain, and those of features, which add a volume (mm^3); holes through it."""
+
+    sample: str
+    name: str
+    plain: tuple[str, ...]
+    features: tuple[str, ...]
+    added: Callable[[Member], float]
+    genus: int
+
+
+CASES = {
+    "hubs and stepped bore": Case(
+        "spur",
+        "gear",
+        ("bore=20",),
+        (
+            "hub={diameter=50,length=12}",
+            "toe_hub={diameter=45,length=8}",
+            "heel_bore={diameters=[40,30],lengths=[5,3]}",
+            "toe_bore={diameters=[28],lengths=[9]}",
+        ),
+        lambda _: disc(50, 12, 20) + disc(45, 8, 20) - disc(40, 5, 20) - disc(30, 3, 20) - disc(28, 9, 20),
+        1,
+    ),
+    "spokes and bolts": Case(
+        "spur",
+        "gear",
+        ("bore=20", "web={thickness=10,hub_diameter=45}"),
+        (
+            "bolts={count=6,diameter=5,circle=35}",
+            "spokes={count=5,width=8,inner_diameter=50,outer_diameter=90,corner_radius=0,start_angle=7}",
+        ),
+        lambda _: -6 * disc(5, 28) - 10.0 * between_spokes(5, 8.0, 50.0, 90.0),
+        1 + 6 + 5,
+    ),
+    "ring with steps": Case(
+        "internal",
+        "gear",
+        ("rim=25",),
+        (
+            "heel_bore={diameters=[250],lengths=[5]}",
+            "toe_bore={diameters=[190,186],lengths=[4,3]}",
+            "bolts={count=1,diameter=4,circle=178,depth=7}",
+        ),
+        ring_steps,
+        1,
+    ),
+    "bevel pinion on its shaft": Case(
+        "spiral_bevel_basic",
+        "pinion",
+        ("bore=0",),
+        (
+            "heel_shaft={diameters=[20,15],lengths=[12,20],end_diameters=[18,15]}",
+            "toe_shaft={diameters=[10],lengths=[20]}",
+        ),
+        lambda _: cone(20, 18, 12) + disc(15, 20) + disc(10, 20),
+        0,
+    ),
+    "bevel wheel": Case(
+        "spiral_bevel_basic",
+        "gear",
+        ("bore=30",),
+        ("web={thickness=9,hub_diameter=50,rim_diameter=62}", "bolts={count=7,diameter=3,circle=42}"),
+        lambda plain: -disc(62, thickness(plain) - 9.0, 50) - 7 * disc(3, thickness(plain)),
+        8,
+    ),
+    "face gear": Case(
+        "face_gear",
+        "gear",
+        ("bore=500",),
+        ("toe_hub={diameter=600,length=28}", "holes={count=8,diameter=60,circle=750}"),
+        lambda plain: disc(600, 28, 500) - 8 * disc(60, thickness(plain)),
+        9,
+    ),
+}
+
+
+@cache
+def both(case: str) -> tuple[Member, Member]:
+    """The member with and without its features."""
+    own = CASES[case]
+    return member(own.sample, own.name, *own.plain, *own.features), member(own.sample, own.name, *own.plain)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_features_make_solids_of_the_right_volume(case: str) -> None:
+    """Exact volumes in closed form; meshes are proved solids that come to them."""
+    whole, plain = both(case)
+    expected = CASES[case].added(plain)
+    assert whole.genus == CASES[case].genus
+    assert exact_volume(whole) - exact_volume(plain) == pytest.approx(expected, rel=1e-9)
+    meshed = [prove(gear_solid(one, 0.02), one.genus) for one in (whole, plain)]
+    assert meshed[0].ok
+    assert meshed[0].volume - meshed[1].volume == pytest.approx(expected, rel=1e-2)
+
+
+@pytest.mark.parametrize("case", ["hubs and stepped bore", "spokes and bolts", "ring with steps", "bevel wheel"])
+def test_step_files_have_them_as_planes_cylinders_and_cones(case: str) -> None:
+    """One valid solid; what the faces of the features change of its volume is the closed form, without facets."""
+    pytest.importorskip("OCP")
+    from gearmesh.cad.solid_part import solid_part, volume
+
+    whole, plain = both(case)
+    teeth = spline_tooth(whole.tooth, 1e-3)
+    part = solid_part(whole, teeth)
+    change = volume(part) - volume(solid_part(plain, teeth))
+    assert change == pytest.approx(CASES[case].added(plain), rel=1e-9)
+    kinds = {face.region for face in part.faces}
+    assert (
+        kinds
+        >= {
+            "hubs and stepped bore": {"hub", "counterbore"},
+            "spokes and bolts": {"bolt", "spoke", "web"},
+            "ring with steps": {"bolt", "rim"},
+            "bevel wheel": {"bolt", "web"},
+        }[case]
+    )
+
+
+def test_rounded_spokes_lose_what_their_corners_have() -> None:
+    """Outlines of lines and arcs are closed and smooth; a corner between two tangents at a right angle has (1 - pi / 4) r^2."""
+    whole = member("spur", "gear", "bore=20", "spokes={count=4,width=9,corner_radius=2}")
+    spokes = whole.features.spokes
+    assert spokes is not None
+    for outline in spokes.outlines:
+        for curve, after in zip(outline, (*outline[1:], outline[0]), strict=True):
+            assert curve.end == pytest.approx(after.start, abs=1e-12)
+            ends = curve.slope(np.ones(1))[0], after.slope(np.zeros(1))[0]
+            cosine = ends[0] @ ends[1] / np.linalg.norm(ends[0]) / np.linalg.norm(ends[1])
+            assert cosine == pytest.approx(1.0, abs=1e-12)
+    area = sum(curve.swept for outline in spokes.outlines for curve in outline)
+    sharp = between_spokes(4, 9.0, spokes.inner, spokes.outer)
+    assert sharp - area == pytest.approx(16 * (1.0 - 0.25 * math.pi) * 4.0, rel=0.25)
+    section = member_section(whole, 0.0, 1e-5)
+    plain = member_section(member("spur", "gear", "bore=20"), 0.0, 1e-5)
+    assert plain.area - section.area == pytest.approx(area, rel=1e-9)
+
+
+def mesh_moments(mesh: TriangleMesh) -> tuple[float, Array, Array]:
+    """Volume, first and second moments of a closed mesh, by tetrahedra from the origin."""
+    corners = mesh.vertices[mesh.triangles]
+    volumes = np.linalg.det(corners) / 6.0
+    total = corners.sum(axis=1)
+    products = np.einsum("nki,nkj->nij", corners, corners) + total[:, :, None] * total[:, None, :]
+    return float(volumes.sum()), volumes @ total / 4.0, np.einsum("n,nij->ij", volumes, products) / 20.0
+
+
+#: members without symmetry: one blind hole, a conical gear with a single hole, a rack longer than its teeth; and tolerances, mm
+UNEVEN = {
+    "ring": (("internal", "gear", "rim=20", "bolts={count=1,diameter=9,depth=7}"), 0.02),
+    "conical": (("beveloid_crossed", "gear", "bolts={count=1,diameter=9,circle=90}"), 0.02),
+    "bevel": (("spiral_bevel_basic", "pinion", "keyway={width=4,depth=2}"), 0.01),
+    "rack": (("rack", "rack", "length=300"), 0.02),
+}
+
+
+@pytest.mark.parametrize("case", UNEVEN)
+def test_moments_are_what_ever_finer_meshes_tend_to(case: str) -> None:
+    """The deviation from those of a mesh is in proportion to its tolerance: a quarter of it leaves less than half."""
+    keys, tolerance = UNEVEN[case]
+    whole = member(*keys)
+    exact: Moments = member_moments(whole)
+    assert exact.volume == pytest.approx(exact_volume(whole), rel=1e-10)
+    assert np.abs(exact.centre[:2]).max() > 1e-3
+    coarse, fine = (mesh_moments(gear_solid(whole, size)) for size in (tolerance, 0.25 * tolerance))
+    for k, own in enumerate((exact.volume, exact.first, exact.second)):
+        scale = np.abs(own).max()
+        misses = [float(np.abs(mesh[k] - own).max() / scale) for mesh in (coarse, fine)]
+        assert misses[0] < 5e-3
+        assert misses[1] < 0.5 * misses[0]
+
+
+#: what is asked for -> sample, member, keys, and the refusal
+REFUSED = [
+    (
+        "spur",
+        "gear",
+        ["bolts={count=4,diameter=6,circle=104}"],
+        "104 mm: leaves a rim of 0.35 mm, 0.12 modules",
+    ),
+    (
+        "spur",
+        "gear",
+        ["bore=20", "toe_bore={diameters=[110],lengths=[4]}"],
+        "at least 3.375 mm of rim, 1.12 modules",
+    ),
+    ("spur", "gear", ["bore=20", "toe_bore={diameters=[30,40],lengths=[4,4]}"], "falling from the end face inwards"),
+    (
+        "spur",
+        "gear",
+        ["bore=20", "hub={diameter=40,length=9}", "heel_bore={diameters=[40],lengths=[4]}"],
+        "breaks through",
+    ),
+    ("spur", "gear", ["bore=20", "keyway={}", "toe_bore={diameters=[25],lengths=[4]}"], "all above the keyway, 26.2"),
+    (
+        "spur",
+        "gear",
+        ["web={thickness=8}", "bolts={count=4,diameter=9,circle=94}"],
+        "do not begin and end on one plane",
+    ),
+    ("spur", "gear", ["spokes={count=9,width=30}"], "leaves no opening between the spokes; allowed is less than"),
+    ("spur", "gear", ["spokes={count=4,width=9}", "bolts={count=5,diameter=6,circle=80}"], "meet those of bolts"),
+    ("spur", "gear", ["heel_shaft={diameters=[20,30],lengths=[5]}"], "must be 2 lengths, one for each of diameters"),
+    ("internal", "gear", ["toe_bore={diameters=[153],lengths=[5]}"], "leaves a rim of 1.13 mm, 0.57 modules"),
+    ("internal", "gear", ["heel_shaft={diameters=[20],lengths=[5]}"], "an internal gear has none"),
+    ("spiral_bevel_basic", "gear", ["bolts={count=6,diameter=4,circle=150,depth=15}"], "leaves no rim at the roots"),
+    ("spiral_bevel_basic", "gear", ["web={thickness=9,rim_diameter=170}"], "less than what leaves 0.5 whole depths"),
+    ("rack", "rack", ["bolts={count=6,diameter=4}"], "a rack is a plain bar"),
+]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("sample", "name", "keys", "line"), REFUSED)
+def test_what_does_not_fit_is_refused_with_the_figure(sample: str, name: str, keys: list[str], line: str) -> None:
+    with pytest.raises(DesignError) as refusal:
+        member(sample, name, *keys)
+    assert line in str(refusal.value)
