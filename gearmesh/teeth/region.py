@@ -82,7 +82,7 @@ RARE_REGIONS = tuple(Region)[18:20]
 #: only where there are two halves with a gap between
 GAP_REGIONS = tuple(Region)[20:21]
 #: only where there is one of them: steps of shaft and bore, bolt holes, openings between spokes
-FEATURE_REGIONS = tuple(Region)[23:27]
+FEATURE_REGIONS = (Region.SHAFT, Region.COUNTERBORE, Region.BOLT, Region.SPOKE)
 #: those of the bar of a rack
 BAR_REGIONS = (Region.FACE_TOE, Region.FACE_HEEL, Region.BACK, Region.END)
 #: cut faces of a sector of some teeth: before its first tooth, and after its last

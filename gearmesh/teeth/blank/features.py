@@ -214,8 +214,12 @@ class BodyFeatures:
 
     def without(self, pattern: Pattern) -> BodyFeatures:
         """The same but for one of the patterns."""
-        own = {"holes": self.holes, "bolts": self.bolts, "spokes": self.spokes}
-        return replace(self, **{name: None for name, one in own.items() if one is pattern})
+        return replace(
+            self,
+            holes=None if self.holes is pattern else self.holes,
+            bolts=None if self.bolts is pattern else self.bolts,
+            spokes=None if self.spokes is pattern else self.spokes,
+        )
 
     @property
     def names(self) -> tuple[str, ...]:
