@@ -410,13 +410,15 @@ class Tooth:
                     yield points, along_s, sections.stations, (heel - toe) * (high - low) * (last - first)
         for end, strip in enumerate(self.end_strips):
             way = self.blank.extent[end] - self.blank.faces[end]
-            for piece in () if strip is None else strip.pieces:
+            if strip is None:
+                continue
+            for piece in strip.pieces:
                 points, along_s = _strip_outline(strip, piece, nodes)
                 yield points, along_s, self.blank.faces[end] + nodes * way, abs(way) * float(np.sign(heel - toe))
 
     def _generatrices(self, points: Array, along_s: Array, stations: Array) -> tuple[Array, Array]:
-        """Where the generatrices of sections to points (S, T, 3) leave the floor, (S, T, 3), and what they sweep per ds, (S, T): their
-        length by the polar angle, of a bar by y."""
+        """Where the generatrices of sections to points (S, T, 3) leave the floor, (S, T, 3), and what they sweep per ds, (S, T):
+        their length by the polar angle, of a bar by y."""
         x, y, z = np.moveaxis(points, -1, 0)
         foot = np.array(points)
         if self.joint.travel is not None:

@@ -54,7 +54,7 @@ def member_of(name: str, part: str) -> Member:
     files = (SAMPLES / f"{name}.toml", CORPUS / f"{name}.toml")
     design = gm.load(next(file for file in files if file.exists()))
     member = worm(design).member if part == "worm" else gm.build(design).members[part]
-    return replace(member, keyway=None, holes=None)
+    return replace(member, features=member.features.uncut)
 
 
 def solid_within(member: Member, tolerance: float) -> tuple[TriangleMesh, DeviationBound]:

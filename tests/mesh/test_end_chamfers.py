@@ -17,6 +17,7 @@ from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.teeth.blank.end_edge import EndChamfer
+from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
@@ -89,7 +90,7 @@ def test_what_chamfers_take_off_spur_teeth() -> None:
 def test_solids_are_closed_and_weigh_what_the_sections_say(
     sample: str, name: str, ends: tuple[tuple[float, float] | None, ...], tip: TipEdge | None
 ) -> None:
-    member, tolerance = replace(chamfered(sample, name, *ends, tip=tip), keyway=None, hub=None, holes=None), 0.02
+    member, tolerance = replace(chamfered(sample, name, *ends, tip=tip), features=BodyFeatures()), 0.02
     mesh = tessellate(member.tooth, tolerance)
     assert mesh.deviation <= tolerance
     assert len(mesh.end_meshes()) == sum(end is not None for end in ends)
