@@ -12,6 +12,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, unit
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.tools.drawing import ToolSheet
 from gearmesh.view.palette import LINES, PATH
 from gearmesh.view.scene import STEEL, TOOL, Curve, Scene, SceneBody
@@ -32,7 +33,7 @@ LIFT = 2e-3
 def path_scene(answer: ToolPathAnswer, size: tuple[int, int] = (1600, 1200), title: str = "") -> Scene:
     """The gear with all passes of the space before the tooth on +x, and the cutter half way along one over a flank."""
     path, passes = answer.path, answer.path.passes
-    member = replace(path.space.member, keyway=None, hub=None, holes=None)
+    member = replace(path.space.member, features=BodyFeatures())
     gear = SceneBody(gear_solid(member, GEAR), Rigid.identity(), STEEL)
     station = passes.contacts.shape[1] // 2
     shown = int(np.flatnonzero(passes.side == passes.side.max())[-1]) * 3 // 4
