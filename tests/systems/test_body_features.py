@@ -19,8 +19,8 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.blank.moments import Moments, member_moments
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.moments import Moments, member_moments
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 

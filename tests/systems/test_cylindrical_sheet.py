@@ -21,7 +21,7 @@ from gearmesh.systems.cylindrical.geometry import accuracy
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.line_of_action import form_roll_length
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
-from gearmesh.teeth.moments import member_moments
+from gearmesh.teeth.blank.moments import member_moments
 
 #: mm and rad: the sheet has nine decimals
 EXACT = 1e-9

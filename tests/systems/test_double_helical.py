@@ -15,7 +15,7 @@ from gearmesh.cad.brep import exact_volume
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.moments import member_moments
+from gearmesh.teeth.blank.moments import member_moments
 
 GEAR = {"teeth": 43, "face_width": 46, "bore": 30}
 WHEEL = {

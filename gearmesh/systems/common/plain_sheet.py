@@ -12,8 +12,8 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.system import Sheet, SheetTable
+from gearmesh.teeth.blank.moments import member_moments
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
-from gearmesh.teeth.moments import member_moments
 from gearmesh.teeth.region import Region, Side
 from gearmesh.tools.description import ToolDescription
 

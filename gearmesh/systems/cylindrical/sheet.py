@@ -42,8 +42,8 @@ from gearmesh.systems.cylindrical.geometry.proportions import (
 from gearmesh.systems.cylindrical.geometry.root import CriticalSection, critical_section, lever
 from gearmesh.systems.cylindrical.measured import flank_radii
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
+from gearmesh.teeth.blank.moments import member_moments
 from gearmesh.teeth.gear_train import GearTrain, Member
-from gearmesh.teeth.moments import member_moments
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys

@@ -27,8 +27,8 @@ from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
 from gearmesh.systems.cylindrical.sheet import SheetPair, member_tables
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
+from gearmesh.teeth.blank.moments import CUBIC
 from gearmesh.teeth.gear_train import GearTrain, Member
-from gearmesh.teeth.moments import CUBIC
 from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
