@@ -297,9 +297,8 @@ class MeshFlank:
         return np.stack((alone // 3, alone % 3), axis=-1)
 
     def between(self, low: float, high: float) -> Self | None:
-        z = self.corners[..., 2]
-        inside = (z.max(axis=1) >= low) & (z.min(axis=1) <= high)
-        return replace(self, corners=self.corners[inside]) if inside.any() else None
+        corners = _above(_above(self.corners, low, 1.0), high, -1.0)
+        return replace(self, corners=corners) if len(corners) else None
 
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
         return MeshField(chart, own_to_chart.point(self.corners), side, self)
@@ -398,6 +397,32 @@ class MeshField:
         hits.point[query[first]] = point[first]
         hits.normal[query[first]] = _uphill(self.chart, point[first], self._area_vectors[triangle[first]])
         return hits
+
+
+def _above(triangles: Array, level: float, way: float) -> Array:
+    """What of triangles (T, 3, 3) lies above the plane z = `level`, or below it (`way` -1), as triangles in the same planes."""
+    height = way * (triangles[..., 2] - level)
+    inside = height >= 0.0
+    count = inside.sum(axis=1)
+    cut = (count == 1) | (count == 2)
+    # the corner that is alone on its side first
+    alone = np.where(count == 1, inside.argmax(axis=1), inside.argmin(axis=1))[cut]
+    order = (alone[:, None] + np.arange(3)) % 3
+    a, b, c = np.moveaxis(np.take_along_axis(triangles[cut], order[..., None], axis=1), 1, 0)
+    ab, ac = _at_level(a, b, level), _at_level(a, c, level)
+    one = (count == 1)[cut]
+    tips = np.stack((a, ab, ac), axis=1)[one]
+    rests = [np.stack(corners, axis=1)[~one] for corners in ((ab, b, c), (ab, c, ac))]
+    return np.concatenate((triangles[count == 3], tips, *rests))
+
+
+def _at_level(a: Array, b: Array, level: float) -> Array:
+    """Where edges from a to b (N, 3) cross z = `level`: the same points, to the last digit, from b to a."""
+    swap = (a[:, 2] > b[:, 2])[:, None]
+    low, high = np.where(swap, b, a), np.where(swap, a, b)
+    point: Array = low + ((level - low[:, 2]) / (high[:, 2] - low[:, 2]))[:, None] * (high - low)
+    point[:, 2] = level
+    return point
 
 
 def _halve(triangles: Array) -> tuple[Array, Array]:

@@ -6,10 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import gearmesh as gm
-from gearmesh.answers.check import roll_test
+from gearmesh.answers.check import flank_meshes, roll_test
 from gearmesh.cad.section import member_section
+from gearmesh.check.heightfield import MeshFlank
 from gearmesh.check.members import roll_teeth
 from gearmesh.check.windings import turns
 from gearmesh.contact.flanks import analyse
@@ -62,3 +64,26 @@ def test_finite_elements_need_neighbours() -> None:
     tooth = gm.build(gm.load(FILE)).members["pinion"].tooth
     with pytest.raises(DesignError, match=r"teeth = 1: .*at least 2"):
         hex_mesh(tooth, np.array([0]), plain_grid(Cells(flank=5, fillet=4, thickness=2, rim=2, face=7)))
+
+
+def area(corners: NDArray[np.float64]) -> float:
+    edges = np.diff(corners, axis=1)
+    return 0.5 * float(np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=-1).sum())
+
+
+def test_long_facets_do_not_reach_into_the_next_winding() -> None:
+    """Teeth that go round 1.07 times, in long facets: where a tooth comes into mesh its other end met the gear first."""
+    pair = gm.build(gm.load(FILE.with_name("overlap_beveloid_four_teeth.toml"))).train.pairs[0]
+    path = analyse(pair, np.radians([-235.0]))
+    (flank, _) = flank_meshes(pair, 0.05)
+    corners = flank.corners()
+    assert np.ptp(corners[..., 2], axis=1).max() > 10.0
+    piece = MeshFlank(corners).between(-10.0, 5.0)
+    assert piece is not None
+    assert (piece.points[:, 2].min(), piece.points[:, 2].max()) == (-10.0, 5.0)
+    # what is left of the others is below and above
+    others = [MeshFlank(corners).between(*ends) for ends in ((-np.inf, -10.0), (5.0, np.inf))]
+    parts = [area(part.corners) for part in (piece, *others) if part is not None]
+    assert sum(parts) == pytest.approx(area(corners), rel=1e-12)
+    (verdict,) = roll_test(pair, path, positions=1, tolerance=0.05).verdicts
+    assert verdict.ok
