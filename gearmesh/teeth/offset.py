@@ -23,7 +23,7 @@ from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.numeric.algebra import Array, dot, plane_cross
 from gearmesh.kernel.numeric.roots import last_true
-from gearmesh.kernel.surface.levels import Level
+from gearmesh.kernel.surface.levels import LandLevel
 from gearmesh.kernel.surface.offset import Parallel
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.strip import Strip
@@ -41,7 +41,7 @@ ACROSS = 33
 ACCURACY = 1e-4
 #: sine of the angle between normals of surfaces that touch
 TOUCHING = 1e-7
-#: Newton steps to where a tip chamfer ends
+#: Newton steps to where a surface ends
 STEPS = 20
 #: lengths (mm) of a section that are rounding, and by which neighbouring links may miss each other
 SHORT, MISS = 1e-9, 1e-7
@@ -98,7 +98,7 @@ def _shift(tooth: Tooth, distance: float) -> Tooth:
     edge = tooth.tip_edge
     if edge is not None and edge.rounded:
         edge = replace(edge, size=edge.size + distance) if edge.size + distance > 0.0 else None
-    right, left = (_side(side, blank, distance) for side in (tooth.right, tooth.left))
+    right, left = (_side(side, tooth, blank, distance) for side in (tooth.right, tooth.left))
     made = replace(tooth, right=right, left=left, blank=blank, tip_edge=edge)
     return made if tooth.bottom is None else replace(made, bottom=_bottom(tooth, tooth.bottom, made, distance))
 
@@ -121,12 +121,15 @@ def _bottom(tooth: Tooth, bottom: Bottom, made: Tooth, distance: float) -> Botto
     return Bottom(strip, (0.0, 1.0))
 
 
-def _side(side: ToothSide, blank: Blank, distance: float) -> ToothSide:
-    smooth = side.smooth_flank
+def _side(side: ToothSide, tooth: Tooth, blank: Blank, distance: float) -> ToothSide:
+    smooth, fillet, root = side.smooth_flank, Parallel(side.fillet, distance), side.root
+    if tooth.bottom is None:
+        root = _end(fillet, root, blank.root, blank)
     return replace(
         side,
         flank=Parallel(side.flank, distance),
-        fillet=Parallel(side.fillet, distance),
+        fillet=fillet,
+        root=root,
         tip_corner=None if side.tip_corner is None else _tip_corner(side, side.tip_corner, blank, distance),
         smooth_flank=None if smooth is None else lambda p, v: Parallel(smooth(p, v), distance),
         generated=side.generated or side,
@@ -136,29 +139,32 @@ def _side(side: ToothSide, blank: Blank, distance: float) -> ToothSide:
 
 
 def _tip_corner(side: ToothSide, corner: TipCorner, blank: Blank, distance: float) -> TipCorner:
-    """A tip chamfer or rounding; where it touches neither flank nor land it ends where they cross."""
-    middle, moved = np.array([0.5 * sum(blank.extent)]), Parallel(corner.surface, distance)
+    """A tip chamfer or rounding; where it does not touch the flank they end where they cross."""
+    moved, (p, q) = Parallel(corner.surface, distance), corner.form_point
+    normals = [_middle(surface, x, blank).n for surface, x in ((side.flank, p), (corner.surface, q))]
+    return TipCorner(
+        moved,
+        corner.form_point,
+        _end(moved, corner.end, blank.tip, blank),
+        corner.crossed or not _touch(*normals),
+    )
 
-    def at(surface: Surface, p: float) -> Jet:
-        return along(surface, np.array([p]), middle, blank.axial)[1]
 
-    p, q = corner.form_point
-    crossed = corner.crossed or not _touch(at(side.flank, p).n, at(corner.surface, q).n)
-    ends = at(moved, corner.end)
-    if _touch(ends.n, _unit_gradient(blank.tip, ends.r)):
-        return TipCorner(moved, corner.form_point, corner.end, crossed)
-    end = corner.end
+def _middle(surface: Surface, p: float, blank: Blank) -> Jet:
+    """The jet (1,) of a surface at its parameter p at mid face."""
+    return along(surface, np.array([p]), np.array([0.5 * sum(blank.extent)]), blank.axial)[1]
+
+
+def _end(surface: Surface, end: float, level: LandLevel, blank: Blank) -> float:
+    """The parameter at which a surface ends at a land or root, near `end`: there where it touches it, else where it crosses it."""
     for _ in range(STEPS):
-        jet = at(moved, end)
-        up, station = blank.tip.gradient(jet.r), blank.axial.gradient(jet.r)
+        jet = _middle(surface, end, blank)
+        up, station = level.gradient(jet.r), blank.axial.gradient(jet.r)
+        if _touch(jet.n, up / np.linalg.norm(up, axis=-1, keepdims=True)):
+            break
         way = jet.r_u - (dot(station, jet.r_u) / dot(station, jet.r_v))[:, None] * jet.r_v
-        end -= float((blank.tip.value(jet.r) / dot(up, way))[0])
-    return TipCorner(moved, corner.form_point, end, crossed)
-
-
-def _unit_gradient(level: Level, r: Array) -> Array:
-    gradient = level.gradient(r)
-    return np.asarray(gradient / np.linalg.norm(gradient, axis=-1, keepdims=True))
+        end -= float((level.value(jet.r) / dot(up, way))[0])
+    return end
 
 
 def _touch(n: Array, other: Array) -> bool:

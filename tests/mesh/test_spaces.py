@@ -16,6 +16,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.kernel.numeric.algebra import unit
 from gearmesh.kernel.surface.meridian import CircularMeridian, Joined, Meridian, ParallelMeridian
+from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.kernel.surface.stations import along
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.blank.body import Body
@@ -120,15 +121,36 @@ def test_the_parallel_of_a_screw_involute_is_one_of_the_same_base_cylinder() -> 
 
 
 @pytest.mark.parametrize("share", [0.02, -0.02])
-def test_a_root_that_is_drawn_between_the_fillets_is_drawn_between_the_moved_ones(share: float) -> None:
-    """Two tilted cutters leave fillets that end 60 deg beside the normal of the root between them."""
-    tooth = gm.build(gm.load(SADDLE), alone=True).members["pinion"].tooth
-    made = offset_tooth(tooth, share * tooth.height)
-    sections = made.sections(np.linspace(0.0, 1.0, 5))
-    ends = [made.grid(region, [0.0, 1.0], sections).points for region in made.regions]
-    back = made.joint.to(made.pitch_angle)
-    for one, other in zip(ends, [*ends[1:], back.point(ends[0])], strict=True):
-        assert np.abs(one[1] - other[0]).max() < 1e-9
+@pytest.mark.parametrize(
+    ("design", "settings"),
+    [
+        (SADDLE, []),
+        (SAMPLES / "helical.toml", ["pinion.hob={chamfer_diameter=130.5}"]),
+        (SAMPLES / "hob_protuberance.toml", []),
+    ],
+    ids=["drawn_root", "chamfer", "sharp_form_point"],
+)
+def test_surfaces_that_meet_in_edges_end_in_the_edges_of_the_moved_ones(
+    design: Path, settings: list[str], share: float
+) -> None:
+    """Two tilted cutters leave fillets that end 60 deg beside the normal of the root drawn between them; hobs' chamfers meet flank
+    and land at angles; ground flanks end in an edge of 12 deg. All that is generated is where it should be."""
+    tooth = gm.build(gm.load(design, settings), alone=True).members["pinion"].tooth
+    made, s = offset_tooth(tooth, share * tooth.height), np.linspace(0.0, 1.0, 5)
+    grids = [made.grid(region, s, made.sections(s)) for region in made.regions]
+    ends = [grid.points for grid in grids]
+    for one, other in zip(ends, [*ends[1:], made.joint.to(made.pitch_angle).point(ends[0])], strict=True):
+        assert np.abs(one[-1] - other[0]).max() < 1e-8
+    for region, grid in zip(made.regions, grids, strict=True):
+        surface = tooth.chain[region].surface
+        if region.side is None or surface is None:
+            continue
+        places = grid.parameters[1:-1, 1:-1].reshape(-1, 2)
+        points = grid.points[1:-1, 1:-1].reshape(-1, 3)
+        # from beside it, for the foot to be found
+        foot = nearest(surface, points, *(places + 1e-3).T)
+        assert foot.converged.all()
+        assert np.linalg.norm(points - foot.jet.r, axis=1) == pytest.approx(abs(share) * tooth.height, abs=1e-9)
 
 
 def test_a_space_is_a_cad_solid() -> None:
