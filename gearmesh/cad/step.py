@@ -79,6 +79,13 @@ class PartAssembly:
         """Every part once."""
         return tuple({id(occurrence.part): occurrence.part for occurrence in self.occurrences}.values())
 
+    @property
+    def colours(self) -> tuple[tuple[float, float, float], ...]:
+        """An sRGB colour for every occurrence, one for all of a part."""
+        parts = self.parts
+        palette = dict(zip(map(id, parts), region_colours(len(parts)), strict=True))
+        return tuple(palette[id(occurrence.part)] for occurrence in self.occurrences)
+
 
 def require_occ() -> None:
     """Raise OutputError, naming what to install, where OpenCASCADE cannot be loaded."""

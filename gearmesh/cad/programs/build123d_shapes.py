@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from gearmesh.cad.occ import location
 from gearmesh.cad.step import Part, PartAssembly
 from gearmesh.errors import OutputError
-from gearmesh.io.palette import region_colours
 
 if TYPE_CHECKING:
     import build123d
@@ -31,14 +30,8 @@ def build123d_shape(made: Part | PartAssembly) -> build123d.Solid | build123d.Co
 
     if isinstance(made, Part):
         return build123d.Solid(made.solid, label=made.name)
-    parts = made.parts
-    colours = dict(zip(map(id, parts), region_colours(len(parts)), strict=True))
     solids = [
-        build123d.Solid(
-            own.part.solid.Moved(location(own.place)),
-            label=own.name,
-            color=build123d.Color(*colours[id(own.part)]),
-        )
-        for own in made.occurrences
+        build123d.Solid(own.part.solid.Moved(location(own.place)), label=own.name, color=build123d.Color(*colour))
+        for own, colour in zip(made.occurrences, made.colours, strict=True)
     ]
     return build123d.Compound(label=made.name, children=solids)

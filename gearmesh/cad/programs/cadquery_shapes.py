@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from gearmesh.cad.occ import location
 from gearmesh.cad.step import Part, PartAssembly
 from gearmesh.errors import OutputError
-from gearmesh.io.palette import region_colours
 
 if TYPE_CHECKING:
     import cadquery
@@ -31,16 +30,14 @@ def cadquery_shape(made: Part | PartAssembly) -> cadquery.Workplane | cadquery.A
 
     if isinstance(made, Part):
         return _workplane(made)
-    parts = made.parts
-    colours = dict(zip(map(id, parts), region_colours(len(parts)), strict=True))
-    workplanes = {id(part): _workplane(part) for part in parts}
+    workplanes = {id(part): _workplane(part) for part in made.parts}
     assembly = cadquery.Assembly(name=made.name)
-    for own in made.occurrences:
+    for own, colour in zip(made.occurrences, made.colours, strict=True):
         assembly.add(
             workplanes[id(own.part)],
             name=own.name,
             loc=cadquery.Location(location(own.place)),
-            color=cadquery.Color(*colours[id(own.part)]),
+            color=cadquery.Color(*colour),
         )
     return assembly
 
