@@ -1,9 +1,9 @@
 """The motion of a cutter: its passes one after the other, with what is between them, as the machine goes through them.
 
-A pass begins and ends beyond the ends of the face by an overrun, curved as it is there. zigzag: passes go to and fro, and
-the ball goes
-from one to the next beyond the face; one-way: all go from toe to heel, and between them the ball is withdrawn along the tool
-axis and goes back above the teeth. Between two points the tip goes along a straight line while the axis turns evenly.
+A pass begins and ends beyond the ends of the face by an overrun, curved as it is there. zigzag: passes go to and fro, and the
+ball goes from one to the next beyond the face, raised half way along its axis; one-way: all go from toe to heel, and between them
+the ball is withdrawn along the tool axis and goes back above the teeth. Between two points the tip goes along a straight line
+while the axis turns evenly.
 """
 
 from __future__ import annotations
@@ -93,29 +93,52 @@ def motion_of(passes: Passes, axes: Axes, ball: BallCutter, depth: float, order:
     centres, contacts, vectors = _beyond_ends(passes, axes.vectors, overrun)
     if order == ZIGZAG:
         centres[1::2], contacts[1::2], vectors[1::2] = (a[1::2, ::-1] for a in (centres, contacts, vectors))
-    up = OVER_DEPTH * depth + OVER_BALL * ball.diameter
-    above = centres + up * vectors
-    # before a pass, the pass itself, and after it, with (centre, axis, contact, rapid, number) in each row
-    rows = []
-    nothing = np.full(3, np.nan)
-    last = len(centres) - 1
+    above = centres + (OVER_DEPTH * depth + OVER_BALL * ball.diameter) * vectors
+    pieces = [_Piece(above[0, :1], vectors[0, :1], True, 0)]
     for k in range(len(centres)):
-        if k == 0 or order == ONE_WAY:
-            rows.append((above[k, :1], vectors[k, :1], nothing[None], [True], k))
-        rows.append((centres[k], vectors[k], contacts[k], [False] * len(centres[k]), k))
-        if k == last or order == ONE_WAY:
-            rows.append((above[k, -1:], vectors[k, -1:], nothing[None], [True], k))
-        if k < last and order == ONE_WAY:
-            back = np.linspace(len(centres[k]) - 1, 0, BACK).round().astype(int)
-            rows.append(
-                (above[k + 1, back], vectors[k + 1, back], np.full((back.size, 3), np.nan), [True] * back.size, k)
-            )
-    centre, axis, contact = (np.concatenate([row[column] for row in rows]) for column in range(3))
-    rapid = np.concatenate([np.array(row[3], dtype=bool) for row in rows])
-    number = np.concatenate([np.full(len(row[0]), row[4], dtype=np.int64) for row in rows])
-    written = axis.round(AXIS_DECIMALS)
-    tips = (centre - ball.radius * unit(written)).round(DECIMALS)
-    return ToolMotion(tips, written, rapid, np.zeros_like(number), number, contact, ball.radius)
+        if k:
+            link = _across if order == ZIGZAG else _back
+            pieces.append(link(centres[k - 1 : k + 1], above[k - 1 : k + 1], vectors[k - 1 : k + 1], k))
+        pieces.append(_Piece(centres[k], vectors[k], False, k, contacts[k]))
+    pieces.append(_Piece(above[-1, -1:], vectors[-1, -1:], True, len(centres) - 1))
+    written = np.concatenate([piece.axes for piece in pieces]).round(AXIS_DECIMALS)
+    tips = np.concatenate([piece.centres for piece in pieces]) - ball.radius * unit(written)
+    sizes = [len(piece.centres) for piece in pieces]
+    number = np.repeat([piece.number for piece in pieces], sizes)
+    rapid = np.repeat([piece.rapid for piece in pieces], sizes)
+    touched = np.concatenate([piece.touched for piece in pieces])
+    return ToolMotion(tips.round(DECIMALS), written, rapid, np.zeros_like(number), number, touched, ball.radius)
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """Centres and axes (N, 3) of a part of a motion, whether it is rapid, the number of its pass, and points of contact (N, 3)."""
+
+    centres: Array
+    axes: Array
+    rapid: bool
+    number: int
+    contacts: Array | None = None
+
+    @property
+    def touched(self) -> Array:
+        """Points of contact, NaN where there are none."""
+        return np.full_like(self.centres, np.nan) if self.contacts is None else self.contacts
+
+
+def _across(centres: Array, above: Array, vectors: Array, number: int) -> _Piece:
+    """From one of two passes (2, N, 3) to the next beyond the face: raised half way along the axis by as much as they are apart."""
+    ends, axes = (np.stack((of[0, -1], of[1, 0])) for of in (centres, vectors))
+    axis = unit(axes.sum(axis=0))
+    middle = ends.mean(axis=0) + float(np.linalg.norm(ends[1] - ends[0])) * axis
+    return _Piece(middle[None], axis[None], False, number)
+
+
+def _back(centres: Array, above: Array, vectors: Array, number: int) -> _Piece:
+    """From the end of one of two passes (2, N, 3) above the teeth to the start of the next."""
+    back = np.linspace(centres.shape[1] - 1, 0, BACK).round().astype(int)
+    points, axes = (np.concatenate((of[0, -1:], of[1, back])) for of in (above, vectors))
+    return _Piece(points, axes, True, number)
 
 
 def _beyond_ends(passes: Passes, vectors: Array, overrun: float) -> tuple[Array, Array, Array]:
