@@ -62,6 +62,8 @@ DRAWINGS = {
     )
 }
 SHEET = (1260, 891)
+#: designs of which a member is finished by a ball-end cutter: its name, the cutter, and the scallop
+CUT = {"spiral_bevel_basic": ("pinion", "ball:1.2mm,20mm", "20um")}
 DRAWN = "1440x1080"
 GEARMESH = (sys.executable, "-m", "gearmesh")
 
@@ -127,18 +129,25 @@ def drawing(sample: str, member: str, *settings: str) -> Picture:
     return Picture(f"{sample}_drawing", command, SHEET)
 
 
+def tool_path(sample: str, member: str, cutter: str, scallop: str) -> Picture:
+    """The passes of a ball-end cutter in a space of a member of a sample."""
+    asked = ("--member", member, "--tool", cutter, "--scallop", scallop, "-o", "{to}")
+    return Picture(f"{sample}_toolpath", (*GEARMESH, "toolpath", f"{SAMPLES / sample}.toml", *asked), (640, 480))
+
+
 def figure(script: str) -> Picture:
     """The figure that a sample script draws."""
     return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}"), LARGE.get(script, SIZE))
 
 
 def gallery() -> list[Picture]:
-    """All pictures: a tooth for each design, a figure for each script, the pairs, flanks in their planes, tools, and drawings."""
+    """All pictures: a tooth for each design, a figure for each script, the pairs, flanks in their planes, tools, drawings, tool paths."""
     designs = sorted(path.stem for path in SAMPLES.glob("*.toml"))
     scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
     tools = [tool(*each) for each in TOOLS.items()] + [tool(*each, "contact_lines") for each in TOUCHED.items()]
     tools += [replace(tool(sample, "worm"), name=f"{sample}_worm") for sample in GROUND]
     under_load = [picture for sample, torques in LOADED.items() for picture in loaded(sample, *torques)]
+    paths = [tool_path(sample, *rest) for sample, rest in CUT.items()]
     drawings = [drawing(sample, *rest) for sample, rest in DRAWINGS.items()]
     return [
         *map(tooth, designs),
@@ -148,6 +157,7 @@ def gallery() -> list[Picture]:
         *tools,
         *under_load,
         *drawings,
+        *paths,
     ]
 
 
