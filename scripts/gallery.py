@@ -141,7 +141,8 @@ def figure(script: str) -> Picture:
 
 
 def gallery() -> list[Picture]:
-    """All pictures: a tooth for each design, a figure for each script, the pairs, flanks in their planes, tools, drawings, tool paths."""
+    """All pictures: a tooth for each design, a figure for each script, the pairs, flanks in their planes, tools and their paths,
+    drawings."""
     designs = sorted(path.stem for path in SAMPLES.glob("*.toml"))
     scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
     tools = [tool(*each) for each in TOOLS.items()] + [tool(*each, "contact_lines") for each in TOUCHED.items()]
