@@ -183,11 +183,13 @@ class Gears(SolvedGears):
         tolerance: Length | None = None,
         *,
         space: bool = False,
+        sector: int | None = None,
         offset: Length = 0.0,
         phi1: float = 0.0,
     ) -> Cad:
         """One member as a CAD solid in its own frame, or all of them placed as they mesh at `phi1` (deg; fixed frame), with an
-        `offset` as of `solid`; or the `space` between two teeth of one.
+        `offset` as of `solid`; or the `space` between two teeth of one, or so many pitches of it, its `sector`, between the faces
+        cut_right and cut_left.
 
         Its faces are within `tolerance` (mm; 0.0001) of the exact surfaces. Raises OutputError where OpenCASCADE is missing,
         NoSolutionError where the pair has no contact at phi1.
@@ -201,7 +203,8 @@ class Gears(SolvedGears):
         from gearmesh.answers.bodies.extract import Extract
         from gearmesh.cad.brep import TOLERANCE
 
-        return cad_of(self, member, self.within(tolerance, TOLERANCE), Extract.of(offset, space=space), phi1)
+        extract = Extract.of(offset, space=space, sector=sector)
+        return cad_of(self, member, self.within(tolerance, TOLERANCE), extract, phi1)
 
     def to_build123d(self, tolerance: Length | None = None, *, phi1: float = 0.0) -> build123d.Compound:
         """All members as an assembly for build123d: `cad(tolerance=tolerance, phi1=phi1).to_build123d()`.

@@ -79,7 +79,7 @@ class PartFile:
     def _refuse_extract(self, member: str) -> None:
         """Raise DesignError for a space, a sector or flanks of what is always made whole."""
         for name, value in (("space", self.space or None), ("flank_only", self.flank_only), ("sector", self.sector)):
-            if value is not None and self.is_whole and not (name == "space" and self.suffix in STEP):
+            if value is not None and self.is_whole and not (name != "flank_only" and self.suffix in STEP):
                 raise ArgumentError(name, value, must_be=f"left out for {self.suffix}, which holds whole gears")
             if value is not None and member in (BOTH, ALL):
                 raise ArgumentError(
@@ -105,8 +105,14 @@ class PartFile:
             if self.suffix in SECTIONS:
                 made = gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away)
             elif self.suffix in STEP:
-                phi1 = self.phi1 or 0.0
-                made = gears.cad(None if every else member, tolerance, space=self.space, offset=away, phi1=phi1)
+                made = gears.cad(
+                    None if every else member,
+                    tolerance,
+                    space=self.space,
+                    sector=self.sector,
+                    offset=away,
+                    phi1=self.phi1 or 0.0,
+                )
             elif every:
                 made = gears.solids(tolerance, offset=away, file=self.output, phi1=self.phi1 or 0.0)
             else:

@@ -130,7 +130,7 @@ def tooth_faces(
     `shared`: the outline at toe (0) or heel (-1), where other teeth have it already.
     """
     links, count = len(teeth.links), teeth.count * len(teeth.links)
-    turns = [_turn(k * teeth.step) for k in range(teeth.count)]
+    turns = [turn_about_z(k * teeth.step) for k in range(teeth.count)]
     rotations = Rigid.about_z(np.arange(teeth.count) * teeth.step).rotation
     vertices = [[vertex(rotations[n // links] @ r) for r in teeth.corners[n % links]] for n in range(count)]
     for row, (corners, _) in (shared or {}).items():
@@ -188,7 +188,8 @@ def tooth_faces(
     return faces, (ends[0], ends[1]), (first, last)
 
 
-def _turn(angle: float) -> Any:
+def turn_about_z(angle: float) -> Any:
+    """gp_Trsf about z by an angle (rad)."""
     from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf
 
     made = gp_Trsf()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -120,14 +121,17 @@ class Cad(Result):
         write_step(self.made, target, self.description)
 
 
-def cad_solid(member: Member, tolerance: float, offset: float | None = None) -> tuple[Part, CadFigures]:
+def cad_solid(
+    member: Member, tolerance: float, offset: float | None = None, pitches: int | None = None
+) -> tuple[Part, CadFigures]:
     """A member as a CAD solid within `tolerance` (mm) of its exact surfaces, and its figures; `offset` (mm): how far its tooth
-    surfaces have been moved.
+    surfaces have been moved; `pitches`: a sector of so many of a member that repeats after them.
 
     Raises DesignError for a body that does not make a solid, OutputError where OpenCASCADE is missing.
     """
     from gearmesh.cad.bar import bar_part, has_straight_faces, spline_bar_part
     from gearmesh.cad.brep import exact_volume, spline_tooth
+    from gearmesh.cad.extracts.sector_part import sector_part
     from gearmesh.cad.solid_part import solid_part, volume
 
     started = time.perf_counter()
@@ -137,12 +141,13 @@ def cad_solid(member: Member, tolerance: float, offset: float | None = None) -> 
     else:
         teeth = spline_tooth(member.one_tooth, tolerance)
         part = spline_bar_part(member, teeth) if slides else solid_part(member, teeth)
+        part = part if pitches is None else sector_part(part, member, teeth, pitches)
         deviation = max(teeth.deviation.values())
-    measured = volume(part)
+    measured, share = volume(part), 1.0 if pitches is None else pitches / member.tooth.teeth
     return part, CadFigures(
         faces=len(part.faces),
         volume=measured,
-        volume_error=measured / exact_volume(member) - 1.0,
+        volume_error=measured / (share * exact_volume(member)) - 1.0,
         max_deviation=1e3 * deviation,
         tolerance=1e3 * tolerance,
         seconds=time.perf_counter() - started,
@@ -181,14 +186,17 @@ def cad_of(gears: GearSet, member: str | None, tolerance: float, extract: Extrac
     require_occ()
     if member is not None and phi1:
         raise ArgumentError("phi1", phi1, must_be="left out for one member, which is in its own frame")
-    if member is None and extract.space:
-        raise ArgumentError("space", extract.space, must_be="left out for several members")
-    make = cad_space if extract.space else cad_solid
+    for name, value in (("space", extract.space or None), ("sector", extract.sector)):
+        if member is None and value is not None:
+            raise ArgumentError(name, value, must_be="left out for several members")
+    make = cad_space if extract.space else partial(cad_solid, pitches=extract.sector)
     places = {} if member is not None else gears.places_at(phi1)
     wanted = [gears.part(name) for name in ([member] if member is not None else places)]
-    made, measured = dict[str, Part](), dict[str, CadFigures]()
+    made, measured, warnings = dict[str, Part](), dict[str, CadFigures](), list[str]()
     for alike in _alike([part.member for part in wanted]):
-        part, figures = make(extract.shift(alike[0]), tolerance, extract.offset or None)
+        body, left_out = extract.repeat(extract.shift(alike[0]))
+        warnings += left_out
+        part, figures = make(body, tolerance, extract.offset or None)
         # planet_1, planet_2 and planet_3 are three times the part planet
         part = replace(part, name=part.name.rstrip("0123456789").rstrip("_")) if len(alike) > 1 else part
         made.update((own.name, part) for own in alike)
@@ -198,8 +206,8 @@ def cad_of(gears: GearSet, member: str | None, tolerance: float, extract: Extrac
         gears.design,
         made[wanted[0].member.name] if member is not None else PartAssembly(gears.title, occurrences),
         {part.member.name: measured[part.member.name] for part in wanted},
-        {part.member.name: part.figures for part in wanted},
-        (*gears.warnings, *(line for part in wanted for line in part.warnings)),
+        {part.member.name: Summary(part.figures, *extract.sector_figures(part.member)) for part in wanted},
+        (*gears.warnings, *(line for part in wanted for line in part.warnings), *warnings),
     )
 
 

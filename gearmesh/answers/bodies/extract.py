@@ -27,13 +27,9 @@ class SectorFigures(Figures):
 
     pitches: int = figure("pitches of the sector", whole=True)
     sector_angle: float = figure("angle from one cut face of the sector to the other", "deg")
-    cut_nodes: int = figure("nodes of the mesh on either cut face of the sector", whole=True)
-
-    @staticmethod
-    def of(mesh: TriangleMesh, member: Member, pitches: int) -> SectorFigures:
-        """Of a sector's mesh."""
-        angle = math.degrees(pitches * member.tooth.pitch_angle)
-        return SectorFigures(pitches, angle, len(mesh.only(Region.CUT_RIGHT).vertices))
+    cut_nodes: int | None = figure(
+        "nodes of the mesh on either cut face of the sector", whole=True, optional=True, default=None
+    )
 
 
 @dataclass(frozen=True)
@@ -86,12 +82,31 @@ class Extract:
 
         return offset_member(member, self.offset)
 
+    def repeat(self, member: Member) -> tuple[Member, tuple[str, ...]]:
+        """The member without what does not repeat after the pitches of a sector, if one is asked for, and lines that say what.
+
+        Raises DesignError where there is no such sector.
+        """
+        if self.sector is None:
+            return member, ()
+        from gearmesh.mesh.extracts.sector import cyclic
+
+        return cyclic(member, self.sector)
+
+    def sector_figures(self, member: Member, mesh: TriangleMesh | None = None) -> tuple[SectorFigures, ...]:
+        """Those of a sector, if one is asked for, and of its mesh."""
+        if self.sector is None:
+            return ()
+        nodes = None if mesh is None else len(mesh.only(Region.CUT_RIGHT).vertices)
+        return (SectorFigures(self.sector, math.degrees(self.sector * member.tooth.pitch_angle), nodes),)
+
     def mesh(self, member: Member, tolerance: float, teeth: int | None = None) -> ExtractMesh:
         """The mesh of it within `tolerance` (mm), of the first `teeth` teeth alone where it is not closed.
 
         Of a double helical member the space is that of its first half. Raises DesignError where teeth differ that must be alike.
         """
         from gearmesh.mesh.extracts.flank_surface import flank_meshes, join_flanks
+        from gearmesh.mesh.extracts.sector import genus_of, sector
         from gearmesh.mesh.extracts.space import parts, space_mesh
         from gearmesh.mesh.solid import gear_solid, some_teeth
         from gearmesh.mesh.tessellate import tessellate, tessellate_alike
@@ -104,24 +119,16 @@ class Extract:
         if self.flanks:
             meshes = flank_meshes(member, self.flanks, tolerance)
             return ExtractMesh(join_flanks(member, meshes, teeth), meshes, None)
-        if self.sector is not None:
-            return _sector_mesh(member, tolerance, self.sector)
+        member, warnings = self.repeat(member)
         every = tessellate_alike(member.different_teeth, tolerance)
         if teeth is not None and teeth != member.tooth.teeth:
             return ExtractMesh(some_teeth(member, every, teeth), every, None)
-        return ExtractMesh(gear_solid(member, tolerance, *every), every, member.genus, member)
-
-
-def _sector_mesh(member: Member, tolerance: float, pitches: int) -> ExtractMesh:
-    from gearmesh.mesh.extracts.sector import cyclic, genus_of, sector
-    from gearmesh.mesh.solid import gear_solid
-    from gearmesh.mesh.tessellate import tessellate
-
-    member, warnings = cyclic(member, pitches)
-    tooth = tessellate(member.one_tooth, tolerance)
-    mesh = sector(gear_solid(member, tolerance, tooth), member, pitches)
-    figures = SectorFigures.of(mesh, member, pitches)
-    return ExtractMesh(mesh, [tooth], genus_of(mesh, member, pitches), own=(figures,), warnings=warnings)
+        whole = gear_solid(member, tolerance, *every)
+        if self.sector is None:
+            return ExtractMesh(whole, every, member.genus, member)
+        mesh = sector(whole, member, self.sector)
+        genus, figures = genus_of(mesh, member, self.sector), self.sector_figures(member, mesh)
+        return ExtractMesh(mesh, every, genus, own=figures, warnings=warnings)
 
 
 WHOLE = Extract()

@@ -1,0 +1,130 @@
+"""A sector of a member for CAD: its whole solid, split by a spline surface through the middles of roots and by the same, turned."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import Akima1DInterpolator, make_interp_spline
+
+from gearmesh.cad.brep import SplineTooth
+from gearmesh.cad.nodes import DEGREE
+from gearmesh.cad.occ import PRECISION, spline_surface
+from gearmesh.cad.solid_part import turn_about_z
+from gearmesh.cad.step import NamedFace, Part
+from gearmesh.errors import DesignError
+from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.mesh.extracts.sector import CutSurface
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import CUT_REGIONS, Region
+
+#: how far the surface goes beyond the member, over its largest radius
+BEYOND = 0.2
+#: angle (rad) that it turns by between nodes at most, and its least number of nodes
+TURN, LEAST = 0.05, 8
+
+
+def sector_part(whole: Part, member: Member, teeth: SplineTooth, pitches: int) -> Part:
+    """The first `pitches` pitches of a whole member without keyway; its cut faces are called cut_right and cut_left.
+
+    The cut surface goes on beyond the teeth as it ends there. Raises DesignError where OpenCASCADE does not make a valid solid.
+    """
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Splitter
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Transform
+    from OCP.BRepCheck import BRepCheck_Analyzer
+    from OCP.collections import List_TopoDS_Shape
+
+    first = BRepBuilderAPI_MakeFace(_cut_surface(member, teeth), PRECISION).Face()
+    last = BRepBuilderAPI_Transform(first, turn_about_z(pitches * member.tooth.pitch_angle), True).Shape()
+    solids, cuts = List_TopoDS_Shape(), List_TopoDS_Shape()
+    solids.Append(whole.solid)
+    for cut in (first, last):
+        cuts.Append(cut)
+    splitter = BRepAlgoAPI_Splitter()
+    splitter.SetArguments(solids)
+    splitter.SetTools(cuts)
+    splitter.Build()
+    tools = [NamedFace(cut, region, region) for cut, region in zip((first, last), CUT_REGIONS, strict=True)]
+    for solid in _shapes(splitter.Shape(), "SOLID"):
+        faces = _face_names(splitter, solid, (*whole.faces, *tools))
+        if any(face.name == f"{Region.LAND}_1" for face in faces) and BRepCheck_Analyzer(solid).IsValid():
+            return Part(whole.name, solid, faces, (*whole.regions, *CUT_REGIONS))
+    raise DesignError(
+        member.name, reason=f"OpenCASCADE does not cut a sector of {pitches} pitches; choose a larger tolerance"
+    )
+
+
+def _cut_surface(member: Member, teeth: SplineTooth) -> Any:
+    """Geom_BSplineSurface through the middles of the roots before tooth 0, straight from the axis or from inside the bore."""
+    cut, (across, up) = CutSurface.of(member), station_normal(member.tooth.blank.axial)
+    base = float(cut.level.value(np.zeros(3)))
+    corners = teeth.corners.reshape(-1, 3)
+    corners = np.concatenate([half.points(corners) for half in member.halves])
+    rho, z = np.concatenate(
+        (np.array(member.body.profile), np.stack((np.hypot(*corners[:, :2].T), corners[:, 2]), 1))
+    ).T
+    margin = BEYOND * float(rho.max())
+    value = across * rho + up * z + base
+    low, high = value.min() - margin, value.max() + margin
+    if up == 0.0:
+        # of cylinders the rows begin at the axis
+        low, high = sorted((base, base + across * (rho.max() + margin)))
+    angle = _angles(cut, low, high)
+    count = LEAST + int(np.ceil(np.abs(np.diff(angle(np.linspace(low, high, cut.stations.size)))).sum() / TURN))
+    stations = np.linspace(low, high, count)
+    sides = (z.min() - margin, z.max() + margin) if up == 0.0 else (0.5 * _inner(member), rho.max() + margin)
+    borders = []
+    for side in sides:
+        rhos = (stations - base) / across if up == 0.0 else np.full(count, side)
+        zs = np.full(count, side) if up == 0.0 else (stations - base - across * side) / up
+        points = np.stack((rhos * np.cos(angle(stations)), rhos * np.sin(angle(stations)), zs), axis=-1)
+        borders.append(make_interp_spline(np.linspace(0.0, 1.0, count), points, k=DEGREE))
+    share = np.linspace(0.0, 1.0, DEGREE + 1)[:, None, None]
+    control = (1.0 - share) * borders[0].c + share * borders[1].c
+    return spline_surface(control, np.repeat([0.0, 1.0], DEGREE + 1), borders[0].t)
+
+
+def _inner(member: Member) -> float:
+    """Least radius (mm) of the body."""
+    return min(rho for rho, _ in member.body.profile)
+
+
+def _angles(cut: CutSurface, low: float, high: float) -> Akima1DInterpolator:
+    """Polar angle (rad) by station coordinate from `low` to `high`, straight on beyond the teeth."""
+    stations, theta = cut.stations, cut.theta
+    ends = [
+        theta[at] + (theta[at] - theta[beside]) / (stations[at] - stations[beside]) * (np.array(places) - stations[at])
+        for at, beside, places in ((0, 1, (low - 1.0, low)), (-1, -2, (high, high + 1.0)))
+    ]
+    places = np.concatenate(([low - 1.0, low], stations, [high, high + 1.0]))
+    return Akima1DInterpolator(places, np.concatenate((ends[0], theta, ends[1])))
+
+
+def _face_names(splitter: Any, solid: Any, sources: tuple[NamedFace, ...]) -> tuple[NamedFace, ...]:
+    """The faces of a solid that a splitter made, with the names of what they are parts of."""
+    from OCP.TopoDS import TopoDS
+
+    faces, named = _map(solid, "FACE"), []
+    for source in sources:
+        pieces = list(splitter.Modified(source.shape)) or [source.shape]
+        places = [faces.FindIndex(piece) for piece in pieces if faces.Contains(piece)]
+        for number, place in enumerate(places, 1):
+            name = source.name if number == 1 else f"{source.name}_piece_{number}"
+            named.append(NamedFace(TopoDS.Face(faces.FindKey(place)), name, source.region))
+    return tuple(named)
+
+
+def _shapes(shape: Any, kind: str) -> list[Any]:
+    """Its solids or faces, each once."""
+    parts = _map(shape, kind)
+    return [parts.FindKey(k) for k in range(1, parts.Extent() + 1)]
+
+
+def _map(shape: Any, kind: str) -> Any:
+    from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopExp import TopExp
+
+    parts = IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher()
+    TopExp.MapShapes_s(shape, getattr(TopAbs_ShapeEnum, f"TopAbs_{kind}"), parts)
+    return parts
