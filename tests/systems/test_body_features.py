@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from _pytest.mark import ParameterSet
 from scipy.integrate import quad
 
 import gearmesh as gm
@@ -141,7 +142,12 @@ def both(case: str) -> tuple[Member, Member]:
     return member(own.sample, own.name, *own.plain, *own.features), member(own.sample, own.name, *own.plain)
 
 
-@pytest.mark.parametrize("case", CASES)
+def swept(cases: Iterable[str], always: set[str]) -> list[ParameterSet]:
+    """All cases, those that are not always run with the mark sweep."""
+    return [pytest.param(case, marks=() if case in always else pytest.mark.sweep) for case in cases]
+
+
+@pytest.mark.parametrize("case", swept(CASES, {"hubs and stepped bore", "spokes and bolts", "bevel wheel"}))
 def test_features_make_solids_of_the_right_volume(case: str) -> None:
     """Exact volumes in closed form; meshes are proved solids that come to them."""
     whole, plain = both(case)
@@ -153,7 +159,13 @@ def test_features_make_solids_of_the_right_volume(case: str) -> None:
     assert meshed[0].volume - meshed[1].volume == pytest.approx(expected, rel=1e-2)
 
 
-@pytest.mark.parametrize("case", ["hubs and stepped bore", "spokes and bolts", "ring with steps", "bevel wheel"])
+@pytest.mark.parametrize(
+    "case",
+    swept(
+        ["hubs and stepped bore", "spokes and bolts", "ring with steps", "bevel wheel"],
+        {"spokes and bolts", "ring with steps"},
+    ),
+)
 def test_step_files_have_them_as_planes_cylinders_and_cones(case: str) -> None:
     """One valid solid; what the faces of the features change of its volume is the closed form, without facets."""
     pytest.importorskip("OCP")
@@ -204,29 +216,37 @@ def mesh_moments(mesh: TriangleMesh) -> tuple[float, Array, Array]:
     return float(volumes.sum()), volumes @ total / 4.0, np.einsum("n,nij->ij", volumes, products) / 20.0
 
 
+def facet_areas(mesh: TriangleMesh) -> float:
+    """Area of all facets, mm^2."""
+    a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
+    return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+
+
 #: members without symmetry: one blind hole, a conical gear with a single hole, a rack longer than its teeth; and tolerances, mm
 UNEVEN = {
-    "ring": (("internal", "gear", "rim=20", "bolts={count=1,diameter=9,depth=7}"), 0.02),
-    "conical": (("beveloid_crossed", "gear", "bolts={count=1,diameter=9,circle=90}"), 0.02),
-    "bevel": (("spiral_bevel_basic", "pinion", "keyway={width=4,depth=2}"), 0.01),
-    "rack": (("rack", "rack", "length=300"), 0.02),
+    "ring": (("internal", "gear", "rim=20", "bolts={count=1,diameter=9,depth=7}"), 0.005),
+    "conical": (("beveloid_crossed", "gear", "bolts={count=1,diameter=9,circle=90}"), 0.005),
+    "bevel": (("spiral_bevel_basic", "pinion", "keyway={width=4,depth=2}"), 0.005),
+    "rack": (("rack", "rack", "length=300"), 0.005),
 }
 
 
-@pytest.mark.parametrize("case", UNEVEN)
-def test_moments_are_what_ever_finer_meshes_tend_to(case: str) -> None:
-    """The deviation from those of a mesh is in proportion to its tolerance: a quarter of it leaves less than half."""
+@pytest.mark.parametrize("case", swept(UNEVEN, {"conical", "rack"}))
+def test_moments_are_those_of_meshes(case: str) -> None:
+    """Between a mesh and the exact surfaces is at most its tolerance on all of its area, no farther out than it reaches."""
     keys, tolerance = UNEVEN[case]
     whole = member(*keys)
     exact: Moments = member_moments(whole)
     assert exact.volume == pytest.approx(exact_volume(whole), rel=1e-10)
     assert np.abs(exact.centre[:2]).max() > 1e-3
-    coarse, fine = (mesh_moments(gear_solid(whole, size)) for size in (tolerance, 0.25 * tolerance))
-    for k, own in enumerate((exact.volume, exact.first, exact.second)):
-        scale = np.abs(own).max()
-        misses = [float(np.abs(mesh[k] - own).max() / scale) for mesh in (coarse, fine)]
-        assert misses[0] < 5e-3
-        assert misses[1] < 0.5 * misses[0]
+    mesh = gear_solid(whole, tolerance)
+    between, reach = tolerance * facet_areas(mesh), float(np.linalg.norm(mesh.vertices, axis=1).max())
+    for power, (own, of_mesh) in enumerate(
+        zip((exact.volume, exact.first, exact.second), mesh_moments(mesh), strict=True)
+    ):
+        assert np.abs(of_mesh - own).max() < between * reach**power
+        # and this is less than what is to be proved
+        assert between * reach**power < 0.02 * exact.volume * reach**power
 
 
 #: what is asked for -> sample, member, keys, and the refusal
