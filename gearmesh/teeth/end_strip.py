@@ -158,7 +158,7 @@ class EndStrip:
 
 def _pieces(arcs: list[_SharpPiece], spans: list[tuple[Link, tuple[float, float]]]) -> list[StripPiece]:
     """The strip's pieces along the outline."""
-    kept, trimmed = _trimmed(arcs)
+    kept, trimmed = _trimmed_parts(arcs)
     pieces = list[StripPiece]()
     for k, (arc, (link, inner)) in enumerate(zip(arcs, spans, strict=True)):
         if k in trimmed:
@@ -177,7 +177,7 @@ def _pieces(arcs: list[_SharpPiece], spans: list[tuple[Link, tuple[float, float]
     return pieces
 
 
-def _trimmed(arcs: list[_SharpPiece]) -> tuple[list[int], dict[int, tuple[float, float]]]:
+def _trimmed_parts(arcs: list[_SharpPiece]) -> tuple[list[int], dict[int, tuple[float, float]]]:
     """Numbers of the arcs whose parallel curves reach the end face, and the part of each, s to s, that is left of them."""
     backwards = [arc.turned_back() for arc in arcs]
     kept = [k for k, (everywhere, _) in enumerate(backwards) if not everywhere]

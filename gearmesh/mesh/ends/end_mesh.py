@@ -75,7 +75,8 @@ def _in_rows(strip: EndStrip, s: Sequence[tuple[Region, Array]], end: int, toler
     """The mesh in so many rows."""
     coarse = [_nodes_of(strip, piece, s) for piece in strip.pieces]
     fine = [
-        _refined(strip, piece, sigma, CHORDS * tolerance) for piece, sigma in zip(strip.pieces, coarse, strict=True)
+        _nodes_between(strip, piece, sigma, CHORDS * tolerance)
+        for piece, sigma in zip(strip.pieces, coarse, strict=True)
     ]
     count = sum(len(of) - 1 for _, of in s)
     ordered, vertices, made = list[_EndRow](), list[Array](), count
@@ -117,7 +118,7 @@ def _nodes_of(strip: EndStrip, piece: StripPiece, s: Sequence[tuple[Region, Arra
     return (own[(own >= first) & (own <= last)] - first) / (last - first)
 
 
-def _refined(strip: EndStrip, piece: StripPiece, sigma: Array, tolerance: float) -> Array:
+def _nodes_between(strip: EndStrip, piece: StripPiece, sigma: Array, tolerance: float) -> Array:
     """sigma with nodes between, where chords of the section or the end face's outline miss them by more than the tolerance (mm)."""
     parts, tau = np.ones(sigma.size - 1, dtype=int), np.array([[0.0], [1.0]])
     for _ in range(MOST):

@@ -31,13 +31,13 @@ def with_tip_surface(member: Member, spec: CylindricalMember, tip: float) -> Mem
     Raises DesignError naming the key, its value and the limit, where the teeth have no such tip.
     """
     if spec.tip_cone_angle:
-        return replace(member, tooth=_coned(member, spec.tip_cone_angle, tip))
+        return replace(member, tooth=_conical_tooth(member, spec.tip_cone_angle, tip))
     if spec.tip_throat_radius is not None:
-        return replace(member, tooth=_throated(member, spec.tip_throat_radius, tip))
+        return replace(member, tooth=_throated_tooth(member, spec.tip_throat_radius, tip))
     return member
 
 
-def _coned(member: Member, angle: float, tip: float) -> Tooth:
+def _conical_tooth(member: Member, angle: float, tip: float) -> Tooth:
     inwards = member.tooth.blank.body.around
 
     def tooth(share: float) -> Tooth:
@@ -54,7 +54,7 @@ def _coned(member: Member, angle: float, tip: float) -> Tooth:
     raise _refusal(member, "tip_cone_angle", angle, "deg", allowed)
 
 
-def _throated(member: Member, radius: float, tip: float) -> Tooth:
+def _throated_tooth(member: Member, radius: float, tip: float) -> Tooth:
     blank = member.tooth.blank
     half, height = 0.5 * abs(blank.extent[1] - blank.extent[0]), -tip if blank.body.around else tip
 
