@@ -14,6 +14,7 @@ that of `teeth.blank.development`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -32,6 +33,8 @@ SAMPLES = 65
 SNAP = 1e-7
 #: Newton steps to a crossing, and the step of s of its differences
 STEPS, STEP = 8, 1e-5
+#: distance (mm) at which two parallel curves cross: the last step is made from there
+EXACT = 1e-8
 #: how far inside a smooth piece of a link its normals at its ends are taken
 INSIDE = 1e-9
 
@@ -49,29 +52,45 @@ class _SharpPiece:
     width: float
 
     def at(self, s: Array) -> tuple[Array, Array]:
-        """X, Y and unit normals out of the material (N, 2) at s (N,)."""
-        grid = self.link.grid(s, self.sections)
+        """X, Y and unit normals out of the material (N, 2) at s (N,); at an end inside the link those of the piece itself."""
+        first, last = self.span
+        edge = INSIDE * (last - first)
+        inside = np.clip(s, first + edge if first > 0.0 else s.min(), last - edge if last < 1.0 else s.max())
+        grid = self.link.grid(inside, self.sections)
         r, n = grid.points[:, 0], grid.normals[:, 0]
         normal = self.plane.flat_vector(n, r, self.about)
         return self.plane.flat(r, self.about), normal / np.hypot(normal[:, 0], normal[:, 1])[:, None]
 
     def parallel(self, s: Array) -> Array:
         """X, Y (N, 2) of the parallel curve at s (N,)."""
-        first, last = self.span
-        edge = INSIDE * (last - first)
-        point, _ = self.at(s)
-        _, normal = self.at(np.clip(s, first + edge, last - edge))
+        point, normal = self.at(s)
         return point - self.width * normal
 
     @property
-    def samples(self) -> Array:
+    def s(self) -> Array:
+        """s (SAMPLES,) of samples."""
         return np.linspace(*self.span, SAMPLES)
+
+    @cached_property
+    def samples(self) -> tuple[Array, Array]:
+        """X, Y and normals (SAMPLES, 2) of samples from end to end."""
+        return self.at(self.s)
+
+    @cached_property
+    def inner(self) -> Array:
+        """The parallel curve (SAMPLES, 2) there."""
+        point, normal = self.samples
+        return point - self.width * normal
+
+    @property
+    def length(self) -> float:
+        """Length of the outline, mm, about."""
+        return float(np.hypot(*np.diff(self.samples[0], axis=0).T).sum())
 
     def turned_back(self) -> tuple[bool, bool]:
         """Whether the parallel curve runs against the outline everywhere, and whether it does anywhere: inside a convex curve that
         is bent more."""
-        s = self.samples
-        forth = (np.diff(self.at(s)[0], axis=0) * np.diff(self.parallel(s), axis=0)).sum(axis=-1) > 0.0
+        forth = (np.diff(self.samples[0], axis=0) * np.diff(self.inner, axis=0)).sum(axis=-1) > 0.0
         return not forth.any(), not forth.all()
 
 
@@ -191,7 +210,7 @@ def _trimmed_parts(arcs: list[_SharpPiece]) -> tuple[list[int], dict[int, tuple[
                 continue
             crossing = _crossing(arcs[j], arcs[k])
             if crossing is None:
-                dropped = min((j, k), key=lambda n: _length(arcs[n]))
+                dropped = min((j, k), key=lambda n: arcs[n].length)
                 break
             spans[j][1], spans[k][0] = crossing
         if dropped is None:
@@ -203,50 +222,42 @@ def _trimmed_parts(arcs: list[_SharpPiece]) -> tuple[list[int], dict[int, tuple[
         kept.remove(dropped)
 
 
-def _length(arc: _SharpPiece) -> float:
-    return float(np.hypot(*np.diff(arc.at(arc.samples)[0], axis=0).T).sum())
-
-
-def _corner(one: _SharpPiece, other: _SharpPiece) -> tuple[Array, Array, Array]:
-    """Where two neighbouring arcs meet, (2,), and the normals of both there."""
-    (q, first), (_, second) = one.at(np.array([one.span[1]])), other.at(np.array([other.span[0]]))
-    return q[0], first[0], second[0]
-
-
 def _convex(one: _SharpPiece, other: _SharpPiece) -> bool:
     """Whether the material has an edge between two neighbouring arcs."""
-    q, first, second = _corner(one, other)
-    if one.width * float(np.linalg.norm(second - first)) <= SNAP:
+    (q, first), (_, second) = one.samples, other.samples
+    if one.width * float(np.linalg.norm(second[0] - first[-1])) <= SNAP:
         return False
-    before = one.at(np.array([one.span[1] - 1e-4 * (one.span[1] - one.span[0])]))[0][0]
-    return float(second @ (q - before)) > 0.0
+    return float(second[0] @ (q[-1] - q[-2])) > 0.0
 
 
 def _concave(one: _SharpPiece, other: _SharpPiece) -> tuple[Array, float, float, float] | None:
     """Centre, radius, first angle and turn (rad) of the arc about a concave corner between two arcs, None where there is none."""
-    q, first, second = _corner(one, other)
+    (q, normals), (_, following) = one.samples, other.samples
+    first, second = normals[-1], following[0]
     if one.width * float(np.linalg.norm(second - first)) <= SNAP or _convex(one, other):
         return None
     start = float(np.arctan2(first[1], first[0]))
     turn = float(np.arctan2(first[0] * second[1] - first[1] * second[0], first @ second))
-    return q, one.width, start, turn
+    return q[-1], one.width, start, turn
 
 
 def _crossing(one: _SharpPiece, other: _SharpPiece) -> tuple[float, float] | None:
     """s on both where the parallel curves of two arcs cross, next to the end of the first; None where they do not."""
-    s, t = one.samples, other.samples
-    near = first_crossing(one.parallel(s)[::-1], other.parallel(t))
+    near = first_crossing(one.inner[::-1], other.inner)
     if near is None:
         return None
     numbers = np.arange(SAMPLES)
-    x = np.array([np.interp(near[0], numbers, s[::-1]), np.interp(near[1], numbers, t)])
-    steps = [STEP * (arc.span[1] - arc.span[0]) for arc in (one, other)]
+    x = np.array([np.interp(near[0], numbers, one.s[::-1]), np.interp(near[1], numbers, other.s)])
+    low, high = np.transpose((one.span, other.span))
+    steps = STEP * (high - low)
     for _ in range(STEPS):
-        (a, low, high), (b, left, right) = (
+        (a, before, after), (b, left, right) = (
             arc.parallel(at + step * np.array([0.0, -1.0, 1.0]))
             for arc, at, step in zip((one, other), x, steps, strict=True)
         )
-        slopes = np.stack(((high - low) / (2.0 * steps[0]), -(right - left) / (2.0 * steps[1])), axis=-1)
+        slopes = np.stack(((after - before) / (2.0 * steps[0]), -(right - left) / (2.0 * steps[1])), axis=-1)
         x = x - np.linalg.solve(slopes, a - b)
-    x = np.clip(x, (one.span[0], other.span[0]), (one.span[1], other.span[1]))
-    return float(x[0]), float(x[1])
+        if np.linalg.norm(a - b) <= EXACT:
+            break
+    first, second = np.clip(x, low, high).tolist()
+    return first, second

@@ -11,6 +11,7 @@ from oracles.places import SAMPLES
 from oracles.plane_curves import from_polylines
 
 import gearmesh as gm
+from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
@@ -90,13 +91,13 @@ def test_what_chamfers_take_off_spur_teeth() -> None:
 def test_solids_are_closed_and_weigh_what_the_sections_say(
     sample: str, name: str, ends: tuple[tuple[float, float] | None, ...], tip: TipEdge | None
 ) -> None:
-    member, tolerance = replace(chamfered(sample, name, *ends, tip=tip), features=BodyFeatures()), 0.02
+    member, tolerance = replace(chamfered(sample, name, *ends, tip=tip), features=BodyFeatures()), 0.04
     mesh = tessellate(member.tooth, tolerance)
     assert mesh.deviation <= tolerance
     assert len(mesh.end_meshes()) == sum(end is not None for end in ends)
     solid = gear_solid(member, tolerance, mesh)
     assert prove(solid, member.genus).ok
-    assert solid.volume() == pytest.approx(member.plain_volume(), rel=5e-4)
+    assert solid.volume() == pytest.approx(member.plain_volume(), rel=1e-3)
 
 
 @pytest.mark.quick
@@ -123,25 +124,23 @@ def test_a_chamfer_on_a_back_cone_is_as_wide_as_asked() -> None:
 
 @pytest.mark.quick
 def test_contact_is_on_the_face_between_the_chamfers() -> None:
-    plain = gm.load(SAMPLES / "helical.toml")
-    design = gm.load(
-        SAMPLES / "helical.toml", ["gear.end_chamfer=2", "gear.end_chamfer_heel=0", "gear.end_chamfer_angle=60"]
-    )
-    gears, whole = gm.build(design), gm.build(plain)
-    tooth, depth = gears.pairs[0].gear.tooth, 2.0 * np.tan(np.radians(60.0))
-    toe, heel = whole.pairs[0].gear.tooth.blank.extent
-    assert tooth.blank.extent == pytest.approx((toe + depth, heel), abs=1e-12)
-    assert gears.members["gear"].extent == pytest.approx((toe, heel), abs=1e-12)
-    ratios = [float(g.contact().summary["contact_ratio"]) for g in (gears, whole)]
-    # the overlap ratio is that of the narrower face
-    module, beta = plain.given_module, np.radians(plain.helix_angle)
-    assert ratios[1] - ratios[0] == pytest.approx(depth * np.sin(beta) / (np.pi * module), abs=1e-6)
+    """Lines of contact of helical teeth end where the chamfer begins, and where the other end face, which is sharp, is."""
+    pair = built_sample("helical", "gear.end_chamfer=2", "gear.end_chamfer_heel=0", "gear.end_chamfer_angle=60").pairs[
+        0
+    ]
+    depth = 2.0 * np.tan(np.radians(60.0))
+    assert pair.gear.tooth.blank.extent == pytest.approx((depth - 25.0, 25.0), abs=1e-12)
+    assert pair.gear.extent == pytest.approx((-25.0, 25.0), abs=1e-12)
+    path = analyse(pair, np.linspace(-0.5, 0.5, 5) * pair.pitch)
+    z = np.concatenate([line[:, 2] for line in path.lines if line is not None])
+    assert z.min() == pytest.approx(depth - 25.0, abs=1e-6)
+    assert z.max() == pytest.approx(25.0, abs=1e-6)
 
 
 def test_refusals() -> None:
     for override, message in (
-        ("pinion.end_chamfer_toe=9", r"pinion.end_chamfer_toe = 9 mm: larger than .* at most 3\.\d+ mm"),
-        ("pinion.end_chamfer_angle=30", r"pinion.end_chamfer_angle = 30.*: needs end_chamfer"),
+        ("gear.end_chamfer_toe=9", r"gear.end_chamfer_toe = 9 mm: larger than .* at most \d\.\d+ mm"),
+        ("gear.end_chamfer_angle=30", r"gear.end_chamfer_angle = 30.*: needs end_chamfer"),
     ):
         with pytest.raises(DesignError, match=message):
-            gm.build(gm.load(SAMPLES / "helical.toml", [override]))
+            gm.build(gm.load(SAMPLES / "spur.toml", [override]))

@@ -7,16 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from oracles.built import built_sample
-from oracles.places import SAMPLES
 
-import gearmesh as gm
 from gearmesh.check.members import roll_teeth
 from gearmesh.contact.flanks import analyse
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.mesh.solid import gear_solid, prove
+from gearmesh.systems.common.tooth_edges import edge_refusal
 from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.region import EDGES, Region, Side
 from gearmesh.teeth.tooth import Tooth
@@ -127,13 +125,18 @@ def test_a_solid_with_roundings_on_back_cones_is_closed() -> None:
 
 
 @pytest.mark.quick
-def test_tip_edges_larger_than_the_tooth_are_refused() -> None:
-    design = gm.load(SAMPLES / "face_gear.toml", ["gear.tip_chamfer=0.2"])
-    with pytest.raises(DesignError, match=r"gear.tip_chamfer = 0.2 mm: larger than the tooth's tip allows") as refused:
-        gm.build(design)
-    limit = float(str(refused.value).split("at most ")[1].split()[0])
-    tooth = built_sample("face_gear").pairs[0].gear.tooth
-    assert 0.05 < limit < 0.2
-    replace(tooth, tip_edge=TipEdge(limit)).prove()
-    with pytest.raises(TrimError, match="pointed"):
-        replace(tooth, tip_edge=TipEdge(1.001 * limit)).prove()
+def test_tip_edges_larger_than_the_tooth_are_refused_with_the_largest_that_fits() -> None:
+    tooth = tooth_of(TipEdge(4.0))
+    with pytest.raises(TrimError, match=r"pointed|larger than the flank") as failure:
+        tooth.prove()
+    refusal = edge_refusal("pinion", tooth, failure.value)
+    assert str(refusal).startswith("pinion.tip_chamfer = 4 mm: larger than the tooth's tip allows; allowed is at most")
+    limit = float(str(refusal).split("at most ")[1].split()[0])
+    tooth_of(TipEdge(limit)).prove()
+    with pytest.raises(TrimError):
+        tooth_of(TipEdge(1.001 * limit)).prove()
+
+
+@pytest.mark.quick
+def test_the_keys_of_a_face_gear() -> None:
+    assert built_sample("face_gear", "gear.tip_rounding=0.05").pairs[0].gear.tooth.tip_edge == TipEdge(0.05, True)
