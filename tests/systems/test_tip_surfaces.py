@@ -71,7 +71,10 @@ def test_internal_tips() -> None:
     ):
         ring = {"teeth": -60, "face_width": 14, "tip_diameter": 117.0, **more}
         tooth = gm.build(gm.parse({**base, "gear": ring})).pairs[0].gear.tooth
-        land = tooth.grid(Region.LAND, [0.5], tooth.even).points[0]
+        grid = tooth.grid(Region.LAND, [0.5], tooth.even)
+        land = grid.points[0]
+        # the material is outside
+        assert ((grid.normals[0] * land)[:, :2].sum(axis=1) < 0.0).all()
         assert np.hypot(land[:, 0], land[:, 1]) == pytest.approx(meridian(land[:, 2], 58.5), abs=1e-9)
 
 
