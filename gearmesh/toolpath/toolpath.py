@@ -77,6 +77,7 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
     left or gouged cannot be brought within what is asked for.
     """
     space = CutSpace(member)
+    _refuse_number(space, order.spaces)
     walls = choose_walls(space, order.flank, order.surfaces)
     largest = largest_ball(space, walls, order.stock)
     refuse_too_large(ball, largest)
@@ -134,17 +135,21 @@ def _refusal(ball: BallCutter, left: Left, scallop: float) -> NoSolutionError:
     return NoSolutionError("tool", f"ball:{ball.diameter:g}", reason=reason, remedy="choose a smaller ball")
 
 
+def _refuse_number(space: CutSpace, which: int | None) -> None:
+    """Raise DesignError for a space that there is not."""
+    numbers = space.numbers
+    if which is not None and which not in numbers:
+        raise ArgumentError("spaces", which, must_be=f"all, or from {numbers[0]} to {numbers[-1]}")
+
+
 def _through_spaces(space: CutSpace, motion: ToolMotion, which: int | None) -> ToolMotion:
     """The motion through the spaces that are asked for.
 
-    Raises DesignError for one that there is not, and NoSolutionError where the way from one to the next, above the tips, is
-    not clear of the teeth.
+    Raises NoSolutionError where the way from one to the next, above the tips, is not clear of the teeth.
     """
-    numbers = space.numbers
     if which is not None:
-        if which not in numbers:
-            raise ArgumentError("spaces", which, must_be=f"all, or from {numbers[0]} to {numbers[-1]}")
         return motion.move(space.place(which), which)
+    numbers = space.numbers
     places = [row.motion @ space.place(k) for row in space.member.halves for k in numbers]
     if not clear_of_teeth(space, motion, places):
         raise NoSolutionError(
