@@ -162,38 +162,40 @@ def tessellate_alike(
     """
     drafts = [_Draft.of(tooth, regions or tooth.regions, tolerance) for tooth in teeth]
     count = len(drafts[0].regions)
-    finer, fixed, seams = (
+    least, fixed, seams = (
         np.ones(count + 1),
         np.unique(np.concatenate([tooth.breaks for tooth in teeth])),
         list[Array](),
     )
     for _ in range(ROUNDS):
-        before, seams = seams, _seams(drafts, finer, fixed)
+        before, seams = seams, _seams(drafts, least, fixed)
         moved = [not before or not np.array_equal(*pair) for pair in zip(seams, before or seams, strict=True)]
         if not any(moved) and not any(draft.stale for draft in drafts):
             break
         for draft in drafts:
-            draft.mesh(seams, moved, finer, fixed)
+            draft.mesh(seams, moved, least, fixed)
     return tuple(ToothMesh(draft.tooth, draft.patches, tolerance) for draft in drafts)
 
 
-def _seams(drafts: Sequence[_Draft], finer: Array, fixed: Array) -> list[Array]:
+def _seams(drafts: Sequence[_Draft], least: Array, fixed: Array) -> list[Array]:
     """Stations of the nodes of every seam (R + 1) between the links of all drafts, as many as the links on both sides
     of it want.
 
-    The last seam of a whole tooth is the first one of the next. `finer` (R + 1,): how much closer the nodes must be
-    beyond that.
+    The last seam of a whole tooth is the first one of the next. `least` (R + 1,): cells that they have at least.
     """
     count, seams = len(drafts[0].regions), list[Array]()
     whole = count == len(drafts[0].tooth.regions)
     for seam in range(count + 1):
         before, after = [seam - 1] if seam else [], [seam] if seam < count else []
-        more = finer[seam]
+        cells = least[seam]
         if whole and seam in (0, count):
-            before, after, more = [count - 1], [0], max(finer[0], finer[-1])
+            before, after, cells = [count - 1], [0], max(least[0], least[-1])
         wanted = [draft.plans[k].along[-1] for draft in drafts for k in before]
         wanted += [draft.plans[k].along[0] for draft in drafts for k in after]
-        seams.append(stations(more * np.max(wanted, axis=0)[None], fixed, np.zeros(1, dtype=bool))[0])
+        density = np.max(wanted, axis=0)
+        total = float(np.trapezoid(density, dx=1.0 / (density.size - 1)))
+        density = density * max(1.0, (cells - 0.5) / total)
+        seams.append(stations(density[None], fixed, np.zeros(1, dtype=bool))[0])
     return seams
 
 
@@ -233,11 +235,11 @@ class _Draft:
         """Of all links, in order."""
         return tuple(self.meshes[k].patch for k in range(len(self.regions)))
 
-    def mesh(self, seams: list[Array], moved: list[bool], finer: Array, fixed: Array) -> None:
+    def mesh(self, seams: list[Array], moved: list[bool], least: Array, fixed: Array) -> None:
         """Mesh what is new, with nodes at the stations `seams` of every seam, some of them `moved`, and refine its
         plans.
 
-        `finer` (R + 1,): by how much more nodes a seam needs.
+        `least` (R + 1,): cells that a seam needs.
         """
         wanted = [k for k in range(len(self.regions)) if k in self.stale or moved[k] or moved[k + 1]]
         for k in wanted:
@@ -257,9 +259,9 @@ class _Draft:
                 tooth, self.regions[k], lines[k], trimmed, self.plans[k], self.forms.second[k], SAFETY * self.tolerance
             )
             self.meshes[k] = mesh
-            self._refine(k, mesh, finer)
+            self._refine(k, mesh, least)
 
-    def _refine(self, k: int, mesh: LinkMesh, finer: Array) -> None:
+    def _refine(self, k: int, mesh: LinkMesh, least: Array) -> None:
         """Replace the plan of a link where its mesh misses the tolerance, and forget the mesh."""
         allowed, plan = SAFETY * self.tolerance, self.plans[k]
         if mesh.worst <= allowed:
@@ -277,7 +279,9 @@ class _Draft:
         # at least about a cell more, which a few percent are not where there are few
         factor = np.maximum(1.02 * np.sqrt(mesh.lines / allowed), 1.0 + 1.2 / mesh.cells)
         factor = np.where(mesh.lines > allowed, np.minimum(factor, 2.0), 1.0)
-        finer[k], finer[k + 1] = finer[k] * factor[0], finer[k + 1] * factor[-1]
+        for seam, line in ((k, 0), (k + 1, -1)):
+            if factor[line] > 1.0:
+                least[seam] = max(least[seam], np.ceil(mesh.cells[line] * factor[line]), mesh.cells[line] + 1.0)
         if (factor[1:-1] > 1.0).any():
             plan = plan.with_more_nodes(mesh.s[1:-1], factor[1:-1])
         # strips between lines that are good themselves

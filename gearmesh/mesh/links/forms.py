@@ -21,6 +21,7 @@ STEP = 1e-6
 class Forms:
     """Second forms of links (R, S, T), mm, on uniform samples of s and t.
 
+    `sideways` (R, S, T): how fast lines of constant s turn within the surface, as second derivatives of s by t.
     `outline` (R, 2, S): as `length`, of the section curves at toe and heel in space. `second` (R, S, T): the second
     parameters of the surfaces there, 0 of links that are drawn.
     """
@@ -30,6 +31,7 @@ class Forms:
     face: Array
     outline: Array
     second: Array
+    sideways: Array
 
     @staticmethod
     def of(tooth: Tooth, regions: tuple[Region, ...]) -> Forms:
@@ -45,7 +47,8 @@ class Forms:
         length, twist, face = np.moveaxis(np.array(second_forms), 1, 0)
         curves = np.stack([grid.points[:, [0, -1]] for grid in grids])
         second = np.stack([np.zeros(SAMPLES) if grid.v is None else grid.v for grid in grids])
-        return Forms(length, twist, face, _outline(curves, s), second)
+        sideways = np.stack([_sideways(grid.points, s[1], t[1]) for grid in grids])
+        return Forms(length, twist, face, _outline(curves, s), second, sideways)
 
 
 def _second_form(
@@ -83,6 +86,20 @@ def _differences(grid: Grid, s: Array, t: Array) -> tuple[Array, Array, Array]:
         form[0], form[-1] = form[1], form[-2]
         form[:, 0], form[:, -1] = form[:, 1], form[:, -2]
     return length, twist, face
+
+
+def _sideways(points: Array, ds: float, dt: float) -> Array:
+    """How fast lines of constant s turn within the surface (S, T): second derivatives of s by t along straight chords.
+
+    By differences of the points (S, T, 3) of a grid.
+    """
+    bent = np.pad(np.diff(points, 2, axis=1) / dt**2, ((0, 0), (1, 1), (0, 0)), mode="edge")
+    r_s, r_t = np.gradient(points, ds, axis=0), np.gradient(points, dt, axis=1)
+    size = dot(r_t, r_t)
+    across = r_s - np.divide(dot(r_s, r_t), size, out=np.zeros_like(size), where=size > 0.0)[..., None] * r_t
+    width = dot(across, across)
+    turning: Array = np.divide(np.abs(dot(bent, across)), width, out=np.zeros_like(width), where=width > 0.0)
+    return turning
 
 
 def _outline(curves: Array, s: Array) -> Array:

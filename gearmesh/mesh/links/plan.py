@@ -36,6 +36,8 @@ CLOSER = np.geomspace(1.0, 8.0, 10)
 LEAST = 0.02
 #: and at least this share of its largest on the link
 EVER = 0.01
+#: chords may leave their lines within the surface by this share of the strips beside them: more, and facets would fold
+SIDEWAYS = 0.2
 #: steps of bisection for the widest strip
 HALVINGS = 8
 #: stations on which levels are kept: a worm's diagonals are drawn by them over several turns
@@ -92,12 +94,11 @@ class _Way:
     along: Array
     across: Array
     triangles: Array
-    sheared: bool
     alike: bool
     staggered: bool
 
     @staticmethod
-    def of(along: Array, across: Array, *, sheared: bool = False, alike: bool = False, staggered: bool = False) -> _Way:
+    def of(along: Array, across: Array, *, alike: bool, staggered: bool) -> _Way:
         s, t = (np.linspace(0.0, 1.0, n) for n in along.shape[2:])
         nodes = np.trapezoid(along, t, axis=-1) + 0.5 * staggered
         strips = across.max(axis=-1)
@@ -107,7 +108,7 @@ class _Way:
             # the last line is a seam, and nothing is staggered there
             count = 2.0 * np.ceil(0.5 * count)
         triangles = 2.0 * count / total * np.trapezoid(strips * nodes, s, axis=-1)
-        return _Way(along, across, triangles, sheared, alike, staggered)
+        return _Way(along, across, triangles, alike, staggered)
 
 
 def link_plans(forms: Forms, tolerance: float, at_ends: float, *, straight: bool = False) -> list[LinkPlan]:
@@ -192,15 +193,30 @@ def _ways(forms: Forms, slope: Array, tolerance: float) -> tuple[_Way, ...]:
         cells: Array = along * (np.maximum(np.ceil(nodes - ROUNDING), 1.0) / nodes)[..., None]
         return cells
 
+    def not_folded(along: Array, widest: Array) -> Array:
+        """More cells where chords would leave their lines by more than a part of the strips beside them."""
+        least = np.sqrt(forms.sideways / (8.0 * SIDEWAYS * np.minimum(widest, 1.0)))
+        return np.maximum(along, least)
+
     own, instead = whole(size), whole(_sizes(forms))
     alike = np.broadcast_to(whole(size.max(axis=1, keepdims=True)), own.shape)
-    conjugate = length - slope * (2.0 * twist - slope * face)
-    return (
-        _Way.of(instead, 1.0 / _widest(conjugate, twist - slope * face, face, 1.0 / instead, limit), sheared=True),
-        _Way.of(own, 1.0 / _widest(length, twist, face, 1.0 / own, limit)),
-        _Way.of(alike, 1.0 / _widest_aligned(length, twist, face, 1.0 / alike, limit), alike=True),
-        _Way.of(alike, 1.0 / _widest_staggered(length, twist, face, 1.0 / alike, limit), alike=True, staggered=True),
+    conjugate, rest = length - slope * (2.0 * twist - slope * face), twist - slope * face
+    tried: tuple[tuple[Array, Callable[[Array], Array], bool, bool], ...] = (
+        (instead, lambda dt: _widest(conjugate, rest, face, dt, limit), False, False),
+        (own, lambda dt: _widest(length, twist, face, dt, limit), False, False),
+        (alike, lambda dt: _widest_aligned(length, twist, face, dt, limit), True, False),
+        (alike, lambda dt: _widest_staggered(length, twist, face, dt, limit), True, True),
     )
+    ways = []
+    for along, widest, same, staggered in tried:
+        ds = widest(1.0 / along)
+        closer_yet = not_folded(along, ds)
+        if same:
+            closer_yet = np.broadcast_to(closer_yet.max(axis=2, keepdims=True), along.shape)
+        if (closer_yet > 1.001 * along).any():
+            along, ds = closer_yet, widest(1.0 / closer_yet)
+        ways.append(_Way.of(along, 1.0 / ds, alike=same, staggered=staggered))
+    return tuple(ways)
 
 
 def _widest(length: Array, twist: Array, face: Array, dt: Array, limit: float) -> Array:
