@@ -12,6 +12,7 @@ from gearmesh.io.atomic import whole_file, whole_folder, whole_text
 # Importing a format registers it.
 from gearmesh.io.meshes import glb, obj, ply, stl, threemf, vtk, vtm  # noqa: F401
 from gearmesh.io.registry import Scene, formats, mesh_in_file, read, read_scene, write, write_scene
+from gearmesh.io.single import rounding
 
 __all__ = [
     "Scene",
@@ -19,6 +20,7 @@ __all__ = [
     "mesh_in_file",
     "read",
     "read_scene",
+    "rounding",
     "whole_file",
     "whole_folder",
     "whole_text",

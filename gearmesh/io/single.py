@@ -29,6 +29,8 @@ Indices = NDArray[np.int64]
 Point = tuple[float, float, float]
 
 _CHUNK = 16384
+#: steps of float32 that a coordinate is moved at most
+STEPS = 2
 # Odd multipliers with well mixed bits, for the key of a point.
 _KEYS = (np.uint64(0x9E3779B97F4A7C15), np.uint64(0xC2B2AE3D27D4EB4F), np.uint64(0x165667B19E3779F9))
 
@@ -47,6 +49,20 @@ def in_single(mesh: TriangleMesh, unit: float = 1.0, finest: float = 0.0) -> Tri
     repair = _Repair(true, points, mesh.triangles, crowd, weak, finest)
     repair.run(_groups(points, crowd), weak.tolist())
     return repair.result(mesh, unit)
+
+
+def rounding(mesh: TriangleMesh, written: TriangleMesh) -> float:
+    """How far (mm) the surface of a mesh is at most from that of the same mesh as a file holds it, `written`.
+
+    Where no vertex was merged that is how far the one moved farthest, else what none of them exceeds.
+    """
+    if written is mesh:
+        return 0.0
+    if written.vertices.shape == mesh.vertices.shape and np.array_equal(written.triangles, mesh.triangles):
+        moved = written.vertices - mesh.vertices
+        return float(np.sqrt((moved**2).sum(axis=1).max(initial=0.0)))
+    # a step of float32 is at most this share of the number, in whatever unit
+    return float(np.sqrt(3.0) * STEPS * np.finfo(np.float32).eps * np.abs(mesh.vertices).max())
 
 
 def _round(points: Array, finest: float) -> Array:

@@ -10,8 +10,10 @@ import pytest
 import pyvista as pv
 from numpy.typing import NDArray
 from oracles.places import SAMPLES
+from scipy.spatial import cKDTree
 
 import gearmesh as gm
+from gearmesh import io
 from gearmesh.check.deviation import deviations
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
@@ -165,8 +167,6 @@ def wedge_points(first: float, second: float, edge: NDArray[np.float64]) -> Arra
 @pytest.mark.parametrize("turn", [-2.5, 0.0, 0.3, 1.2])
 def test_wedges_apart(angle: float, turn: float) -> None:
     """The distance of two wedges as sets of points."""
-    from scipy.spatial import cKDTree
-
     w = 0.1 * np.array([np.cos(turn), np.sin(turn)])
     one, other = wedge_points(-0.5 * angle, 0.5 * angle, np.zeros(2)), wedge_points(-0.5 * angle, 0.5 * angle, w)
     inner = [each[np.linalg.norm(each, axis=1) < 3.0] for each in (one, other)]
@@ -192,6 +192,31 @@ def test_facets_between_rings() -> None:
         assert (found <= 1.03 * exact + 1e-6).all()
     plane = np.stack((z * np.cos(angle), z * np.sin(angle), np.full_like(z, 5.0)), axis=-1)
     assert facet_distances(plane).max() == 0.0
+
+
+def test_rounding_of_the_file_is_part_of_the_bound(tmp_path: Path) -> None:
+    """Half a step of float32 at 64 to 128 mm is 3.8e-6 mm a coordinate, and the file is read as it was proved."""
+    gears = gm.build(gm.load(SAMPLES / "helical.toml", ["pinion.bore=0"]))
+    exact = gears.solid("pinion", 0.1, file=tmp_path / "pinion.ply")
+    rounded = gears.solid("pinion", 0.1, file=tmp_path / "pinion.stl")
+    rounded.save(tmp_path / "pinion.stl")
+    vertices = io.read(tmp_path / "pinion.stl").vertices
+    moved = 1e3 * float(cKDTree(rounded.mesh.vertices).query(vertices)[0].max())
+    added = float(rounded.measured.max_deviation - exact.measured.max_deviation)
+    assert 1e-3 < moved < np.sqrt(3.0) * 3.82e-3
+    assert added == pytest.approx(moved, rel=1e-6)
+    assert rounded.measured.sampled_deviation == exact.measured.sampled_deviation
+
+
+def test_a_file_keeps_the_tolerance_with_its_rounding() -> None:
+    """The mesh within it is not within it any more as STL: a finer one is."""
+    gears = gm.build(gm.load(SAMPLES / "spur.toml"))
+    exact, rounded = (gears.solid("pinion", "0.05um", file=name) for name in ("x.ply", "x.stl"))
+    assert exact.measured.max_deviation <= 0.05
+    assert exact.measured.max_deviation + 1e-3 > 0.05
+    assert rounded.measured.triangles > exact.measured.triangles
+    assert rounded.measured.max_deviation <= 0.05
+    assert rounded.complaints == []
 
 
 def test_a_part_of_a_tooth_has_edges_between_its_links() -> None:

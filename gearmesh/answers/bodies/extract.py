@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,7 +14,7 @@ from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region, Side
 
 if TYPE_CHECKING:
-    from gearmesh.mesh.tessellate import ToothMesh
+    from gearmesh.mesh.deviation.bound import DeviationBound
 
 #: what `flank_only` takes for either flank
 BOTH = "both"
@@ -34,13 +33,13 @@ class SectorFigures(Figures):
 
 @dataclass(frozen=True)
 class ExtractMesh:
-    """A mesh, those of the `teeth` that it is made of, its `genus`, None of an open surface, and the `member` that it is all of.
+    """A mesh, its distance from the exact surfaces, its `genus`, None of an open surface, and the `member` that it is all of.
 
     `own`: its further figures; `warnings`: what of the member it does not have.
     """
 
     mesh: TriangleMesh
-    teeth: Sequence[ToothMesh]
+    bound: DeviationBound
     genus: int | None
     member: Member | None = None
     own: tuple[Figures, ...] = ()
@@ -105,6 +104,7 @@ class Extract:
 
         Of a double helical member the space is that of its first half. Raises DesignError where teeth differ that must be alike.
         """
+        from gearmesh.mesh.deviation.bound import body_bound, solid_bound, space_bound, teeth_bound
         from gearmesh.mesh.extracts.flank_surface import flank_meshes, join_flanks
         from gearmesh.mesh.extracts.sector import genus_of, sector
         from gearmesh.mesh.extracts.space import parts, space_mesh
@@ -115,20 +115,22 @@ class Extract:
         member = self.shift(member)
         if self.space:
             links = tessellate(Space.before(member.one_tooth.sharp_ends), tolerance)
-            return ExtractMesh(space_mesh(links, f"{member.name}_space"), parts(links), 0)
+            mesh = space_mesh(links, f"{member.name}_space")
+            return ExtractMesh(mesh, space_bound(parts(links)).join(body_bound(mesh)), 0)
         if self.flanks:
             meshes = flank_meshes(member, self.flanks, tolerance)
-            return ExtractMesh(join_flanks(member, meshes, teeth), meshes, None)
+            return ExtractMesh(join_flanks(member, meshes, teeth), teeth_bound(member, meshes), None)
         member, warnings = self.repeat(member)
         every = tessellate_alike(member.different_teeth, tolerance)
         if teeth is not None and teeth != member.tooth.teeth:
-            return ExtractMesh(some_teeth(member, every, teeth), every, None)
+            return ExtractMesh(some_teeth(member, every, teeth), teeth_bound(member, every), None)
         whole = gear_solid(member, tolerance, *every)
+        bound = solid_bound(member, every, whole)
         if self.sector is None:
-            return ExtractMesh(whole, every, member.genus, member)
+            return ExtractMesh(whole, bound, member.genus, member)
         mesh = sector(whole, member, self.sector)
         genus, figures = genus_of(mesh, member, self.sector), self.sector_figures(member, mesh)
-        return ExtractMesh(mesh, every, genus, own=figures, warnings=warnings)
+        return ExtractMesh(mesh, bound, genus, own=figures, warnings=warnings)
 
 
 WHOLE = Extract()

@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.answers.bodies.extract import WHOLE, Extract
+from gearmesh.answers.bodies.extract import WHOLE, Extract, ExtractMesh
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
@@ -29,6 +29,11 @@ if TYPE_CHECKING:
 
     from gearmesh.cad.step import Part
 
+#: meshes that are made until one is within the tolerance, and the share of what the bound calls for that the next one is asked for
+TRIES, LESS = 4, 0.99
+#: share of the tolerance from which on rounding of the file is what is wrong with it
+MOST_ROUNDING = 0.5
+
 
 @dataclass(frozen=True)
 class SolidFigures(Figures):
@@ -37,7 +42,10 @@ class SolidFigures(Figures):
     triangles: int = figure("triangles of the mesh", whole=True)
     watertight: bool = figure("whether the mesh is closed, without defects and of the right genus")
     volume: float | None = figure("volume of the mesh; none of the surfaces of a few teeth", "mm3", "V")
-    max_deviation: float = figure("largest distance between the mesh and the exact tooth surfaces", "um")
+    max_deviation: float = figure(
+        "bound of the distance between the mesh and the exact surfaces, rounding of the file included", "um"
+    )
+    sampled_deviation: float = figure("largest distance measured between the mesh and the exact surfaces", "um")
     tolerance: float = figure("largest distance that was allowed", "um")
     seconds: float = figure("run time of the mesher", "s", timing=True)
     offset: float | None = figure(
@@ -245,34 +253,59 @@ def member_solid(
     warnings: tuple[str, ...] = (),
     file: str | PathLike[str] | None = None,
     extract: Extract = WHOLE,
+    place: Rigid | None = None,
 ) -> Solid:
     """The solid of a member within `tolerance` (mm), measured and proved, or what the `extract` says is made of it; or the open
     surfaces of its first `teeth` teeth.
 
-    `extra`: figures of the part's own. Proof and count of triangles are those of the mesh as `file` would hold it, which may
-    have single precision.
+    `extra`: figures of the part's own. Proof, deviation and count of triangles are those of the mesh as `file` would hold it, which
+    may have single precision, at its `place` there.
     """
-    from gearmesh import io
-    from gearmesh.check.deviation import deviations
     from gearmesh.mesh.solid import prove
 
     started = time.perf_counter()
-    made = extract.mesh(member, tolerance, teeth)
+    made, written, largest = _within(member, tolerance, teeth, extract, file, place)
     seconds = time.perf_counter() - started
-    written = made.mesh if file is None else io.mesh_in_file(made.mesh, file)
     proof = None if made.genus is None else prove(written, made.genus)
-    measured = max(deviation.largest for tooth in made.teeth for deviation in deviations(tooth).values())
     figures = SolidFigures(
         triangles=len(written.triangles),
         watertight=proof is not None and proof.ok,
         volume=None if proof is None else proof.volume,
-        max_deviation=1e3 * max(measured, *(tooth.deviation for tooth in made.teeth)),
+        max_deviation=1e3 * largest,
+        sampled_deviation=1e3 * made.bound.sampled,
         tolerance=1e3 * tolerance,
         seconds=seconds,
         offset=extract.offset or None,
     )
     own = Summary(*(() if extra is None else (extra,)), *made.own)
     return Solid(design, made.mesh, figures, (*warnings, *made.warnings), made.genus is None, own, made.member)
+
+
+def _within(
+    member: Member,
+    tolerance: float,
+    teeth: int | None,
+    extract: Extract,
+    file: str | PathLike[str] | None,
+    place: Rigid | None,
+) -> tuple[ExtractMesh, TriangleMesh, float]:
+    """The mesh, the same as the file holds it, and the bound (mm) of how far this is from the exact surfaces.
+
+    The mesher goes by what it measures: where the bound, or the rounding of the file, is above the tolerance it is asked for less.
+    """
+    from gearmesh import io
+
+    asked = tolerance
+    for _ in range(TRIES):
+        made = extract.mesh(member, asked, teeth)
+        mesh = made.mesh if place is None else made.mesh.move(place)
+        written = mesh if file is None else io.mesh_in_file(mesh, file)
+        rounding = io.rounding(mesh, written)
+        largest = made.bound.largest + rounding
+        if largest <= tolerance or rounding > MOST_ROUNDING * tolerance:
+            break
+        asked *= LESS * (tolerance - rounding) / made.bound.largest
+    return made, written, largest
 
 
 def solid_of(
@@ -282,11 +315,12 @@ def solid_of(
     teeth: int | None = None,
     file: str | PathLike[str] | None = None,
     extract: Extract = WHOLE,
+    place: Rigid | None = None,
 ) -> Solid:
-    """One member, or its worm as a part, as `Gears.solid` says; `tolerance` in mm."""
+    """One member, or its worm as a part, as `Gears.solid` says; `tolerance` in mm. `place`: where the file has it."""
     part, every = gears.part(name), gears.warnings
     return member_solid(
-        gears.design, part.member, tolerance, teeth, part.figures, (*every, *part.warnings), file, extract
+        gears.design, part.member, tolerance, teeth, part.figures, (*every, *part.warnings), file, extract, place
     )
 
 
@@ -299,7 +333,7 @@ def solids_of(
 ) -> Solids:
     """All members as they mesh at `phi1` (deg), as `Gears.solids` says; `tolerance` in mm."""
     parts = {
-        name: solid_of(gears, name, tolerance, file=file, extract=extract).move(place)
+        name: solid_of(gears, name, tolerance, file=file, extract=extract, place=place).move(place)
         for name, place in gears.places_at(phi1).items()
     }
     return Solids(gears.design, parts, gears.warnings)

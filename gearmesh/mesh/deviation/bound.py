@@ -8,8 +8,8 @@ points of one on the other leave nothing out.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -19,16 +19,20 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc
 from gearmesh.kernel.surface.surface import Surface
 from gearmesh.mesh.deviation.drawn import DrawnSurface
-from gearmesh.mesh.deviation.edges import Chords, EdgeSide, FaceChords, edge_bounds, known, mirrored
+from gearmesh.mesh.deviation.edges import Chords, EdgeSide, FaceChords, edge_bounds, in_face, known, mirror
 from gearmesh.mesh.deviation.facets import FacetBounds, Index, facet_bounds
 from gearmesh.mesh.deviation.revolution import facet_distances, polygon_distance
 from gearmesh.mesh.patch import PatchMesh
-from gearmesh.mesh.solid import chords
+from gearmesh.mesh.solid import chords, gear_solid
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RARE_REGIONS, Region
 
+#: chamfers of end faces, whose facets are measured at their centres and the middles of their edges, are that much farther at most
+CHAMFER = 1.25
+#: share of the tolerance above which bounds are as close as can be: rounding of a file adds to them
+ROOM = 0.95
 #: regions of a body that are planes across the axis, cylinders or cones round it
 ROUND = tuple(
     {*BODY_REGIONS, *RARE_REGIONS, *GAP_REGIONS, *FEATURE_REGIONS}
@@ -70,67 +74,102 @@ def _surface(patch: PatchMesh) -> tuple[Surface, Array]:
 
 
 def tooth_bound(mesh: ToothMesh, shared: tuple[int, ...] = ()) -> DeviationBound:
-    """Of a meshed tooth, or a part of one, with its sharp edges; of a whole one also those towards the next tooth, at toe and heel.
+    """Of a meshed tooth, or a part of one, with its sharp edges and those at toe and heel; of a whole one also to the next tooth.
 
     `shared`: ends of it (0 toe, 1 heel) at which its image follows instead of an end face.
     """
-    facets, sampled = list[FacetBounds](), 0.0
-    for patch in mesh.patches:
-        facets.append(patch_bounds(patch, sampled, mesh.tolerance))
-        sampled = facets[-1].sampled
-    parts, here = list(zip(mesh.patches, facets, strict=True)), Rigid.identity()
-    edges = [
-        (_side(*before, before[0].nodes.line(1.0), here), _side(*after, after[0].nodes.line(0.0), here))
-        for before, after in pairwise(parts)
-    ]
-    if mesh.whole:
-        (last, _), (first, _) = parts[-1], parts[0]
-        following = mesh.tooth.joint.to(mesh.tooth.pitch_angle)
-        edges.append(
-            (_side(*parts[-1], last.nodes.line(1.0), here), _side(*parts[0], first.nodes.line(0.0), following))
-        )
-        edges += [_end(*part, which, which in shared) for part in parts for which in (0, 1)]
-    largest = max(found.largest for found in facets)
+    here, joint = Rigid.identity(), mesh.tooth.joint
+    links = [(patch, here) for patch in mesh.patches]
+    last = (mesh.patches[0], joint.to(mesh.tooth.pitch_angle)) if mesh.whole else None
+    chamfers = [DeviationBound(CHAMFER * end.deviation, end.deviation) for end in mesh.end_meshes().values()]
+    return _chain_bound(links, last, mesh.tolerance, shared).join(*chamfers)
+
+
+def space_bound(parts: tuple[ToothMesh, ToothMesh]) -> DeviationBound:
+    """Of a meshed space between two teeth, by both parts: from the root to the tip surface, and the side of the tooth before."""
+    (here, before), tooth = parts, parts[0].tooth
+    back = tooth.joint.to(-tooth.pitch_angle)
+    links = [*((patch, Rigid.identity()) for patch in here.patches), *((patch, back) for patch in before.patches)]
+    return _chain_bound(links, links[0], here.tolerance)
+
+
+#: a link, and where it is
+Placed = tuple[PatchMesh, Rigid]
+
+
+def _chain_bound(
+    links: Sequence[Placed], following: Placed | None, tolerance: float, shared: tuple[int, ...] = ()
+) -> DeviationBound:
+    """Of links, each of which ends where the next one begins, the last where the `following` one, which is one of them, does."""
+    facets, sampled, allowed = dict[Region, FacetBounds](), 0.0, ROOM * tolerance
+    for patch, _ in links:
+        facets[patch.region] = patch_bounds(patch, sampled, allowed)
+        sampled = facets[patch.region].sampled
+    pairs = list(pairwise([*links, following] if following else links))
+    edges = [(_side(before, facets, 1.0), _side(after, facets, 0.0)) for before, after in pairs]
+    edges += [_end(patch, facets[patch.region], which, which in shared) for patch, _ in links for which in (0, 1)]
+    largest = max(measured.largest for measured in facets.values())
     for one, other in edges:
-        bounds, sampled = edge_bounds(one, other, sampled, mesh.tolerance)
+        bounds, sampled = edge_bounds(one, other, sampled, allowed)
         largest = max(largest, float(bounds.max()))
     return DeviationBound(largest, sampled)
 
 
-def _side(patch: PatchMesh, found: FacetBounds, line: Index, place: Rigid) -> EdgeSide:
+def _side(link: Placed, facets: Mapping[Region, FacetBounds], s: float) -> EdgeSide:
+    """The chords of the first (s = 0) or last (1) line of a link over its surface."""
+    patch, place = link
+    return _chords(patch, facets[patch.region], patch.nodes.line(s), place)
+
+
+def _chords(patch: PatchMesh, measured: FacetBounds, line: Index, place: Rigid) -> EdgeSide:
     """The chords of a line of a link's nodes over its surface, which `place` takes to the other side's."""
     surface, parameters = _surface(patch)
     ends, at = (np.stack((given[line[:-1]], given[line[1:]]), axis=1) for given in (patch.points, parameters))
-    return EdgeSide(known(patch.triangles, line, found.sides, place), Chords(surface, ends, at, place).measure)
+    return EdgeSide(known(patch.triangles, line, measured.sides, place), Chords(surface, ends, at, place).measure)
 
 
-def _end(patch: PatchMesh, found: FacetBounds, which: int, shared: bool) -> tuple[EdgeSide, EdgeSide]:
-    """The chords of a link at its toe (0) or heel (1), over its own surface and over the end face, or its image."""
+def _end(patch: PatchMesh, measured: FacetBounds, which: int, shared: bool) -> tuple[EdgeSide, EdgeSide]:
+    """The chords of a link at its toe (0) or heel (1), over its own surface and over the end face, its image or a chamfer."""
     line = patch.nodes.end(float(which))
-    own = _side(patch, found, line, Rigid.identity())
+    own = _chords(patch, measured, line, Rigid.identity())
     every = np.arange(line.size - 1), np.zeros(line.size - 1), np.ones(line.size - 1)
     blank, ends = patch.nodes.tooth.blank, np.stack((patch.points[line[:-1]], patch.points[line[1:]]), axis=1)
     toe, heel = blank.extent
     face = FaceChords(blank.axial, ends, (1.0 if which else -1.0) * float(np.sign(heel - toe))).measure
-    other = mirrored(own.measure) if shared else face
+    other = mirror(own.measure) if shared else face if blank.ends[which] is None else in_face(own.measure, face)
     return own, EdgeSide(other(*every), other)
 
 
-def solid_bound(member: Member, tooth_meshes: Sequence[ToothMesh], closed: TriangleMesh) -> DeviationBound:
-    """Of a whole member: its different teeth, and the body in its mesh, `closed`, before keyway and holes are cut.
+def solid_bound(member: Member, tooth_meshes: Sequence[ToothMesh], solid: TriangleMesh) -> DeviationBound:
+    """Of a whole member, `solid` by the meshes of its different teeth: teeth, and body.
 
-    Facets of the body are between points of the planes, cylinders and cones that it is bounded by.
+    A keyway is plane, and what it and holes cut off is off the surfaces by no more than what they leave.
     """
-    shared = tuple({end for half in member.halves for end in half.shared})
-    bound = DeviationBound().join(*(tooth_bound(mesh, shared) for mesh in tooth_meshes))
-    body = np.isin(closed.regions, [k for k, name in enumerate(closed.region_names) if name in ROUND])
-    distances = facet_distances(closed.vertices[closed.triangles[body]])
-    bound = bound.join(DeviationBound.of(distances, distances))
+    bound, tolerance = teeth_bound(member, tooth_meshes), tooth_meshes[0].tolerance
+    if member.features.is_cut:
+        solid = gear_solid(replace(member, features=member.features.uncut), tolerance, *tooth_meshes)
+    return bound.join(body_bound(solid), *_walls(member, tolerance))
+
+
+def _walls(member: Member, tolerance: float) -> Iterator[DeviationBound]:
+    """Of the walls of holes and the like."""
     for pattern in member.features.patterns:
         # all of them are alike
         for curve in pattern.outlines[0]:
             if isinstance(curve, PlaneArc):
                 part = 2.0 * np.pi / abs(curve.width)
-                wall = polygon_distance(curve.radius, part * chords(curve, tooth_meshes[0].tolerance))
-                bound = bound.join(DeviationBound(wall, wall))
-    return bound
+                wall = polygon_distance(curve.radius, part * chords(curve, tolerance))
+                yield DeviationBound(wall, wall)
+
+
+def teeth_bound(member: Member, tooth_meshes: Sequence[ToothMesh]) -> DeviationBound:
+    """Of a member's teeth, or parts of them."""
+    shared = tuple({end for half in member.halves for end in half.shared})
+    return DeviationBound().join(*(tooth_bound(mesh, shared) for mesh in tooth_meshes))
+
+
+def body_bound(solid: TriangleMesh) -> DeviationBound:
+    """Of the facets of bodies and end faces, whose corners are on planes across the axis, cylinders and cones."""
+    body = np.isin(solid.regions, [k for k, name in enumerate(solid.region_names) if name in ROUND])
+    distances = facet_distances(solid.vertices[solid.triangles[body]])
+    return DeviationBound.of(distances, distances)

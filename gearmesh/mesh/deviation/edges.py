@@ -31,6 +31,8 @@ from gearmesh.mesh.deviation.revolution import drop
 Index = NDArray[np.int64]
 
 
+#: square of the sine of the angle between a surface and a face below which it is no less
+STEEPEST = 1e-6
 #: heights of the parts from x to y (K,), shares of their length, of chords by their numbers (K,)
 Measure = Callable[[Index, Array, Array], LineHeights]
 
@@ -80,7 +82,7 @@ class FaceChords:
         return LineHeights(low, high, half, self.outwards * self.level.gradient(middle))
 
 
-def mirrored(measure: Measure) -> Measure:
+def mirror(measure: Measure) -> Measure:
     """Over the image of a surface in a plane z = const that all chords are in."""
     image = np.array([1.0, 1.0, -1.0])
 
@@ -89,6 +91,19 @@ def mirrored(measure: Measure) -> Measure:
         return replace(own, normals=own.normals * image)
 
     return measure_image
+
+
+def in_face(own: Measure, face: Measure) -> Measure:
+    """Over the surface square to a face in which all chords are: how far they are from the edge itself, whatever begins there."""
+
+    def measure_in_face(which: Index, x: Array, y: Array) -> LineHeights:
+        over, station = own(which, x, y), face(which, x, y)
+        cosine = dot(over.normals, station.normals)
+        scale = 1.0 / np.sqrt(np.maximum(1.0 - cosine**2, STEEPEST))
+        normals = (over.normals - cosine[:, None] * station.normals) * scale[:, None]
+        return LineHeights(over.low * scale, over.high * scale, over.middles * scale, normals)
+
+    return measure_in_face
 
 
 def known(triangles: Index, line: Index, sides: LineHeights, place: Rigid) -> LineHeights:
@@ -120,10 +135,10 @@ def edge_bounds(one: EdgeSide, other: EdgeSide, sampled: float = 0.0, allowed: f
     first, second = one.whole, other.whole
     for last in (*(False,) * ROUNDS, True):
         cosine = dot(first.normals, second.normals)
-        found = _largest((first.low, first.high), (second.low, second.high), cosine)
+        largest = _largest((first.low, first.high), (second.low, second.high), cosine)
         sampled = max(sampled, float(between_wedges(first.middles, second.middles, cosine).max(initial=0.0)))
-        open_ = found > (np.inf if last else limit(sampled, allowed))
-        np.maximum.at(bounds, which[~open_], found[~open_])
+        open_ = largest > (np.inf if last else limit(sampled, allowed))
+        np.maximum.at(bounds, which[~open_], largest[~open_])
         if not open_.any():
             break
         which, x, y = which[open_], x[open_], y[open_]

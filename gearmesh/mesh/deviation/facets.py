@@ -107,7 +107,7 @@ def facet_bounds(
         owner = every[start : start + BLOCK]
         facets = _Facets(points[used], parameters[used], corners.reshape(-1, 3), owner)
         measured.append(_Measured.of(surface, facets))
-        sampled = max(sampled, measured[-1].sampled)
+        sampled = max(sampled, measured[-1].feet.largest)
     sides, bounds = _join([part.sides for part in measured]), np.zeros(len(triangles))
     for last in (*(False,) * ROUNDS, True):
         open_ = [part.bounds > (np.inf if last else limit(sampled, allowed)) for part in measured]
@@ -117,7 +117,7 @@ def facet_bounds(
         if not finer:
             break
         measured = [_Measured.of(surface, facets) for facets in finer]
-        sampled = max(sampled, *(part.sampled for part in measured))
+        sampled = max(sampled, *(part.feet.largest for part in measured))
     return FacetBounds(bounds, sampled, sides)
 
 
@@ -171,11 +171,6 @@ class _Measured:
             *chord_range(first, last, heights[:, 3:6], along_edges), heights[:, 3:6], feet.normals[edges]
         )
         return _Measured(facets, bounds, sides, points, feet, edges)
-
-    @property
-    def sampled(self) -> float:
-        """The largest distance measured, mm."""
-        return self.feet.sampled
 
     def quarters(self, chosen: NDArray[np.bool_]) -> _Facets:
         """The quarters of some facets (M,)."""

@@ -75,7 +75,7 @@ class Feet:
         return Feet(parameters, heights, jet.n, _changes(jet, np.where(sure, heights, 0.0)), sure)
 
     @property
-    def sampled(self) -> float:
+    def largest(self) -> float:
         """The largest distance, mm, of those that are known."""
         return float(np.abs(self.heights[self.sure]).max(initial=0.0))
 

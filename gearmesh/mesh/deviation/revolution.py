@@ -22,7 +22,7 @@ APART = 1e-7
 
 
 def drop(a: Array, b: Array) -> Array:
-    """How much nearer (...,), mm, chords from a to b (..., 2 or more) come to the axis z than their length between the ends."""
+    """By how much (...,), mm, chords from a to b (..., 2 or more) are nearer to the axis z than between radii linear along them."""
     along = b[..., :2] - a[..., :2]
     length, near, far = (np.hypot(v[..., 0], v[..., 1]) for v in (along, a, b))
     with np.errstate(invalid="ignore", divide="ignore"):
