@@ -239,6 +239,7 @@ def test_moments_are_those_of_meshes(case: str) -> None:
     exact: Moments = member_moments(whole)
     assert exact.volume == pytest.approx(exact_volume(whole), rel=1e-10)
     assert np.abs(exact.centre[:2]).max() > 1e-3
+    assert np.abs(exact.second - exact.second.T).max() < 1e-12 * np.abs(exact.second).max()
     mesh = gear_solid(whole, tolerance)
     between, reach = tolerance * facet_areas(mesh), float(np.linalg.norm(mesh.vertices, axis=1).max())
     for power, (own, of_mesh) in enumerate(
