@@ -28,7 +28,7 @@ from gearmesh.teeth.region import EDGES, Region
 from gearmesh.teeth.section import Link, Sections
 
 #: points of an arc between which crossings are looked for
-SAMPLES = 65
+SAMPLES = 129
 #: ends of parallel curves that are no farther apart (mm) are one point
 SNAP = 1e-7
 #: Newton steps to a crossing, and the step of s of its differences
@@ -68,8 +68,12 @@ class _SharpPiece:
 
     @property
     def s(self) -> Array:
-        """s (SAMPLES,) of samples."""
-        return np.linspace(*self.span, SAMPLES)
+        """s (SAMPLES,) of samples, close at both ends: an involute that begins near its base circle is bent sharply there."""
+        share = np.linspace(0.0, 1.0, SAMPLES)
+        for _ in range(2):
+            share = share**2 * (3.0 - 2.0 * share)
+        first, last = self.span
+        return first + share * (last - first)
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
@@ -87,11 +91,19 @@ class _SharpPiece:
         """Length of the outline, mm, about."""
         return float(np.hypot(*np.diff(self.samples[0], axis=0).T).sum())
 
-    def turned_back(self) -> tuple[bool, bool]:
-        """Whether the parallel curve runs against the outline everywhere, and whether it does anywhere: inside a convex curve that
-        is bent more."""
+    @cached_property
+    def usable(self) -> tuple[int, int]:
+        """The first and the last sample between which the parallel curve runs with the outline; both are one where it nowhere does.
+
+        Inside a convex curve that is bent more it runs back. Raises TrimError where it does so between samples where it does not.
+        """
         forth = (np.diff(self.samples[0], axis=0) * np.diff(self.inner, axis=0)).sum(axis=-1) > 0.0
-        return not forth.any(), not forth.all()
+        if not forth.any():
+            return 0, 0
+        first, last = int(forth.argmax()), int(SAMPLES - 1 - forth[::-1].argmax())
+        if not forth[first:last].all():
+            raise TrimError("end", 0.0, "the end chamfer is wider than the radius of a curve of the tooth's outline")
+        return first, last
 
 
 @dataclass(frozen=True)
@@ -182,12 +194,9 @@ def _pieces(arcs: list[_SharpPiece], spans: list[tuple[Link, tuple[float, float]
     for k, (arc, (link, inner)) in enumerate(zip(arcs, spans, strict=True)):
         if k in trimmed:
             pieces.append(StripPiece(arc.region, arc, link, inner, trimmed[k]))
-            following = k + 1
-            if (
-                following in trimmed
-                and following < len(arcs)
-                and (corner := _concave(arc, arcs[following])) is not None
-            ):
+            following, whole = k + 1, trimmed[k][1] == arc.span[1]
+            whole = whole and following in trimmed and trimmed[following][0] == arcs[following].span[0]
+            if whole and (corner := _concave(arc, arcs[following])) is not None:
                 pieces.append(StripPiece(arc.region, None, link, (inner[1], inner[1]), (0.0, 1.0), round=corner))
         else:
             beside = max((j for j in kept if j < k), default=kept[0])
@@ -198,15 +207,13 @@ def _pieces(arcs: list[_SharpPiece], spans: list[tuple[Link, tuple[float, float]
 
 def _trimmed_parts(arcs: list[_SharpPiece]) -> tuple[list[int], dict[int, tuple[float, float]]]:
     """Numbers of the arcs whose parallel curves reach the end face, and the part of each, s to s, that is left of them."""
-    backwards = [arc.turned_back() for arc in arcs]
-    kept = [k for k, (everywhere, _) in enumerate(backwards) if not everywhere]
-    if any(backwards[k][1] for k in kept):
-        raise TrimError("end", 0.0, "the end chamfer is wider than the radius of a curve of the tooth's outline")
+    kept = [k for k, arc in enumerate(arcs) if arc.usable[0] < arc.usable[1]]
     while True:
-        spans = {k: list(arcs[k].span) for k in kept}
+        spans = {k: [float(arcs[k].s[n]) for n in arcs[k].usable] for k in kept}
         dropped = None
         for j, k in pairwise(kept):
-            if k == j + 1 and not _convex(arcs[j], arcs[k]):
+            whole = arcs[j].usable[1] == SAMPLES - 1 and arcs[k].usable[0] == 0
+            if k == j + 1 and whole and not _convex(arcs[j], arcs[k]):
                 continue
             crossing = _crossing(arcs[j], arcs[k])
             if crossing is None:
@@ -243,11 +250,12 @@ def _concave(one: _SharpPiece, other: _SharpPiece) -> tuple[Array, float, float,
 
 def _crossing(one: _SharpPiece, other: _SharpPiece) -> tuple[float, float] | None:
     """s on both where the parallel curves of two arcs cross, next to the end of the first; None where they do not."""
-    near = first_crossing(one.inner[::-1], other.inner)
+    parts = [slice(arc.usable[0], arc.usable[1] + 1) for arc in (one, other)]
+    near = first_crossing(one.inner[parts[0]][::-1], other.inner[parts[1]])
     if near is None:
         return None
-    numbers = np.arange(SAMPLES)
-    x = np.array([np.interp(near[0], numbers, one.s[::-1]), np.interp(near[1], numbers, other.s)])
+    s, t = one.s[parts[0]][::-1], other.s[parts[1]]
+    x = np.array([np.interp(near[0], np.arange(s.size), s), np.interp(near[1], np.arange(t.size), t)])
     low, high = np.transpose((one.span, other.span))
     steps = STEP * (high - low)
     for _ in range(STEPS):

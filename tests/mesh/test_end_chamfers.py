@@ -64,6 +64,21 @@ def test_the_end_face_ends_as_far_inside_the_sharp_outline_as_the_chamfer_is_wid
     assert from_polylines(inside[:, :2], [three]) == pytest.approx(width, abs=2e-5)
 
 
+@pytest.mark.quick
+def test_a_chamfer_wider_than_the_radius_of_an_involute_at_its_base_circle() -> None:
+    """The parallel curve of the flank turns back there and is cut off where that of the fillet crosses it: z = 17, and undercut, 9."""
+    for teeth, width in ((17, 0.1), (9, 0.15)):
+        members = {name: {"teeth": z, "face_width": 8} for name, z in (("pinion", teeth), ("gear", 50))}
+        tooth = gm.build(gm.parse({"kind": "cylindrical", "module": 1, **members})).pairs[0].pinion.tooth
+        tooth = replace(tooth, blank=tooth.blank.with_ends((EndChamfer(width, 0.1), None)))
+        strip = tooth.end_strips[0]
+        assert strip is not None
+        inside = np.concatenate([strip.at(piece, np.linspace(0.0, 1.0, 41), np.zeros(1)) for piece in strip.pieces])
+        own = outline(tooth.sharp_ends, 0.0, 2001)
+        three = np.concatenate([turned(own, k * tooth.pitch_angle) for k in (-1, 0, 1)])
+        assert from_polylines(inside[:, :2], [three]) == pytest.approx(width, abs=1e-5)
+
+
 def test_what_chamfers_take_off_spur_teeth() -> None:
     """Against polygons offset inwards by manifold3d, with mitres, at three depths, by Simpson's rule. On the curved flanks beside a
     mitre the rulings lean: 3e-4 of what is taken off."""
