@@ -66,7 +66,7 @@ def test_the_end_face_ends_as_far_inside_the_sharp_outline_as_the_chamfer_is_wid
 
 @pytest.mark.quick
 def test_a_chamfer_wider_than_the_radius_of_an_involute_at_its_base_circle() -> None:
-    """The parallel curve of the flank turns back there and is cut off where that of the fillet crosses it: z = 17, and undercut, 9."""
+    """The flank's parallel curve turns back there and is cut off where the fillet's crosses it: 17 teeth, and 9, undercut."""
     for teeth, width in ((17, 0.1), (9, 0.15)):
         members = {name: {"teeth": z, "face_width": 8} for name, z in (("pinion", teeth), ("gear", 50))}
         tooth = gm.build(gm.parse({"kind": "cylindrical", "module": 1, **members})).pairs[0].pinion.tooth
