@@ -23,6 +23,8 @@ SAMPLES = ROOT / "samples"
 PICTURES = SAMPLES / "pictures"
 SIZE = (480, 360)
 GREYS, COLOURS = 160, 64
+#: greys of a drawing or diagram, which has lines alone
+LINE_GREYS = 15
 #: saturation (0 to 255) from which a pixel is coloured, not grey
 COLOURED = 90
 #: one design of each gear system, shown as a pair in its folder's README.md, and how fine its meshes are for that: about 50 um
@@ -75,6 +77,7 @@ class Picture:
     name: str
     command: tuple[str, ...]
     size: tuple[int, int] = SIZE
+    greys: int = GREYS
 
 
 def rendered(name: str, sample: str, *options: str) -> Picture:
@@ -126,7 +129,7 @@ def drawing(sample: str, member: str, *settings: str) -> Picture:
     options = [word for setting in settings for word in ("--set", setting)]
     design = f"{SAMPLES / sample}.toml"
     command = (*GEARMESH, "drawing", design, "--member", member, "-o", "{to}", *options)
-    return Picture(f"{sample}_drawing", command, SHEET)
+    return Picture(f"{sample}_drawing", command, SHEET, LINE_GREYS)
 
 
 def tool_path(sample: str, member: str, cutter: str, scallop: str) -> Picture:
@@ -137,7 +140,8 @@ def tool_path(sample: str, member: str, cutter: str, scallop: str) -> Picture:
 
 def figure(script: str) -> Picture:
     """The figure that a sample script draws."""
-    return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}"), LARGE.get(script, SIZE))
+    command = (sys.executable, f"{SAMPLES / script}.py", "{to}")
+    return Picture(script, command, LARGE.get(script, SIZE), LINE_GREYS if script in LARGE else GREYS)
 
 
 def gallery() -> list[Picture]:
@@ -169,28 +173,28 @@ def make(picture: Picture, folder: Path) -> Path:
         drawn = Path(to) / "picture.png"
         command = [str(drawn) if word == "{to}" else word for word in picture.command]
         subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-        shrink(drawn, target, picture.size)
+        shrink(drawn, target, picture.size, picture.greys)
     return target
 
 
-def shrink(drawn: Path, target: Path, size: tuple[int, int]) -> None:
+def shrink(drawn: Path, target: Path, size: tuple[int, int], greys: int = GREYS) -> None:
     """Scale a picture down into a size, keeping its proportions on white, and reduce its colours."""
     from PIL import Image, ImageOps
 
     with Image.open(drawn) as image:
         small = ImageOps.pad(image.convert("RGB"), size, method=Image.Resampling.LANCZOS, color="white")
-    painted(small).save(target, optimize=True)
+    painted(small, greys).save(target, optimize=True)
 
 
-def painted(picture: Any) -> Any:
-    """A picture in GREYS colours chosen from its grey pixels and COLOURS from the coloured ones, each pixel in the nearest."""
+def painted(picture: Any, greys: int = GREYS) -> Any:
+    """A picture in so many `greys` chosen from its grey pixels and COLOURS from the coloured ones, each pixel in the nearest."""
     import numpy as np
     from PIL import Image
 
     pixels = np.asarray(picture).reshape(-1, 3)
     coloured = np.asarray(picture.convert("HSV")).reshape(-1, 3)[:, 1] > COLOURED
     kinds = (
-        (pixels[~coloured], GREYS, Image.Quantize.MEDIANCUT),
+        (pixels[~coloured], greys, Image.Quantize.MEDIANCUT),
         (pixels[coloured], COLOURS, Image.Quantize.MAXCOVERAGE),
     )
     chosen = [
