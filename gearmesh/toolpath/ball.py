@@ -40,6 +40,9 @@ BESIDE = np.linspace(-0.6, 0.6, 37)
 PLACES, ROUNDS, WINDOW, SHRINK = 2, 8, 7, 0.36
 #: distance (mm) below which two points are one: 1/k1 has the limit
 SAME = 1e-3
+#: diameter (mm) of the largest ball below which two surfaces meet in a sharp inner corner: it is then a few SAME over the sine
+#: of the corner's angle
+SHARP = 0.02
 #: a ball is refused where it is larger than the largest by more than this share of it
 ROOM = 1e-6
 
@@ -156,14 +159,14 @@ def _refine(space: CutSpace, pair: _Narrowest, sizes: tuple[tuple[float, float],
 
 def refuse_too_large(ball: BallCutter, largest: LargestBall) -> None:
     """Raise DesignError for a ball that is larger than the largest that fits."""
-    if ball.radius <= largest.radius * (1.0 + ROOM):
-        return
     most = 2.0 * largest.radius
-    if most < SAME:
+    if most >= SHARP and ball.diameter <= most * (1.0 + ROOM):
+        return
+    if most < SHARP:
         raise ArgumentError(
             "tool",
             f"ball:{ball.diameter:g}",
-            reason=f"no ball reaches all of the {str(largest.touched).replace('_', ' ')}: it ends in a sharp inner corner",
+            reason=f"no ball reaches all of it: {largest.why} is a sharp inner corner",
             remedy="finish the flanks alone with surfaces = flanks, or round the tip of the tool that generates the teeth",
         )
     raise ArgumentError(
