@@ -90,7 +90,7 @@ def holds(name: str, part: str, tolerance: float, count: int, finer: float) -> N
     exact, rest = solid_within(member, tolerance / finer)
     pitch = member.tooth.pitch_angle
     there, back = farthest(places(solid, count, pitch), exact), farthest(places(exact, count, pitch), solid)
-    assert rest.largest < 1.1 * tolerance / finer
+    assert rest.largest < CLOSE * tolerance / finer
     assert max(there, back) <= bound.largest + rest.largest
     assert bound.sampled <= bound.largest <= CLOSE * bound.sampled
     # what is measured is there

@@ -59,7 +59,7 @@ class Chords:
         second = over_chord(forms[..., 0], slopes[..., 0])
         first, last, middle = feet.heights[samples].T
         normals = self.place.vector(feet.normals[samples[:, 2]])
-        return LineHeights(*chord_range(first, last, middle, second), middle, normals)
+        return LineHeights(*chord_range(first, last, middle, second), feet.known[samples[:, 2]], normals)
 
 
 @dataclass(frozen=True)

@@ -168,7 +168,7 @@ class _Measured:
         along_edges = over_chord(forms[:, on_edge, edge], slopes[:, on_edge, edge])
         first, last = heights[:, on_edge[0]], heights[:, on_edge[1]]
         sides = LineHeights(
-            *chord_range(first, last, heights[:, 3:6], along_edges), heights[:, 3:6], feet.normals[edges]
+            *chord_range(first, last, heights[:, 3:6], along_edges), feet.known[edges], feet.normals[edges]
         )
         return _Measured(facets, bounds, sides, points, feet, edges)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.nearest import tangential
 from gearmesh.kernel.surface.surface import Jet, Surface
 
@@ -15,6 +15,8 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 STEPS, SETTLED = 12, 1e-3
 #: share of a step that led away that is tried next
 SHORTER = 0.25
+#: square of the area of r_u and r_v over that of the longer one's square at which they are singular
+SINGULAR = 1e-3
 #: distances (mm) below this are rounding
 FLOOR = 1e-9
 #: elements of a symmetric matrix
@@ -71,13 +73,27 @@ class Feet:
         left = np.sqrt(dot(along, along)) + np.abs(bulge)
         sure = left <= SETTLED * float(np.fmax.reduce(np.abs(heights), initial=FLOOR))
         farthest = np.copysign(np.sqrt(dot(away, away)), heights)
-        heights = np.where(sure, heights - bulge, np.where(np.isnan(farthest), np.inf, farthest))
+        # where it ends in a singular line it goes on, as the next link, along its tangent plane
+        beyond = np.where(_singular(jet), heights, np.where(np.isnan(farthest), np.inf, farthest))
+        heights = np.where(sure, heights - bulge, beyond)
         return Feet(parameters, heights, jet.n, _changes(jet, np.where(sure, heights, 0.0)), sure)
+
+    @property
+    def known(self) -> Array:
+        """The heights (N,) of those that are sure, 0 of the others."""
+        return np.where(self.sure, self.heights, 0.0)
 
     @property
     def largest(self) -> float:
         """The largest distance, mm, of those that are known."""
         return float(np.abs(self.heights[self.sure]).max(initial=0.0))
+
+
+def _singular(jet: Jet) -> NDArray[np.bool_]:
+    """Where (N,) r_u and r_v are all but parallel, or one is all but nothing."""
+    normal = cross(jet.r_u, jet.r_v)
+    u, v = dot(jet.r_u, jet.r_u), dot(jet.r_v, jet.r_v)
+    return np.asarray(dot(normal, normal) <= SINGULAR * np.maximum(u, v) ** 2)
 
 
 def _bulge(jet: Jet, du: Array, dv: Array) -> Array:
