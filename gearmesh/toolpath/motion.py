@@ -106,7 +106,7 @@ def motion_of(passes: Passes, axes: Axes, ball: BallCutter, depth: float, order:
     sizes = [len(piece.centres) for piece in pieces]
     number = np.repeat([piece.number for piece in pieces], sizes)
     rapid = np.repeat([piece.rapid for piece in pieces], sizes)
-    touched = np.concatenate([piece.touched for piece in pieces])
+    touched = np.concatenate([piece.contact_points for piece in pieces])
     return ToolMotion(tips.round(DECIMALS), written, rapid, np.zeros_like(number), number, touched, ball.radius)
 
 
@@ -121,7 +121,7 @@ class _Piece:
     contacts: Array | None = None
 
     @property
-    def touched(self) -> Array:
+    def contact_points(self) -> Array:
         """Points of contact, NaN where there are none."""
         return np.full_like(self.centres, np.nan) if self.contacts is None else self.contacts
 
