@@ -39,6 +39,7 @@ ABSENT = {
     *("standard", "topography", "finishing_diameter", "chamfer_diameter", "chamfer_angle", "toprem_angle"),
     *("start_roll_length", "start_diameter", "start_height", "start", "stop", "ratio_derivative", "semi_major_axis"),
     *("stiffness", "z", "thickness"),
+    *("end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle", "tip_cone_angle", "tip_throat_radius"),
 }
 #: keys that rules which are not of the kind's file say: "that of the cutter", where there is a disk, axes that are parallel
 #: and the rim of finite-element models, which is 1.2 whole depths of either member

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.design.core import DENSITY, GearBody
+from gearmesh.systems.common.tooth_edges import ANGLE, end_widths
 from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ def body_values(design: Design, train: GearTrain) -> Values:
         spec = getattr(design, table)
         if isinstance(spec, GearBody):
             values_given |= {f"{table}.{key}": value for key, value in _of_body(spec, member).items()}
+            if any(end_widths(spec)):
+                values_given[f"{table}.end_chamfer_angle"] = spec.end_chamfer_angle or ANGLE
             pair = next((pair for pair in train.pairs if name in pair.members), None)
             values_given |= _of_mount(design.mount(name), table, pair, name)
     return values_given

@@ -52,13 +52,19 @@ def with_tip_edge(name: str, tooth: Tooth, spec: BrokenEdges) -> Tooth:
     return broken
 
 
+def end_widths(spec: EndEdges) -> tuple[float | None, float | None]:
+    """Widths of the chamfers at toe and heel that a part of a design asks for, None where the edges stay sharp."""
+    toe, heel = (spec.end_chamfer if own is None else own for own in (spec.end_chamfer_toe, spec.end_chamfer_heel))
+    return toe, heel
+
+
 def with_end_chamfers(member: Member, spec: EndEdges) -> Member:
     """A member with the chamfers of its end faces that its part `spec` of a design asks for (in mm). It is the last step:
     modifications are of the whole face.
 
     Raises DesignError naming the key, its value and the largest that fits.
     """
-    widths = [spec.end_chamfer if own is None else own for own in (spec.end_chamfer_toe, spec.end_chamfer_heel)]
+    widths = end_widths(spec)
     if not any(widths):
         return member
     slope = np.tan(np.radians(ANGLE if spec.end_chamfer_angle is None else spec.end_chamfer_angle))
