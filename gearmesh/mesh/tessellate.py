@@ -26,7 +26,7 @@ from gearmesh.mesh.links.plan import LinkPlan, link_plans
 from gearmesh.mesh.patch import PatchMesh
 from gearmesh.teeth.end_strip import EndStrip
 from gearmesh.teeth.region import END_EDGES, Region
-from gearmesh.teeth.section import breaks
+from gearmesh.teeth.section import Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 
 Index = NDArray[np.int64]
@@ -202,7 +202,8 @@ def _seams(drafts: Sequence[_Draft], least: Array, fixed: Array) -> list[Array]:
 @dataclass
 class _Draft:
     """A tooth that is being meshed: the plan of each link, how much it `missed` the surface by before, mm, in how
-    many rounds by no less for having more lines (`worse`), and its last mesh, which may be `stale`."""
+    many rounds by no less for having more lines (`worse`), and its last mesh, which may be `stale`; the sections
+    last `trimmed`."""
 
     tooth: Tooth
     regions: tuple[Region, ...]
@@ -213,6 +214,7 @@ class _Draft:
     worse: list[int]
     meshes: dict[int, LinkMesh]
     stale: set[int]
+    trimmed: Sections | None = None
 
     @staticmethod
     def of(tooth: Tooth, regions: tuple[Region, ...], tolerance: float) -> _Draft:
@@ -253,10 +255,19 @@ class _Draft:
             for k in wanted
         }
         drawn = [lines[k].t for k in wanted if tooth.chain[self.regions[k]].surface is None]
-        trimmed = tooth.sections(np.unique(np.concatenate([*seams, *drawn, fixed])))
+        t = np.unique(np.concatenate([*seams, *drawn, fixed]))
+        if self.trimmed is None or not np.array_equal(t, self.trimmed.t):
+            self.trimmed = tooth.sections(t)
         for k in wanted:
             mesh = mesh_link(
-                tooth, self.regions[k], lines[k], trimmed, self.plans[k], self.forms.second[k], SAFETY * self.tolerance
+                tooth,
+                self.regions[k],
+                lines[k],
+                self.trimmed,
+                self.plans[k],
+                self.forms.second[k],
+                SAFETY * self.tolerance,
+                self.meshes.get(k),
             )
             self.meshes[k] = mesh
             self._refine(k, mesh, least)

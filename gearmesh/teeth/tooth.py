@@ -254,6 +254,10 @@ class Tooth:
         right, left = replace(right, root_angle=before + root), replace(left, tip_angle=right.tip_angle + width)
         return Sections(t, stations, right, left)
 
+    def ends(self, which: Side, t: Array) -> Ends:
+        """Where the links of one side end at t (T,), but for the root's angle (NaN); the other side is not asked."""
+        return self._ends(which, t, root=False)
+
     @cached_property
     def even(self) -> Sections:
         """Sections at EVEN_STATIONS from toe to heel, made once: what contact, clearance and the like start from.
@@ -342,7 +346,7 @@ class Tooth:
         """Exact grid (S, T) of a trimmed flank, s from form point to tip on both sides; the other side is not asked."""
         which = Side(which)
         t, s = np.atleast_1d(np.asarray(t, dtype=float)), np.asarray(s, dtype=float)[:, None]
-        ends = self._ends(which, t, root=False)
+        ends = self.ends(which, t)
         return self._flank(which).between(s if which is Side.RIGHT else 1.0 - s, ends, self.stations(t))
 
     def volume(self, order: int = 24) -> float:

@@ -264,7 +264,7 @@ def member_solid(
     from gearmesh.mesh.solid import prove
 
     started = time.perf_counter()
-    made, written, largest = _within(member, tolerance, teeth, extract, file, place)
+    made, written, largest = mesh_within(member, tolerance, teeth, extract, file, place)
     seconds = time.perf_counter() - started
     proof = None if made.genus is None else prove(written, made.genus)
     figures = SolidFigures(
@@ -281,15 +281,16 @@ def member_solid(
     return Solid(design, made.mesh, figures, (*warnings, *made.warnings), made.genus is None, own, made.member)
 
 
-def _within(
+def mesh_within(
     member: Member,
     tolerance: float,
-    teeth: int | None,
-    extract: Extract,
-    file: str | PathLike[str] | None,
-    place: Rigid | None,
+    teeth: int | None = None,
+    extract: Extract = WHOLE,
+    file: str | PathLike[str] | None = None,
+    place: Rigid | None = None,
 ) -> tuple[ExtractMesh, TriangleMesh, float]:
-    """The mesh, the same as the file holds it, and the bound (mm) of how far this is from the exact surfaces.
+    """The mesh within `tolerance` (mm), the same as the file holds it, and the bound (mm) of how far this is from the exact
+    surfaces; arguments as of `member_solid`.
 
     The mesher goes by what it measures: where the bound, or the rounding of the file, is above the tolerance it is asked for less.
     """

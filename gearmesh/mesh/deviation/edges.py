@@ -128,7 +128,7 @@ class EdgeSide:
 def edge_bounds(one: EdgeSide, other: EdgeSide, sampled: float = 0.0, allowed: float = np.inf) -> tuple[Array, float]:
     """Bounds (L,), mm, of the distance along edges, and the largest distance measured if that is more than `sampled`.
 
-    Chords whose bound is above the `limit` are halved until none is.
+    Chords whose bound is above the `limit` are halved, ROUNDS times at most; then their bounds stay as they are.
     """
     which = np.arange(len(one.whole.middles))
     bounds, x, y = np.zeros(len(which)), np.zeros(len(which)), np.ones(len(which))

@@ -26,7 +26,8 @@ x_j)| <= R_ij for some vector g, h differs from sum l_i h_i by at most 2 sum_ij 
 taken.
 
 Triangles whose bound is above CLOSE times the largest distance measured are cut into their quarters, which are measured as they
-were, until none is. So the bound is proved by subdivision where curvature changes much over a triangle.
+were: so the bound is proved by subdivision where curvature changes much over a triangle. After ROUNDS of that what is still above
+stays as it is: a bound all the same, only less close.
 """
 
 from __future__ import annotations

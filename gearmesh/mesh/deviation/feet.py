@@ -28,8 +28,10 @@ class Feet:
     """Parameters (N, 2) near the feet of points on the surface, heights (N,) over it, normals (N, 3) there, and how these change
     with the point: the symmetric matrices xx, yy, zz, xy, xz, yz (N, 6).
 
-    Where the surface is so singular that no foot was reached (not `sure`, (N,)) the height is the distance from a point of it,
-    which is larger.
+    Where no foot was reached (not `sure`, (N,)) the height is the distance from a point of the surface, which is no smaller than
+    that from the surface. But where the surface is all but singular there (r_u and r_v all but parallel, or one of them all but
+    nothing, as an involute at its base) it is the height over its tangent plane: of points beyond its end, where the next link goes
+    on along that plane.
     """
 
     parameters: Array

@@ -4,6 +4,7 @@ surface.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -16,10 +17,13 @@ from gearmesh.mesh.links.plan import LinkPlan
 from gearmesh.mesh.patch import LinkNodes, PatchMesh, distance
 from gearmesh.mesh.strip_triangulation import StripTriangulation
 from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.section import GeneratedLink, Link, Sections, breaks
+from gearmesh.teeth.section import Ends, GeneratedLink, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 
 Index = NDArray[np.int64]
+
+#: points (N, 3) of a link at s, t (N,), t 0 or 1
+SectionCurve = Callable[[Array, Array], Array]
 
 #: below this (mm) a deviation is rounding
 FLOOR = 1e-9
@@ -68,7 +72,7 @@ class LinkLines:
 @dataclass(frozen=True)
 class LinkMesh:
     """The mesh of a link, its lines at s with so many cells (S + 1,), and by how much, mm, edges along `lines` and
-    `strips` (S,) miss the surface.
+    `strips` (S,) miss the surface, and those on its seam with the fillet (of a flank) the sharp `form_point`.
     """
 
     patch: PatchMesh
@@ -76,27 +80,41 @@ class LinkMesh:
     cells: Array
     lines: Array
     strips: Array
+    form_point: float = 0.0
 
     @property
     def worst(self) -> float:
         return max(float(self.lines.max()), float(self.strips.max()))
 
+    def stations(self, s: float) -> Array:
+        """Stations t of the nodes of its first (s = 0) or last (1) line."""
+        nodes = self.patch.nodes
+        return nodes.t[nodes.line(s)]
+
 
 def mesh_link(
-    tooth: Tooth, region: Region, lines: LinkLines, trimmed: Sections, plan: LinkPlan, second: Array, tolerance: float
+    tooth: Tooth,
+    region: Region,
+    lines: LinkLines,
+    trimmed: Sections,
+    plan: LinkPlan,
+    second: Array,
+    tolerance: float,
+    before: LinkMesh | None = None,
 ) -> LinkMesh:
     """`trimmed`: sections at the stations of the first and the last line, at least; `second` (S, T): as those of
-    `Forms`.
+    `Forms`; `before`: an earlier mesh of the same link.
 
     Section curves at toe and heel keep `tolerance` (mm).
     """
     link, count = tooth.chain[region], lines.s.size
-    ends = [
-        _between(link, lines.s, trimmed[end], density, tolerance)
-        for end, density in zip((np.s_[:1], np.s_[-1:]), plan.outline, strict=True)
-    ]
-    pieces = [piece for inner, _ in ends for piece in inner]
-    at_end = [np.full(sum(piece.size for piece in inner), t) for (inner, _), t in zip(ends, (0.0, 1.0), strict=True)]
+
+    def section_curve(s: Array, t: Array) -> Array:
+        return LinkNodes.of(tooth, region, s, t, trimmed[np.array([0, -1])], between(second, s, t)).points
+
+    ends, missed = _between(section_curve, lines.s, plan.outline, tolerance)
+    pieces = [piece for inner in ends for piece in inner]
+    at_end = [np.full(sum(piece.size for piece in inner), t) for inner, t in zip(ends, (0.0, 1.0), strict=True)]
     line = np.concatenate((lines.line, np.full(sum(piece.size for piece in pieces), -1)))
     s, t = np.concatenate((lines.s[lines.line], *pieces)), np.concatenate((lines.t, *at_end))
     points = LinkNodes.of(tooth, region, s, t, trimmed, between(second, s, t))
@@ -124,14 +142,18 @@ def mesh_link(
     np.maximum.at(strips, strip, peaks)
     on_line = (line[edges[:, 0]] == line[edges[:, 1]]) & (line[edges[:, 0]] >= 0)
     np.maximum.at(off, line[edges[on_line, 0]], edge[on_line])
+    form_point = 0.0
     if region.is_flank and isinstance(link, GeneratedLink):
         seam = 0 if link.side is Side.RIGHT else count - 1
-        at = trimmed[np.searchsorted(trimmed.t, lines.t[lines.begins[seam] : lines.begins[seam + 1]])]
-        off[seam] = max(off[seam], _form_point_miss(tooth, link, at))
-    deviation = max(float(off.max()), float(strips.max()), *(miss for _, miss in ends))
-    return LinkMesh(
-        PatchMesh(points, triangles, centres.normals, deviation), lines.s, np.diff(lines.begins) - 1.0, off, strips
-    )
+        at = lines.t[lines.begins[seam] : lines.begins[seam + 1]]
+        if before is not None and np.array_equal(before.stations(float(seam > 0)), at):
+            form_point = before.form_point
+        else:
+            form_point = _form_point_miss(tooth, link, trimmed[np.searchsorted(trimmed.t, at)])
+        off[seam] = max(off[seam], form_point)
+    deviation = max(float(off.max()), float(strips.max()), missed)
+    patch = PatchMesh(points, triangles, centres.normals, deviation)
+    return LinkMesh(patch, lines.s, np.diff(lines.begins) - 1.0, off, strips, form_point)
 
 
 def _edges(triangles: Index, count: int) -> tuple[Index, Index]:
@@ -163,33 +185,42 @@ def _peaks(sides: Array, centres: Array) -> Array:
 
 
 def _between(
-    link: Link, s: Array, end: Sections, density: tuple[Array, Array], tolerance: float
-) -> tuple[list[Array], float]:
-    """Nodes (S) of a section curve between the lines s (S+1,), as many as keep its chords within the tolerance.
+    curve: SectionCurve, s: Array, outline: Sequence[tuple[Array, Array]], tolerance: float
+) -> tuple[list[list[Array]], float]:
+    """Nodes (2, S) of the section curves at toe and heel between the lines s (S + 1,), as many as keep their chords
+    within the tolerance.
 
-    And the largest distance (mm) of the chords from the curve.
+    And the largest distance (mm) of the chords from the curves.
     """
-    total = np.interp(s, density[0], integral(*density))
-    cells = np.maximum(1, np.ceil(np.diff(total) - 1e-9).astype(int))
+    totals = [np.interp(s, density[0], integral(*density)) for density in outline]
+    cells = np.maximum(1, np.ceil(np.diff(totals) - 1e-9).astype(int))
     for _ in range(ROUNDS):
-        nodes = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(s[:-1], s[1:], cells, strict=True)]
-        worst = np.maximum.reduceat(
-            _off_curve(link, np.append(np.concatenate(nodes), 1.0), end), np.cumsum(cells) - cells
+        nodes = [
+            [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(s[:-1], s[1:], count, strict=True)] for count in cells
+        ]
+        off = _off_curves(curve, [np.append(np.concatenate(inner), 1.0) for inner in nodes])
+        worst = np.array(
+            [np.maximum.reduceat(away, np.cumsum(count) - count) for away, count in zip(off, cells, strict=True)]
         )
         if not (worst > tolerance).any():
             break
         more = np.ceil(cells * np.clip(np.sqrt(worst / tolerance), 1.0, 2.0)).astype(int)
         cells = np.where(worst > tolerance, np.maximum(more, cells + 1), cells)
-    return [line[1:] for line in nodes], float(worst.max())
+    return [[line[1:] for line in inner] for inner in nodes], float(worst.max())
 
 
-def _off_curve(link: Link, s: Array, end: Sections) -> Array:
-    """Largest distance (S,), mm, of the chords between nodes s (S+1,) from the section curve, in their middles."""
-    fine = np.empty(2 * s.size - 1)
-    fine[::2], fine[1::2] = s, 0.5 * (s[:-1] + s[1:])
-    curve = link.grid(fine, end).points[:, 0]
-    nodes = curve[::2]
-    chord, away = np.diff(nodes, axis=0), curve[1::2] - nodes[:-1]
+def _off_curves(curve: SectionCurve, nodes: Sequence[Array]) -> list[Array]:
+    """Largest distances (N,), mm, of the chords between nodes s (N + 1,) of the section curves at toe and heel from
+    these, in their middles."""
+    fine = [np.interp(np.arange(2 * s.size - 1), 2 * np.arange(s.size), s) for s in nodes]
+    t = np.repeat([0.0, 1.0], [s.size for s in fine])
+    return [_off_chords(points) for points in np.split(curve(np.concatenate(fine), t), [fine[0].size])]
+
+
+def _off_chords(points: Array) -> Array:
+    """Distances (N,), mm, of every other one of points (2 N + 1, 3) from the chord between those beside it."""
+    nodes = points[::2]
+    chord, away = np.diff(nodes, axis=0), points[1::2] - nodes[:-1]
     length = dot(chord, chord)
     share = np.divide(dot(away, chord), length, out=np.zeros_like(length), where=length > 0.0)
     off = away - share[..., None] * chord
@@ -206,17 +237,18 @@ def _form_point_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> 
     """
     own = tooth.side(flank.side)
 
-    def on_edge(sections: Sections) -> NDArray[np.bool_]:
-        is_edge: NDArray[np.bool_] = (sections.of(flank.side).form_point_flank != own.form_point[0]) | own.sharp
+    def on_edge(ends: Ends) -> NDArray[np.bool_]:
+        is_edge: NDArray[np.bool_] = (ends.form_point_flank != own.form_point[0]) | own.sharp
         return is_edge
 
-    if not on_edge(stations).any():
+    if not on_edge(stations.of(flank.side)).any():
         return 0.0
     places, t = (0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0), stations.t
-    sections = tooth.sections(np.append((t[:-1, None] + np.diff(t)[:, None] * places).ravel(), 1.0))
-    curve = flank.grid([0.0 if flank.side is Side.RIGHT else 1.0], sections).points[0]
+    fine = np.append((t[:-1, None] + np.diff(t)[:, None] * places).ravel(), 1.0)
+    ends, s = tooth.ends(flank.side, fine), 0.0 if flank.side is Side.RIGHT else 1.0
+    curve = flank.between(np.array([[s]]), ends, tooth.stations(fine)).points[0]
     nodes = curve[:: len(places)]
     chord, away = np.diff(nodes, axis=0)[:, None], curve[:-1].reshape(-1, len(places), 3) - nodes[:-1, None]
     off = away - (dot(away, chord) / dot(chord, chord))[..., None] * chord
-    sharp = on_edge(sections)[:-1].reshape(-1, len(places))
+    sharp = on_edge(ends)[:-1].reshape(-1, len(places))
     return float(np.sqrt(dot(off, off)[:, 1:][sharp[:, 1:]].max(initial=0.0)))
