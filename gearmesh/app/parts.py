@@ -87,6 +87,9 @@ class PartFile:
                 )
         if self.sector is not None and self.teeth is not None:
             raise ArgumentError("teeth", self.teeth, must_be="left out with --sector")
+        if self.sector is not None and (self.space or self.flank_only):
+            what = "space" if self.space else "flank-only"
+            raise ArgumentError("sector", self.sector, must_be=f"left out with --{what}")
         if self.space and self.teeth is not None:
             raise ArgumentError("teeth", self.teeth, must_be="left out for --space, which is between two teeth")
 

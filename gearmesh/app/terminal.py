@@ -59,7 +59,7 @@ def refuse_unwritable(path: str | Path | None) -> None:
 
 
 def refuse_suffix(path: Path, *suffixes: str) -> None:
-    if path.suffix.lower() not in suffixes:
+    if path.suffix.lower() not in map(str.lower, suffixes):
         raise OutputError("cannot write", path, reason=f"its suffix must be {' or '.join(suffixes)}")
 
 

@@ -30,6 +30,7 @@ from gearmesh.kernel.surface.strip import Strip
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
 from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
 
@@ -191,13 +192,18 @@ def _fault(made: Tooth, base: Tooth) -> str:
             continue
         density = float(np.sign(area_density(before))[0, 0]) * area_density(grid.jet)
         if density.min() < -SHORT * density.max():
-            return f"the {region} would fold: its radius of curvature is smaller"
+            return f"the {_words(region)} would have a cusp: its radius of curvature is smaller"
     for (region, grid), after in zip(grids.items(), [*grids.values()][1:], strict=False):
         if np.abs(grid.points[-1] - after.points[0]).max() > MISS:
-            return f"the {region} would part from what it meets"
+            return f"the {_words(region)} would part from what it meets"
     if _crosses(made, np.concatenate([grid.points[1:] for grid in grids.values()])):
         return "the teeth would cut themselves or each other"
     return ""
+
+
+def _words(region: Region) -> str:
+    """A region as messages name it."""
+    return str(region).replace("_", " ")
 
 
 def _crosses(tooth: Tooth, points: Array) -> bool:

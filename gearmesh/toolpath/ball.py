@@ -32,6 +32,8 @@ from gearmesh.toolpath.space import CutSpace
 
 #: length (diameters) of a shank that is not given
 LENGTH = 5.0
+#: least and largest diameter and length, mm
+SIZES = 1e-3, 1e4
 #: stations along the face, and points across a wall where it is touched, and where it may be hit
 STATIONS, TOUCHED, HIT = 9, 17, 33
 #: places on either side of a station where walls may be hit, as a share of the depth of the space: a ball reaches not much farther
@@ -63,9 +65,14 @@ class BallCutter:
         """The cutter that "ball:D" or "ball:D,L" says. Raises DesignError for another text."""
         kind, _, sizes = text.partition(":")
         parts = sizes.split(",")
+        allowed = "ball:D or ball:D,L, as ball:3mm,40mm, D and L from 0.001 to 10000 mm"
+        refusal = ArgumentError("tool", text[:60], must_be=allowed)
         if kind != "ball" or len(parts) > 2:
-            raise ArgumentError("tool", text[:60], must_be="ball:D or ball:D,L, as ball:3mm,40mm")
-        diameter, *length = (in_mm("tool", part, 1e-3, 1e4, "3, 3mm or 0.125in") for part in parts)
+            raise refusal
+        try:
+            diameter, *length = (in_mm("tool", part, *SIZES) for part in parts)
+        except ArgumentError:
+            raise refusal from None
         return BallCutter(diameter, length[0] if length else LENGTH * diameter)
 
 
@@ -157,17 +164,26 @@ def _refine(space: CutSpace, pair: _Narrowest, sizes: tuple[tuple[float, float],
     return pair
 
 
-def refuse_too_large(ball: BallCutter, largest: LargestBall) -> None:
-    """Raise DesignError for a ball that is larger than the largest that fits."""
+def refuse_too_large(ball: BallCutter, largest: LargestBall, stock: float) -> None:
+    """Raise DesignError for a ball that is larger than the largest that fits, or a stock (mm) that leaves no room for any."""
     most = 2.0 * largest.radius
     if most >= SHARP and ball.diameter <= most * (1.0 + ROOM):
         return
+    if most < SHARP <= most + 2.0 * stock:
+        room = largest.radius + stock - 0.5 * SHARP
+        raise ArgumentError(
+            "stock",
+            stock,
+            unit="mm",
+            reason="it leaves no room for a ball",
+            allowed=f"at most {np.floor(1e4 * room) / 1e4:.7g} mm, by {largest.why}",
+        )
     if most < SHARP:
         raise ArgumentError(
             "tool",
             f"ball:{ball.diameter:g}",
             reason=f"no ball reaches all of it: {largest.why} is a sharp inner corner",
-            remedy="finish the flanks alone with surfaces = flanks, or round the tip of the tool that generates the teeth",
+            remedy="finish the flanks alone (surfaces: flanks), or round the tip of the tool that generates the teeth",
         )
     raise ArgumentError(
         "tool",

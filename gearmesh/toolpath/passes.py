@@ -37,6 +37,8 @@ CHORDS, ROUNDS, MOST_CHORDS = 8, 8, 4000
 LEAST = 1e-3
 #: most passes of a wall
 MOST_PASSES = 20_000
+#: most positions of the ball in one space: more take minutes, and more memory than there is
+MOST_POSITIONS = 1_000_000
 #: distance (mm) below which passes of neighbouring walls are one
 SAME = 1e-6
 
@@ -129,6 +131,11 @@ def _with_points(space: CutSpace, lines: dict[int, Array], ball: BallCutter, sto
     fixed = np.unique(np.concatenate(([0.0, 1.0], space.tooth.breaks)))
     t = np.unique(np.concatenate((np.linspace(0.0, 1.0, CHORDS + 1), fixed)))
     for _ in range(ROUNDS):
+        if t.size * sum(map(len, lines.values())) > MOST_POSITIONS:
+            raise NoSolutionError(
+                reason=f"the scallop takes more than {MOST_POSITIONS} positions of the ball in a space",
+                remedy="allow a larger scallop or a larger ball",
+            )
         sections = space.tooth.sections(_with_middles(t))
         contacts, normals = _points(space, lines, sections)
         centres = contacts + (ball.radius + stock) * normals

@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.teeth.region import Region
@@ -42,6 +43,8 @@ DRAFT, CHORDS = 12, 60
 BESIDE = 9
 #: longest way (radii of the ball) that is asked as one
 PIECE = 0.12
+#: most pieces, of which there are some hundred bytes each
+MOST_PIECES = 5_000_000
 #: points asked at once
 BLOCK = 20_000
 #: distance of points (radii of the ball) that stand for the teeth beside a shank, and clearance up to which it is measured
@@ -87,6 +90,12 @@ class _Ways:
         start, end = ways
         way = end - start
         pieces = np.maximum(1, np.ceil(np.sqrt(dot(way, way)) / (PIECE * radius))).astype(int)
+        if pieces.sum() > MOST_PIECES:
+            length = float(np.sqrt(dot(way, way)).sum())
+            raise NoSolutionError(
+                reason=f"the path through a space is {length:.3g} mm long, more than {PIECE * MOST_PIECES:g} radii of the ball",
+                remedy="choose a larger ball or a larger scallop",
+            )
         owner = np.repeat(np.arange(len(start)), pieces)
         number = np.arange(owner.size) - np.repeat(np.cumsum(pieces) - pieces, pieces)
         first, last = (start[owner] + ((number + k) / pieces[owner])[:, None] * way[owner] for k in (0, 1))

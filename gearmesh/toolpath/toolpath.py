@@ -80,7 +80,7 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
     _refuse_number(space, order.spaces)
     walls = choose_walls(space, order.flank, order.surfaces)
     largest = largest_ball(space, walls, order.stock)
-    refuse_too_large(ball, largest)
+    refuse_too_large(ball, largest, order.stock)
     denser, budget = np.ones(len(space.walls)), order.budget
     for _ in range(ATTEMPTS):
         passes = plan_passes(space, walls, ball, order.stock, budget, denser)

@@ -166,7 +166,7 @@ def test_the_largest_offset_is_the_least_radius_of_curvature_of_the_fillet() -> 
     c = 3.0 * (1.25 - 0.38 - 0.3)
     for member, radius in ((rack, 0.38 * 2.0), (gear, 0.38 * 3.0 + c**2 / (30.0 + c))):
         off = ACCURACY * member.tooth.height
-        with pytest.raises(gm.errors.DesignError, match="would fold") as refusal:
+        with pytest.raises(gm.errors.DesignError, match="would have a cusp") as refusal:
             offset_member(member, 50.0)
         bound = float(refusal.value.allowed.split()[2])
         assert bound == pytest.approx(radius, abs=2.0 * off)
@@ -223,7 +223,7 @@ def test_flanks_for_metrology_have_the_exact_surface_at_every_vertex(tmp_path: P
     [
         (
             "-o a.stl --offset 9",
-            "--offset = 9 mm: the fillet_right would fold: its radius of curvature is smaller; allowed",
+            "--offset = 9 mm: the fillet right would have a cusp: its radius of curvature is smaller; allowed",
         ),
         ("-o a.stl --space --flank-only left", "--flank-only = left: a space has both flanks"),
         ("-o a.stl --space --teeth 2", "--teeth = 2: must be left out for --space"),

@@ -118,6 +118,9 @@ def test_the_largest_ball() -> None:
         ),
         ("--tool ball:1 --spaces 70", 2, "--spaces = 70: must be all, or from 0 to 69"),
         ("--tool cone:9", 2, "--tool = cone:9: must be ball:D or ball:D,L"),
+        ("--tool ball:0", 2, "--tool = ball:0: must be ball:D or ball:D,L"),
+        ("--tool ball:1 --stock 9", 2, "--stock = 9 mm: it leaves no room for a ball; allowed is at most 0.59"),
+        ("--tool ball:0.001 --scallop 1um", 3, "mm long, more than 600000 radii of the ball"),
         ("--tool ball:1 --flank up", 2, "--flank = up: must be one of right, left, both"),
     ],
 )

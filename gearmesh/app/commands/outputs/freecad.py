@@ -28,7 +28,7 @@ def freecad(
     from gearmesh.answers.bodies.freecad import macro
     from gearmesh.design.files import is_input, override, read
 
-    refuse_suffix(output, ".fcmacro")
+    refuse_suffix(output, ".FCMacro")
     refuse_unwritable(output)
     tolerance_in_mm(tol)
     design = load_design(design_file, settings)

@@ -346,6 +346,11 @@ def _levels(key: str, value: float, pattern: Pattern, body: Body, under: UnderTe
     try:
         return body.levels(pattern.reach, under.flat, pattern.depth)
     except ValueError:
+        if pattern.depth is not None and _goes_deeper(pattern, body, under.flat):
+            key = f"{under.name}.{key.partition('.')[0]}.depth"
+            raise DesignError(
+                key, pattern.depth, unit="mm", reason="the holes do not end in the body", allowed="less, or none"
+            ) from None
         inner, outer = pattern.reach
         why = f"openings from {2.0 * inner:.6g} to {2.0 * outer:.6g} mm do not begin and end on one plane face each"
         if pattern.depth is not None:
@@ -355,6 +360,15 @@ def _levels(key: str, value: float, pattern: Pattern, body: Body, under: UnderTe
         raise DesignError(
             f"{under.name}.{key}", value, unit="mm", reason=why, allowed=f"diameters from {allowed}" if rooms else ""
         ) from None
+
+
+def _goes_deeper(pattern: Pattern, body: Body, flat_ends: bool) -> bool:
+    """Whether blind holes are where there is room for holes through the body."""
+    try:
+        body.levels(pattern.reach, flat_ends)
+    except ValueError:
+        return False
+    return True
 
 
 def _rooms(body: Body, under: UnderTeeth, depth: float | None) -> list[tuple[float, float]]:
@@ -401,6 +415,13 @@ def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float]) -> S
     margin = SPOKE_MARGIN * (room[1] - room[0])
     inner = 2.0 * (room[0] + margin) if spec.inner_diameter is None else spec.inner_diameter
     outer = 2.0 * (room[1] - margin) if spec.outer_diameter is None else spec.outer_diameter
+    for key, given, low, high in (
+        ("inner_diameter", spec.inner_diameter, 2.0 * room[0], outer),
+        ("outer_diameter", spec.outer_diameter, inner, 2.0 * under.smallest),
+    ):
+        if given is not None and not low <= given < high:
+            allowed = f"from {at_least(low)} to {at_most(high)} mm"
+            raise DesignError(f"{name}.spokes.{key}", given, unit="mm", allowed=allowed)
     if not inner < outer:
         raise DesignError(
             f"{name}.spokes.inner_diameter", inner, unit="mm", allowed=f"less than outer_diameter, {at_most(outer)} mm"
