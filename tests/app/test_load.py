@@ -119,6 +119,7 @@ def test_what_load_refuses(arguments: str, message: str) -> None:
 # ---------------------------------------------------------------- what is said
 
 
+@pytest.mark.sweep
 def test_documented_keys_are_there() -> None:
     page = (PACKAGE / "loaded" / "README.md").read_text(encoding="utf-8").partition("## Keys")[2].partition("\n## ")[0]
     document = loaded().document()
@@ -160,6 +161,7 @@ def test_edges_are_named_with_their_loads() -> None:
     assert not any("longer than its grid" in line for line in near_tip.warnings)
 
 
+@pytest.mark.sweep
 def test_the_mean_of_tooth_pairs_that_carry() -> None:
     """Of spur gears that give way little it is their contact ratio, to a position more or less."""
     gears = gm.build(gm.load(SPUR))
@@ -215,6 +217,7 @@ def test_pressures_go_with_the_share_of_the_load(sample: str, kind: str, power: 
     assert any(line for line in shared.warnings if line not in alone.warnings)
 
 
+@pytest.mark.sweep
 def test_tca_says_how_the_load_is_shared() -> None:
     status, out, _ = run("tca", SPUR, "--torque", "20", "--load-sharing", "--set", "contact.phi1.count=3")
     assert status == 0

@@ -89,6 +89,7 @@ def by_ezdxf(path: Path) -> list[tuple[str, Array]]:
     return found
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("case", "kind", "offset"),
     [

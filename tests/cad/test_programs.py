@@ -213,6 +213,7 @@ def planetary(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return gears("planetary", tuple(SET)).cad(None, 10 * COARSE).save(tmp_path_factory.mktemp("set") / "set.step")
 
 
+@pytest.mark.sweep
 def test_planets_are_one_part_that_occurs_three_times(planetary: Path) -> None:
     text = planetary.read_text()
     names = re.findall(r"=PRODUCT\('([^']*)'", text)

@@ -424,6 +424,7 @@ def test_a_face_gear_takes_few_points() -> None:
     assert sum(patch.control[..., 0].size for link in teeth.patches.values() for patch in link) <= 500
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("sample", some(CHECKED, 3))
 def test_no_curve_leaves_its_surface(sample: str, tmp_path: Path) -> None:
     """What FreeCAD's geometry check asks, after a round trip: edges agree with their curves on both faces."""
@@ -717,6 +718,7 @@ def test_refusals(command: Command, tmp_path: Path, arguments: str, words: str) 
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.sweep
 def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:
     """OpenCASCADE's absence is found before the work; the existing file stays."""
     old = tmp_path / "gear.step"

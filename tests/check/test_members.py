@@ -55,6 +55,7 @@ def test_backlash_of_a_spur_pair_is_that_of_its_closed_form() -> None:
         assert lags[-1] > 100.0 * ARCSEC
 
 
+@pytest.mark.sweep
 def test_play_grows_with_the_centre_distance_as_involutes_have_it() -> None:
     """At the working angle of a larger centre distance the teeth part by 2 r_b (inv a' - inv a) on the base circles."""
     pair = sample("spur", "assembly.dx=0.4")
@@ -178,6 +179,7 @@ def test_root_clearance_is_what_the_design_leaves() -> None:
     assert min(root_clearance(tight, 0.0, 0.0)) < -0.1
 
 
+@pytest.mark.sweep
 def test_the_gears_of_the_api_roll_too() -> None:
     gears = gm.build(gm.load(SAMPLES / "novikov.toml"))
     (rolled,) = roll_members(gears.pairs[0], 0.0, CELLS)

@@ -66,6 +66,7 @@ def test_te_error_shrinks_with_the_tolerance() -> None:
     assert 0.7 < np.polyfit(np.log(tolerances), np.log(errors), 1)[0] < 1.4
 
 
+@pytest.mark.sweep
 def test_dense_exact_grids_agree_to_a_twentieth_of_an_arc_second() -> None:
     gears, path = case(6)
     s, t = np.linspace(0.0, 1.0, 81), np.linspace(0.0, 1.0, 81)

@@ -159,6 +159,7 @@ def filleted() -> Contact:
         return contact_of(load(SAMPLES / "face_gear.toml", ["pinion.dedendum=1.25", "pinion.tool_tip_radius=0.25"]))
 
 
+@pytest.mark.sweep
 def test_a_tip_in_a_fillet_is_told_with_depth_and_place(filleted: Contact) -> None:
     """The gear's tips stand in the pinion's fillets, whole members say how much."""
     gears, found = filleted.pair, filleted.fit
@@ -308,6 +309,7 @@ def test_check_fails_where_gears_are_jammed(tmp_path: Path, capsys: pytest.Captu
     assert verdicts["fit: tip_clearance_gear_mm"]["ok"]
 
 
+@pytest.mark.sweep
 def test_tips_deeper_than_roots_are_reported_before_the_refusal(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

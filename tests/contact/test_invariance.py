@@ -84,6 +84,7 @@ def test_the_mirror_image_of_a_pair_touches_in_the_mirror(cone: float, helix: fl
     np.testing.assert_allclose(one.point * [1.0, -1.0, 1.0], other.point, rtol=0, atol=1e-8)
 
 
+@pytest.mark.sweep
 @examples(3)
 @given(helix=zero_or_more(0.0, 25.0), swap=st.booleans())
 def test_members_may_be_exchanged(helix: float, swap: bool) -> None:
@@ -134,6 +135,7 @@ def test_the_frame_does_not_matter(cone: float, helix: float, gamma: float, turn
     np.testing.assert_allclose(other.point, moved.point(one.point), rtol=0, atol=1e-8)
 
 
+@pytest.mark.sweep
 @few
 @given(backlash=zero_or_more(0.0, 0.3), helix=zero_or_more(0.0, 20.0), shift=zero_or_more(0.0, 0.4))
 def test_backlash_is_what_lies_between_the_flanks(backlash: float, helix: float, shift: float) -> None:

@@ -55,6 +55,7 @@ def turned_on(pair: GearPair, tooth: int) -> GearPair:
     return replace(pair, pinion=replace(pair.pinion, mount=first), gear=replace(pair.gear, mount=second))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("design", [EVEN, BEVEL], ids=lambda design: design[0])
 def test_every_tooth_pair_does_as_the_solver_and_the_roll_have_it(design: tuple[str, ...]) -> None:
     pair, turns = turned(design)

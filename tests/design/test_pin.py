@@ -149,6 +149,7 @@ def test_pinned_designs_of_other_units_parts_and_errors_build_the_same_gears(nam
     np.testing.assert_allclose(places(same.train), places(gears.train), rtol=0, atol=SAME)
 
 
+@pytest.mark.sweep
 def test_pinned_mounts_and_phi1_stay_where_they_are(tmp_path: Path) -> None:
     """Where the body is held, the place that a stiffness is of, and of an ease-off what phi1 = 0 is."""
     design = gm.parse(
@@ -197,6 +198,7 @@ def test_mesh_angle_needs_the_index() -> None:
         gm.load(SAMPLES / "spiral_bevel_basic.toml", ["pinion.convex.mesh_angle=3"])
 
 
+@pytest.mark.sweep
 def test_pinned_pinions_of_one_cutter_are_the_same_and_keep_their_index(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -107,6 +107,7 @@ def test_ellipse_is_pressed_as_by_hertz() -> None:
         assert share @ along**2 == pytest.approx(half**2 / 5.0, rel=0.02)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("sample", ["helical", "spiral_bevel_basic"])
 def test_lines_follow_the_contact_on_every_tooth(sample: str) -> None:
     """Where loaded contact finds the pairs beside the leading one, on edges too, faces are much less high than even ones, of
@@ -135,6 +136,7 @@ def height_at(mesh: HexMesh, flanks: str, place: Array) -> float:
     return float(heights[np.linalg.norm(column - place, axis=1).argmin()] / heights.mean())
 
 
+@pytest.mark.sweep
 @needs_ccx
 @pytest.mark.parametrize(
     ("sample", "torque", "flank", "face"),

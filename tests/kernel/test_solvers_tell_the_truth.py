@@ -580,6 +580,7 @@ def touches(pair: Pair, phi1: Array) -> tuple[int, int]:
     return int(there.size), int((~touching).sum())
 
 
+@pytest.mark.sweep
 def test_contact() -> None:
     """Points, lines and edges under random misalignments, far beyond the ends of engagement too."""
     rng, held, lost = np.random.default_rng(14), 0, 0

@@ -205,6 +205,7 @@ def test_loads_between_nodes_are_shared() -> None:
     np.testing.assert_allclose(middle, places, atol=0.05)
 
 
+@pytest.mark.sweep
 def test_a_web_twists_as_its_disc() -> None:
     """All teeth loaded alike turn the rim of a gear against its bore. Against a solid body: the torsion of the web,
     T / (4 pi G) (1/r1^2 - 1/r2^2) (1/h - 1/b), and what the steps from b to h at either end add, those of strips in
@@ -235,6 +236,7 @@ def test_a_web_twists_as_its_disc() -> None:
         assert turned(thickness) - turned(width) == pytest.approx(teeth * disc / (2.0 * np.pi * shear), rel=0.05)
 
 
+@pytest.mark.sweep
 def test_a_rack_is_the_limit_of_large_gears() -> None:
     """Held as deep under the root. What a tooth under load over its whole flank gives way by, and its neighbours do, from gears of
     300 and 900 teeth, linear in 1/z: 0.3 %; both ways alike."""

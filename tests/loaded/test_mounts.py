@@ -153,6 +153,7 @@ def test_load_goes_to_the_bearing_of_an_overhung_pinion() -> None:
         np.testing.assert_allclose(moment.mean(), FORCE * abs(z - mean_station(found)), rtol=5e-3)
 
 
+@pytest.mark.sweep
 def test_the_answer_tells_displacements_and_refuses_what_is_no_mount(
     monkeypatch: pytest.MonkeyPatch, spur_bodies: Callable[..., FlankCompliance]
 ) -> None:

@@ -77,6 +77,7 @@ def by_bricks(name: str, member: int, cells: Cells, height: float, teeth: int = 
     return nominal(tooth, side, mesh.nodes[fillet], principal_stresses(mean)[:, 2])
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("name", "member", "height", "within"),
     some(

@@ -92,6 +92,7 @@ def test_lines_go_on_along_the_edges_that_end_them() -> None:
     assert found > 10
 
 
+@pytest.mark.sweep
 def test_flanks_do_not_overlap_where_one_of_them_ends() -> None:
     """Lines of contact run into the undercut of a pinion of 11 teeth: beyond it gaps are those of a flank that goes on, and on it
     no cell overlaps, 0.01 um."""

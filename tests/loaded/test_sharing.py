@@ -110,6 +110,7 @@ def test_point_contact_is_that_of_hertz() -> None:
     assert found.gear_torque[0, 0] / found.torque[0] == pytest.approx(44 / 13, rel=1e-3)
 
 
+@pytest.mark.sweep
 def test_without_torque_the_transmission_error_is_the_unloaded_one() -> None:
     """And the rotation falls with the torque, nearly in proportion: on lines more slowly by a logarithm, by a root on points."""
     for sample in ("spur", "spiral_bevel_basic"):
@@ -169,6 +170,7 @@ def test_a_corner_carries_beside_its_ridge() -> None:
     np.testing.assert_allclose(load.force, finer.force, atol=2e-3 * load.force.sum())
 
 
+@pytest.mark.sweep
 def test_pairs_that_only_load_brings_together_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """However little teeth were guessed to give: at a torque that bends them by 0.06 mm more pairs carry than touch before."""
     pair, bodies = geared("spur")
@@ -194,6 +196,7 @@ def test_of_equal_planets_one_carries_the_torque(monkeypatch: pytest.MonkeyPatch
     assert none == []
 
 
+@pytest.mark.sweep
 def test_what_is_told_of_edges_converges() -> None:
     """A helical pair: one line ends on a tip, whose pressure has no limit; the other where both faces end, which has one. Cells
     half as long and wide: the peak that is not told grows by half, those that are told change by 0.5 and 5 %."""
@@ -377,6 +380,7 @@ def test_halves_that_do_not_touch_alike() -> None:
     assert 1.2 * forward[1].min() < forward[1].max() < 5.0 * forward[1].min()
 
 
+@pytest.mark.sweep
 def test_a_rack_is_loaded_as_a_gear_is() -> None:
     """Torques balance by the radius that rolls, at every position, but for what tip edges carry off the line of action; the guide's
     force is told beside it."""

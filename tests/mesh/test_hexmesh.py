@@ -98,6 +98,7 @@ def test_fine_lines_near_an_edge_leave_the_others_in_place() -> None:
     assert focus.s + focus.slope * (0.0 - focus.t) > 1.0
 
 
+@pytest.mark.sweep
 def test_of_pairs_that_are_ahead_alike_the_one_asked_for_leads() -> None:
     """Conjugate gears: all pairs in mesh are ahead alike, to rounding."""
     for sample in ("beveloid_parallel", "face_gear_conjugate"):
@@ -107,6 +108,7 @@ def test_of_pairs_that_are_ahead_alike_the_one_asked_for_leads() -> None:
         )
 
 
+@pytest.mark.sweep
 def test_default_model_is_the_size_of_the_published_one() -> None:
     """[LF04] 17.10: three pairs of teeth, 71,460 elements with 87,360 nodes."""
     built = model_of(load(SAMPLES / "spiral_bevel_basic.toml", []))

@@ -10,6 +10,7 @@ import pytest
 from oracles.places import ROOT
 
 
+@pytest.mark.sweep
 def test_contact_by_one_batch_is_that_by_scipy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(ROOT / "scripts"))
     monkeypatch.delitem(sys.modules, "bench", raising=False)

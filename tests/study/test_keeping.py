@@ -98,6 +98,7 @@ def test_another_plan_in_the_same_folder_is_refused(whole: Path) -> None:
         )
 
 
+@pytest.mark.sweep
 def test_two_processes_do_not_work_on_one_study(whole: Path) -> None:
     from gearmesh.study.store import StudyStore
 
@@ -186,6 +187,7 @@ def test_what_is_not_installed_is_named(missing: str, more: list[str], monkeypat
     assert "\n" not in said
 
 
+@pytest.mark.sweep
 def test_a_scheduler_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
     monkeypatch.setattr("gearmesh.study.runners.PATIENCE", 0.5)

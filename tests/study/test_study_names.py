@@ -18,6 +18,7 @@ from gearmesh.study.rows.work import StudyWork
 from gearmesh.study.study import work_and_nominal
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("sample", "torque"),
     some([("spur", [20.0, 50.0]), ("rack", None), ("spiral_bevel_basic", None), ("beveloid_crossed", None)], 2),

@@ -30,6 +30,7 @@ def matrices(monkeypatch: pytest.MonkeyPatch) -> list[Matrix]:
     return kept
 
 
+@pytest.mark.sweep
 def test_cells_are_the_contact_of_each_design(matrices: list[Matrix], tmp_path: Path) -> None:
     sample, own = SAMPLES / "spiral_bevel_basic.toml", ["contact.phi1.count=21"]
     vary = {"assembly.dV": [-0.1, 0.0, 0.1], "assembly.dA": ["0", "50um"]}
@@ -76,6 +77,7 @@ def test_cells_have_the_exact_transmission_error_where_rows_do(matrices: list[Ma
     assert abs(np.ptp(cells[1].gears[1]) / wanted[1] - 1.0) > 1e-5
 
 
+@pytest.mark.sweep
 def test_lines_sweep_and_what_fails_says_why(matrices: list[Matrix], tmp_path: Path) -> None:
     sample = SAMPLES / "spur.toml"
     study = gm.build(gm.load(sample)).study({"pinion.teeth": [2, 20, 21]}, record=("path",), workers=1)

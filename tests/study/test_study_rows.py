@@ -112,6 +112,7 @@ def test_jammed_rows_have_no_transmission_error_whether_or_not_it_is_asked_how_t
         assert ("backlash_min_deg" in jammed) == ("fit" in groups)
 
 
+@pytest.mark.sweep
 def test_a_design_that_fails_is_a_row_with_its_reason() -> None:
     vary = {"pinion.teeth": [25, 2, 4], "assembly.dx": [0.0, 300.0]}
     study = gm.build(gm.load(CROSSED)).study(vary, record="path", workers=1, limits=["converged>0"])

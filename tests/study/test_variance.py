@@ -112,6 +112,7 @@ def test_what_a_saltelli_sample_needs() -> None:
     assert variance_shares(sample_plan(CUBE, 30), {key: np.zeros(30) for key in KEYS}, "y", np.arange(30.0)) == []
 
 
+@pytest.mark.sweep
 def test_figures_that_are_not_linear_are_ranked_by_shares(tmp_path: Path) -> None:
     """Figures put in the place of a study's own: one a straight line, one a product, one that half of the rows have not."""
     gears = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml"))
@@ -157,6 +158,7 @@ def test_figures_that_are_not_linear_are_ranked_by_shares(tmp_path: Path) -> Non
     assert "is not linear in the keys" in study_section(tmp_path).body
 
 
+@pytest.mark.sweep
 def test_the_command_warns_of_slopes_that_do_not_rank() -> None:
     vary = (word for key in ("dV", "dA") for word in ("--vary", f"assembly.{key}=-0.1:0.1:3"))
     status, out, err = run("study", SAMPLES / "spiral_bevel_basic.toml", *vary, "--record", "path")

@@ -120,6 +120,7 @@ def test_nothing_asked_for_is_a_pair_that_is_nearly_conjugate(side: str) -> None
     assert np.nanmax(gears.ease_off().map.distance) < 1e-3
 
 
+@pytest.mark.sweep
 def test_length_crowning_sets_the_length_of_the_ellipse() -> None:
     lengths = []
     for crowning in (20.0, 80.0):
@@ -157,6 +158,7 @@ def test_too_much_is_told_with_its_figure() -> None:
     assert f"up to {residual:.3g} um, the requested ease-off up to 0 um" in told[0]
 
 
+@pytest.mark.sweep
 def test_settings_that_are_given_far_away_are_refused_in_one_line() -> None:
     pinion = {"teeth": 13, "concave": {"radial": 71, "ratio_of_roll": 0.3, "tip_radius": 78}}
     with pytest.raises(gm.GearmeshError) as refused:

@@ -52,6 +52,7 @@ def test_another_zero_of_the_cradle_is_another_index_and_the_same_tooth(shift: f
     np.testing.assert_allclose(points_of(moved), points_of(design), rtol=0, atol=1e-8)
 
 
+@pytest.mark.sweep
 def test_given_settings_leave_the_backlash_asked_for_and_touch_at_phi1_0() -> None:
     design = gm.load(GIVEN)
     contact = gm.build(design).contact(phi1=0.0)
@@ -61,6 +62,7 @@ def test_given_settings_leave_the_backlash_asked_for_and_touch_at_phi1_0() -> No
     assert backlash_of(design.with_values({"backlash": 0.3})) - backlash_of(design) == pytest.approx(0.25, rel=0.02)
 
 
+@pytest.mark.sweep
 def test_an_index_that_is_given_makes_the_same_tooth_whatever_the_backlash_is() -> None:
     design: Any = gm.load(GIVEN)
     sheet = settings_sheet(design, gm.build(design).train)
@@ -83,6 +85,7 @@ def test_an_index_that_is_given_makes_the_same_tooth_whatever_the_backlash_is() 
     assert backlash_of(design) - backlash_of(thicker) == pytest.approx(less, rel=0.05)
 
 
+@pytest.mark.sweep
 def test_compensating_settings_keep_the_backlash() -> None:
     errors = {"assembly.dV": 0.1, "assembly.dA": -0.08, "assembly.dG": 0.15, "assembly.d_delta": 0.05}
     design = gm.load(GIVEN)

@@ -275,6 +275,7 @@ def test_the_largest_edge_radius_just_fits() -> None:
         gm.build(design.with_values(dict.fromkeys(keys, 1.05 * most)))
 
 
+@pytest.mark.sweep
 def test_basic_data_by_their_other_names() -> None:
     pair = tables_of("inch")[PAIR]
     assert (pair["P_d"][1], pair["u"][1], pair["taper"][1]) == (pytest.approx(6.0), pytest.approx(31 / 17), "standard")

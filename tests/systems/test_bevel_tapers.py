@@ -40,6 +40,7 @@ def slots(taper: str) -> dict[str, np.ndarray]:
     return {name: np.array([row[k] for row in rows]) for k, name in ((2, "pinion"), (3, "gear"))}
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("taper", TAPERS)
 def test_tips_clear_roots_by_the_clearance(taper: str) -> None:
     """As the contact analysis has it of the generated roots, which a wrong sliding base would raise or lower."""

@@ -76,6 +76,7 @@ def test_whole_teeth_are_as_the_standard_suggests() -> None:
     assert bevel_teeth(design).cut.blank == basic_blank(design)
 
 
+@pytest.mark.sweep
 def test_settings_that_are_derived_build_the_same_teeth(monkeypatch: pytest.MonkeyPatch) -> None:
     """Also where teeth with the contact that is best do not close, and plainer ones are built."""
     for design in (pair("9/21"), gm.parse({**EXAMPLE, "module": 5.01})):
@@ -97,6 +98,7 @@ def test_what_is_set_to_its_default_is_set() -> None:
     assert np.degrees(bevel_teeth(said.in_mm()).choices["concave"].asked.path_angle) == pytest.approx(90.0)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("teeth", "data"),
     [

@@ -30,6 +30,7 @@ def without_backlash(design: Design, **values: Any) -> Design:
     return design.with_values({key: None for key in ("backlash", "gear.cutter.point_width") if key in own} | values)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("design", [gm.load(GIVEN), gm.parse(BASIC)], ids=["given", "inch"])
 def test_built_teeth_are_as_thick_as_asked(design: Design) -> None:
     unit = design.mm_per_unit
@@ -49,6 +50,7 @@ def test_built_teeth_are_as_thick_as_asked(design: Design) -> None:
         assert measured(gm.build(other)) == pytest.approx(list(asked.values()), abs=2e-9)
 
 
+@pytest.mark.sweep
 def test_backlash_is_what_the_thicknesses_leave() -> None:
     """By first contact of both sides, which knows of no thickness: what the teeth lack, along the normal."""
     least = []
@@ -60,6 +62,7 @@ def test_backlash_is_what_the_thicknesses_leave() -> None:
     assert least[1] - least[0] == pytest.approx(3.0 * 0.05 * np.cos(np.radians(20.0)), rel=0.03)
 
 
+@pytest.mark.sweep
 def test_compensation_keeps_the_backlash_by_the_thickness() -> None:
     design = without_backlash(gm.load(GIVEN), **ASKED)
     found = gm.build(design.with_values({"assembly.dA": 0.1, "assembly.dV": 0.05})).compensate()

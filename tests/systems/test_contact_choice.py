@@ -55,6 +55,7 @@ def test_pairs_hand_over_as_asked(name: str, side: str) -> None:
         assert abs(rolled.drive.phi2 - phi2) < 0.3 * ARCSEC
 
 
+@pytest.mark.sweep
 def test_a_prospect_is_the_contact_of_the_teeth() -> None:
     design = pair("14/49", "concave")
     own = design.in_mm()
@@ -69,6 +70,7 @@ def test_a_prospect_is_the_contact_of_the_teeth() -> None:
     assert abs(path.begin + path.end) < 0.05
 
 
+@pytest.mark.sweep
 def test_what_the_design_says_of_the_contact_stands() -> None:
     said = {"path_angle": 70.0, "semi_major_axis": 2.0, "mean_offset": 0.05, "mean_shift": -0.2, "te_at_change": 20.0}
     found = bevel_teeth(pair("14/49", "convex", **said).in_mm()).choices["convex"]

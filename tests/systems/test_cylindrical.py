@@ -208,6 +208,7 @@ def test_the_least_internal_gears_against_trimming_are_the_published_ones() -> N
     assert {teeth: _fewest_against_trimming(cutter, 1.25) for teeth, cutter in cutters.items()} == published
 
 
+@pytest.mark.sweep
 def test_tips_that_collide_beside_the_mesh_are_told_and_measured() -> None:
     free, stuck = (parsed({"teeth": teeth}, {"teeth": -60}, backlash=0.02) for teeth in (50, 54))
     found = [proportions(design) for design in (free, stuck)]
@@ -224,6 +225,7 @@ def test_tips_that_collide_beside_the_mesh_are_told_and_measured() -> None:
         assert any("trochoid" in line for line in moved.warnings) == colliding
 
 
+@pytest.mark.sweep
 def test_spur_and_helical_gears_are_the_beveloids_with_no_cone() -> None:
     for helix in (0.0, 17.0):
         own = parsed(
@@ -319,6 +321,7 @@ def test_what_cannot_be_is_refused_in_one_line(
     assert "\n" not in str(failure.value)
 
 
+@pytest.mark.sweep
 def test_the_order_of_the_page_is_built_as_it_says(tmp_path: Path) -> None:
     """The design file on the kind's page, through the commands that stand under it."""
     page = (Path(gm.__file__).parent / "systems" / "cylindrical" / "README.md").read_text(encoding="utf-8")

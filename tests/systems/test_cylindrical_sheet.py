@@ -198,6 +198,7 @@ def test_the_root_is_that_of_the_generated_fillet(name: str) -> None:
         assert own["h_F"] == pytest.approx(lever, **near)
 
 
+@pytest.mark.sweep
 def test_undercut_and_interference_have_negative_reserves_and_sound_teeth_have_them() -> None:
     sound = sheet_of(gm.build(design_of("spur")))
     assert min(*sound["undercut"], *sound["interference"]) > 0.0
@@ -238,6 +239,7 @@ def interference(gears: gm.Gears) -> float:
     return max((tip.depth for tip in fitted.interference), default=0.0)
 
 
+@pytest.mark.sweep
 def test_a_tip_that_reaches_into_a_fillet_is_warned_of_as_contact_says() -> None:
     """It is on flank alone with the tip diameter that is named, by the sheet and by first touch of the exact teeth."""
     external = design_of("spur", gear={"teeth": 90, "addendum": 1.15})

@@ -81,6 +81,7 @@ def test_bounds_are_true(sample: str, given: str, pattern: str, beyond: float) -
     assert same in refusal(given, f"{key}={limit * beyond}")
 
 
+@pytest.mark.sweep
 def test_one_depth_of_both_sides_is_enough() -> None:
     """Both sides of the pinion are cut to one depth: the one that is left out follows the other."""
     for key, value in (("sliding_base", 0.05), ("machine_root_angle", 14.4)):
@@ -95,6 +96,7 @@ def test_one_depth_of_both_sides_is_enough() -> None:
         gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", depths))
 
 
+@pytest.mark.sweep
 def test_what_several_keys_would_mend_names_them() -> None:
     with pytest.raises(
         DesignError, match=r"^pinion.profile_shift = 1: .*, or pinion.cone_angle = 30 deg: allowed is at most 12.82 deg"

@@ -178,6 +178,7 @@ def test_root_of_the_worm_takes_one_strip_whose_diagonals_are_its_rulings() -> N
     assert radius - np.hypot(*np.moveaxis(middles, -1, 0)[:2]).min() < 0.02
 
 
+@pytest.mark.sweep
 def test_links_that_end_alike_everywhere_are_measured_without_trimming(monkeypatch: pytest.MonkeyPatch) -> None:
     """The thread of a worm without undercut: points over its facets are those of trimmed stations."""
     mesh = tessellate(

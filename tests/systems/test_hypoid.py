@@ -229,6 +229,7 @@ def test_contact_is_where_the_rolled_flanks_touch(name: str, side: str) -> None:
     assert np.abs(apart).max() < 0.05 * ARCSEC
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("more", [{}, {"hand": "right", "shaft_angle": 96.0}], ids=["left", "obtuse"])
 def test_the_cradle_takes_a_formate_gears_place(more: dict[str, Any]) -> None:
     """The cradle's axis is parallel to the gear's, the pinion's cutters all but upright on its root cone at the mean."""
@@ -342,6 +343,7 @@ def test_compensation_gives_the_contact_back(more: dict[str, Any]) -> None:
     assert abs(backlash[2] - backlash[0]) < 0.01 * abs(backlash[1] - backlash[0])
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("more", [{}, FORMATE], ids=["generated", "formate"])
 def test_settings_given_as_they_were_derived_are_the_same_pair(more: dict[str, Any]) -> None:
     """Sheet and file: every value that was derived, in inches, and no other pair comes of them."""

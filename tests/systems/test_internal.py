@@ -30,6 +30,7 @@ def test_solid_is_proved_and_has_the_exact_volume() -> None:
     assert np.hypot(rim[:, 0], rim[:, 1]) == pytest.approx(0.5 * OUTSIDE, rel=1e-12)
 
 
+@pytest.mark.sweep
 def test_contact_ratio_by_the_closed_form_and_rolled_flanks_agree() -> None:
     gears = internal_gears()
     contact = gears.contact(np.linspace(-3.0, 3.0, 5))

@@ -204,6 +204,7 @@ def test_pitch_cones_touch_and_roll(placed: list[tuple[OffsetPair, InSpace]]) ->
         assert (at.cones.mean_diameters[1] if pair.method == 2 else outer) == pytest.approx(pair.diameter, rel=1e-12)
 
 
+@pytest.mark.sweep
 def test_crossing_points_and_offset_angles(placed: list[tuple[OffsetPair, InSpace]]) -> None:
     for _, at in placed:
         cones, size = at.cones, at.cones.outer_cone_distance
@@ -408,6 +409,7 @@ def test_pairs_that_cannot_exist_are_refused(changes: dict[str, Any], words: str
         with_offset(replace(SAMPLE_2, **changes))
 
 
+@pytest.mark.sweep
 def test_the_largest_offset_of_a_refusal_is_one() -> None:
     with pytest.raises(DesignError) as refused:
         with_offset(replace(SAMPLE_2, offset=150.0))

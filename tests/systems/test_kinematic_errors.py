@@ -248,6 +248,7 @@ def test_compensation_of_the_shaft_angle(geometry: int) -> None:
     assert order(list(np.hypot(values, slopes))) > 1.8
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("geometry", "hand", "side"), [(1, "right", "concave"), (2, "left", "convex")])
 def test_settings_compensate_the_shaft_angle_on_the_exact_contact(geometry: int, hand: str, side: str) -> None:
     """`settings --compensate`: what is solved for parts from [3.5.28-3.5.35] with the square of the error, and does restore."""

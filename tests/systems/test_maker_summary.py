@@ -91,6 +91,7 @@ def pinion_of(hand: str) -> tuple[Tooth, dict[str, float]]:
     return gears.members["pinion"].tooth, index
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("hand", ["left", "right"])
 def test_flanks_and_toprem_of_the_design_file_are_what_the_sheet_cuts(hand: str) -> None:
     """At the index angle that is reported: within 1e-6 mm, nothing cut into, everything touched."""
@@ -118,6 +119,7 @@ def test_flanks_and_toprem_of_the_design_file_are_what_the_sheet_cuts(hand: str)
     assert np.abs(nearest(sheet, (radius, np.tan(np.radians(angle))), points, normals, 0.01)).max() < 1e-6
 
 
+@pytest.mark.sweep
 def test_the_pair_of_the_sheet_has_contact_and_the_backlash_that_the_design_asks_for() -> None:
     contact = gm.build(gm.load(ENTERED)).contact()
     assert contact.fit is not None

@@ -115,6 +115,7 @@ def test_contact_solids_checks_and_limits(design_file: str) -> None:
     assert (limits["undercut"], limits["fewest_teeth"]) == (False, 22)
 
 
+@pytest.mark.sweep
 def test_models_descriptions_and_errors(design_file: str) -> None:
     model = json.loads(run("fe", design_file, "-o", "pair.inp", "--teeth", "1", "--json", "-")[1])["model"]
     assert model["min_scaled_jacobian"] > 0.2

@@ -132,6 +132,7 @@ def test_without_crowning_along_the_teeth_the_pair_is_conjugate(kind: str) -> No
     assert np.abs(path.te).max() < 1e-6 * ARCSEC
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("kind", "near"), [("modified_involute", 0.1), ("novikov", 0.7)])
 def test_plunge_and_modified_roll_give_almost_the_same_contact(kind: str, near: float) -> None:
     """[LF04 17.8]. A turn works by the cosine of the pressure angle, a plunge by its sine, which changes on Novikov paths."""
@@ -209,6 +210,7 @@ def test_a_left_hand_pinion_is_the_mirror_image(error: str) -> None:
     np.testing.assert_allclose(left.point1 * [1.0, 1.0, -1.0], right.point1, rtol=0, atol=1e-7)
 
 
+@pytest.mark.sweep
 def test_the_coast_side_is_the_other_one_with_its_own_angle() -> None:
     """The left flank of a pair with angles (18, 25) does what the right one does with (25, 18), in an axial mirror."""
     swapped = ("pressure_angle=18", "coast_pressure_angle=25", "contact.flank=left", "helix_angle=-20")
@@ -287,6 +289,7 @@ def test_the_gear_s_parabola_takes_off_or_leaves_more(kind: str, sign: float) ->
         assert height == pytest.approx(-sign * a_t * d**2, rel=0.05)
 
 
+@pytest.mark.sweep
 def test_root_of_a_plunged_tooth_is_what_the_worm_s_crest_leaves() -> None:
     """The crest is a cylinder about the worm's axis: fed with a plunge it leaves a surface of revolution in closed form.
 

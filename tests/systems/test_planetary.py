@@ -161,6 +161,7 @@ def test_commands_look_at_the_mesh_that_is_named(tmp_path: Path) -> None:
     assert "pair = 5-6: must be one of pinion-gear" in refused("tca", SAMPLES / "spur.toml", "--pair", "5-6")
 
 
+@pytest.mark.sweep
 def test_members_of_a_set_have_the_thickness_allowances_that_are_given() -> None:
     """The flanks that touch have the backlash of the middles of both allowances, less what the base helix takes."""
     ends = {"sun": (-0.04, -0.06), "planet": (-0.02, -0.05), "ring": (-0.01, -0.03)}
@@ -188,6 +189,7 @@ def test_members_of_a_set_have_the_thickness_allowances_that_are_given() -> None
         assert one.contact(pair=mesh).summary["backlash_normal_min_mm"] == pytest.approx(0.035 * cosine, abs=1e-9)
 
 
+@pytest.mark.sweep
 def test_letters_of_a_set_are_the_balls_and_the_backlash_of_its_teeth() -> None:
     """Balls laid between the exact flanks, and the solver's backlash in both meshes, of a set made to the upper allowances."""
     letters = {"sun": "cd25", "planet": "d26", "ring": "b24"}

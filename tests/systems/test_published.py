@@ -206,6 +206,7 @@ def test_settings_restore_the_contact() -> None:
     np.testing.assert_allclose(column(cured, "pinion", "theta_F"), 30.0, rtol=0, atol=1e-8)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("refinish", "key", "keys", "asked"),
     [

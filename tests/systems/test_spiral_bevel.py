@@ -246,6 +246,7 @@ def test_bare_contact_beside_a_saddle_of_the_advance() -> None:
     assert abs(measured(path, mean, pair.ratio)[0] / asked - 1.0) < second_tolerance(path, pair, asked)
 
 
+@pytest.mark.sweep
 def test_hands_are_mirror_images() -> None:
     found = {}
     for hand in HANDS:
@@ -258,6 +259,7 @@ def test_hands_are_mirror_images() -> None:
     assert abs(right_volume / left_volume - 1.0) < 1e-12
 
 
+@pytest.mark.sweep
 def test_inches_are_millimetres() -> None:
     inches = {**BASIC, "units": "inch", "module": 4.0 / 25.4, "face_width": 1.0, "backlash": 0.004}
     one, two = (pair_of(parse(d)) for d in (inches, {**BASIC, "face_width": 25.4, "backlash": 0.1016}))
@@ -342,6 +344,7 @@ def test_compensation_restores_path_and_transmission_error(name: str) -> None:
     assert abs(restored[2] / wanted[2] - 1.0) < 1e-5
 
 
+@pytest.mark.sweep
 def test_settings_sheet_loads_back_to_the_same_gears() -> None:
     design = parse({**BASIC, "units": "inch", "module": 0.16})
     sheet = gm.build(design).sheet()
@@ -375,6 +378,7 @@ def test_free_edge_radii_give_way_and_given_ones_do_not() -> None:
         pair_of(parse({**narrow, "pinion": given}))
 
 
+@pytest.mark.sweep
 def test_a_mean_point_that_is_not_generated_at_cradle_rotation_0_is_refused() -> None:
     flat = {**BASIC, "spiral_angle": 0.0, "pinion": {"teeth": 20}, "gear": {"teeth": 20}}
     pair_of(parse(flat))
@@ -382,6 +386,7 @@ def test_a_mean_point_that_is_not_generated_at_cradle_rotation_0_is_refused() ->
         pair_of(parse({**flat, "mean_point": "cradle_zero"}))
 
 
+@pytest.mark.sweep
 def test_a_cutter_that_would_have_to_be_hollow_is_refused() -> None:
     # straight teeth of the gear leave no crowning to an outside blade
     cutter = {"teeth": 30, "cutter": {"tip_radius": 5000.0}}

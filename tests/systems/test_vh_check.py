@@ -70,6 +70,7 @@ DESIGNS: dict[str, Callable[[], Any]] = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("side", ["pinion_concave", "pinion_convex"])
 @pytest.mark.parametrize("name", some(DESIGNS, 2))
 def test_the_contact_goes_where_v_and_h_put_it(name: str, side: str) -> None:
@@ -146,6 +147,7 @@ def test_other_displacements_bring_the_contact_there_as_well() -> None:
     assert "must be two of V, H, J, alpha" in refused("vh", str(SAMPLES / "spiral_bevel_basic.toml"), "--move", "V,V")
 
 
+@pytest.mark.sweep
 def test_a_pair_that_is_at_its_middle_is_not_moved() -> None:
     """What V-H check finds for the middle of a pair whose mean point lies there: nothing."""
     centred = {f"{key}": 0.0 for side in ("concave", "convex") for key in

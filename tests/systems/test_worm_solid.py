@@ -232,6 +232,7 @@ def test_distance_from_facets_without_area() -> None:
     np.testing.assert_allclose(triangle_distance(q, np.stack((a, a, a))), [np.sqrt(5.0), 5.0, 5.0], rtol=0, atol=1e-15)
 
 
+@pytest.mark.sweep
 def test_distance_from_the_surface_is_right_next_to_singular_points() -> None:
     """Against a cloud of exact points: near singular points a search for the closest point may lead away from it."""
     design = load(NOVIKOV, ["worm.pitch_radius=9.86", "worm.length=12"])

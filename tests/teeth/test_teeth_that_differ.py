@@ -92,6 +92,7 @@ def outline_area(teeth: list[Tooth], z: float) -> float:
     return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
+@pytest.mark.sweep
 def test_a_section_has_each_tooth_as_it_is(tmp_path: Path) -> None:
     """Closed, and its area within the tolerance round the outline of that of the exact points of all teeth."""
     nominal, real = differing("helical")

@@ -120,6 +120,7 @@ def test_worm_of_a_face_gear_touches_its_shaped_flank_and_does_not_cut_into_it()
         assert np.linalg.norm(worm_to_gear.point(project(worm_to_gear.inverse.point(touching))) - touching) < DEEP
 
 
+@pytest.mark.sweep
 def test_view_of_the_worm_is_that_of_the_member_that_it_grinds() -> None:
     pinion = gm.build(gm.load(SAMPLES / "novikov.toml"))
     assert repr(pinion.picture("tool", "worm")) == repr(pinion.picture("tool", "pinion"))

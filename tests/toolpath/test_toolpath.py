@@ -149,6 +149,7 @@ def test_the_command(tmp_path: Path) -> None:
     assert (tmp_path / "path.csv").read_text().startswith("space,pass,rapid,x,y,z,i,j,k,contact_x")
 
 
+@pytest.mark.sweep
 def test_every_format_has_the_same_positions(tmp_path: Path) -> None:
     import pyvista
 

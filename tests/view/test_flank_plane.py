@@ -65,6 +65,7 @@ def test_ellipses_are_seen_along_the_turn_and_end_at_the_edges() -> None:
     assert any(outline.contains_points(cut, radius=way * 1e-3).all() for way in (1.0, -1.0))
 
 
+@pytest.mark.sweep
 def test_the_pattern_is_the_union_of_many_ellipses() -> None:
     """Of few positions, between which ellipses are slender and turn, against polygons of many."""
     gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml"))

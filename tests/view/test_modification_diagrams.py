@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from oracles.built import pair_of
 
 from gearmesh.systems.designs import parse
@@ -15,6 +16,7 @@ from gearmesh.view.diagrams.modification_diagrams import flank_map, is_modified,
 FIELDS = {"tip_relief": {"amount": "20um", "start_roll_length": 13}, "helix_crowning": "8um"}
 
 
+@pytest.mark.sweep
 def test_maps_are_measured_on_the_flanks(tmp_path: Path) -> None:
     pinion = {"teeth": 22, "face_width": 24, "helix_angle": 18, "modifications": FIELDS}
     gear = {"teeth": 40, "face_width": 22, "helix_angle": -18}

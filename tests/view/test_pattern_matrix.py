@@ -17,6 +17,7 @@ from gearmesh.view.scene import contact_on
 RACK = Path(__file__).parents[2] / "samples" / "rack.toml"
 
 
+@pytest.mark.sweep
 def test_cells_stand_where_their_errors_are(monkeypatch: pytest.MonkeyPatch) -> None:
     kept = []
     monkeypatch.setattr(pattern_matrix, "save_figure", lambda figure, file: kept.append(figure))

@@ -164,6 +164,7 @@ def test_browser_draws_rolls_and_picks(page: str, browser: Any, tmp_path: Path) 
     assert [url for url in asked if not url.startswith(("data:", page, "blob:", "about:", "chrome:"))] == []
 
 
+@pytest.mark.sweep
 def test_browser_shows_pressures_of_the_torque(page: str, browser: Any, tmp_path: Path) -> None:
     """What is pressed now and at most, in other colours for another torque; the figures of the torque are told."""
     browser.get(page)
@@ -185,6 +186,7 @@ def test_browser_shows_pressures_of_the_torque(page: str, browser: Any, tmp_path
     assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
 
 
+@pytest.mark.sweep
 def test_browser_shows_one_gear(browser: Any, tmp_path: Path) -> None:
     """Of a gear without a mating gear the solid alone: no mark of contact, nothing to roll; it can be cut."""
     gears = gm.build(gm.parse({"kind": "rack", "module": 2, "rack": {"teeth": 9, "face_width": 12}}))

@@ -167,6 +167,7 @@ def test_command_writes_a_page_with_the_design_as_given(tmp_path: Path, monkeypa
     assert [path.name for path in tmp_path.iterdir()] == ["a.html"]
 
 
+@pytest.mark.sweep
 def test_page_holds_finished_studies(tmp_path: Path) -> None:
     """The figures that the study itself tells, as a table and pictures."""
     gears = gm.build(gm.load(SAMPLES / "spiral_bevel_abdullah_straight.toml"))
