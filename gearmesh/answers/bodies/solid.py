@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 
     from gearmesh.cad.step import Part
 
-#: meshes that are made until one is within the tolerance, and the share of what the bound calls for that the next one is asked for
-TRIES, LESS = 4, 0.99
+#: shares of what the bound calls for that the next meshes are asked for until one is within the tolerance: rows of facets are
+#: whole, so that the bound may stay while a little less is asked for
+LESS = (0.99, 0.95, 0.8)
 #: share of the tolerance from which on rounding of the file is what is wrong with it
 MOST_ROUNDING = 0.5
 
@@ -297,7 +298,7 @@ def mesh_within(
     from gearmesh import io
 
     asked = tolerance
-    for _ in range(TRIES):
+    for less in (*LESS, 1.0):
         made = extract.mesh(member, asked, teeth)
         mesh = made.mesh if place is None else made.mesh.move(place)
         written = mesh if file is None else io.mesh_in_file(mesh, file)
@@ -305,7 +306,7 @@ def mesh_within(
         largest = made.bound.largest + rounding
         if largest <= tolerance or rounding > MOST_ROUNDING * tolerance:
             break
-        asked *= LESS * (tolerance - rounding) / made.bound.largest
+        asked *= less * (tolerance - rounding) / made.bound.largest
     return made, written, largest
 
 
