@@ -326,7 +326,7 @@ def test_a_macro_has_the_keys_of_the_design_as_typed_properties(tmp_path: Path) 
 
 def test_macros_have_a_suffix_of_their_own(tmp_path: Path) -> None:
     words = refused("freecad", SAMPLES / "helical.toml", "-o", tmp_path / "gears.py")
-    assert words == f"cannot write {tmp_path / 'gears.py'}: its suffix must be .fcmacro"
+    assert words == f"cannot write {tmp_path / 'gears.py'}: its suffix must be .FCMacro"
     assert "--tol = 0" in refused("freecad", SAMPLES / "helical.toml", "-o", tmp_path / "a.FCMacro", "--tol", "0")
 
 
