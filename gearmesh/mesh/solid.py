@@ -7,7 +7,7 @@ openings are cut by manifold3d, with the regions carried through.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -113,7 +113,7 @@ def prove(mesh: TriangleMesh, genus: int) -> Proof:
 
     trimesh counts the same; it takes as long to load as a gear to mesh, and so judges the files in the tests alone.
     """
-    body = manifold_of(mesh)
+    body = manifold_of(mesh.vertices, {0: mesh.triangles})
     ends = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64)
     there, back = (np.sort(ends[:, k] * len(mesh.vertices) + ends[:, 1 - k]) for k in (0, 1))
     once = bool((there[1:] != there[:-1]).all())
@@ -195,7 +195,7 @@ def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> Tria
 
     (low, top), bore, teeth = member.body.ends, member.plain_body.bore_radius, member.tooth.teeth
     gear_id, sources = manifold3d.Manifold.reserve_ids(1), {}
-    gear = manifold3d.Manifold(_to_manifold(full, gear_id))
+    gear = manifold_of(full.vertices, {gear_id: full.triangles})
 
     def cut(tool: Any, region: Region) -> None:
         nonlocal gear
@@ -263,24 +263,24 @@ def _slot(keyway: Slot, bore: float, low: float, top: float) -> Any:
     return body.translate((0.0, -0.5 * keyway.width, low - 1.0)).as_original()
 
 
-def manifold_of(mesh: TriangleMesh) -> manifold3d.Manifold:
-    """A mesh as a body of manifold3d, whose status says whether it is one; coordinates to the last digit."""
+def manifold_of(vertices: Array, runs: Mapping[int, NDArray[np.int64]]) -> manifold3d.Manifold:
+    """A body of manifold3d, whose status says whether it is one; coordinates to the last digit.
+
+    Runs of triangles have ids of their own, which keeps manifold3d from renumbering (and merging) the faces; the places
+    of the triangles among all are the ids of the faces.
+    """
     import manifold3d
 
-    return manifold3d.Manifold(_to_manifold(mesh))
-
-
-def _to_manifold(mesh: TriangleMesh, run_id: int = 0) -> Any:
-    import manifold3d
-
-    vertices, triangles = np.array(mesh.vertices, order="C"), np.array(mesh.triangles, dtype=np.uint64, order="C")
-    # a run with an id of its own keeps manifold3d from renumbering (and merging) the faces
-    return manifold3d.Mesh64(
-        vertices,
-        triangles,
-        run_index=np.array([0, triangles.size], dtype=np.uint64),
-        run_original_id=np.array([run_id], dtype=np.uint32),
-        face_id=np.arange(len(triangles), dtype=np.uint64),
+    triangles = np.concatenate(list(runs.values()))
+    ends = np.cumsum([0, *(run.size for run in runs.values())])
+    return manifold3d.Manifold(
+        manifold3d.Mesh64(
+            np.array(vertices, order="C"),
+            np.array(triangles, dtype=np.uint64, order="C"),
+            run_index=ends.astype(np.uint64),
+            run_original_id=np.array(list(runs), dtype=np.uint32),
+            face_id=np.arange(len(triangles), dtype=np.uint64),
+        )
     )
 
 

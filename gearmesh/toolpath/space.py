@@ -47,8 +47,7 @@ class SpaceWall:
         """Jets (S, T) at s (S,) or (S, T) of the surface moved by `stock` (mm) along its normals."""
         jet = self.link.grid(s, sections).jet
         assert jet is not None
-        r, r_u, r_v = (a + stock * b for a, b in ((jet.r, jet.n), (jet.r_u, jet.n_u), (jet.r_v, jet.n_v)))
-        return Jet(r, jet.n, r_u, r_v, jet.n_u, jet.n_v).move(self.place)
+        return jet.parallel(stock).move(self.place)
 
 
 @dataclass(frozen=True)

@@ -140,7 +140,7 @@ class Solid(Result):
 
         if self.open:
             raise DesignError(self.name, reason="open surfaces are no body")
-        return manifold_of(self.mesh)
+        return manifold_of(self.mesh.vertices, {0: self.mesh.triangles})
 
     def to_build123d(self) -> build123d.Solid:
         """What is meshed for build123d: no triangles but the CAD solid, with spline faces within the mesh's tolerance.
@@ -297,7 +297,8 @@ def mesh_within(
     """
     from gearmesh import io
 
-    asked = tolerance
+    # however often it is meshed, an offset is made and proved once
+    member, extract, asked = extract.shift(member), replace(extract, offset=0.0), tolerance
     for less in (*LESS, 1.0):
         made = extract.mesh(member, asked, teeth)
         mesh = made.mesh if place is None else made.mesh.move(place)

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, plane_cross
 
 
 def first_crossing(one: Array, other: Array) -> tuple[float, float] | None:
     """Where two polylines (N, 2) and (M, 2) cross, the crossing nearest to the first's beginning, in numbers of their points."""
     a, b = one[:-1, None], other[None, :-1]
     u, v = np.diff(one, axis=0)[:, None], np.diff(other, axis=0)[None]
-    turn = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-    d = b - a
+    turn, d = plane_cross(u, v), b - a
     with np.errstate(divide="ignore", invalid="ignore"):
-        s = (d[..., 0] * v[..., 1] - d[..., 1] * v[..., 0]) / turn
-        t = (d[..., 0] * u[..., 1] - d[..., 1] * u[..., 0]) / turn
+        s, t = plane_cross(d, v) / turn, plane_cross(d, u) / turn
     i, j = np.nonzero((s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0))
     if not i.size:
         return None

@@ -151,7 +151,7 @@ class ParallelMeridian:
             rate = 1.0 - self.distance * bend * shorter**3
             step = (b - self.distance * slope * shorter - a) / rate
             b = b - step
-            if not (np.abs(step) > EXACT * EXACT).any():
+            if not (np.abs(step) > EXACT).any():
                 break
         height, slope, bend = self.curve.at(b)
         shorter = 1.0 / np.sqrt(1.0 + slope**2)

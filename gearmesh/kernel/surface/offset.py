@@ -100,8 +100,7 @@ class Parallel:
     distance: float
 
     def jet(self, u: Array, v: Array) -> Jet:
-        base, a = self.surface.jet(u, v), self.distance
-        return Jet(base.r + a * base.n, base.n, base.r_u + a * base.n_u, base.r_v + a * base.n_v, base.n_u, base.n_v)
+        return self.surface.jet(u, v).parallel(self.distance)
 
 
 def _carry(along: Array, n: Array, rate: Array, g: Array) -> Array:

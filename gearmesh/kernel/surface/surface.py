@@ -42,6 +42,11 @@ class Jet:
         r, *turned = transform.vectors(self.r, self.n, self.r_u, self.r_v, self.n_u, self.n_v)
         return Jet(r + transform.translation, *turned)
 
+    def parallel(self, distance: float) -> Jet:
+        """The jet of the surface every point of which is so far (mm) along its normal; parameters stay."""
+        r, r_u, r_v = (a + distance * b for a, b in ((self.r, self.n), (self.r_u, self.n_u), (self.r_v, self.n_v)))
+        return Jet(r, self.n, r_u, r_v, self.n_u, self.n_v)
+
     def along(self, du: Array, dv: Array) -> tuple[Array, Array]:
         """Differentials (dr, dn), (..., 3), of point and normal for parameter differentials (...,)."""
         du, dv = du[..., None], dv[..., None]

@@ -11,7 +11,6 @@ as many sectors as make a gear have its volume to rounding.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,7 @@ from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
+from gearmesh.mesh.solid import manifold_of
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import CUT_REGIONS, Region
@@ -151,9 +151,9 @@ def sector(whole: TriangleMesh, member: Member, pitches: int) -> TriangleMesh:
     angle = pitches * member.tooth.pitch_angle
     turn = Rigid.about_z(angle)
     gear_id, right, left, wall = (manifold3d.Manifold.reserve_ids(4) + k for k in range(4))
-    gear = _solid(whole.vertices, {gear_id: whole.triangles})
+    gear = manifold_of(whole.vertices, {gear_id: whole.triangles})
     cut, sides = _wedge(CutSurface.of(member).rows(whole), angle)
-    made = (gear ^ _solid(cut, dict(zip((right, left, wall), sides, strict=True)))).to_mesh64()
+    made = (gear ^ manifold_of(cut, dict(zip((right, left, wall), sides, strict=True)))).to_mesh64()
     vertices = np.array(made.vert_properties)[:, :3]
     triangles = np.array(made.tri_verts, dtype=np.int64)
     origin = np.repeat(np.asarray(made.run_original_id), np.diff(np.asarray(made.run_index)) // 3)
@@ -221,23 +221,6 @@ def _wedge(rows: Array, angle: float) -> tuple[Array, tuple[Index, Index, Index]
     if np.einsum("ij,ij->", a, np.cross(b, c)) < 0.0:
         sides = [side[:, ::-1] for side in sides]
     return vertices, (sides[0], sides[1], sides[2])
-
-
-def _solid(vertices: Array, runs: dict[int, Index]) -> Any:
-    """manifold3d's solid of triangles with an original id for each run of them, their places in all as face ids."""
-    import manifold3d
-
-    triangles = np.concatenate(list(runs.values()))
-    ends = np.cumsum([0, *(run.size for run in runs.values())])
-    return manifold3d.Manifold(
-        manifold3d.Mesh64(
-            np.array(vertices, order="C"),
-            np.array(triangles, dtype=np.uint64, order="C"),
-            run_index=ends.astype(np.uint64),
-            run_original_id=np.array(list(runs), dtype=np.uint32),
-            face_id=np.arange(len(triangles), dtype=np.uint64),
-        )
-    )
 
 
 def _snap(vertices: Array, cut: Index, nodes: Array) -> Array:

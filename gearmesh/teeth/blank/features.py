@@ -5,7 +5,6 @@ What is cut is a prism along the axis, its outline lines and arcs. Angles in rad
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -255,8 +254,3 @@ class BodyFeatures:
             floor = None if pattern.depth is None else (low if body.heel_sign > 0 else high)
             made += [Opening(pattern.region, curves, low, high, pattern.reach, floor) for curves in pattern.outlines]
         return tuple(made)
-
-
-def corner_points(openings: Iterable[Opening]) -> Array:
-    """Points (N, 2), (rho, z), of the corners of openings in an axial plane."""
-    return np.array([(rho, z) for cut in openings for rho in cut.reach for z in (cut.low, cut.high)]).reshape(-1, 2)
