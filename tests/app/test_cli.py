@@ -567,6 +567,7 @@ def test_describe() -> None:
     assert rule == "a_F + (rho_P - rho_F) cos(pressure_angle)"
 
 
+@pytest.mark.sweep
 def test_help_loads_no_mathematics_and_describe_draws_nothing() -> None:
     program = (
         "import sys\n"

@@ -15,6 +15,7 @@ from gearmesh.app.cli import main
 SPUR = ["gear", "--module", "1", "--teeth", "30"]
 
 
+@pytest.mark.sweep
 def test_writes_the_gear_of_its_design(tmp_path: Path) -> None:
     """All ways to one gear write the same bytes: options, the design that they write, and the call in Python."""
     options = ["--module", "2", "--teeth", "17", "--helix", "12", "--hand", "left", "--face", "0.5in", "--shift", "0.2"]

@@ -123,6 +123,7 @@ def test_teeth_bound_a_ring_from_inside(heel: float) -> None:
     assert section.area == pytest.approx(ring.ring_volume() / (2.0 * ring.HALF), rel=1e-7)
 
 
+@pytest.mark.sweep
 def test_a_root_too_narrow_to_be_drawn_leaves_no_gap() -> None:
     """Fillets that meet but for some 1e-7 mm: nearly as large a rounding of the tool's tip as there can be."""
 

@@ -50,6 +50,7 @@ def same(one: ContactPath, other: ContactPath, scale: float = 1.0) -> None:
         np.testing.assert_allclose(getattr(one, name), scale * getattr(other, name), rtol=1e-6)
 
 
+@pytest.mark.sweep
 @few
 @given(cone=cones, helix=helices, dx=errors, gamma=errors)
 def test_inches_are_millimetres(cone: float, helix: float, dx: float, gamma: float) -> None:
@@ -60,6 +61,7 @@ def test_inches_are_millimetres(cone: float, helix: float, dx: float, gamma: flo
     same(path_of(metric), path_of(inch))
 
 
+@pytest.mark.sweep
 @few
 @given(cone=cones, helix=helices, scale=st.floats(0.1, 20.0))
 def test_a_pair_scales(cone: float, helix: float, scale: float) -> None:

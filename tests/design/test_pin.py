@@ -263,6 +263,7 @@ def test_a_rule_that_changes_changes_a_design_and_not_what_is_pinned(
     np.testing.assert_allclose(places(gm.build(gm.load(file)).train), before, rtol=0, atol=SAME)
 
 
+@pytest.mark.sweep
 def test_pinned_bevel_gears_ask_nothing_of_their_contact(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither local synthesis nor the choice of the contact nor of proportions has a part in them any more."""
     gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml"))

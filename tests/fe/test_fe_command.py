@@ -217,6 +217,7 @@ def test_without_calculix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.sweep
 @needs_ccx
 @needs_opengl
 def test_one_member_solved(tmp_path: Path) -> None:

@@ -147,6 +147,7 @@ def test_cradle_generation_in_closed_form_and_by_newton_agree(roll: tuple[str, .
     assert (np.abs(other - phi) > 0.1).all()
 
 
+@pytest.mark.sweep
 def test_modified_roll_changes_the_flank_by_what_the_blank_turns_more() -> None:
     # nothing of the contact is chosen anew for the pair with modified roll
     fixed = [

@@ -284,6 +284,7 @@ def test_equation_of_meshing(route: str) -> None:
     assert held > 1000
 
 
+@pytest.mark.sweep
 def test_two_equations_of_meshing() -> None:
     """Worms that grind with plunge and modified roll, many of them nonsense, from starts moved at random."""
     rng, held, lost = np.random.default_rng(7), 0, 0
@@ -470,6 +471,7 @@ def test_broken_edges(rounded_edge: bool) -> None:
             assert np.abs(np.hypot(*on_land[:, :2].T) - tip).max() < 1e-11
 
 
+@pytest.mark.sweep
 def test_roundings_of_cutters() -> None:
     """Tangent to the flank, and standing on the tip plane."""
     rng, held = np.random.default_rng(11), 0

@@ -64,6 +64,7 @@ def mean_station(found: LoadedMesh) -> float:
     return float((line * load.separation.middle[..., 2]).sum() / line.sum())
 
 
+@pytest.mark.sweep
 def test_what_hardly_gives_way_is_rigid() -> None:
     """Against no mounts at all: 1e-8 of the rotation, stresses as far as pressures settle."""
     stiff = under(FlexibleMount.of([1e16] * 3 + [1e20] * 3), FlexibleMount.of([INF] * 6))

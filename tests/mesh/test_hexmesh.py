@@ -89,6 +89,7 @@ def test_every_element_is_well_shaped(sample: str, shape: str) -> None:
     assert built.figures["min_scaled_jacobian"] == quality
 
 
+@pytest.mark.sweep
 def test_fine_lines_near_an_edge_leave_the_others_in_place() -> None:
     """The line of contact of this conical pair runs out over the tip."""
     gears = gm.build(load(SAMPLES / "beveloid_parallel.toml", ["fe.ellipse=8", "fe.teeth=1"]))

@@ -196,6 +196,7 @@ def test_a_scheduler_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch)
     )
 
 
+@pytest.mark.sweep
 def test_a_study_in_memory_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     study = gm.build(gm.load(CROSSED)).study({"assembly.dx": [0.0]}, record="path")

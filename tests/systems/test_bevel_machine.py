@@ -346,6 +346,7 @@ def test_refused(more: dict[str, Any], message: str) -> None:
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.sweep
 def test_sides_that_are_cut_at_once_differ_by_rounding_at_most() -> None:
     """Sliding bases that two solutions have rounded off their own ways; 1e-8 mm is another machine."""
     design = completing(2.2)
@@ -421,6 +422,7 @@ def test_a_toprem_relieves_the_root_and_nothing_else(toprem: dict[str, float]) -
     assert solid.mesh.volume() == pytest.approx(relieved.tooth.volume(), rel=1e-3)
 
 
+@pytest.mark.sweep
 def test_blades_of_a_cutter_may_differ() -> None:
     cutter = {
         "outside": {"blade_angle": 18.0, "edge_radius": 0.3},
@@ -437,6 +439,7 @@ def test_blades_of_a_cutter_may_differ() -> None:
         assert one.tooth.volume() == pytest.approx(other.tooth.volume(), rel=1e-9)
 
 
+@pytest.mark.sweep
 def test_the_sheet_shows_tilt_and_motions_and_loads_back() -> None:
     # with the contact given there is none to look for
     fixed = {

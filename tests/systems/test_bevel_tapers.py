@@ -52,6 +52,7 @@ def test_tips_clear_roots_by_the_clearance(taper: str) -> None:
     assert told["interference_um"] == 0.0
 
 
+@pytest.mark.sweep
 def test_duplex_slots_are_as_wide_at_the_toe_as_at_the_heel() -> None:
     widths = {taper: slots(taper)["pinion"] for taper in TAPERS}
     spread = {taper: float(heel / toe) for taper, (toe, _, heel) in widths.items()}

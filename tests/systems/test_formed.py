@@ -98,6 +98,7 @@ def test_flank_is_that_of_the_shaped_gear_and_the_fillet_the_arc_that_is_given(n
     assert exact_volume(gears.members["gear"]) == pytest.approx(exact, rel=1e-12)
 
 
+@pytest.mark.sweep
 def test_solids_contact_and_roll_test_agree() -> None:
     gears = gm.build(design_of("spur", tip_chamfer=0.15))
     assert not gears.check(0.01).complaints

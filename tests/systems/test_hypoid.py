@@ -173,6 +173,7 @@ def apart(one: dict[str, Any], other: dict[str, Any]) -> float:
     )
 
 
+@pytest.mark.sweep
 def test_without_offset_the_pair_is_a_spiral_bevel_one() -> None:
     """Settings and blades of all four flanks; as the offset goes to 0 so do the differences, with it."""
     # ISO 23509 counts the clearance across the pitch cone, blanks without offset across the root line: by 0.1 % of it apart

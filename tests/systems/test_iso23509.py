@@ -219,6 +219,7 @@ def test_crossing_points_and_offset_angles(placed: list[tuple[OffsetPair, InSpac
         )
 
 
+@pytest.mark.sweep
 def test_limit_normal_and_its_curvature(placed: list[tuple[OffsetPair, InSpace]]) -> None:
     """On a flank with the limit normal the equation of meshing does not change with the motion, n (w1 x v2 - w2 x v1) = 0, and with
     the limit curvature not along the sliding either, v (K v + w12 x n) = 0."""

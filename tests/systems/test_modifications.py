@@ -103,6 +103,7 @@ def test_refused(tables: dict[str, Any], message: str) -> None:
     assert "\n" not in str(found.value)
 
 
+@pytest.mark.sweep
 def test_refused_where_there_is_no_such_flank() -> None:
     with pytest.raises(DesignError, match=r"^pinion\.cone_angle = 5\.0: must be 0 where modifications are given"):
         parse(with_pinion(cone_angle=5.0, modifications={"profile_crowning": 0.01}))

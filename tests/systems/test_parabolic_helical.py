@@ -194,6 +194,7 @@ def test_lead_correction_restores_the_path(kind: str) -> None:
     np.testing.assert_allclose(restored.point1, aligned.point1, rtol=0, atol=0.06)
 
 
+@pytest.mark.sweep
 def test_both_leads_changed_alike_cancel() -> None:
     """A lead angle that grows on both members is another pair of opposite helices: the path stays."""
     aligned = over_a_pitch(gears("novikov"))
@@ -335,6 +336,7 @@ def test_barrel_jet_and_level() -> None:
 # ---- designs
 
 
+@pytest.mark.sweep
 def test_inches_and_millimetres_are_the_same_pair() -> None:
     """Lengths, curvatures (1/length) and the modified roll (rad/length^2) are scaled."""
     design = load(SAMPLES / "novikov.toml", ["pinion.crowning=worm_roll"]).resolve()

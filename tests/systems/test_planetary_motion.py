@@ -84,6 +84,7 @@ def test_phases_and_counts_are_those_of_the_exact_contact(name: str) -> None:
         assert (whole[f"{symbol}_min"][0], whole[f"{symbol}_max"][0]) == (each.min(), each.max()), symbol
 
 
+@pytest.mark.sweep
 def test_clearance_of_neighbours_is_what_the_refusal_counts() -> None:
     """Planets nearer to each other than by their clearance, as an angle, are refused; further off they are not."""
     gears = gears_of("uneven")

@@ -274,6 +274,7 @@ def test_a_rack_too_near_is_told_of_in_millimetres() -> None:
     assert [each is not None and each.fits for each in freed] == [True, False]
 
 
+@pytest.mark.sweep
 def test_the_overlap_is_found_where_the_rack_s_tip_meets_the_end_of_the_flank() -> None:
     """A rounding of 0.38 leaves straight flank down to 0.99997 modules: tips come 0.1 um deeper, and its end ends the lines."""
     keys = {"helix_angle": 15, "backlash": 0.08, "pinion": {"profile_shift": 0.2, "tool_tip_radius": 0.38}}
@@ -292,6 +293,7 @@ def test_a_step_file_reads_back_as_the_bar_that_it_was(helix: int, tmp_path: Pat
     assert float(found.stdout) == pytest.approx(gears.members["rack"].plain_volume(), rel=1e-10)
 
 
+@pytest.mark.sweep
 def test_a_racks_tip_in_the_pinions_fillet_is_warned_of_and_free_with_the_addendum_that_is_named() -> None:
     long = {"addendum": 1.1}
     (line,) = rack(pinion={"tool_tip_radius": 0.38}, rack=long).sheet().warnings

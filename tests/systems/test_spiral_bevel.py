@@ -286,6 +286,7 @@ def test_backlash_is_what_the_gear_turns_between_both_sides(backlash: float) -> 
     assert abs(abs(between) - backlash / (radius * normal)) < 0.02 * backlash / radius + 3.0 * ARCSEC
 
 
+@pytest.mark.sweep
 def test_zerol_and_straight_teeth_are_the_same_system_at_spiral_angle_0() -> None:
     # a large cutter leaves straight teeth: the trace on the pitch cone hardly bends
     for radius, straight in ((0.0, False), (1000.0, True)):

@@ -201,6 +201,7 @@ def test_browser_shows_one_gear(browser: Any, tmp_path: Path) -> None:
     assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
 
 
+@pytest.mark.sweep
 def test_browser_without_webgl_shows_the_picture(page: str, browser: Any) -> None:
     made = browser.execute_cdp_cmd(
         "Page.addScriptToEvaluateOnNewDocument", {"source": "HTMLCanvasElement.prototype.getContext = () => null"}
@@ -213,6 +214,7 @@ def test_browser_without_webgl_shows_the_picture(page: str, browser: Any) -> Non
     browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", {"identifier": made["identifier"]})
 
 
+@pytest.mark.sweep
 def test_browser_fits_a_phone(page: str, browser: Any) -> None:
     metrics = {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
