@@ -43,6 +43,7 @@ def test_a_member_alone_is_that_of_the_pair(name: str, of_the_pair: dict[str, An
     np.testing.assert_array_equal(flanks(alone(GIVEN).members[name]), of_the_pair[name])
 
 
+@pytest.mark.sweep_cases("gear-pinion.convex.blade_angle=50")
 @pytest.mark.parametrize(
     ("name", "mating"), [("pinion", "gear.cutter.edge_radius=3"), ("gear", "pinion.convex.blade_angle=50")]
 )

@@ -61,6 +61,7 @@ def exact_lines(member: Member, z: float, count: int = DENSE) -> list[Array]:
     return [tooth.grid(region, np.linspace(0.0, 1.0, count), sections).points[:, 0, :2] for region in tooth.regions]
 
 
+@pytest.mark.sweep_cases("novikov-0.01")
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-5])
 @pytest.mark.parametrize("case", CASES)
 def test_curves_are_within_the_tolerance_of_the_exact_section_both_ways(case: str, tolerance: float) -> None:
@@ -82,6 +83,7 @@ def test_curves_are_within_the_tolerance_of_the_exact_section_both_ways(case: st
         assert not isinstance(curve, PlaneSpline) or len(curve.control) <= 40
 
 
+@pytest.mark.sweep_cases("novikov")
 @pytest.mark.parametrize("case", CASES)
 def test_loops_close_and_are_what_the_solid_has_there(case: str) -> None:
     """The solid's triangles, cut by the plane: segments as near as the solid is, and the length of all of them."""

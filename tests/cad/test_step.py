@@ -481,6 +481,7 @@ def test_header_names_schema_and_unit(folder: Path) -> None:
     assert "SI_UNIT(.MILLI.,.METRE.)" in data
 
 
+@pytest.mark.sweep_cases("spiral_bevel_geometry1-0.01", "spiral_bevel_basic-1e-05")
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-5])
 @pytest.mark.parametrize("sample", ["spiral_bevel_basic", "spiral_bevel_geometry1"])
 def test_cones_fit_their_edges_at_any_tolerance(sample: str, tolerance: float) -> None:
@@ -499,6 +500,7 @@ def spline(sample: str, tolerance: float = TOLERANCE) -> SplineTooth:
     return spline_tooth(pair_of(sample, changes).pinion.tooth, tolerance)
 
 
+@pytest.mark.sweep_cases("beveloid_crossed-1e-05", "zerol-0.001")
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
 @pytest.mark.parametrize("sample", ["helical", "beveloid_crossed", "circular_arc", "zerol"])
 def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> None:

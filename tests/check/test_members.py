@@ -145,6 +145,7 @@ def test_members_that_are_free_do_not_overlap_and_those_that_jam_do() -> None:
         assert (np.abs(piece.box[:, 0]) < 89.7).all()
 
 
+@pytest.mark.sweep_cases("0.005")
 @pytest.mark.parametrize("tolerance", [0.02, 0.005])
 def test_what_only_touches_overlaps_by_facets_alone(tolerance: float) -> None:
     pair = sample("spiral_bevel_basic")

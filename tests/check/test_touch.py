@@ -83,6 +83,7 @@ class Spur:
         return -0.5 * (low + high) - turn * mating / own
 
 
+@pytest.mark.sweep_cases("gear_tip-0.3", "pinion_tip-0.02")
 @pytest.mark.parametrize("beyond", some([0.02, 0.1, 0.3], 2))
 @pytest.mark.parametrize("edge", ["pinion_tip", "gear_tip"])
 def test_tip_edges_beyond_the_line_of_action_follow_the_closed_form(edge: str, beyond: float) -> None:
@@ -251,6 +252,7 @@ LEAVING = {
 }
 
 
+@pytest.mark.sweep_cases("face_gear", "spiral_bevel_basic")
 @pytest.mark.parametrize("name", some(LEAVING, 3))
 def test_finer_grids_move_the_touch_by_less_than_5_milliarcseconds(name: str) -> None:
     pair = pair_of(load(SAMPLES / f"{name}.toml", LEAVING[name]))

@@ -38,6 +38,16 @@ def wide() -> GearPair:
     return pair_of(load(CORPUS[0].with_name("wide_circular_arc_edge_2050.toml")))
 
 
+@pytest.mark.sweep_cases(
+    "contact_spiral_bevel_edge_15",
+    "contact_spiral_bevel_sensible_15",
+    "contact_circular_arc_edge_214",
+    "contact_beveloid_sensible_0",
+    "contact_beveloid_edge_6",
+    "contact_beveloid_edge_17",
+    "contact_beveloid_edge_18",
+    "contact_spiral_bevel_conjugate_edge_15",
+)
 @pytest.mark.parametrize("file", CORPUS, ids=lambda file: file.stem)
 def test_the_flanks_touch_where_they_roll(file: Path) -> None:
     pair = pair_of(load(file))
@@ -67,6 +77,7 @@ def test_a_contact_far_narrower_than_the_cells_of_the_grid_is_found() -> None:
     assert overlap - 0.005 < cycle.contact_ratio < overlap
 
 
+@pytest.mark.sweep_cases("sheet_face_gear_edge_2067")
 @pytest.mark.parametrize("file", SHEETS, ids=lambda file: file.stem)
 def test_what_the_tool_generates_twice_touches_once(file: Path) -> None:
     """Aligned face gears turn evenly and without backlash, which a contact on another sheet of a surface would take from them."""
@@ -143,6 +154,7 @@ def test_the_gears_have_a_whole_cycle(file: Path) -> None:
     assert 0.0 <= cycle.peak_to_peak - sampled < 0.01 * sampled
 
 
+@pytest.mark.sweep_cases("peak_cylindrical_profile_crowning")
 @pytest.mark.parametrize("file", PEAKS, ids=lambda file: file.stem)
 def test_what_leads_between_nodes_counts_in_peak_to_peak(file: Path) -> None:
     """Against all tooth pairs solved at even phases, each over the whole of its flanks."""
@@ -155,6 +167,7 @@ def test_what_leads_between_nodes_counts_in_peak_to_peak(file: Path) -> None:
     assert 0.0 <= cycle.peak_to_peak - sampled < 0.015 * sampled
 
 
+@pytest.mark.sweep_cases("backlash_beveloid_edge_2093")
 @pytest.mark.parametrize("file", BACKLASHES, ids=lambda file: file.stem)
 def test_no_position_has_less_backlash_than_the_least(file: Path) -> None:
     pair = pair_of(load(file))
@@ -169,6 +182,7 @@ def test_no_position_has_less_backlash_than_the_least(file: Path) -> None:
     assert -1e-12 < most < 1.0 * ARCSEC
 
 
+@pytest.mark.sweep_cases("nodes_novikov_sensible_205")
 @pytest.mark.parametrize("file", NODES, ids=lambda file: file.stem)
 def test_no_contact_leads_where_it_is_followed_to(file: Path) -> None:
     """The contact of each node, followed to the next on either side, is not ahead of what touches first there."""
@@ -201,6 +215,7 @@ def test_a_corner_of_the_advance_is_no_level_place() -> None:
     assert np.isfinite(cycle.harmonics).all()
 
 
+@pytest.mark.sweep_cases("3011")
 @pytest.mark.parametrize("seed", [3007, 3011])
 def test_teeth_that_meet_again_a_turn_later_are_another_pair(seed: int) -> None:
     pair = pair_of(load(CORPUS[0].with_name(f"turn_cylindrical_edge_{seed}.toml")))
@@ -227,6 +242,9 @@ def test_the_pair_that_carried_on_takes_over_and_not_one_that_only_comes_to_carr
     assert np.ptp(cycle.curve.advance(np.linspace(0.0, pair.pitch, 200))) < 1e-6 * ARCSEC
 
 
+@pytest.mark.sweep_cases(
+    "overlap_beveloid_twenty_windings", "overlap_beveloid_five_teeth_wide", "overlap_beveloid_three_teeth"
+)
 @pytest.mark.parametrize("file", OVERLAPS, ids=lambda file: file.stem)
 def test_the_overlap_ratio_of_few_teeth_is_the_closed_form(file: Path) -> None:
     """b sin(beta) / (pi m_n) of the narrower face [ISO 21771]: such teeth go far round their axis along it."""

@@ -40,6 +40,7 @@ def sample(name: str, *keys: str) -> GearPair:
     return pair_of(load(SAMPLES / f"{name}.toml", keys))
 
 
+@pytest.mark.sweep_cases("novikov", "geometry1", "concave", "crossed")
 @pytest.mark.parametrize("case", HARD)
 def test_flanks_touch_first_where_the_roll_says(case: str) -> None:
     name, keys, shares = HARD[case]

@@ -81,6 +81,7 @@ def mesh_peak_to_peak(pair: GearPair) -> float:
     return cycle.peak_to_peak
 
 
+@pytest.mark.sweep_cases("right")
 @pytest.mark.parametrize("flank", ["right", "left"])
 def test_profile_crowning(flank: str) -> None:
     """Every contact in closed form; of the mesh, parabolas a pitch apart meet C (p_b / evaluated length)^2 below their vertices."""
@@ -103,6 +104,7 @@ def test_profile_crowning(flank: str) -> None:
     assert exact * spurs.gear == pytest.approx(amount * (pitch * spurs.pinion / (e.tip - e.root)) ** 2, rel=0.02)
 
 
+@pytest.mark.sweep_cases("short", "long")
 @pytest.mark.parametrize("share", [0.45, 0.75, 1.0], ids=["short", "intermediate", "long"])
 def test_linear_tip_relief(share: float) -> None:
     """Both tips relieved over a share of where two pairs of teeth carry, of length e: nothing up to one half of it, then
@@ -135,6 +137,7 @@ def test_a_row_of_the_grid_is_where_a_relief_begins(flank: str) -> None:
     assert np.abs(solver_pair(pair).pinion.grid[:, 0, 0] - 14.0).min() < 1e-9
 
 
+@pytest.mark.sweep_cases("right")
 @pytest.mark.parametrize("flank", ["right", "left"])
 def test_lines_end_on_the_corner_of_a_linear_relief(flank: str) -> None:
     """Beyond it there is none: roll lengths end where the relief begins, and surface contact as much sooner as they are less."""

@@ -71,6 +71,14 @@ def pinned(gears: gm.Gears, folder: Path) -> Path:
     return file
 
 
+@pytest.mark.sweep_cases(
+    "hypoid",
+    "face_gear_conjugate",
+    "spiral_bevel_basic",
+    "beveloid_parallel",
+    "spiral_bevel_abdullah_curved",
+    "face_gear_offset",
+)
 @pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)
 def test_pinned_samples_build_the_same_gears_and_hold_every_default(path: Path, tmp_path: Path) -> None:
     gears = gm.build(gm.load(path))
@@ -141,6 +149,7 @@ MORE: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.sweep_cases("bevel_inch", "shafts")
 @pytest.mark.parametrize("name", MORE)
 def test_pinned_designs_of_other_units_parts_and_errors_build_the_same_gears(name: str, tmp_path: Path) -> None:
     gears = gm.build(gm.parse(MORE[name]))
@@ -248,6 +257,7 @@ def forget_bevel_teeth() -> None:
             each.cache_clear()
 
 
+@pytest.mark.sweep_cases("face_gear", "web", "holes")
 @pytest.mark.parametrize("rule", OTHER_RULES)
 def test_a_rule_that_changes_changes_a_design_and_not_what_is_pinned(
     rule: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

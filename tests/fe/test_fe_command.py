@@ -119,6 +119,7 @@ def test_several_positions_are_a_folder_with_a_script(tmp_path: Path) -> None:
     assert calls.read_text().splitlines() == [f"{folder} -i position_{k}" for k in (1, 2, 3)]
 
 
+@pytest.mark.sweep_cases("spiral_bevel_basic")
 @pytest.mark.parametrize("sample", some(["helical", "face_gear", "planetary", "spiral_bevel_basic"], 2))
 def test_default_models_resolve_the_contact_pressure(sample: str) -> None:
     """Counted on the mesh: rows of flank faces that the contact ellipse covers, at the station of its middle."""

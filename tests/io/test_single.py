@@ -147,6 +147,7 @@ VARIATIONS = (
 ONE_OF_A_KIND = ("beveloid_crossed", "circular_arc", "face_gear", "novikov", "spiral_bevel_basic", "spur")
 
 
+@pytest.mark.sweep_cases("beveloid_crossed")
 @pytest.mark.parametrize("sample", some(ONE_OF_A_KIND, 2))
 def test_samples(tmp_path: Path, sample: str) -> None:
     """At two tolerances, without bore, and made by sharp tools where there are such."""

@@ -14,6 +14,7 @@ from gearmesh.contact.tca import contact_path
 from gearmesh.loaded.separation import near_pairs, separation
 
 
+@pytest.mark.sweep_cases("spiral_bevel_basic")
 @pytest.mark.parametrize("sample", ["helical", "spiral_bevel_basic"])
 def test_gaps_are_those_of_the_advances(sample: str) -> None:
     """By how much a point of the pinion is behind the one that touches, times its lever, is its gap: 0.2 um, the tables' accuracy,

@@ -43,6 +43,7 @@ def discs(first: int, second: int, module: float, width: float) -> tuple[str, ..
     return (*each, f"module={module}", f"assembly.center_distance={0.5 * (first + second) * module}", "backlash=0")
 
 
+@pytest.mark.sweep_cases("25-75-2.0-20.0")
 @pytest.mark.parametrize(
     ("first", "second", "module", "width"), some([(20, 40, 3.0, 28.0), (30, 30, 4.0, 30.0), (25, 75, 2.0, 20.0)], 2)
 )
@@ -66,6 +67,7 @@ def test_a_symmetric_pair_is_symmetric() -> None:
     np.testing.assert_allclose(found.root_stress[0], found.root_stress[0, ::-1, ::-1], rtol=5e-3)
 
 
+@pytest.mark.sweep_cases("spur")
 @pytest.mark.parametrize("sample", ["spur", "helical"])
 def test_torques_and_hertz_on_lines(sample: str) -> None:
     """T2/T1 = z2/z1, and along each line, away from its ends, the pressure of Hertz under the load per length there: 1 %.
@@ -122,6 +124,7 @@ def test_without_torque_the_transmission_error_is_the_unloaded_one() -> None:
         assert (slopes < 1.0).all()
 
 
+@pytest.mark.sweep_cases("spiral_bevel_basic")
 @pytest.mark.parametrize("sample", ["spur", "spiral_bevel_basic"])
 def test_tangents_are_slopes_of_torque_over_rotation(sample: str) -> None:
     """Against a central difference, each torque on grids of its own: 1 %, where the secant is 3 to 36 % less."""

@@ -97,6 +97,7 @@ def holds(name: str, part: str, tolerance: float, count: int, finer: float) -> N
     assert bound.sampled - rest.largest <= CLOSE * max(there, back)
 
 
+@pytest.mark.sweep_cases("undercut_modified_involute_sensible_2066-pinion-0.1")
 @pytest.mark.parametrize(("name", "part", "tolerance"), FEW)
 def test_random_points_never_exceed_the_bound(name: str, part: str, tolerance: float) -> None:
     holds(name, part, tolerance, 3_000, 12.0)
@@ -108,6 +109,7 @@ def test_a_million_random_points_never_exceed_the_bound(name: str, part: str, to
     holds(name, part, tolerance, 500_000 // len(MANY), 100.0)
 
 
+@pytest.mark.sweep_cases("hypoid-gear")
 @pytest.mark.parametrize(("name", "part"), [("spiral_bevel_basic", "pinion"), ("hypoid", "gear")])
 def test_the_bound_is_above_what_another_route_measures(name: str, part: str) -> None:
     """Closest points by iteration, at other places of the facets, and closest facets of points of the surface."""

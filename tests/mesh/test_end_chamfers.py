@@ -95,6 +95,7 @@ def test_what_chamfers_take_off_spur_teeth() -> None:
     assert tooth.volume() - broken.volume() == pytest.approx(removed, rel=5e-4)
 
 
+@pytest.mark.sweep_cases("spiral_bevel_geometry2-pinion-ends1-None")
 @pytest.mark.parametrize(
     ("sample", "name", "ends", "tip"),
     [

@@ -70,6 +70,7 @@ ONE_OF_A_KIND = (
 )
 
 
+@pytest.mark.sweep_cases("novikov-focused", "zerol-plain", "beveloid_crossed-plain", "circular_arc-plain")
 @pytest.mark.parametrize(
     ("sample", "shape"),
     some(
@@ -138,6 +139,7 @@ def test_spacing_uses_all_the_cells_there_are() -> None:
         assert (steps.max() > 2.0 * steps.min()) == (width < 0.5)
 
 
+@pytest.mark.sweep_cases("spiral_bevel_basic-1", "beveloid_parallel-1")
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("sample", ["beveloid_parallel", "circular_arc", "spiral_bevel_basic"])
 def test_flank_nodes_lie_on_the_exact_surface(sample: str, order: int) -> None:
@@ -266,6 +268,7 @@ def test_rim_has_the_thickness_asked_for_and_fits_the_body() -> None:
         mesh_of(member, 1, rim=500.0)
 
 
+@pytest.mark.sweep_cases("beveloid_crossed", "zerol")
 @pytest.mark.parametrize("sample", ["beveloid_crossed", "spiral_bevel_basic", "zerol"])
 def test_elements_asked_for_over_the_ellipse(sample: str) -> None:
     """Counted on the mesh: layers of flank nodes along both axes of the loaded ellipse."""
@@ -333,6 +336,7 @@ def test_members_touch_and_the_torque_drives(sample: str, flank: str) -> None:
     assert abs(built.gap) < 0.5 * at.approach
 
 
+@pytest.mark.sweep_cases("beveloid_crossed-2", "spur-1")
 @pytest.mark.parametrize(
     ("sample", "order"), [("spur", 1), ("helical", 1), ("circular_arc", 1), ("beveloid_crossed", 2)]
 )

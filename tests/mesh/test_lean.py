@@ -91,6 +91,7 @@ def test_a_tenth_of_the_tolerance_takes_ten_times_the_triangles() -> None:
     assert all(mesh.deviation <= mesh.tolerance for mesh in meshes)
 
 
+@pytest.mark.sweep_cases("hypoid_high_ratio-gear")
 @pytest.mark.parametrize(("sample", "member"), [("hypoid_high_ratio", "gear"), ("zerol", "pinion")])
 def test_chords_of_seams_that_turn_within_the_surface_stay_beside_them(sample: str, member: str) -> None:
     """Beside the root a fillet's lines have no curvature across it, and all the more along it: chords left it by 0.2 mm."""

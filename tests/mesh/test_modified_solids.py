@@ -53,6 +53,7 @@ def modified(helix: float, **changes: Any) -> Member:
     return pair_of(parse(design)).pinion
 
 
+@pytest.mark.sweep_cases("0.0-changes1-0.0005")
 @pytest.mark.parametrize("tolerance", [5e-3, 5e-4])
 @pytest.mark.parametrize(("helix", "changes"), [(18.0, {}), (0.0, {"tip_chamfer": 0.2})])
 def test_within_tolerance_and_closed_with_lines_on_the_corners(helix: float, changes: Any, tolerance: float) -> None:

@@ -23,6 +23,7 @@ CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("solid_*.toml"))
 TOLERANCE, FINEST = 1e-3, 1e-3
 
 
+@pytest.mark.sweep_cases("solid_spiral_bevel_edge_1009")
 @pytest.mark.parametrize("file", some(CORPUS, 2), ids=lambda file: file.stem)
 def test_a_random_design_keeps_its_tolerance(file: Path) -> None:
     built = gm.build(gm.load(file))
@@ -56,6 +57,7 @@ def test_a_flank_that_ends_at_its_base_is_continued_by_the_fillet() -> None:
     assert beyond > 10
 
 
+@pytest.mark.sweep_cases("0.001")
 @pytest.mark.parametrize("tolerance", [4e-3, 1e-3])
 def test_what_the_mesher_says_is_what_is_measured(tolerance: float) -> None:
     """The largest distance may be neither at the centre of a facet nor in the middle of an edge."""

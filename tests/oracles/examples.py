@@ -7,7 +7,8 @@ Property tests are asked the same examples every time, or, to look for more, oth
 asks so many, drawn anew. Without it the examples follow from the test alone, so that no machine turns red by luck.
 
 A claim that is tested on many designs is tested on `some` of them by default. The others have the mark sweep, and so have tests
-that take seconds: whole runs, solutions, pairs that are rolled. What is left is what a developer waits for. CI runs both:
+that take seconds: whole runs, solutions, pairs that are rolled. Single cases have it by their ids,
+`@pytest.mark.sweep_cases("novikov-0.01")`. What is left is what a developer waits for. CI runs both:
 
     python -m pytest -m sweep
 """

@@ -99,6 +99,7 @@ def test_the_sheet_states_letters_and_limits() -> None:
             assert tables[title][symbol] == pytest.approx(values, abs=EXACT), symbol
 
 
+@pytest.mark.sweep_cases("True")
 @pytest.mark.parametrize("internal", [False, True])
 def test_backlash_is_least_and_largest_at_the_ends_of_all_allowances(internal: bool) -> None:
     """Both ends are gears of their own, at their own centre distance, with one thickness."""

@@ -90,6 +90,7 @@ def parameters_of_map(design: gm.Design, gears: gm.Gears) -> tuple[np.ndarray, n
     return parameters[1:], um - columns @ parameters
 
 
+@pytest.mark.sweep_cases("formate-concave", "inch-convex", "zerol-convex", "right-concave")
 @pytest.mark.parametrize(("name", "side"), in_turn(PAIRS, ["concave", "convex"]))
 def test_the_exact_map_is_what_was_asked_for(name: str, side: str) -> None:
     target = TARGETS[name]

@@ -104,6 +104,7 @@ def along_normals(side: Generated, points: Array, normals: Array, q: Array) -> A
     return along_to_cone(cutter_to_blank(side, q), (blade.tip_radius, slope), points, normals)
 
 
+@pytest.mark.sweep_cases("pinion concave-left", "gear convex-right")
 @pytest.mark.parametrize("hand", HANDS)
 @pytest.mark.parametrize("name", some(["pinion concave", "pinion convex", "gear concave", "gear convex"], 2))
 def test_flanks_are_what_swept_cutters_leave(hand: str, name: str) -> None:

@@ -168,6 +168,7 @@ def test_bodies_without_them_have_the_regions_that_they_had() -> None:
     assert BODY_REGIONS[-1] == "rim"
 
 
+@pytest.mark.sweep_cases("no web")
 @pytest.mark.parametrize("case", some(GEARS, 2))
 def test_webs_and_holes_are_in_step_files(case: str, tmp_path: Path) -> None:
     """Read back: one valid solid, with the volume of the closed form."""

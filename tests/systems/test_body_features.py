@@ -147,6 +147,7 @@ def swept(cases: Iterable[str], always: set[str]) -> list[ParameterSet]:
     return [pytest.param(case, marks=() if case in always else pytest.mark.sweep) for case in cases]
 
 
+@pytest.mark.sweep_cases("bevel wheel")
 @pytest.mark.parametrize("case", swept(CASES, {"hubs and stepped bore", "spokes and bolts", "bevel wheel"}))
 def test_features_make_solids_of_the_right_volume(case: str) -> None:
     """Exact volumes in closed form; meshes are proved solids that come to them."""
@@ -159,6 +160,7 @@ def test_features_make_solids_of_the_right_volume(case: str) -> None:
     assert meshed[0].volume - meshed[1].volume == pytest.approx(expected, rel=1e-2)
 
 
+@pytest.mark.sweep_cases("ring with steps")
 @pytest.mark.parametrize(
     "case",
     swept(

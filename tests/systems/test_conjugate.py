@@ -137,6 +137,7 @@ def test_profile_radius_that_no_tooth_can_have(rho: float, words: str) -> None:
     assert words in str(refused.value)
 
 
+@pytest.mark.sweep_cases("8.3")
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("rho", [8.3, 5670.0])
 def test_profile_radius_near_its_limits(rho: float) -> None:

@@ -69,6 +69,7 @@ def test_teeth_are_as_thick_as_the_closed_form_says_at_every_radius(pair: tuple[
             assert r[:, 2] == pytest.approx(z, abs=1e-12)
 
 
+@pytest.mark.sweep_cases("internal_oblique", "ring_drives", "few_and_many")
 def test_backlash_wanted_is_backlash_measured(pair: tuple[Any, gm.Gears]) -> None:
     found, gears = pair
     summary = gears.contact(cycle=True).summary
@@ -80,6 +81,7 @@ def test_backlash_wanted_is_backlash_measured(pair: tuple[Any, gm.Gears]) -> Non
     assert summary["mesh_te_peak_to_peak_arcsec"] < 1e-7
 
 
+@pytest.mark.sweep_cases("ring_drives", "internal_helical")
 def test_contact_ratio_is_the_closed_form(pair: tuple[Any, gm.Gears]) -> None:
     found, gears = pair
     mesh = found.mesh
@@ -108,6 +110,16 @@ def test_rolled_solids_of_an_internal_pair_agree_and_have_the_exact_volume() -> 
         assert solid.figures["volume_mm3"] == pytest.approx(member.tooth.volume(), rel=5e-5)
 
 
+@pytest.mark.sweep_cases(
+    "sliding-62.6-teeth1-0.0",
+    "sliding-65.6-teeth2-22.0",
+    "sliding-64.0-teeth0-0.0",
+    "equal-44.3-teeth3-15.0",
+    "equal-64.0-teeth0-0.0",
+    "teeth-44.3-teeth3-15.0",
+    "teeth-65.6-teeth2-22.0",
+    "teeth-62.6-teeth1-0.0",
+)
 @pytest.mark.parametrize(
     ("distance", "teeth", "helix"),
     [(64.0, (18, 45), 0.0), (62.6, (18, 45), 0.0), (65.6, (17, 43), 22.0), (44.3, (20, -64), 15.0)],

@@ -58,6 +58,7 @@ def sheet_of(gears: gm.Gears) -> dict[str, list[Any]]:
     return {key: sheet.plain_tables[table.title][key][1:] for table in sheet.tables for key in table.symbols}
 
 
+@pytest.mark.sweep_cases("spur_shifted", "internal_helical", "spur", "helical_right", "internal_spur")
 @pytest.mark.parametrize("name", PAIRS)
 def test_measures_are_those_of_the_exact_surfaces(name: str) -> None:
     gears = gm.build(design_of(name))
@@ -102,6 +103,7 @@ def test_measures_are_those_of_the_exact_surfaces(name: str) -> None:
         assert 2.0 * math.hypot(base, form_point) == pytest.approx(own["d_Ff"], abs=EXACT)
 
 
+@pytest.mark.sweep_cases("internal_helical", "helical_left")
 @pytest.mark.parametrize("name", ["spur_shifted", "helical_left", "internal_spur", "internal_helical"])
 def test_backlash_contact_and_clearance_are_those_of_the_contact_solver(name: str) -> None:
     gears = gm.build(design_of(name))
@@ -142,6 +144,7 @@ UNDERCUT: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.sweep_cases("near_the_base_circle-right", "spur-right", "pinion-right", "gear-left")
 @pytest.mark.parametrize(("name", "flank"), in_turn(UNDERCUT, ["right", "left"]))
 def test_contact_ratios_of_undercut_pairs_are_those_of_the_contact_solver(name: str, flank: str) -> None:
     keys = {**UNDERCUT[name], "backlash": 0.05, "contact": {"flank": flank}}
@@ -152,6 +155,7 @@ def test_contact_ratios_of_undercut_pairs_are_those_of_the_contact_solver(name: 
         assert summary[key] == pytest.approx(sheet[symbol][0], abs=2.0 * EXACT), symbol
 
 
+@pytest.mark.sweep_cases("internal_spur")
 @pytest.mark.parametrize("name", ["spur_shifted", "internal_spur"])
 def test_specific_sliding_is_what_the_points_of_contact_do_on_the_flanks(name: str) -> None:
     """The contact solver's points, in the frames of the members, moved by a little: how far they go on either flank."""
@@ -167,6 +171,7 @@ def test_specific_sliding_is_what_the_points_of_contact_do_on_the_flanks(name: s
         assert [1.0 - second / first, 1.0 - first / second] == pytest.approx(sheet[f"zeta_{point}"], abs=1e-3, rel=1e-3)
 
 
+@pytest.mark.sweep_cases("internal_helical", "internal_spur", "formed")
 @pytest.mark.parametrize("name", PAIRS)
 def test_the_root_is_that_of_the_generated_fillet(name: str) -> None:
     """By points of the fillet alone; on a hobbed external spur gear also by ISO 6336-3, to which helical ones come near."""
@@ -271,6 +276,7 @@ BODIES: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
+@pytest.mark.sweep_cases("keyed")
 @pytest.mark.parametrize("name", BODIES)
 def test_bodies_have_volume_mass_and_inertia_of_the_solid(name: str) -> None:
     """The moments of the triangles; of what has neither hub, keyway, web nor holes, the volume in a second exact way."""

@@ -29,6 +29,7 @@ REFUSED = [
 ]
 
 
+@pytest.mark.sweep_cases("spiral_bevel_geometry1-addendum=1.8")
 @pytest.mark.parametrize(
     ("sample", "given", "key", "side"),
     [*some(REFUSED[:-1], 3), *some(REFUSED[-1:], 0)],

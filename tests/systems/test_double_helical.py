@@ -70,6 +70,7 @@ def body(mesh: TriangleMesh) -> manifold3d.Manifold:
     )
 
 
+@pytest.mark.sweep_cases("internal")
 @pytest.mark.parametrize("name", DESIGNS)
 def test_the_whole_is_two_halves_and_the_gap(name: str) -> None:
     gears, halves = gm.build(design_of(name)), single(name)
@@ -148,6 +149,7 @@ def test_contact_is_that_of_one_half_and_the_other_one_touches_alike(name: str) 
     assert below == pytest.approx(above, rel=0.02)
 
 
+@pytest.mark.sweep_cases("gap")
 @pytest.mark.parametrize("name", some(DESIGNS, 2))
 def test_cad_and_sections(name: str) -> None:
     gears = gm.build(design_of(name))

@@ -243,6 +243,7 @@ def shaped_tooth(*overrides: str) -> tuple[ShapedGear, Tooth, tuple[float, float
     return shaped, pair_of(given).gear.tooth, limits
 
 
+@pytest.mark.sweep_cases("90.0-0.15", "80.0-0.0")
 @pytest.mark.parametrize(("angle", "tip_radius"), [(80.0, 0.0), (90.0, 0.15), (110.0, 0.0)])
 def test_limits_by_closed_form_by_the_trimmed_sections_and_by_the_surface(angle: float, tip_radius: float) -> None:
     _, tooth, (inner, outer) = shaped_tooth(f"shaft_angle={angle}", f"shaper.tip_radius={tip_radius}")

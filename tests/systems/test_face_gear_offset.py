@@ -156,6 +156,7 @@ def test_refusals_name_key_value_and_limit(overrides: list[str], words: str) -> 
     assert words in str(failure.value)
 
 
+@pytest.mark.sweep_cases("120.0", "90.0")
 @pytest.mark.parametrize("shaft_angle", [70.0, 90.0, 120.0])
 def test_sheet_has_axodes_that_roll_on_each_other_and_the_lines_of_contact(shaft_angle: float) -> None:
     """The cones touch in the instantaneous axis, where both members have one velocity; in the pitch point it is the pitch line."""

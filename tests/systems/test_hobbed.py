@@ -128,6 +128,7 @@ def swept(own: Toothing, contour: Array, radii: Array) -> Array:
     return found
 
 
+@pytest.mark.sweep_cases("semi_topping", "relieved", "barely")
 @pytest.mark.parametrize("case", some(HOBS, 5))
 def test_tooth_is_what_the_tools_leave_in_thousands_of_positions(case: str) -> None:
     teeth, hob, keys = HOBS[case]
@@ -192,6 +193,7 @@ def test_solid_contact_cad_and_elements_have_the_edge(case: str, size: float) ->
     assert volume(solid_part(member, spline_tooth(member.tooth))) == pytest.approx(exact_volume(member), rel=1e-6)
 
 
+@pytest.mark.sweep_cases("line_cut")
 @pytest.mark.parametrize("case", ["line_cut", "line_helical"])
 def test_form_diameter_of_the_sheet_is_where_the_hob_passes_the_involute(case: str) -> None:
     teeth, hob, keys = HOBS[case]

@@ -82,6 +82,7 @@ def cut(design: Any) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.sweep_cases("obtuse")
 @pytest.mark.parametrize("name", PAIRS)
 def test_axes_and_mean_point(name: str) -> None:
     """Offset and shaft angle of the axes; what stands over both x axes is one point, where the members slide along the teeth."""
@@ -266,6 +267,7 @@ def test_whole_members_fit() -> None:
     assert summary["tip_clearance_pinion_mm"] == pytest.approx(basic_blank(gears.design.in_mm()).clearance, rel=2e-3)
 
 
+@pytest.mark.sweep_cases("obtuse-left", "above-left")
 @pytest.mark.parametrize(
     ("name", "hand"),
     some([("12/41", "right"), ("12/41", "left"), ("obtuse", "left"), ("above", "left")], 3),

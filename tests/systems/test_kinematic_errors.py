@@ -167,6 +167,7 @@ def test_eccentricity(pair: tuple[str, str, str]) -> None:
     np.testing.assert_allclose(sum(waves), form.at(t1, t2), rtol=1e-12)
 
 
+@pytest.mark.sweep_cases("pinion")
 @pytest.mark.parametrize("member", ["pinion", "gear"])
 def test_roll_and_start_values_follow_an_eccentric_member(member: str) -> None:
     gears, teeth, _, _ = nominal(*PAIRS[-1])
@@ -324,6 +325,7 @@ def test_split_into_two_and_three_equations_finds_the_same_contact(pair: tuple[s
         np.testing.assert_allclose(angles, [path.rotation[k], path.phi2[k]], rtol=0, atol=1e-9)
 
 
+@pytest.mark.sweep_cases("spiral_bevel_geometry1")
 @pytest.mark.parametrize("sample", ["spiral_bevel_geometry1", "spiral_bevel_basic"])
 def test_the_program_shows_the_closed_form_beside_the_solver(sample: str) -> None:
     """`tca` of a pair with errors has both; they part with the square of the errors. Without errors there is no such column."""

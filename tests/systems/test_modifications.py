@@ -150,6 +150,7 @@ def test_topography_files(tmp_path: Path) -> None:
 FACE = {"kind": "face_gear", "module": 3, "pinion": {"teeth": 25}, "gear": {"teeth": 120}, "shaper": {"teeth": 28}}
 
 
+@pytest.mark.sweep_cases("left-modified_involute", "right-face_gear")
 @pytest.mark.parametrize(
     ("base", "name"), some([(FACE, "pinion"), ({}, "gear")], 2), ids=["face_gear", "modified_involute"]
 )

@@ -82,6 +82,7 @@ def rack_plunged(kind: str) -> ContactPath:
     return contact_path(replace(flanks, pinion=replace(flanks.pinion, surface=surface)), phi1)
 
 
+@pytest.mark.sweep_cases("novikov")
 @pytest.mark.parametrize("kind", KINDS)
 def test_parabola_of_eight_arc_seconds(kind: str) -> None:
     """[LF04] Table 17.8.1: 8 arcsec at the change of teeth, which for Novikov gears differ on the two sides."""
@@ -145,6 +146,7 @@ def test_plunge_and_modified_roll_give_almost_the_same_contact(kind: str, near: 
     assert coast.te[[0, -1]].min() > 5.5 * ARCSEC
 
 
+@pytest.mark.sweep_cases("disk")
 @pytest.mark.parametrize("crowning", ["worm_plunge", "disk"])
 def test_tools_without_plunge_leave_what_the_rack_does_whatever_the_lead(crowning: str) -> None:
     errors = ("assembly.d_lambda1=0.05", "assembly.d_gamma=0.02")
@@ -154,6 +156,7 @@ def test_tools_without_plunge_leave_what_the_rack_does_whatever_the_lead(crownin
     np.testing.assert_allclose(ground.point1, rack.point1, rtol=0, atol=1e-6)
 
 
+@pytest.mark.sweep_cases("novikov-0.67-0.35")
 @pytest.mark.parametrize(("kind", "share", "near"), [("modified_involute", None, 0.25), ("novikov", 0.67, 0.35)])
 def test_disk_crowns_the_driving_flank_as_the_worm_does(kind: str, share: float | None, near: float) -> None:
     """[LF04 17.8]. The disk stands in the middle of the space, half a space beside the flank on the pitch cylinder: it sinks
@@ -181,6 +184,7 @@ def test_the_axes_stand_apart_by_the_error() -> None:
     assert over_a_pitch(apart).point1[5, 2] == pytest.approx(3.31, abs=0.01)
 
 
+@pytest.mark.sweep_cases("novikov")
 @pytest.mark.parametrize("kind", KINDS)
 def test_lead_correction_restores_the_path(kind: str) -> None:
     """[LF04] Fig. 17.8.2: errors of shaft angle and lead shift the path alike, d_gamma + d_lambda1 = 0 brings it back."""
@@ -202,6 +206,7 @@ def test_both_leads_changed_alike_cancel() -> None:
     np.testing.assert_allclose(both.point1, aligned.point1, rtol=0, atol=0.05)
 
 
+@pytest.mark.sweep_cases("d_gamma")
 @pytest.mark.parametrize("error", some(["d_gamma", "d_lambda1", "d_lambda2", "dE"], 2))
 def test_a_left_hand_pinion_is_the_mirror_image(error: str) -> None:
     """In a transverse plane: z turns round, the transmission error stays, whatever the error."""

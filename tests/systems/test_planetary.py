@@ -47,6 +47,7 @@ def _body(mesh: TriangleMesh) -> manifold3d.Manifold:
     return manifold3d.Manifold(made(mesh.vertices.astype(kind), mesh.triangles.astype(index)))
 
 
+@pytest.mark.sweep_cases("even")
 @pytest.mark.parametrize("name", some(SETS, 2))
 def test_members_that_stand_in_mesh_touch_and_do_not_overlap(name: str) -> None:
     """Solids of all members, placed: no two of them share more than their facets' error where they touch."""
@@ -65,6 +66,7 @@ def test_members_that_stand_in_mesh_touch_and_do_not_overlap(name: str) -> None:
     assert (_body(turned) ^ bodies["ring"]).volume() > 1.0
 
 
+@pytest.mark.sweep_cases("even")
 @pytest.mark.parametrize("name", some(SETS, 2))
 def test_every_mesh_has_the_backlash_that_is_asked_for(name: str) -> None:
     teeth, keys = SETS[name]

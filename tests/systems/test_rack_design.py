@@ -187,6 +187,7 @@ def test_as_many_teeth_as_a_length_has_room_for() -> None:
     assert gears.members["rack"].overhang == pytest.approx(0.5 * (100.0 - 30.0 * math.pi), abs=1e-12)
 
 
+@pytest.mark.sweep_cases("shaped", "mounted")
 @pytest.mark.parametrize("case", some(CASES, 3))
 def test_the_sheet_says_what_is_there(case: str) -> None:
     """Figures of the sheet against the contact solver, and the pin of its measure laid into a space of the exact rack."""
@@ -282,6 +283,7 @@ def test_the_overlap_is_found_where_the_rack_s_tip_meets_the_end_of_the_flank() 
     assert summary["overlap_ratio"] == pytest.approx(20.0 * math.sin(math.radians(15.0)) / (2.0 * math.pi), abs=1e-9)
 
 
+@pytest.mark.sweep_cases("0")
 @pytest.mark.parametrize("helix", [0, 25])
 def test_a_step_file_reads_back_as_the_bar_that_it_was(helix: int, tmp_path: Path) -> None:
     pytest.importorskip("OCP")

@@ -91,6 +91,7 @@ def test_the_transmission_error_is_that_of_an_involute_on_the_profile() -> None:
     assert np.ptp(travel - expected) < 1e-9
 
 
+@pytest.mark.sweep_cases("tip_rounding-0", "tip_chamfer-0")
 @pytest.mark.parametrize("helix", [0, 20])
 @pytest.mark.parametrize("edge", ["tip_chamfer", "tip_rounding"])
 def test_solids_have_the_volume_of_the_sections(helix: int, edge: str) -> None:

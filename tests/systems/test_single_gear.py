@@ -69,6 +69,7 @@ def alone_and_in_pair(name: str, table: str) -> tuple[gm.Gears, gm.Gears]:
     return alone, gm.build(gm.parse({"kind": "cylindrical", **keys, table: pinned, mating: other}))
 
 
+@pytest.mark.sweep_cases("helical-gear", "internal-gear")
 @pytest.mark.parametrize(
     ("name", "table"),
     [
@@ -99,6 +100,7 @@ def test_is_the_same_gear_as_in_a_pair(name: str, table: str) -> None:
     assert compared > 40
 
 
+@pytest.mark.sweep_cases("helical-gear-2")
 @pytest.mark.parametrize(("name", "table", "order"), [("helical", "gear", 2), ("internal", "gear", 1)])
 def test_finite_elements_are_those_of_the_member_of_a_pair(name: str, table: str, order: int) -> None:
     """Second route: the pair's model with even lines, moved back from where contact analysis places it."""
@@ -236,6 +238,7 @@ def test_what_needs_a_mating_gear_says_so() -> None:
         gears.picture("contact")
 
 
+@pytest.mark.sweep_cases("12")
 @pytest.mark.parametrize("teeth", [12, 31])
 def test_a_rack_is_the_same_as_with_a_pinion(teeth: int) -> None:
     """Second route: the rack of a pair, whatever the pinion; its hand is then the other one."""

@@ -23,6 +23,7 @@ WISHES: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.sweep_cases("few_teeth")
 @pytest.mark.parametrize("name", some(WISHES, 2))
 def test_every_pair_is_as_wanted_and_worth_what_is_said(name: str) -> None:
     wanted = WISHES[name]

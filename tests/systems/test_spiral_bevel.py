@@ -267,6 +267,7 @@ def test_inches_are_millimetres() -> None:
         assert abs(a.tooth.volume() / b.tooth.volume() - 1.0) < 1e-9
 
 
+@pytest.mark.sweep_cases("0.0")
 @pytest.mark.parametrize("backlash", [0.0, 0.2])
 def test_backlash_is_what_the_gear_turns_between_both_sides(backlash: float) -> None:
     turned, radius, normal = {}, 0.0, 0.0
@@ -304,6 +305,7 @@ def test_zerol_and_straight_teeth_are_the_same_system_at_spiral_angle_0() -> Non
         assert (abs(trace[0] - 2.0 * trace[2] + trace[4]) < 1e-3) == straight
 
 
+@pytest.mark.sweep_cases("pinion")
 @pytest.mark.parametrize("name", ["pinion", "gear"])
 def test_keyway_and_hub(name: str) -> None:
     features = {"bore": 12.0, "keyway": {"width": 4.0, "depth": 2.0}, "hub": {"diameter": 24.0, "length": 9.0}}
@@ -332,6 +334,7 @@ def path_at_mean(design: Any, name: str, gear_point: Array) -> tuple[float, Arra
     return float(SECOND @ error / STEP**2), unit(moved), float(path.semi_major[3])
 
 
+@pytest.mark.sweep_cases("concave")
 @pytest.mark.parametrize("name", ["concave", "convex"])
 def test_compensation_restores_path_and_transmission_error(name: str) -> None:
     errors = [f"contact.side=pinion_{name}", "assembly.dV=0.05", "assembly.dA=-0.04", "assembly.d_delta=0.03"]

@@ -205,6 +205,7 @@ ODD: dict[str, tuple[Any, str]] = {
 }
 
 
+@pytest.mark.sweep_cases("novikov", "partly_undercut", "sharp_shaper", "chamfer", "protuberance")
 @pytest.mark.parametrize("name", ODD)
 def test_teeth_stay_closed(name: str) -> None:
     """Links share their ends; flank and fillet stay smooth where they were; the root and the land begin where they did."""

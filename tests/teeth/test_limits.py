@@ -201,6 +201,7 @@ def test_undercut_begins_where_the_trimmed_tooth_says() -> None:
         assert (side.flank_radius > side.singular_radius).all()
 
 
+@pytest.mark.sweep_cases("worm_plunge")
 @pytest.mark.parametrize("crowning", ["worm_plunge", "disk"])
 def test_a_crowned_pinion_has_its_racks_limits_within_the_crowning(crowning: str) -> None:
     by_rack, ground = (

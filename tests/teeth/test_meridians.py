@@ -151,6 +151,7 @@ def test_a_broken_edge_follows_the_throat() -> None:
     np.testing.assert_allclose(edge.points[1], land[0], atol=1e-11)
 
 
+@pytest.mark.sweep_cases("conical_tip")
 @pytest.mark.parametrize("name", ["throat_and_cylinder", "conical_tip"])
 def test_contact_goes_over_to_the_tip_edge_as_the_roll_test_says(name: str) -> None:
     """Behind the end of surface contact the tip edge, or its corner, touches: second route the roll test of two whole teeth."""

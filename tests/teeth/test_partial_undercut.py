@@ -33,6 +33,7 @@ def pinion(face_width: float, hand: str) -> gm.Gears:
     return gm.build(SpiralBevelDesign(module=2, face_width=face_width, hand=hand, **angles, **teeth))
 
 
+@pytest.mark.sweep_cases("23.35-right")
 @pytest.mark.parametrize(("face_width", "hand"), some([(23.35, "right"), (24.0, "right"), (20.0, "left")], 2))
 def test_a_little_undercut_is_a_warning(face_width: float, hand: str) -> None:
     gears = pinion(face_width, hand)

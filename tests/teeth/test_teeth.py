@@ -121,6 +121,7 @@ def test_undercut_beginning_along_the_face_is_a_station() -> None:
     assert cut.tolist() == [True, False]
 
 
+@pytest.mark.sweep_cases("intersected", "helical")
 @pytest.mark.parametrize(
     ("sample", "overrides", "tolerances"),
     some(
@@ -339,6 +340,7 @@ LIMITS = {
 }
 
 
+@pytest.mark.sweep_cases("face")
 @pytest.mark.parametrize("name", LIMITS)
 def test_refusals_name_a_true_limit(name: str) -> None:
     sample, key, value, _, pattern = LIMITS[name]

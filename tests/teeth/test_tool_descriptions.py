@@ -41,6 +41,7 @@ TOOLS = {
 }
 
 
+@pytest.mark.sweep_cases("spiral_bevel_formate")
 @pytest.mark.parametrize("sample", TOOLS)
 def test_flanks_of_every_kind_say_what_made_them(sample: str) -> None:
     pair = gm.build(gm.load(SAMPLES / f"{sample}.toml")).train.pairs[0]

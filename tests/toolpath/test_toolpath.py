@@ -104,6 +104,9 @@ def test_the_largest_ball() -> None:
     assert within[1] < -3e-4
 
 
+@pytest.mark.sweep_cases(
+    "--tool ball:9-2---tool = ball:9: the largest ball that fits has a diameter of 1.2048 mm, by the least radius of"
+)
 @pytest.mark.parametrize(
     ("arguments", "status", "words"),
     [

@@ -42,6 +42,7 @@ def copy(name: str, folder: Path) -> np.ndarray:
         return np.asarray(image.convert("RGB").resize(CELLS, Image.Resampling.BOX))
 
 
+@pytest.mark.sweep_cases("long tooth")
 @pytest.mark.parametrize("name", [name for name in PICTURES if name not in FLAT])
 @pytest.mark.skipif(opengl.missing_opengl_message() is not None, reason="needs OpenGL")
 def test_scenes_look_as_they_did(name: str, tmp_path: Path) -> None:
