@@ -31,8 +31,17 @@ Index = NDArray[np.int64]
 #: distance (M,), mm, of the middles of edges (M, 2) from the surface
 Miss = Callable[[Index], Array]
 
+#: left and right line, the nodes between them at toe and heel
+Strip = tuple[Index, Index, Index, Index]
+#: start, end, and the chains a and b between them, of a strip
+Chains = tuple[int, int, tuple[Index, Index]]
+
+#: a strip may start at the left corner of the toe or at the right one, and end at the right one of the heel or at the left one
+CORNERS = ((True, True), (True, False), (False, True), (False, False))
 #: gain (mm) from which on a diagonal is turned: below it is rounding
 GAIN = 1e-12
+#: pairs of nodes of a strip up to which all of its diagonals are tried
+PAIRS = 4_000
 
 
 @dataclass(frozen=True)
@@ -40,7 +49,7 @@ class StripTriangulation:
     """All strips of a link, one after the other.
 
     `a`, `b`: nodes of both chains, without the corners `start` and `end` (S,) at which they meet; `first` (S, 2): where a strip's
-    begin in them. `steps` (K,): True where the next node is one of a; `strip` (K,) whose step it is.
+    begin in them. `steps` (K,): True where the next node is one of a; `strip` (K,) whose step it is. `strips`: their borders.
     """
 
     a: Index
@@ -50,6 +59,7 @@ class StripTriangulation:
     first: Index
     steps: NDArray[np.bool_]
     strip: Index
+    strips: tuple[Strip, ...]
 
     @staticmethod
     def of(
@@ -59,11 +69,13 @@ class StripTriangulation:
         strips = list(zip(lines[:-1], lines[1:], toe, heel, strict=True))
         chains = [_chains(strip, *ends) for strip, ends in zip(strips, _corners(strips, level, miss), strict=True)]
         levels = [[np.maximum.accumulate(level[chain])[1:] for chain in pair] for *_, pair in chains]
-        steps, strip = [], []
-        for k, (of_a, of_b) in enumerate(levels):
-            order = np.argsort(np.concatenate((of_a, of_b)), kind="stable")
-            steps.append(order < len(of_a))
-            strip.append(np.full(len(order), k))
+        steps = [np.argsort(np.concatenate(pair), kind="stable") < len(pair[0]) for pair in levels]
+        return StripTriangulation._made(strips, chains, steps)
+
+    @staticmethod
+    def _made(
+        strips: Sequence[Strip], chains: Sequence[Chains], steps: Sequence[NDArray[np.bool_]]
+    ) -> StripTriangulation:
         counts = np.array([[len(chain) for chain in pair] for *_, pair in chains])
         return StripTriangulation(
             np.concatenate([pair[0] for *_, pair in chains]),
@@ -72,8 +84,15 @@ class StripTriangulation:
             np.array([end for _, end, _ in chains]),
             np.cumsum(counts, axis=0) - counts,
             np.concatenate(steps),
-            np.concatenate(strip),
+            np.repeat(np.arange(len(steps)), [of.size for of in steps]),
+            tuple(strips),
         )
+
+    @property
+    def _chains(self) -> list[Chains]:
+        """Start, end, and the chains between them, of every strip."""
+        a, b = (np.split(chain, first[1:]) for chain, first in zip((self.a, self.b), self.first.T, strict=True))
+        return list(zip(self.start.tolist(), self.end.tolist(), zip(a, b, strict=True), strict=True))
 
     def diagonals(self) -> tuple[Index, Index]:
         """Places (S + K, 2) in a and b of all diagonals, those of a strip in order, and the strip of each."""
@@ -116,6 +135,26 @@ class StripTriangulation:
         steps[chosen], steps[chosen + 1] = self.steps[chosen + 1], self.steps[chosen]
         return replace(self, steps=steps)
 
+    def best(self, miss: Miss, chosen: NDArray[np.bool_]) -> StripTriangulation:
+        """The triangulation with the best corners, and the best diagonals between their chains, in the chosen strips (S,): the sum
+        of the diagonals' misses, to the fourth power, is the least that there is.
+
+        By dynamic programming over all pairs of nodes [Fuchs, Kedem & Uselton, Comm. ACM 20 (1977) 693]; strips with more than
+        PAIRS of them stay.
+        """
+        steps, chains = np.split(self.steps, np.searchsorted(self.strip, np.arange(1, len(self.start)))), self._chains
+        for k in np.flatnonzero(chosen):
+            ways = [_chains(self.strips[k], *corners) for corners in CORNERS]
+            ways = [way for way in ways if 0 < way[2][0].size * way[2][1].size <= PAIRS]
+            pairs = [np.stack(np.meshgrid(*pair, indexing="ij"), axis=-1).reshape(-1, 2) for *_, pair in ways]
+            if not pairs:
+                continue
+            costs = np.split(miss(np.concatenate(pairs)) ** 4, np.cumsum([len(part) for part in pairs])[:-1])
+            tried = [_cheapest(cost.reshape(pair[0].size, -1)) for cost, (*_, pair) in zip(costs, ways, strict=True)]
+            least = int(np.argmin([total for total, _ in tried]))
+            chains[k], steps[k] = ways[least], tried[least][1]
+        return StripTriangulation._made(self.strips, chains, steps)
+
     def _gaining(self, miss: Miss, held: Array) -> Index:
         """Steps that better change places with the next one, no two of them neighbours."""
         at = np.flatnonzero((self.strip[1:] == self.strip[:-1]) & (self.steps[1:] != self.steps[:-1]))
@@ -131,8 +170,21 @@ class StripTriangulation:
         return np.flatnonzero(best)
 
 
-#: left and right line, the nodes between them at toe and heel
-Strip = tuple[Index, Index, Index, Index]
+def _cheapest(cost: Array) -> tuple[float, NDArray[np.bool_]]:
+    """The least sum of cost from corner to corner of a table (A, B), and the steps on the way, True along the first axis."""
+    total = np.empty_like(cost)
+    before = np.full(cost.shape[1], np.inf)
+    before[0] = 0.0
+    for row, own in zip(total, np.cumsum(cost, axis=1), strict=True):
+        # from the row before at any place, then along this one
+        row[:] = own + np.minimum.accumulate(before - np.concatenate(([0.0], own[:-1])))
+        before = row
+    i, j = len(cost) - 1, cost.shape[1] - 1
+    steps = list[bool]()
+    while i or j:
+        steps.append(j == 0 or (i > 0 and bool(total[i - 1, j] <= total[i, j - 1])))
+        i, j = (i - 1, j) if steps[-1] else (i, j - 1)
+    return float(total[-1, -1]), np.array(steps[::-1], dtype=bool)
 
 
 def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bool, bool]]:
@@ -164,7 +216,7 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
     return corners
 
 
-def _chains(strip: Strip, from_left: bool, to_right: bool) -> tuple[int, int, tuple[Index, Index]]:
+def _chains(strip: Strip, from_left: bool, to_right: bool) -> Chains:
     """Start, end, and the chains a and b between them, of one strip."""
     left, right, toe, heel = strip
     if from_left:

@@ -60,7 +60,7 @@ def ratio(mesh: ToothMesh) -> float:
         ("internal", "gear", 1.5),
         ("double_helical", "pinion", 1.4),
         # a tooth turns from the toe to the heel into another, and lines go from one to the other
-        ("beveloid_crossed", "pinion", 2.9),
+        ("beveloid_crossed", "pinion", 2.85),
         ("face_gear", "gear", 2.4),
     ],
 )

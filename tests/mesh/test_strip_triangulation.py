@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -71,6 +71,51 @@ def test_a_triangulation_fills_the_rectangle(rows: list[int], toe: list[int], he
         counts = np.unique(edges, axis=0, return_counts=True)[1]
         assert (counts == 1).sum() == rows[0] + rows[-1] - 2 + sum(toe) + sum(heel) + 2 * len(toe)
         assert counts.max() <= 2
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_best_triangulation_is_the_best_of_all(seed: int) -> None:
+    """Of all between two chains, by any corners, of a strip of 5 and 4 nodes with 1 and 2 between them; the other strip stays."""
+    lines, below, above, s, t = nodes([5, 4, 3], [1, 0], [2, 1])
+    table = np.random.default_rng(seed).random((s.size, s.size))
+
+    def miss(edges: Index) -> Array:
+        low, high = np.sort(edges, axis=1).T
+        found: Array = table[low, high]
+        return found
+
+    def cost(triangles: Index) -> float:
+        return float((miss(inner_edges(triangles)) ** 4).sum())
+
+    def least(a: list[int], b: list[int]) -> float:
+        """Of all ways from the first nodes of two chains to the last ones."""
+        ways = []
+        for chosen in combinations(range(len(a) + len(b) - 2), len(a) - 1):
+            i = np.cumsum([0, *(k in chosen for k in range(len(a) + len(b) - 2))])
+            ways.append(np.column_stack((np.array(a)[i], np.array(b)[np.arange(i.size) - i])))
+        return min(float((miss(way) ** 4).sum()) for way in ways)
+
+    (left, right), toe, heel = (line.tolist() for line in lines[:2]), below[0].tolist(), above[0].tolist()
+    of_left, of_right = [toe[::-1] + left, left[1:]], [right[1:], toe + right]
+    chains = [
+        (of_left[first] + heel, of_right[first][:-1]) if last else (of_left[first][:-1], of_right[first] + heel[::-1])
+        for first in (0, 1)
+        for last in (0, 1)
+    ]
+    plain = StripTriangulation.of(lines, below, above, t, miss)
+    better = plain.best(miss, np.array([True, False]))
+    triangles, strip = better.triangles()
+    assert cost(triangles[strip == 0]) == pytest.approx(min(least(a, b) for a, b in chains), rel=1e-12)
+    assert (areas(s, t, triangles) > 0.0).all()
+    before, of = plain.triangles()
+    np.testing.assert_array_equal(triangles[strip == 1], before[of == 1])
+
+
+def inner_edges(triangles: Index) -> Index:
+    edges, counts = np.unique(
+        np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0, return_counts=True
+    )
+    return edges[counts == 2]
 
 
 def test_diagonals_follow_the_levels() -> None:

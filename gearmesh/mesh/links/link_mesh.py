@@ -27,8 +27,10 @@ SectionCurve = Callable[[Array, Array], Array]
 
 #: below this (mm) a deviation is rounding
 FLOOR = 1e-9
-#: rounds of turning diagonals, and more of them where a mesh misses the tolerance
-TURNS = (1, 6)
+#: rounds of turning diagonals, and more of them where a mesh misses the tolerance; after these the best ones of all are taken
+TURNS = (1, 6, 0)
+#: share of its densest nodes that a section curve has where it is straight
+STRAIGHT = 0.1
 #: rounds in which chords of the section curves are halved
 ROUNDS = 12
 
@@ -125,7 +127,15 @@ def mesh_link(
     triangulation = StripTriangulation.of(numbers, inner[: count - 1], inner[count - 1 :], level, points.arch)
     on_break = np.isin(t, tooth.face_breaks)
     held, crease = np.where(on_break, t, 0.0), on_break | np.isin(s, breaks(link)) | (link.surface is None)
+    triangles, strip = triangulation.triangles()
+    peaks = np.zeros(len(triangles))
     for turns in TURNS:
+        if not turns:
+            bad, fixed = (
+                np.bincount(strip[of], minlength=count - 1) > 0
+                for of in (peaks > tolerance, np.any(held[triangles] > 0.0, axis=1))
+            )
+            triangulation = triangulation.best(points.arch, bad & ~fixed)
         for _ in range(turns):
             triangulation = triangulation.flip(points.arch, held)
         triangles, strip = triangulation.triangles()
@@ -194,9 +204,16 @@ def _between(
     """
     totals = [np.interp(s, density[0], integral(*density)) for density in outline]
     cells = np.maximum(1, np.ceil(np.diff(totals) - 1e-9).astype(int))
+    # between lines they are closer where the curve is bent more
+    evens = [integral(x, np.maximum(density, STRAIGHT * density.max() + FLOOR)) for x, density in outline]
+    ends = [np.interp(s, density[0], even) for density, even in zip(outline, evens, strict=True)]
     for _ in range(ROUNDS):
         nodes = [
-            [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(s[:-1], s[1:], count, strict=True)] for count in cells
+            [
+                np.append(s[k], np.interp(np.linspace(end[k], end[k + 1], n + 1)[1:-1], even, density[0]))
+                for k, n in enumerate(count)
+            ]
+            for density, even, end, count in zip(outline, evens, ends, cells, strict=True)
         ]
         off = _off_curves(curve, [np.append(np.concatenate(inner), 1.0) for inner in nodes])
         worst = np.array(
