@@ -34,8 +34,17 @@ def rack(helix: float = 0.26, cone: float = 0.35, side: int = 1) -> RackSurface:
     return RackSurface(Line(ALPHA, 5.0, 1.25 * np.pi), helix, cone, side)
 
 
+#: nothing of the contact is left to be searched for
 MODIFIED = [
-    f"pinion.{side}.modified_roll_c{k}={c}" for side in ("concave", "convex") for k, c in ((2, 0.05), (3, -0.1))
+    f"pinion.{side}.{key}={value}"
+    for side in ("concave", "convex")
+    for key, value in {
+        "modified_roll_c2": 0.05,
+        "modified_roll_c3": -0.1,
+        "mean_offset": 0,
+        "mean_shift": 0,
+        "path_angle": 90,
+    }.items()
 ]
 #: the papers' gears, and what is set in them
 GEARS: dict[str, list[str]] = {

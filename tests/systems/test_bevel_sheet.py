@@ -42,9 +42,10 @@ def design_named(name: str) -> Any:
     if name == "right":
         data: dict[str, Any] = {"module": 5.189, "spiral_angle": 20.58, "pressure_angle": 16.61, "hand": "right"}
         face = 0.3 * 0.5 * 5.189 * float(np.hypot(12, 13))
-        return parse(
-            {"kind": "spiral_bevel", **data, "face_width": face, "pinion": {"teeth": 12}, "gear": {"teeth": 13}}
-        )
+        # nothing of the contact is left to be searched for
+        said = {"mean_offset": 0.0, "mean_shift": 0.0, "modified_roll_c3": 0.0, "path_angle": 90.0}
+        pinion = {"teeth": 12, "concave": said, "convex": said}
+        return parse({"kind": "spiral_bevel", **data, "face_width": face, "pinion": pinion, "gear": {"teeth": 13}})
     if name == "inch":
         data = {"units": "inch", "diametral_pitch": 6, "spiral_angle": 30, "shaft_angle": 75, "backlash": 0.004}
         return parse({"kind": "spiral_bevel", **data, "pinion": {"teeth": 17}, "gear": {"teeth": 31}})
