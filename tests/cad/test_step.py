@@ -70,6 +70,9 @@ FILES = {
     "relieved": ("helical", RELIEVED, "pinion"),
     "topography": ("helical", ["pinion.teeth=12", f"pinion.modifications.topography={SURVEYED}"], "pinion"),
 }
+#: what is written and read together, the second with the mark sweep
+GROUPS = (("keyed", "undercut", "pair"), ("face", "relieved", "topography"))
+EVERY_FILE = [*GROUPS[0], *some(GROUPS[1], 0)]
 #: sample -> changes, member: all with end faces on cones or cylinders, and one with planes
 CHECKED = {
     "zerol": ([], "pinion"),
@@ -322,11 +325,15 @@ def run_reader(program: str, folder: Path, arguments: list[str], text: str = "")
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with all FILES, written by the command line."""
-    folder = tmp_path_factory.mktemp("step")
-    for file in FILES:
+    return tmp_path_factory.mktemp("step")
+
+
+@cache
+def written(folder: Path, group: tuple[str, ...]) -> list[str]:
+    """A group of FILES in a folder, written by the command line."""
+    for file in group:
         write(folder, file)
-    return folder
+    return [str(folder / f"{file}.step") for file in group]
 
 
 def write(folder: Path, file: str) -> None:
@@ -337,23 +344,40 @@ def write(folder: Path, file: str) -> None:
     assert main([*arguments, "-o", str(folder / f"{file}.step")]) == 0
 
 
-@pytest.fixture(scope="module")
-def read_by_occ(folder: Path) -> dict[str, Any]:
-    """What a fresh process with OpenCASCADE finds in the files."""
+@cache
+def group_by_occ(folder: Path, group: tuple[str, ...]) -> dict[str, Any]:
+    """What a fresh process with OpenCASCADE finds in the files of a group."""
+    files = written(folder, group)
     asked = {
-        str(folder / f"{file}.step"): {name: probes(member) for name, member in members(file).items()} for file in FILES
+        path: {name: probes(member) for name, member in members(file).items()}
+        for path, file in zip(files, group, strict=True)
     }
-    gears = gears_in("pair")
-    path = analyse(gears, np.zeros(1))
-    for name, flank, point in zip(gears.members, gears.flanks, (path.point1[0], path.point2[0]), strict=True):
-        names = [f"flank_{flank}_{k + 1}" for k in range(gears.members[name].tooth.teeth)]
-        asked[str(folder / "pair.step")][name]["contact"] = (names, [point.tolist()])
+    if "pair" in group:
+        gears = gears_in("pair")
+        path = analyse(gears, np.zeros(1))
+        for name, flank, point in zip(gears.members, gears.flanks, (path.point1[0], path.point2[0]), strict=True):
+            names = [f"flank_{flank}_{k + 1}" for k in range(gears.members[name].tooth.teeth)]
+            asked[str(folder / "pair.step")][name]["contact"] = (names, [point.tolist()])
     return run_reader(OCP_READER, folder, [], json.dumps(asked))
 
 
-@pytest.fixture(scope="module")
-def read_by_gmsh(folder: Path) -> dict[str, Any]:
-    return run_reader(GMSH_READER, folder, [str(folder / f"{file}.step") for file in FILES])
+@cache
+def group_by_gmsh(folder: Path, group: tuple[str, ...]) -> dict[str, Any]:
+    return run_reader(GMSH_READER, folder, written(folder, group))
+
+
+def read_by_occ(folder: Path, file: str) -> Any:
+    """What OpenCASCADE finds in one of FILES."""
+    return group_by_occ(folder, group_of(file))[file]
+
+
+def read_by_gmsh(folder: Path, file: str) -> Any:
+    return group_by_gmsh(folder, group_of(file))[file]
+
+
+def group_of(file: str) -> tuple[str, ...]:
+    (group,) = (group for group in GROUPS if file in group)
+    return group
 
 
 def face_names(member: Member) -> Counter[str]:
@@ -377,22 +401,22 @@ def face_names(member: Member) -> Counter[str]:
     return names
 
 
-@pytest.mark.parametrize("file", FILES)
-def test_a_fresh_process_reads_one_valid_solid(file: str, read_by_occ: dict[str, Any]) -> None:
+@pytest.mark.parametrize("file", EVERY_FILE)
+def test_a_fresh_process_reads_one_valid_solid(file: str, folder: Path) -> None:
     """One closed shell, every edge between two faces, and the exact volume (Gauss quadrature of exact sections)."""
     expected = members(file)
-    assert read_by_occ[file]["parts"].keys() == expected.keys()
-    for name, found in read_by_occ[file]["parts"].items():
+    assert read_by_occ(folder, file)["parts"].keys() == expected.keys()
+    for name, found in read_by_occ(folder, file)["parts"].items():
         assert (found["solids"], found["shells"], found["valid"]) == (1, 1, True)
         assert found["edge_sides"] == [2]
         assert found["faces"] == face_names(expected[name]).total()
         assert found["volume"] == pytest.approx(volumes(file)[name], rel=OFF.get(file, 1e-6))
 
 
-@pytest.mark.parametrize("file", FILES)
-def test_faces_keep_names_and_colours(file: str, read_by_occ: dict[str, Any]) -> None:
+@pytest.mark.parametrize("file", EVERY_FILE)
+def test_faces_keep_names_and_colours(file: str, folder: Path) -> None:
     for name, member in members(file).items():
-        named = read_by_occ[file]["parts"][name]["named"]
+        named = read_by_occ(folder, file)["parts"][name]["named"]
         assert Counter(each for each, _ in named) == face_names(member)
         regions = (*member.tooth.regions, *BODY_REGIONS)
         palette = dict(zip(regions, region_colours(len(regions)), strict=True))
@@ -401,11 +425,11 @@ def test_faces_keep_names_and_colours(file: str, read_by_occ: dict[str, Any]) ->
             np.testing.assert_allclose(colour, palette[stem if number.isdigit() else each], atol=1e-6)
 
 
-@pytest.mark.parametrize("file", FILES)
-def test_lands_and_roots_are_planes_cylinders_and_cones(file: str, read_by_occ: dict[str, Any]) -> None:
+@pytest.mark.parametrize("file", EVERY_FILE)
+def test_lands_and_roots_are_planes_cylinders_and_cones(file: str, folder: Path) -> None:
     """One face for every tooth, undercut or not, on the very level that the blank has: tip diameters can be picked."""
     for name, member in members(file).items():
-        blank, faces = member.tooth.blank, read_by_occ[file]["parts"][name]["turned"]
+        blank, faces = member.tooth.blank, read_by_occ(folder, file)["parts"][name]["turned"]
         assert Counter(each for each, _, _ in faces) == {
             f"{link}_{k + 1}": 1 for link in ("land", "root") for k in range(member.tooth.teeth)
         }
@@ -438,30 +462,30 @@ def test_no_curve_leaves_its_surface(sample: str, tmp_path: Path) -> None:
     assert faults(solid, self_intersection=sample == "helical") == []
 
 
-@pytest.mark.parametrize("file", FILES)
-def test_exact_points_lie_on_the_faces_read(file: str, read_by_occ: dict[str, Any]) -> None:
+@pytest.mark.parametrize("file", EVERY_FILE)
+def test_exact_points_lie_on_the_faces_read(file: str, folder: Path) -> None:
     """Flanks and fillets of tooth 1 within the default tolerance at points between the nodes, by OpenCASCADE's projection."""
-    for found in read_by_occ[file]["parts"].values():
+    for found in read_by_occ(folder, file)["parts"].values():
         assert len(found["off"]) >= 4
         assert max(found["off"].values()) <= TOLERANCE
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("file", FILES)
-def test_gmsh_reads_one_closed_volume(file: str, read_by_gmsh: dict[str, Any]) -> None:
+@pytest.mark.parametrize("file", EVERY_FILE)
+def test_gmsh_reads_one_closed_volume(file: str, folder: Path) -> None:
     """A second program: all faces are on the outside, and only seams of cylinders and cones have one face."""
-    found, expected = read_by_gmsh[file], members(file)
+    found, expected = read_by_gmsh(folder, file), members(file)
     assert found["volumes"] == pytest.approx(list(volumes(file).values()), rel=OFF.get(file, 1e-6))
     assert found["faces"] == found["outside"] == sum(face_names(member).total() for member in expected.values())
     assert set(found["one_sided"]) <= {"Cylinder", "Cone"}
 
 
-def test_the_pair_stands_in_mesh(read_by_occ: dict[str, Any]) -> None:
+def test_the_pair_stands_in_mesh(folder: Path) -> None:
     """Instances stand where contact analysis at phi1 = 0 has them, and its contact point is on a flank of both solids."""
     gears = gears_in("pair")
     path = analyse(gears, np.zeros(1))
     places = {"pinion": gears.pinion.mount.at(path.rotation[0]), "gear": gears.gear.mount.at(path.phi2[0])}
-    found = read_by_occ["pair"]
+    found = read_by_occ(folder, "pair")
     assert found["instances"].keys() == places.keys()
     points = {"pinion": path.point1[0], "gear": path.point2[0]}
     for name, place in places.items():
@@ -473,7 +497,7 @@ def test_the_pair_stands_in_mesh(read_by_occ: dict[str, Any]) -> None:
 
 
 def test_header_names_schema_and_unit(folder: Path) -> None:
-    text = (folder / "keyed.step").read_text()
+    text = Path(written(folder, GROUPS[0])[0]).read_text()
     header, data = text.split("ENDSEC;", 1)
     assert "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF" in header
     assert "gearmesh" in header
@@ -660,6 +684,7 @@ def test_colours_of_parts_have_an_order_of_their_own() -> None:
 
 def test_the_same_command_writes_the_same_bytes(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The date is that of SOURCE_DATE_EPOCH, and none else. Other processes have their test with those of all formats."""
+    written(folder, GROUPS[0])
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
     write(tmp_path, "undercut")
     again, first = ((place / "undercut.step").read_text() for place in (tmp_path, folder))
