@@ -55,6 +55,9 @@ def case(request: pytest.FixtureRequest) -> Case:
     return Case(*request.param)
 
 
+@pytest.mark.sweep_cases(
+    "1-left-pinion_concave", "1-right-pinion_convex", "2-left-pinion_convex", "2-right-pinion_concave"
+)
 def test_line_of_action(case: Case) -> None:
     wanted = case.fixed(case.forms.line_of_action(case.phi_d))
     np.testing.assert_allclose(case.path.point, wanted, rtol=0, atol=1e-9 * case.forms.cone_distance)
@@ -64,10 +67,16 @@ def test_line_of_action(case: Case) -> None:
     )
 
 
+@pytest.mark.sweep_cases(
+    "1-left-pinion_concave", "1-right-pinion_convex", "2-left-pinion_convex", "2-right-pinion_concave"
+)
 def test_motion_is_conjugate(case: Case) -> None:
     assert np.ptp(case.path.te) < 1e-8 * ARCSEC
 
 
+@pytest.mark.sweep_cases(
+    "1-left-pinion_concave", "1-right-pinion_convex", "2-left-pinion_convex", "2-right-pinion_concave"
+)
 def test_paths_on_both_members(case: Case) -> None:
     scale = 1e-9 * case.forms.cone_distance
     for mount, found, wanted, half_turn in (
@@ -79,6 +88,9 @@ def test_paths_on_both_members(case: Case) -> None:
         np.testing.assert_allclose(found, place.point(wanted * case.mirror), rtol=0, atol=scale)
 
 
+@pytest.mark.sweep_cases(
+    "1-left-pinion_concave", "1-right-pinion_convex", "2-left-pinion_convex", "2-right-pinion_concave"
+)
 def test_contact_moves_across_or_along_the_tooth(case: Case) -> None:
     sections = case.gears.pinion.tooth.blank.axial.value(case.path.point1)
     height = case.gears.pinion.tooth.blank.root.value(case.path.point1)
@@ -90,6 +102,9 @@ def test_contact_moves_across_or_along_the_tooth(case: Case) -> None:
         assert np.ptp(sections) > 5.0
 
 
+@pytest.mark.sweep_cases(
+    "1-left-pinion_concave", "1-right-pinion_convex", "2-left-pinion_convex", "2-right-pinion_concave"
+)
 def test_curvatures_at_the_mean_point(case: Case) -> None:
     middle = np.flatnonzero(PHI1 == 0.0)
     spiral, forms = case.forms.spiral_angle, case.forms

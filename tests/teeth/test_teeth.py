@@ -36,6 +36,7 @@ def pinion(sample: str, *overrides: str) -> Member:
     return members(sample, *overrides)["pinion"]
 
 
+@pytest.mark.sweep_cases("hypoid_high_ratio")
 @pytest.mark.parametrize("sample", NAMES)
 def test_links_of_the_chain_share_their_ends(sample: str) -> None:
     for member in members(sample).values():

@@ -17,6 +17,7 @@ from gearmesh.view.palette import COMPOUND, PATH
 SAMPLES = Path(__file__).parents[2] / "samples"
 
 
+@pytest.mark.sweep_cases("spiral_bevel_basic")
 @pytest.mark.parametrize("sample", ["rack", "spiral_bevel_basic"])
 def test_the_flank_fills_the_picture(sample: str) -> None:
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml"))

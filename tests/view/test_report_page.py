@@ -96,7 +96,7 @@ def tomllib_name(read: Reader) -> str:
     return str(tomllib.loads(text)["name"])
 
 
-@pytest.mark.sweep_cases("planetary")
+@pytest.mark.sweep_cases("planetary", "spiral_bevel_abdullah_straight")
 @pytest.mark.parametrize("sample", ["spiral_bevel_abdullah_straight", "planetary", "rack"])
 def test_page_rolls_the_gears_as_the_solver_does(sample: str) -> None:
     """Points of contact told in the own frames of both members meet, when these are moved as the page moves them."""
