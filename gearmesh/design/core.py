@@ -486,6 +486,18 @@ class FiniteElementTable(Table):
     rim: Annotated[
         float | None, Key("length", "rim under the root land", low=0, above=True, default="1.2 whole depths at most")
     ] = None
+    body: Annotated[
+        str,
+        Key(
+            "choice",
+            "teeth on a rim alone, or on the whole body as it is turned: web, hubs, shafts, steps of the bore",
+            choices=("rim", "whole"),
+        ),
+    ] = "rim"
+    body_size: Annotated[
+        float | None,
+        Key("length", "size of the elements of a whole body", low=0, above=True, default="0.6 whole depths"),
+    ] = None
     flank: Annotated[
         int,
         Key(

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearmesh.contact.hertz import STEEL, Material
-from gearmesh.errors import ArgumentError
+from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.fe.model import STIFFNESS_RATIO, ContactPair, CyclicSymmetry, Model, NodeForces, RigidTie, Support
 from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, neighbours
 from gearmesh.kernel.motion.rigid import Rigid
@@ -20,6 +20,7 @@ from gearmesh.kernel.numeric.algebra import Array, plane_cross, unit
 from gearmesh.mesh.hexahedra.cyclic import pair_cuts
 from gearmesh.mesh.hexahedra.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HexMesh, join
+from gearmesh.mesh.hexahedra.turned_body import CORE, SHAFT_END, whole_mesh
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import CUT_REGIONS, Side
 
@@ -39,6 +40,8 @@ NEAR = 2.0
 #: axes 6.6 and 0.21 mm) with 4 elements over each semi-axis sags by 0.46 and is pressed 23 % harder than by Hertz; with 12 along,
 #: 4 across and 0.7 inwards, which sag by 0.05, 7 % less than by Hertz, with twice as many inwards 12 % less
 OVER, INWARDS, SAG = 4.0, 0.7, 0.11
+#: where a member is held, the first of these sets that it has
+HELD = ("rim", "bore", SHAFT_END, CORE)
 #: default numbers of elements
 CELLS = Cells()
 #: points along the radius at which the pressure on a loaded ellipse is taken
@@ -52,7 +55,8 @@ class MeshRequest:
     """What every member's mesh shall hold, in contact or without.
 
     `teeth`: their number, None for all; `cells`: numbers of elements; `rim`: mm under the root, None for the default; `sector`:
-    instead of some teeth so many pitches, for cyclic symmetry.
+    instead of some teeth so many pitches, for cyclic symmetry; `whole`: with the body under the rim, as it is turned, its
+    elements of about `size` (mm).
     """
 
     teeth: int | None = 3
@@ -60,6 +64,8 @@ class MeshRequest:
     rim: float | None = None
     second_order: bool = False
     sector: int | None = None
+    whole: bool = False
+    size: float | None = None
 
 
 @dataclass(frozen=True)
@@ -152,18 +158,36 @@ def member_mesh(pair: GearPair, name: str, request: Request, at: PlacedPair) -> 
 
 
 def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
-    """One member's mesh in its own frame, its lines those of a grid; with the set held, rim and cut faces; of a sector the rim."""
+    """One member's mesh in its own frame, its lines those of a grid; with the set held: rim or, of a whole body, bore (without one
+    the ends of its shafts, or else the core) and cut faces, of a sector without these."""
     tooth = member.one_tooth
     count = min(request.sector or request.teeth or tooth.teeth, tooth.teeth)
     teeth = np.arange(count) - (count - 1) // 2
-    mesh = hex_mesh(tooth, teeth, grid, request.rim, second_order=request.second_order)
+    if request.whole:
+        _check_turned(member)
+        mesh = whole_mesh(tooth, member.body, teeth, grid, request.rim, request.size, second_order=request.second_order)
+    else:
+        mesh = hex_mesh(tooth, teeth, grid, request.rim, second_order=request.second_order)
+    inner = next(name for name in HELD if name in mesh.node_sets)
     if request.sector is not None:
         mesh = pair_cuts(mesh, tooth.joint.to(request.sector * tooth.pitch_angle))
         # what follows the first cut face is held with it
-        own = np.setdiff1d(mesh.node_sets["rim"], mesh.node_sets["cut_left"])
+        own = np.setdiff1d(mesh.node_sets[inner], mesh.node_sets["cut_left"])
         return replace(mesh, node_sets=mesh.node_sets | {"held": own})
-    held = [mesh.node_sets[key] for key in ("rim", "cut_right", "cut_left") if key in mesh.node_sets]
+    held = [mesh.node_sets[key] for key in (inner, "cut_right", "cut_left") if key in mesh.node_sets]
     return replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
+
+
+def has_turned_body(member: Member) -> bool:
+    """Whether the body of a member is one of revolution under one row of teeth."""
+    return member.tooth.joint.travel is None and len(member.halves) == 1
+
+
+def _check_turned(member: Member) -> None:
+    """Raise DesignError for a member that has no such body."""
+    if not has_turned_body(member):
+        what = "is a bar" if member.tooth.joint.travel is not None else "is under two rows of teeth"
+        raise DesignError("fe.body", "whole", reason=f"the body of the {member.name} {what}", allowed='"rim"')
 
 
 def cyclic_symmetry(member: Member, request: MeshRequest, own_to_model: Rigid) -> CyclicSymmetry | None:

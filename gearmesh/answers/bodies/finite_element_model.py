@@ -15,12 +15,13 @@ from gearmesh.answers.tables import Listing, figures
 from gearmesh.contact.hertz import Material
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
-from gearmesh.fe.gear_model import MeshRequest, check_sector, unloaded_model
+from gearmesh.fe.gear_model import MeshRequest, check_sector, has_turned_body, unloaded_model
 from gearmesh.fe.model import Model
 from gearmesh.figures import Content, Summary
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.mesh.hexahedra.hexes import HexMesh
+from gearmesh.mesh.hexahedra.turned_body import core_radius
 from gearmesh.teeth.gear_train import GearTrain, Member
 
 if TYPE_CHECKING:
@@ -122,6 +123,8 @@ def mesh_request_of(design: Design, sector: int | None = None) -> MeshRequest:
         rim=wanted.rim,
         second_order=wanted.order == 2,
         sector=sector,
+        whole=wanted.body == "whole",
+        size=wanted.body_size,
     )
 
 
@@ -158,10 +161,11 @@ def unloaded_elements_of(
     material = Material(*design.elastic(member.name))
     if sector is not None:
         check_sector(member, sector)
-    model = unloaded_model(member, mesh_request_of(design, sector), material, design.name or design.kind)
+    request = mesh_request_of(design, sector)
+    model = unloaded_model(member, request, material, design.name or design.kind)
     measured = mesh_figures(model.mesh)
     model_figures = UnloadedModelFigures(**vars(measured), seconds=time.perf_counter() - started)
-    noticed = (*warnings, *omissions([member]), *bad_shapes([measured]))
+    noticed = (*warnings, *omissions([member], request.whole), *bad_shapes([measured]))
     return UnloadedFiniteElements(design, model, model_figures, noticed, train)
 
 
@@ -173,14 +177,23 @@ def bad_shapes(models: Iterable[MeshFigures]) -> list[str]:
     )
 
 
-def omissions(members: Iterable[Member]) -> list[str]:
-    """Parts of the bodies of members that the model does not have, reported once."""
+def omissions(members: Iterable[Member], whole: bool) -> list[str]:
+    """Parts of the bodies of members that the model does not have, with the `whole` body or a rim alone, reported once."""
     parts: dict[str, list[str]] = {}
+    turned = False
     for member in members:
         web = ("web",) if member.plain_body.web is not None else ()
+        own = (*member.features.uncut.names, *web)
+        turned = turned or bool(own and has_turned_body(member))
         for part in (*member.features.names, *web):
-            parts.setdefault(part, []).append(member.name)
+            if not (whole and part in own):
+                parts.setdefault(part, []).append(member.name)
+        if whole and (core := core_radius(member.tooth, member.body)):
+            parts.setdefault(f"core of {2.0 * core:.3g} mm round the axis", []).append(member.name)
     if not parts:
         return []
     what = ", ".join(f"{part} ({', '.join(names)})" for part, names in parts.items())
-    return [f"the finite-element model has no shaft and none of: {what}"]
+    if whole:
+        return [f"the finite-element model has none of: {what}"]
+    remedy = '; fe.body = "whole" has those that are turned' if turned else ""
+    return [f"the finite-element model has no shaft and none of: {what}{remedy}"]

@@ -364,7 +364,7 @@ def _warnings(request: Request, models: Sequence[ModelFigures]) -> list[str]:
 
 
 def _missing_parts(pair: GearPair, request: Request) -> list[str]:
-    return omissions(pair.members[name] for name in request.members)
+    return omissions([pair.members[name] for name in request.members], request.whole)
 
 
 def _remedy(figures: ModelFigures) -> str:

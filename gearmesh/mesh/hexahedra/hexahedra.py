@@ -209,6 +209,21 @@ def on_stations(grid: HexGrid, places: Array) -> HexGrid:
     return replace(grid, t=_snap(grid.t, places))
 
 
+def with_stations(grid: HexGrid, places: Array) -> HexGrid:
+    """The grid with a station at each of some places (K,), 0 .. 1: the nearest, or where that is taken a new one."""
+    moved = on_stations(grid, places)
+    missing = [place for place in places if np.abs(moved.t - place).min() > 1e-12]
+    t = np.sort(np.concatenate((moved.t, missing)))
+
+    def at(lines: Array) -> Array:
+        """Lines (F + 1,) or (F + 1, T) at the new stations."""
+        return lines if lines.ndim == 1 else np.array([np.interp(t, moved.t, line) for line in lines])
+
+    lines, others = replace(moved.lines, flank=at(moved.lines.flank)), at(moved.others)
+    others = lines.flank if moved.others is moved.lines.flank else others
+    return HexGrid(t, lines, others, {place: at(nodes) for place, nodes in moved.own.items()})
+
+
 def _snap(places: Array, wanted: Array) -> Array:
     """Places (N,) or (N, T), ascending, the nearest to each of `wanted` put there, none of them twice and neither end."""
     moved = places.copy().reshape(len(places), -1)
@@ -261,6 +276,28 @@ def hex_mesh(
 
     Raises TrimError for a tooth that cannot be trimmed, DesignError for a rim that does not fit, and a member of one tooth.
     """
+    return toothed_rim(tooth, teeth, grid, rim, second_order=second_order).mesh
+
+
+@dataclass(frozen=True)
+class ToothedRim:
+    """Hexahedra of teeth and rim, and the nodes on the rim's inner face that a body can join.
+
+    `inner` (S, J): their numbers by station and growing polar angle, -1 where elements of second order have none; `points` (S, J,
+    3): where they are, mm; `closed`: they go round the axis, the first comes after the last; `step`: how many are to an element.
+    """
+
+    mesh: HexMesh
+    inner: Index
+    points: Array
+    closed: bool
+    step: int
+
+
+def toothed_rim(
+    tooth: Tooth, teeth: Index, grid: HexGrid, rim: float | None = None, *, second_order: bool = False
+) -> ToothedRim:
+    """Hexahedra as those of `hex_mesh`, and the nodes of the rim's inner face."""
     if tooth.teeth < 2:
         reason = "hexahedra of a tooth end between it and its neighbours"
         raise DesignError("teeth", tooth.teeth, reason=reason, allowed="at least 2")
@@ -314,6 +351,17 @@ def _usual(chart: Chart, tip: Array, room: Array) -> float:
 def whole_rim(tooth: Tooth, t: Array) -> float:
     """The thickest rim, mm, that the body has under the root at stations t (T,): down to the bore, if there is one."""
     return float(_under(tooth, tooth.sections(t))[2].max())
+
+
+def whole_depth(tooth: Tooth, t: Array) -> float:
+    """Depth (mm) from root to tip in the middle of stations t (T,)."""
+    chart, tip, _ = _under(tooth, tooth.sections(t))
+    return float((tip - chart.reference)[len(t) // 2])
+
+
+def least_room(tooth: Tooth, t: Array) -> float:
+    """The least room (mm) that the body has under the root at stations t (T,)."""
+    return float(_under(tooth, tooth.sections(t))[2].min())
 
 
 def _under(tooth: Tooth, sections: Sections) -> tuple[Chart, Array, Array]:
@@ -371,7 +419,7 @@ class _Layout:
             (Side.LEFT, "upper"): left_upper,
         }
 
-    def mesh(self, places: Rigid, bore: bool) -> HexMesh:
+    def mesh(self, places: Rigid, bore: bool) -> ToothedRim:
         """The mesh of the teeth moved to `places` (K,); `bore`: the rim's inner face is the bore."""
         rotation, way = (
             np.broadcast_to(v, (len(self._teeth), *v.shape[-n:]))
@@ -400,7 +448,20 @@ class _Layout:
             face_sets["bore"] = face_sets["rim"]
         used, renumbered = np.unique(np.concatenate(elements), return_inverse=True)
         mesh = HexMesh(nodes.reshape(-1, 3)[used], renumbered.reshape(count, -1), {}, element_sets, face_sets)
-        return replace(mesh, node_sets={name: mesh.face_nodes(name) for name in face_sets})
+        mesh = replace(mesh, node_sets={name: mesh.face_nodes(name) for name in face_sets})
+        numbers = np.full(nodes.shape[:2], -1).ravel()
+        numbers[used] = np.arange(len(used))
+        inner = self._inner_line()
+        return ToothedRim(mesh, numbers.reshape(nodes.shape[:2])[:, inner], nodes[:, inner], self._closed, self._step)
+
+    def _inner_line(self) -> Index:
+        """Section node numbers (J,) along the rim's inner face, as the polar angle grows."""
+        halves = [
+            half
+            for blocks in self._blocks
+            for half in (blocks[Side.RIGHT, "lower"][:-1, -1], blocks[Side.LEFT, "lower"][:0:-1, -1])
+        ]
+        return np.concatenate(halves if self._closed else (*halves, self._blocks[-1][Side.LEFT, "lower"][:1, -1]))
 
     def _elements(self, block: Index, side: Side) -> Index:
         """Elements (E, 8 or 20) of a block, s slowest, then d, then t; node numbers count layer by layer."""

@@ -1,0 +1,221 @@
+"""Hexahedra of a whole gear: teeth and rim, and under them the body as it is turned, web, hubs, shafts and steps of the bore.
+
+The quadrilaterals of the axial half plane (`meridian_grid`) go round the axis at the angles of the rim's nodes, whose nodes they
+share. Nodes of one line have the angles of the station that it begins at, so that cut faces follow the tooth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian
+from gearmesh.mesh.hexahedra.hexahedra import (
+    RIM_DEPTH,
+    HexGrid,
+    ToothedRim,
+    halve,
+    least_room,
+    on_breaks,
+    rim_of,
+    toothed_rim,
+    whole_depth,
+    with_stations,
+)
+from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh
+from gearmesh.mesh.hexahedra.meridian_grid import (
+    MeridianGrid,
+    Outline,
+    OutlineError,
+    meridian_grid,
+    rim_corners,
+)
+from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.region import CUT_REGIONS, Region
+from gearmesh.teeth.tooth import Tooth
+
+#: share of the room under the roots that the rim takes where the body joins it; below it lines may bend
+RIM_SHARE = 0.8
+#: radius of the core that is left out round the axis of a body without bore, over its smallest one
+CORE_SHARE = 0.2
+#: size of the body's elements that is not given, in whole depths: half a rim that is as thick as rims are by default
+BODY_SIZE = 0.5 * RIM_DEPTH
+#: least number of stations between two corners of the body on the rim, as of a web's faces
+LEAST_BETWEEN = 2
+#: names of sets
+CORE, TOE, HEEL, BODY, SHAFT_END = "core", "toe", "heel", "body", "shaft_end"
+
+Index = NDArray[np.int64]
+
+
+def core_radius(tooth: Tooth, body: Body) -> float:
+    """Radius (mm) of what is left out round the axis of a body without bore, 0 of others."""
+    root = tooth.grid(Region.ROOT, np.array([0.5]), tooth.sections([0.0, 1.0])).points[0]
+    radii = [float(tooth.joint.radius(root).min()), *(rho for rho, _ in body.profile if rho > 0.0)]
+    return CORE_SHARE * min(radii) if body.solid else 0.0
+
+
+def whole_mesh(
+    tooth: Tooth,
+    body: Body,
+    teeth: Index,
+    grid: HexGrid,
+    rim: float | None = None,
+    size: float | None = None,
+    *,
+    second_order: bool = False,
+) -> HexMesh:
+    """Hexahedra as those of `hexahedra.hex_mesh`, and of the turned `body` (as `Member.body`) under the rim.
+
+    `size` (mm): of the body's elements, by default `BODY_SIZE` whole depths. The set rim is of an internal gear alone, its outside;
+    more sets are the regions of the body (bore, web, hub, shaft, counterbore, face_toe, face_heel), shaft_end, and core, where a
+    body without bore ends short of its axis (`core_radius`); element set body.
+
+    Raises TrimError for a tooth that cannot be trimmed, DesignError for a body that does not go onto rings of hexahedra.
+    """
+    core = CORE if body.solid else Region.BORE.value
+    tooth = replace(tooth, blank=replace(tooth.blank, body=_with_core(tooth, body)))
+    grid = on_breaks(tooth, grid)
+    rim = _thickness(tooth, grid, rim)
+    cells = BODY_SIZE * whole_depth(tooth, grid.t) if size is None else size
+    for axis in _axes(tooth, grid, rim):
+        try:
+            own = _with_corners(tooth, grid, rim, axis)
+            stations = _meridian(tooth, (halve(own) if second_order else own).t, rim)
+            step = 2 if second_order else 1
+            laid = meridian_grid(_outline(tooth, stations, core), stations, axis, cells, step)
+        except OutlineError:
+            continue
+        mesh = _join(toothed_rim(tooth, teeth, own, rim, second_order=second_order), laid)
+        under = mesh.element_sets[BODY]
+        if scaled_jacobian(mesh.nodes, mesh.elements[under]).min() > 0.0:
+            return mesh
+    raise DesignError("fe.body", "whole", reason="the body has no rings of hexahedra", allowed='"rim"')
+
+
+def _with_core(tooth: Tooth, body: Body) -> Body:
+    """The body with a hole round its axis where it has no bore."""
+    radius = core_radius(tooth, body)
+    return Body(tuple((max(rho, radius), z) for rho, z in body.profile), body.bands)
+
+
+def _thickness(tooth: Tooth, grid: HexGrid, rim: float | None) -> float:
+    """Thickness (mm) of the rim: that of `hex_mesh`, less where the body has no room for it all along."""
+    chart, inner = rim_of(tooth, tooth.sections(grid.t), rim)
+    room = RIM_SHARE * least_room(tooth, grid.t)
+    if room <= 0.0:
+        raise DesignError("fe.body", "whole", reason="the body reaches up to the roots", allowed='"rim"')
+    return min(float((chart.reference - inner).max()), room)
+
+
+def _meridian(tooth: Tooth, t: Array, rim: float) -> Array:
+    """The rim's inner face (T, 2), (rho, z), at stations t (T,)."""
+    chart, inner = rim_of(tooth, tooth.sections(t), rim)
+    depth = chart.depth(inner)
+    points = chart.from_chart(np.stack((depth, np.zeros_like(depth)), axis=-1))
+    return np.stack((np.hypot(points[:, 0], points[:, 1]), points[:, 2]), axis=-1)
+
+
+def _outline(tooth: Tooth, stations: Array, bore: str) -> Outline:
+    """The outline of the body under the rim, its bore's faces named `bore`."""
+    body = tooth.blank.body
+    names = [bore if band is Region.BORE else band.value for band in body.bands]
+    if Region.BORE in body.bands:
+        for k in (body.bore_band - 1, body.bore_band + 1):
+            if 0 <= k < len(names) and body.bands[k] is Region.SHAFT:
+                names[k] = SHAFT_END
+    points = np.array((stations[0], *body.profile, stations[-1]))
+    return Outline(points, (TOE, *names, HEEL))
+
+
+def _axes(tooth: Tooth, grid: HexGrid, rim: float) -> tuple[int, int]:
+    """Directions of the rim, the one that it nearly has first: 0 along the axis, 1 across."""
+    rho, z = np.abs(np.ptp(_meridian(tooth, grid.t, rim), axis=0))
+    return (1, 0) if rho > z else (0, 1)
+
+
+def _with_corners(tooth: Tooth, grid: HexGrid, rim: float, axis: int) -> HexGrid:
+    """The grid with stations where lines of the body's corners cross the rim, and so many between them that webs can bend."""
+    t = np.linspace(0.0, 1.0, 201)
+    stations = _meridian(tooth, t, rim)
+    way = np.linalg.norm(np.diff(stations, axis=0), axis=-1)
+    shares = np.concatenate(([0.0], np.cumsum(way))) / way.sum()
+    corners = np.sort(np.interp(rim_corners(_outline(tooth, stations, CORE), stations, axis), shares, t))
+    grid = with_stations(grid, corners)
+    bounds = np.concatenate(([0.0], corners, [1.0]))
+    few = [
+        0.5 * (low + high)
+        for low, high in pairwise(bounds)
+        if np.count_nonzero((grid.t > low + 1e-9) & (grid.t < high - 1e-9)) < LEAST_BETWEEN - 1
+    ]
+    return with_stations(grid, np.array(sorted((*corners, *few))))
+
+
+def _join(rim: ToothedRim, laid: MeridianGrid) -> HexMesh:
+    """One mesh of the rim and of the body's rings, which share the nodes on the rim's inner face."""
+    mesh, step, round_ = rim.mesh, rim.step, rim.inner.shape[1]
+    angles = np.unwrap(np.arctan2(rim.points[..., 1], rim.points[..., 0]), axis=1)
+    grown = laid.station if laid.axis else laid.station[:, None]
+    theta = angles[np.broadcast_to(grown, laid.points.shape[:2])]
+    rho, z = (np.broadcast_to(laid.points[..., k, None], theta.shape) for k in (0, 1))
+    places = np.stack((rho * np.cos(theta), rho * np.sin(theta), z), axis=-1)
+    numbers = len(mesh.nodes) + np.arange(theta.size).reshape(theta.shape)
+    a, b = laid.on_rim.T
+    shared = rim.inner >= 0
+    numbers[a[:, None], b[:, None], np.arange(round_)] = np.where(shared, rim.inner, numbers[a, b])
+    elements, cells = _elements(laid, numbers, rim.closed, step)
+    count, first = len(elements), len(mesh.elements)
+    everything = np.concatenate((mesh.nodes, places.reshape(-1, 3)))
+    # those of the rim stay as they are
+    kept = np.union1d(np.arange(len(mesh.nodes)), elements)
+    whole = np.concatenate((mesh.elements, np.searchsorted(kept, elements)))
+    sets = {name: faces for name, faces in mesh.face_sets.items() if name not in ("rim", "bore")}
+    for name, faces in _faces(laid, cells, first, rim.closed, step).items():
+        sets[name] = np.concatenate((sets[name], faces)) if name in sets else faces
+    joined = HexMesh(everything[kept], whole, {}, {**mesh.element_sets, BODY: first + np.arange(count)}, sets)
+    return replace(joined, node_sets={name: joined.face_nodes(name) for name in sets})
+
+
+def _elements(laid: MeridianGrid, numbers: Index, closed: bool, step: int) -> tuple[Index, Index]:
+    """Elements (E, 8 or 20), cell by cell and then round the axis; their numbers (A, B, J) by cell, -1 where there is none."""
+    around = numbers.shape[2] if closed else numbers.shape[2] - 1
+    inside = laid.cells[::step, ::step]
+    i, j = np.nonzero(inside)
+    rounds = around // step
+    corners = step * np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
+    offsets = corners if step == 1 else np.concatenate((corners, corners[np.array(HEX_EDGES)].sum(axis=1) // 2))
+    first, k, second = step * i[:, None, None], step * np.arange(rounds)[:, None], step * j[:, None, None]
+    elements = numbers[first + offsets[:, 0], second + offsets[:, 2], (k + offsets[:, 1]) % numbers.shape[2]].reshape(
+        -1, len(offsets)
+    )
+    cells = np.full((*inside.shape, rounds), -1)
+    cells[i, j] = np.arange(len(elements)).reshape(len(i), rounds)
+    return elements, cells
+
+
+def _faces(laid: MeridianGrid, cells: Index, first: int, closed: bool, step: int) -> dict[str, Index]:
+    """Face sets (n, 2) of the rings, by the names of the outline's edges, and of their cut faces."""
+    edges, sets = laid.edges, dict[str, list[Index]]()
+    at = edges.first // step
+    inner = at - np.where(edges.above, 0, 1)[:, None] * np.eye(2, dtype=np.int64)[edges.axis]
+    # faces of `HEX_FACES`: at small and large rho, at small and large z
+    face = np.where(edges.axis == 0, np.where(edges.above, 5, 3), np.where(edges.above, 0, 1))
+    for name in dict.fromkeys(edges.names):
+        own = np.array([other == name for other in edges.names])
+        elements = cells[inner[own, 0], inner[own, 1]]
+        sets.setdefault(name, []).append(_named(elements, np.repeat(face[own], cells.shape[2])))
+    if not closed:
+        there = cells[..., 0] >= 0
+        for region, (number, which) in zip(CUT_REGIONS, ((0, 2), (-1, 4)), strict=True):
+            elements = cells[there][:, number]
+            sets.setdefault(region.value, []).append(_named(elements, np.full(elements.size, which)))
+    return {name: np.concatenate(parts) + np.array([first, 0]) for name, parts in sets.items()}
+
+
+def _named(elements: Index, faces: Index) -> Index:
+    return np.stack((elements.ravel(), faces), axis=1)

@@ -1,0 +1,160 @@
+"""Whole bodies of hexahedra: they join the rim, have the volume of the gear as it is turned, and twist as webs do."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.built import built
+
+import gearmesh as gm
+from gearmesh.errors import DesignError
+from gearmesh.fe import ccx
+from gearmesh.fe.model import NodeForces
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra.hexahedra import Cells, plain_grid
+from gearmesh.mesh.hexahedra.hexes import HEX_FACES, HexMesh
+from gearmesh.mesh.hexahedra.turned_body import core_radius, whole_mesh
+from gearmesh.teeth.blank.moments import member_moments
+from gearmesh.teeth.gear_train import Member
+
+needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
+COARSE = Cells(flank=3, fillet=4, thickness=2, rim=1, face=5)
+#: a web off the middle's stations, a hub on either side, a counterbore, teeth that wind
+WEB: dict[str, Any] = {
+    "teeth": 30,
+    "face_width": 20,
+    "bore": 14,
+    "web": {"thickness": 4, "hub_diameter": 26},
+    "hub": {"diameter": 24, "length": 5},
+    "toe_hub": {"diameter": 22, "length": 3},
+    "heel_bore": {"diameters": [18], "lengths": [6]},
+}
+#: ends of a shaft as cones and shoulders
+SHAFT: dict[str, Any] = {
+    "teeth": 17,
+    "face_width": 20,
+    "heel_shaft": {"diameters": [24, 16], "lengths": [8, 20]},
+    "toe_shaft": {"diameters": [20], "lengths": [12]},
+}
+
+
+@cache
+def wheels() -> gm.Gears:
+    return built({"kind": "cylindrical", "module": 2, "helix_angle": 15, "pinion": SHAFT, "gear": WEB})
+
+
+def mesh_of(member: Member, order: int = 1, cells: Cells = COARSE, size: float | None = None) -> HexMesh:
+    places = np.arange(member.tooth.teeth) - (member.tooth.teeth - 1) // 2
+    return whole_mesh(member.tooth, member.body, places, plain_grid(cells), None, size, second_order=order == 2)
+
+
+def turned_volume(member: Member) -> float:
+    core, (low, high) = core_radius(member.tooth, member.body), member.body.ends
+    uncut = replace(member, features=member.features.uncut)
+    return member_moments(uncut).volume - np.pi * core**2 * (high - low)
+
+
+@pytest.mark.parametrize(("name", "order"), [("pinion", 1), ("gear", 1), ("gear", 2)])
+def test_a_whole_body_conforms_and_every_outer_face_is_in_one_set(name: str, order: int) -> None:
+    member = wheels().members[name]
+    mesh = mesh_of(member, order)
+    assert scaled_jacobian(mesh.nodes, mesh.elements).min() > 0.5
+    faces = np.sort(mesh.elements[:, :8][:, np.array(HEX_FACES)], axis=-1).reshape(-1, 4)
+    _, first, count = np.unique(faces, axis=0, return_index=True, return_counts=True)
+    assert count.max() == 2
+    named = [tuple(face) for own in mesh.face_sets.values() for face in own.tolist()]
+    assert len(named) == len(set(named))
+    assert set(named) == {(int(i) // 6, int(i) % 6) for i in first[count == 1]}
+    bore = mesh.nodes[mesh.node_sets["bore" if name == "gear" else "core"]]
+    inner = 7.0 if name == "gear" else core_radius(member.tooth, member.body)
+    # with end faces of what is bored the bore is a cylinder
+    np.testing.assert_allclose(np.hypot(*bore.T[:2]), inner, rtol=0, atol=1e-9)
+    assert {"web", "hub", "counterbore"} <= set(mesh.face_sets) if name == "gear" else "shaft_end" in mesh.face_sets
+
+
+@pytest.mark.parametrize("name", ["pinion", "gear"])
+def test_the_volume_becomes_that_of_the_turned_gear(name: str) -> None:
+    """Chords for arcs: the error falls with the square of the cells' size."""
+    member = wheels().members[name]
+    errors = [
+        volumes((mesh := mesh_of(member, cells=Cells(3 * k, 5 * k, 2, 1, 5 * k))).nodes, mesh.elements).sum()
+        / turned_volume(member)
+        - 1.0
+        for k in (1, 2)
+    ]
+    assert abs(errors[1]) < 1e-3
+    assert abs(errors[1]) < 0.35 * abs(errors[0])
+
+
+@pytest.mark.sweep
+def test_bevel_bodies_go_onto_rings() -> None:
+    """A steep rim and end faces on cones, with a recess and a hub."""
+    gears = built(
+        {
+            "kind": "spiral_bevel",
+            "module": 4,
+            "pinion": {"teeth": 14, "toe_shaft": {"diameters": [10], "lengths": [12]}},
+            "gear": {"teeth": 43, "web": {"thickness": 8}, "hub": {"diameter": 50, "length": 6}},
+        }
+    )
+    for member in gears.members.values():
+        mesh = mesh_of(member)
+        assert scaled_jacobian(mesh.nodes, mesh.elements[mesh.element_sets["body"]]).min() > 0.3
+        assert volumes(mesh.nodes, mesh.elements).sum() == pytest.approx(turned_volume(member), rel=0.02)
+
+
+@needs_ccx
+def test_a_web_twists_as_by_the_closed_form() -> None:
+    """Shear of a disc: d(u_theta / r)/dr = T / (2 pi G t r^3); one pitch with cyclic symmetry, held at the bore."""
+    fe = {"body": "whole", "body_size": 1.2, "flank": 2, "fillet": 3, "thickness": 2, "rim_layers": 1, "face": 6}
+    gears = built({"kind": "cylindrical", "module": 2, "helix_angle": 15, "fe": fe, "gear": WEB})
+    problem = gears.finite_elements(sector=1)
+    assert problem.warnings == ()
+    mesh, moment = problem.model.mesh, 40_000.0
+    nodes = mesh.node_sets["gear_land"]
+    x, y = mesh.nodes[nodes, :2].T
+    arm = np.hypot(x, y)
+    forces = np.stack((-y, x, 0.0 * x), axis=-1) / arm[:, None] * (moment / WEB["teeth"] / len(nodes) / arm)[:, None]
+    solution = ccx.solve(replace(problem.model, forces=(NodeForces(nodes, forces),)))
+    twist = _twist(mesh.nodes, solution.displacement)
+    rho = np.hypot(mesh.nodes[:, 0], mesh.nodes[:, 1])
+    # off the ends of the web by its thickness
+    web = (np.abs(mesh.nodes[:, 2]) < 1e-9) & (rho > 17.0) & (rho < 21.0)
+    assert np.unique(rho[web].round(6)).size > 2
+    slope, _ = np.polyfit(-1.0 / rho[web] ** 2, twist[web], 1)
+    shear = 206000.0 / 2.6
+    assert slope == pytest.approx(moment / (4.0 * np.pi * shear * 4.0), rel=0.01)
+    held = np.isin(np.arange(len(rho)), mesh.node_sets["gear_bore"])
+    assert np.abs(solution.displacement[held]).max() < 1e-12
+
+
+def _twist(nodes: Array, moved: Array) -> Array:
+    """Rotation (N,) about z, rad, of nodes."""
+    return (nodes[:, 0] * moved[:, 1] - nodes[:, 1] * moved[:, 0]) / (nodes[:, 0] ** 2 + nodes[:, 1] ** 2)
+
+
+def test_what_has_no_rings_is_refused_and_what_is_left_out_is_reported() -> None:
+    gears = built(
+        {
+            "kind": "cylindrical",
+            "module": 2,
+            "fe": {"body": "whole", "teeth": 1, "flank": 2, "fillet": 3, "thickness": 2, "rim_layers": 1, "face": 2},
+            "gear": {"teeth": 20, "face_width": 12, "bore": 12, "keyway": {}, "hub": {"diameter": 24, "length": 4}},
+        }
+    )
+    assert gears.finite_elements().warnings[0] == "the finite-element model has none of: keyway (gear)"
+    rack = {
+        "kind": "rack",
+        "module": 2,
+        "fe": {"body": "whole"},
+        "pinion": {"teeth": 20, "face_width": 10},
+        "rack": {"teeth": 6, "face_width": 10},
+    }
+    with pytest.raises(DesignError, match="body = whole: the body of the rack is a bar"):
+        built(rack).finite_elements(members=("rack",))
