@@ -42,13 +42,14 @@ ABSENT = {
     *("end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle", "tip_cone_angle", "tip_throat_radius"),
 }
 #: keys that rules which are not of the kind's file say: "that of the cutter", where there is a disk, axes that are parallel
-#: and the rim of finite-element models, which is 1.2 whole depths of either member
+#: and the rim of finite-element models, which is 1.2 whole depths of either member, and the elements under it
 ELSEWHERE = (
     "gear.cutter.outside.",
     "gear.cutter.inside.",
     "disk.vertex",
     "assembly.center_distance",
     "fe.rim",
+    "fe.body_size",
 )
 
 

@@ -86,7 +86,7 @@ def rim_corners(outline: Outline, stations: Array, axis: int) -> Array:
 
     Raises OutlineError.
     """
-    laid = _Laid(outline, stations, axis)
+    laid = _OutlineLayout(outline, stations, axis)
     inside = (laid.shares_of(laid.breaks[1 - laid.rim_axis])).tolist()
     return np.array([share for share in inside if NONE < share < 1.0 - NONE])
 
@@ -97,10 +97,10 @@ def meridian_grid(outline: Outline, stations: Array, axis: int, size: float, ste
     `stations` (S, 2): the rim's nodes from the first to the last point, of which those at steps are corners of cells; `axis`: 0
     where the rim runs along the axis, 1 where across. Raises OutlineError.
     """
-    return _Laid(outline, stations, axis).grid(size, step)
+    return _OutlineLayout(outline, stations, axis).grid(size, step)
 
 
-class _Laid:
+class _OutlineLayout:
     """An outline laid onto lines of two directions."""
 
     def __init__(self, outline: Outline, stations: Array, rim_axis: int) -> None:
@@ -190,7 +190,7 @@ class _Laid:
         first, last = self._rim_ends
         return np.asarray(first + (last - first) * np.concatenate(([0.0], np.cumsum(way))) / way.sum())
 
-    def _divided(self, breaks: Array, size: float, step: int) -> Array:
+    def _subdivide(self, breaks: Array, size: float, step: int) -> Array:
         """Lines between breaks, with cells of about a size, each of `step` spaces."""
         parts = [
             np.linspace(low, high, step * max(1, round((high - low) / size)) + 1)[:-1] for low, high in pairwise(breaks)
@@ -202,18 +202,18 @@ class _Laid:
         low, high = np.sort(self._rim_ends)
         breaks = self.breaks[along]
         pieces = [
-            self._divided(np.union1d(breaks[side], end), size, step)
+            self._subdivide(np.union1d(breaks[side], end), size, step)
             for side, end in ((breaks <= low, low), (breaks >= high, high))
         ]
         rim = own if own[0] < own[-1] else own[::-1]
         lines = [np.empty(0), np.empty(0)]
         lines[along] = np.concatenate((pieces[0][:-1], rim, pieces[1][1:]))
-        lines[self.rim_axis] = self._divided(self.breaks[self.rim_axis], size, step)
+        lines[self.rim_axis] = self._subdivide(self.breaks[self.rim_axis], size, step)
         number = np.clip(np.arange(len(lines[along])) - (len(pieces[0]) - 1), 0, len(rim) - 1)
         station = number if own[0] < own[-1] else len(rim) - 1 - number
-        return self._filled((lines[0], lines[1]), station, step)
+        return self._fill((lines[0], lines[1]), station, step)
 
-    def _filled(self, lines: tuple[Array, Array], station: Index, step: int) -> MeridianGrid:
+    def _fill(self, lines: tuple[Array, Array], station: Index, step: int) -> MeridianGrid:
         nominal = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
         centres = 0.25 * (nominal[1:, 1:] + nominal[1:, :-1] + nominal[:-1, 1:] + nominal[:-1, :-1])
         cells = _contains(self._nominal, centres)

@@ -208,14 +208,14 @@ def _faces(laid: MeridianGrid, cells: Index, first: int, closed: bool, step: int
     for name in dict.fromkeys(edges.names):
         own = np.array([other == name for other in edges.names])
         elements = cells[inner[own, 0], inner[own, 1]]
-        sets.setdefault(name, []).append(_named(elements, np.repeat(face[own], cells.shape[2])))
+        sets.setdefault(name, []).append(_pairs(elements, np.repeat(face[own], cells.shape[2])))
     if not closed:
         there = cells[..., 0] >= 0
         for region, (number, which) in zip(CUT_REGIONS, ((0, 2), (-1, 4)), strict=True):
             elements = cells[there][:, number]
-            sets.setdefault(region.value, []).append(_named(elements, np.full(elements.size, which)))
+            sets.setdefault(region.value, []).append(_pairs(elements, np.full(elements.size, which)))
     return {name: np.concatenate(parts) + np.array([first, 0]) for name, parts in sets.items()}
 
 
-def _named(elements: Index, faces: Index) -> Index:
+def _pairs(elements: Index, faces: Index) -> Index:
     return np.stack((elements.ravel(), faces), axis=1)
