@@ -164,8 +164,11 @@ def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
     count = min(request.sector or request.teeth or tooth.teeth, tooth.teeth)
     teeth = np.arange(count) - (count - 1) // 2
     if request.whole:
-        _check_turned(member)
-        mesh = whole_mesh(tooth, member.body, teeth, grid, request.rim, request.size, second_order=request.second_order)
+        body = member.turned_body
+        if body is None:
+            why = f"the body of the {member.name} is a bar, or is under two rows of teeth"
+            raise DesignError("fe.body", "whole", reason=why, allowed='"rim"')
+        mesh = whole_mesh(tooth, body, teeth, grid, request.rim, request.size, second_order=request.second_order)
     else:
         mesh = hex_mesh(tooth, teeth, grid, request.rim, second_order=request.second_order)
     inner = next(name for name in HELD if name in mesh.node_sets)
@@ -176,18 +179,6 @@ def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
         return replace(mesh, node_sets=mesh.node_sets | {"held": own})
     held = [mesh.node_sets[key] for key in (inner, "cut_right", "cut_left") if key in mesh.node_sets]
     return replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
-
-
-def has_turned_body(member: Member) -> bool:
-    """Whether the body of a member is one of revolution under one row of teeth."""
-    return member.tooth.joint.travel is None and len(member.halves) == 1
-
-
-def _check_turned(member: Member) -> None:
-    """Raise DesignError for a member that has no such body."""
-    if not has_turned_body(member):
-        what = "is a bar" if member.tooth.joint.travel is not None else "is under two rows of teeth"
-        raise DesignError("fe.body", "whole", reason=f"the body of the {member.name} {what}", allowed='"rim"')
 
 
 def cyclic_symmetry(member: Member, request: MeshRequest, own_to_model: Rigid) -> CyclicSymmetry | None:

@@ -162,6 +162,11 @@ class Member:
         return self.features.turn(self.plain_body)
 
     @property
+    def turned_body(self) -> Body | None:
+        """The same where it is of revolution, under one row of teeth; None of the bar of a rack and of two rows."""
+        return None if self.tooth.joint.travel is not None or len(self.halves) > 1 else self.body
+
+    @property
     def keyway(self) -> Slot | None:
         """The keyway in its bore."""
         return self.features.keyway

@@ -15,7 +15,7 @@ from gearmesh.answers.tables import Listing, figures
 from gearmesh.contact.hertz import Material
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
-from gearmesh.fe.gear_model import MeshRequest, check_sector, has_turned_body, unloaded_model
+from gearmesh.fe.gear_model import MeshRequest, check_sector, unloaded_model
 from gearmesh.fe.model import Model
 from gearmesh.figures import Content, Summary
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
@@ -184,7 +184,7 @@ def omissions(members: Iterable[Member], whole: bool) -> list[str]:
     for member in members:
         web = ("web",) if member.plain_body.web is not None else ()
         own = (*member.features.uncut.names, *web)
-        turned = turned or bool(own and has_turned_body(member))
+        turned = turned or bool(own and member.turned_body)
         for part in (*member.features.names, *web):
             if not (whole and part in own):
                 parts.setdefault(part, []).append(member.name)

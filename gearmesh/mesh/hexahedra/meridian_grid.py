@@ -35,7 +35,7 @@ class OutlineError(Exception):
 
 
 @dataclass(frozen=True)
-class Outline:
+class MeridianOutline:
     """A body in the axial half plane: `points` (N, 2), (rho, z), mm, the last of them joined to the first by the rim's inner face;
     `names` (N - 1,) of the edges between them."""
 
@@ -72,7 +72,7 @@ class MeridianGrid:
 
 
 @dataclass(frozen=True)
-class _Side:
+class _OutlineSide:
     """Neighbouring edges of one direction: `axis` along which it has one `value`, numbers of its first point and edge, of its last
     point."""
 
@@ -81,7 +81,7 @@ class _Side:
     last: int
 
 
-def rim_corners(outline: Outline, stations: Array, axis: int) -> Array:
+def rim_corners(outline: MeridianOutline, stations: Array, axis: int) -> Array:
     """Shares (K,) of the rim's length, 0 .. 1, at which lines of the outline's corners cross it; `stations` (S, 2) are on it.
 
     Raises OutlineError.
@@ -91,7 +91,7 @@ def rim_corners(outline: Outline, stations: Array, axis: int) -> Array:
     return np.array([share for share in inside if NONE < share < 1.0 - NONE])
 
 
-def meridian_grid(outline: Outline, stations: Array, axis: int, size: float, step: int = 1) -> MeridianGrid:
+def meridian_grid(outline: MeridianOutline, stations: Array, axis: int, size: float, step: int = 1) -> MeridianGrid:
     """The grid of an outline with cells of about a `size` (mm), each of `step` spaces between lines.
 
     `stations` (S, 2): the rim's nodes from the first to the last point, of which those at steps are corners of cells; `axis`: 0
@@ -103,7 +103,7 @@ def meridian_grid(outline: Outline, stations: Array, axis: int, size: float, ste
 class _OutlineLayout:
     """An outline laid onto lines of two directions."""
 
-    def __init__(self, outline: Outline, stations: Array, rim_axis: int) -> None:
+    def __init__(self, outline: MeridianOutline, stations: Array, rim_axis: int) -> None:
         points, names = [outline.points[0]], []
         least = NONE * float(np.ptp(outline.points, axis=0).max())
         for point, name in zip(outline.points[1:], outline.names, strict=True):
@@ -132,17 +132,17 @@ class _OutlineLayout:
         # what is left of the toothed end faces is at right angles to the rim
         return 1 - self.rim_axis if k in (0, len(self._names) - 2) and min(rho, z) > 0.0 else int(rho > z)
 
-    def _merge(self) -> list[_Side]:
+    def _merge(self) -> list[_OutlineSide]:
         count = len(self._directions)
         starts = [k for k in range(count) if self._directions[k] != self._directions[k - 1]]
         if len(starts) < 4 or len(starts) % 2:
             raise OutlineError
         return [
-            _Side(self._directions[first], first, last if last > first else last + count)
+            _OutlineSide(self._directions[first], first, last if last > first else last + count)
             for first, last in zip(starts, (*starts[1:], starts[0]), strict=True)
         ]
 
-    def _value(self, side: _Side) -> float:
+    def _value(self, side: _OutlineSide) -> float:
         own = self._points[np.arange(side.first, side.last + 1) % len(self._points), side.axis]
         if len(self._names) - 1 in range(side.first, side.last):
             # the rim is beyond all else

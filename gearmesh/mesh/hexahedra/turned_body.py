@@ -30,7 +30,7 @@ from gearmesh.mesh.hexahedra.hexahedra import (
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh
 from gearmesh.mesh.hexahedra.meridian_grid import (
     MeridianGrid,
-    Outline,
+    MeridianOutline,
     OutlineError,
     meridian_grid,
     rim_corners,
@@ -121,7 +121,7 @@ def _meridian(tooth: Tooth, t: Array, rim: float) -> Array:
     return np.stack((np.hypot(points[:, 0], points[:, 1]), points[:, 2]), axis=-1)
 
 
-def _outline(tooth: Tooth, stations: Array, bore: str) -> Outline:
+def _outline(tooth: Tooth, stations: Array, bore: str) -> MeridianOutline:
     """The outline of the body under the rim, its bore's faces named `bore`."""
     body = tooth.blank.body
     names = [bore if band is Region.BORE else band.value for band in body.bands]
@@ -130,7 +130,7 @@ def _outline(tooth: Tooth, stations: Array, bore: str) -> Outline:
             if 0 <= k < len(names) and body.bands[k] is Region.SHAFT:
                 names[k] = SHAFT_END
     points = np.array((stations[0], *body.profile, stations[-1]))
-    return Outline(points, (TOE, *names, HEEL))
+    return MeridianOutline(points, (TOE, *names, HEEL))
 
 
 def _axes(tooth: Tooth, grid: HexGrid, rim: float) -> tuple[int, int]:
