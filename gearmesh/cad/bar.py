@@ -18,8 +18,9 @@ from typing import Any
 import numpy as np
 
 from gearmesh.cad.brep import NARROWEST, Patch, SplineTooth
+from gearmesh.cad.faces.drawn_face import Sides
 from gearmesh.cad.occ import PRECISION, edge, face, point, spline_curve, straight2d, straight_edge, vertex, wire
-from gearmesh.cad.solid_part import LinkCurves, Sides, drawn_faces, link_border, whole_part
+from gearmesh.cad.solid_part import LinkCurves, drawn_faces, link_border, whole_part
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.teeth.gear_train import Member

@@ -19,11 +19,13 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, plan, samples
 from gearmesh.errors import NoSolutionError
+from gearmesh.kernel.motion.joint import REVOLUTE
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Region
+from gearmesh.teeth.region import END_EDGES, Region
 from gearmesh.teeth.section import Grid, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 
@@ -104,6 +106,34 @@ class Patch:
 
 
 @dataclass(frozen=True)
+class StripPatch:
+    """A patch of the chamfer at the toe (`end` 0) or heel (1): control net (S, T, 3), mm, T from the outline of the end face to the
+    section under it, and knots of clamped splines, those along the chain from 0 to the last parameter of the curve beneath.
+
+    `link`: the tooth's link that it lies on, or None where it goes out from a corner, that where the link numbered `column` begins.
+    `pointed`: in the outline it is a point. `deviation`: the largest, mm.
+    """
+
+    control: Array
+    s_knots: Array
+    t_knots: Array
+    end: int
+    link: int | None
+    column: int
+    pointed: bool
+    deviation: float
+
+    @property
+    def region(self) -> Region:
+        return END_EDGES[self.end]
+
+    @property
+    def net(self) -> tuple[Array, Array, Array]:
+        """Control net from toe to heel, and the knots."""
+        return (self.control[:, ::-1] if self.end else self.control), self.s_knots, self.t_knots
+
+
+@dataclass(frozen=True)
 class SplineTooth:
     """One tooth's faces: `links` of the chain, or their pieces, that have a width, and the `patches` of each that is no surface of
     revolution.
@@ -111,7 +141,7 @@ class SplineTooth:
     Patches are counted from toe to heel, split at `bounds` (G + 1,). `corners` (L, G + 1, 3), mm, is where links begin at the
     bounds. `deviation` (mm) for each link with patches: the largest distance, measured between the nodes, of spline points
     from the exact points of the same parameters, which bounds that of the surfaces and of their borders. `half`: the row that it
-    stands in. `closed`: of a space, whose last link ends where its first begins.
+    stands in. `closed`: of a space, whose last link ends where its first begins. `strips`: the chamfers at toe and heel.
     """
 
     tooth: Tooth
@@ -122,6 +152,12 @@ class SplineTooth:
     deviation: dict[Piece, float]
     half: HalfGear = field(default_factory=HalfGear)
     closed: bool = False
+    strips: tuple[tuple[StripPatch, ...], tuple[StripPatch, ...]] = ((), ())
+
+    @property
+    def largest_deviation(self) -> float:
+        """The largest deviation (mm) of all patches."""
+        return max(*self.deviation.values(), *(patch.deviation for strip in self.strips for patch in strip))
 
     @property
     def count(self) -> int:
@@ -133,13 +169,27 @@ class SplineTooth:
         """Angle (rad) from where the first link begins to where the last one ends."""
         return 0.0 if self.closed else self.tooth.pitch_angle
 
+    def corner(self, i: int, row: int) -> Array:
+        """Where link i of tooth 1, or the one after the last, begins at one of the bounds, (3,), mm."""
+        if i < len(self.links):
+            return np.asarray(self.corners[i, row])
+        return Rigid.about_z(self.step).point(self.corners[0, row])
+
+    def arc_width(self, i: int, row: int) -> float:
+        """Angle (rad) from where link i begins to where it ends at one of the bounds, less than half a turn either way."""
+        start, end = (float(np.arctan2(r[1], r[0])) for r in (self.corner(k, row) for k in (i, i + 1)))
+        return float(REVOLUTE.within(np.array(end - start)))
+
     def place(self, half: HalfGear) -> SplineTooth:
         """The first half's tooth in another row, from its own toe to its heel."""
         patches = {
             link: tuple(replace(patch, control=half.points(patch.control)) for patch in row)
             for link, row in self.patches.items()
         }
-        return replace(self, patches=patches, corners=half.points(self.corners), half=half)
+        toe, heel = (
+            tuple(replace(patch, control=half.points(patch.control)) for patch in strip) for strip in self.strips
+        )
+        return replace(self, patches=patches, corners=half.points(self.corners), half=half, strips=(toe, heel))
 
     def level(self, link: Piece) -> ConeLevel:
         """The plane, cylinder or cone that a link without patches lies on."""

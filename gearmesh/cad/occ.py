@@ -52,6 +52,21 @@ def edge(curve: Any, start: Any, end: Any, first: float, last: float) -> Any:
     return made.Edge()
 
 
+def point_edge(at: Any, last: float) -> Any:
+    """TopoDS_Edge of no length at a vertex, where a surface has a side that is a point; its parameter goes from 0 to `last`."""
+    from OCP.BRep import BRep_Builder
+    from OCP.TopAbs import TopAbs_Orientation
+    from OCP.TopoDS import TopoDS_Edge
+
+    builder, made = BRep_Builder(), TopoDS_Edge()
+    builder.MakeEdge(made)
+    builder.Degenerated(made, True)
+    builder.Add(made, at.Oriented(TopAbs_Orientation.TopAbs_FORWARD))
+    builder.Add(made, at.Oriented(TopAbs_Orientation.TopAbs_REVERSED))
+    builder.Range(made, 0.0, last)
+    return made
+
+
 def straight_edge(start: Any, end: Any) -> Any:
     """TopoDS_Edge on the line between two vertices, its parameter the length from the first."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
@@ -105,13 +120,13 @@ def location(place: Rigid) -> Any:
 
 
 def spline_curve(control: Array, knots: Array) -> Any:
-    """Geom_BSplineCurve from a control polygon (K, 3) and its knot vector."""
+    """Geom_BSplineCurve from a control polygon (K, 3) and its clamped knot vector."""
     from OCP.Geom import Geom_BSplineCurve
 
     poles = _array("Array1_gp_Pnt")(1, len(control))
     for i, r in enumerate(control.tolist()):
         poles.SetValue(i + 1, point(r))
-    return Geom_BSplineCurve(poles, *_knots(knots), DEGREE)
+    return Geom_BSplineCurve(poles, *_knots(knots), len(knots) - len(control) - 1)
 
 
 def spline_curve2d(control: Array, knots: Array) -> Any:
@@ -142,7 +157,8 @@ def spline_surface(control: Array, s_knots: Array, t_knots: Array) -> Any:
         for j, r in enumerate(row):
             poles.SetValue(i + 1, j + 1, point(r))
     (s, s_counts), (t, t_counts) = _knots(s_knots), _knots(t_knots)
-    return Geom_BSplineSurface(poles, s, t, s_counts, t_counts, DEGREE, DEGREE)
+    degrees = (len(knots) - size - 1 for knots, size in zip((s_knots, t_knots), control.shape, strict=False))
+    return Geom_BSplineSurface(poles, s, t, s_counts, t_counts, *degrees)
 
 
 def _knots(knots: Array) -> tuple[Any, Any]:

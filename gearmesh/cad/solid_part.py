@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 
 from gearmesh.cad.brep import SplineTooth
-from gearmesh.cad.occ import PRECISION, edge, face, frame, spline_curve, spline_surface, straight2d, vertex, wire
+from gearmesh.cad.faces.drawn_face import DrawnFace, Sides
+from gearmesh.cad.faces.strip_faces import strip_faces
+from gearmesh.cad.occ import PRECISION, edge, frame, spline_curve, vertex
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.cad.turned import Loop, Prism, Trace, TurnedSurface, circle, plane_face, turned_face
 from gearmesh.errors import DesignError
@@ -22,11 +24,10 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import Body, end_regions
-from gearmesh.teeth.blank.end_edge import SHARP
 from gearmesh.teeth.blank.features import Opening
 from gearmesh.teeth.blank.halves import HalfEnd
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Region
+from gearmesh.teeth.region import END_EDGES, Region
 
 #: relative error of a face's share of the volume
 QUADRATURE = 1e-8
@@ -40,13 +41,8 @@ def solid_part(member: Member, teeth: SplineTooth) -> Part:
     """
     require_occ()
     member.check_alike()
-    if member.tooth.blank.ends != SHARP:
-        raise DesignError(
-            f"{member.name}.end_chamfer",
-            reason="STEP files cannot have the chamfers of end faces",
-            remedy="remove end_chamfer, or write a mesh (stl, 3mf, obj, ...)",
-        )
-    return whole_part(member, tuple(_faces(member, teeth)), (*teeth.tooth.regions, *member.body_regions))
+    chamfers = tuple(region for region, strip in zip(END_EDGES, teeth.strips, strict=True) if strip)
+    return whole_part(member, tuple(_faces(member, teeth)), (*teeth.tooth.regions, *member.body_regions, *chamfers))
 
 
 def whole_part(member: Member, faces: tuple[NamedFace, ...], regions: tuple[str, ...]) -> Part:
@@ -185,6 +181,10 @@ def tooth_faces(
         for row in (0, bounds - 1)
     ]
     first, last = (([own[row] for own in vertices], [own[row] for own in across]) for row in (0, bounds - 1))
+    for end, under in enumerate((first, last)):
+        if teeth.strips[end]:
+            chamfers, ends[end] = strip_faces(teeth, end, under, lambda shape, k: shape.Transformed(turns[k]))
+            faces += chamfers
     return faces, (ends[0], ends[1]), (first, last)
 
 
@@ -209,17 +209,8 @@ class _Arc:
     @staticmethod
     def of(teeth: SplineTooth, link: int, row: int) -> _Arc:
         """Of a link of tooth 1, at one of the bounds."""
-        first, last = teeth.corners[link, row], _next_corner(teeth, link, row)
-        start = float(np.arctan2(first[1], first[0]))
-        width = _within_half_turn(float(np.arctan2(last[1], last[0])) - start)
-        return _Arc(float(np.hypot(first[0], first[1])), float(first[2]), start, width)
-
-
-def _next_corner(teeth: SplineTooth, link: int, row: int) -> Array:
-    """Where a link of tooth 1 ends at one of the bounds, (3,), mm."""
-    if link + 1 < len(teeth.links):
-        return np.asarray(teeth.corners[link + 1, row])
-    return Rigid.about_z(teeth.step).point(teeth.corners[0, row])
+        first, width = teeth.corner(link, row), teeth.arc_width(link, row)
+        return _Arc(float(np.hypot(first[0], first[1])), float(first[2]), float(np.arctan2(first[1], first[0])), width)
 
 
 @dataclass(frozen=True)
@@ -275,79 +266,19 @@ def link_border(teeth: SplineTooth, i: int) -> list[tuple[Array, Array]]:
     return [(turn.point(patch.control[-1]), patch.t_knots) for patch in before]
 
 
-@dataclass(frozen=True)
-class Sides:
-    """Edges round a face: at its toe side, farther on along the chain (several from toe to heel), heel side, nearer."""
-
-    toe: Any
-    far: list[Any]
-    heel: Any
-    near: list[Any]
-
-    @property
-    def wire(self) -> list[tuple[Any, bool]]:
-        """Edges and senses, from the chain's direction to that from toe to heel."""
-        return [
-            (self.toe, True),
-            *((edge, True) for edge in self.far),
-            (self.heel, False),
-            *((edge, False) for edge in reversed(self.near)),
-        ]
-
-
-@dataclass(frozen=True)
-class _DrawnFace:
-    """A face of tooth 1 between two of the bounds, `rows`, and the sense of its surface.
-
-    `curves` are those of its edges in the surface's parameters, with their tolerances, in the order of `Sides.wire`; none
-    for a plane. `with_chain`: the surface's normal is the vector product of the directions along the chain and from toe to heel;
-    `outward`: that product leaves the material.
-    """
-
-    region: str
-    rows: tuple[int, int]
-    surface: Any
-    curves: tuple[tuple[Any, float], ...]
-    with_chain: bool
-    outward: bool
-
-    def face(self, surface: Any, sides: Sides) -> Any:
-        """The face on this surface turned to its tooth, with that tooth's edges."""
-        from OCP.BRep import BRep_Builder
-        from OCP.TopLoc import TopLoc_Location
-
-        builder, here = BRep_Builder(), TopLoc_Location()
-        parts = sides.wire
-        if self.curves:
-            for (side, _), (curve, tolerance) in zip(parts, self.curves, strict=True):
-                builder.UpdateEdge(side, curve, surface, here, tolerance)
-        if not self.with_chain:
-            parts = [(part, not sense) for part, sense in reversed(parts)]
-        return face(surface, [wire(*parts)], self.outward == self.with_chain)
-
-
-def drawn_faces(teeth: SplineTooth, i: int) -> list[_DrawnFace]:
+def drawn_faces(teeth: SplineTooth, i: int) -> list[DrawnFace]:
     """The faces of a link of tooth 1."""
     if teeth.links[i] not in teeth.patches:
         return [_turned_link(teeth, i)]
-    lines = tuple(
-        (straight2d(start, direction), PRECISION)
-        for start, direction in (((0, 0), (1, 0)), ((1, 0), (0, 1)), ((0, 1), (1, 0)), ((0, 0), (0, 1)))
-    )
     return [
-        _DrawnFace(
-            patch.region,
-            (g, g + 1),
-            spline_surface(patch.control, patch.s_knots, patch.t_knots),
-            lines,
-            True,
-            teeth.outward,
+        DrawnFace.of_spline(
+            patch.region, (g, g + 1), (patch.control, patch.s_knots, patch.t_knots), outward=teeth.outward
         )
         for g, patch in enumerate(teeth.patches[teeth.links[i]])
     ]
 
 
-def _turned_link(teeth: SplineTooth, i: int) -> _DrawnFace:
+def _turned_link(teeth: SplineTooth, i: int) -> DrawnFace:
     """The land or root of tooth 1 as a plane, cylinder or cone."""
     from OCP.Geom import Geom_Plane
 
@@ -356,7 +287,7 @@ def _turned_link(teeth: SplineTooth, i: int) -> _DrawnFace:
     if teeth.level(teeth.links[i]).normal[0] == 0.0:
         plane = Geom_Plane(frame((0.0, 0.0, toe.z), 1.0, 0.0))
         with_chain = (heel.rho < toe.rho) == (toe.width > 0.0)
-        return _DrawnFace(teeth.links[i].region, rows, plane, (), with_chain, teeth.outward)
+        return DrawnFace(teeth.links[i].region, rows, plane, (), with_chain, teeth.outward)
     ends = np.array([(toe.rho, toe.z), (heel.rho, heel.z)])
     # far from where the surface is cut open
     middle = toe.start + 0.5 * toe.width
@@ -373,7 +304,7 @@ def _turned_link(teeth: SplineTooth, i: int) -> _DrawnFace:
         curve(Trace.arc(arc.width, arc.rho, arc.z, _within_half_turn(arc.start - middle))) for arc in (toe, heel)
     )
     with_chain = toe.width * turned.axis * float(turned.generatrix @ (ends[1] - ends[0])) > 0.0
-    return _DrawnFace(
+    return DrawnFace(
         teeth.links[i].region, rows, turned.surface, (low, *far, high, *reversed(near)), with_chain, teeth.outward
     )
 

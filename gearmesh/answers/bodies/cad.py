@@ -132,6 +132,7 @@ def cad_solid(
     from gearmesh.cad.bar import bar_part, has_straight_faces, spline_bar_part
     from gearmesh.cad.brep import exact_volume, spline_tooth
     from gearmesh.cad.extracts.sector_part import sector_part
+    from gearmesh.cad.faces.strip_patches import with_strips
     from gearmesh.cad.solid_part import solid_part, volume
 
     started = time.perf_counter()
@@ -139,10 +140,10 @@ def cad_solid(
     if slides and has_straight_faces(member):
         part, deviation = bar_part(member)
     else:
-        teeth = spline_tooth(member.one_tooth, tolerance)
+        teeth = with_strips(spline_tooth(member.one_tooth, tolerance), tolerance)
         part = spline_bar_part(member, teeth) if slides else solid_part(member, teeth)
         part = part if pitches is None else sector_part(part, member, teeth, pitches)
-        deviation = max(teeth.deviation.values())
+        deviation = teeth.largest_deviation
     measured, share = volume(part), 1.0 if pitches is None else pitches / member.tooth.teeth
     return part, CadFigures(
         faces=len(part.faces),

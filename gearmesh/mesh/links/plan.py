@@ -36,7 +36,7 @@ CLOSER = np.geomspace(1.0, 8.0, 10)
 LEAST = 0.02
 #: and at least this share of its largest on the link
 EVER = 0.01
-#: chords may leave their lines within the surface by this share of the strips beside them: more, and facets would fold
+#: chords may leave their lines within the surface by this share of the strips beside them: more, and facets would overlap
 SIDEWAYS = 0.2
 #: steps of bisection for the widest strip
 HALVINGS = 8

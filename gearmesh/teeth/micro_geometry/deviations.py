@@ -153,7 +153,7 @@ def with_deviations_of_teeth(
 def deviating_tooth(tooth: Tooth, grids: Mapping[Side, DeviationGrid]) -> Tooth:
     """The tooth with deviations on one of its flanks or on both; parameters of its surfaces stay what they are, its root too.
 
-    Raises DesignError where a flank has corners, where its amounts are so steep or so large that it would lean or fold, and
+    Raises DesignError where a flank has corners, where its amounts are so steep or so large that it would lean or have cusps, and
     where the tooth that has them cannot be closed.
     """
     sides = {which: _side(tooth, which, grid) for which, grid in grids.items()}
@@ -207,7 +207,7 @@ def _fade(tooth: Tooth, which: Side, levels: tuple[Level, Level]) -> Fade:
 
 
 def _prove(tooth: Tooth, which: Side, before: ToothSide) -> None:
-    """Refuse a side of a tooth that leans or folds against what it was `before`."""
+    """Refuse a side of a tooth that leans, or has cusps, against what it was `before`."""
     sections, s = tooth.sections(np.linspace(0.0, 1.0, STATIONS)), np.linspace(0.0, 1.0, ACROSS)
     for region, surface in ((FLANKS[which], before.flank), (FILLETS[which], before.fillet)):
         grid = tooth.grid(region, s, sections)
@@ -215,7 +215,7 @@ def _prove(tooth: Tooth, which: Side, before: ToothSide) -> None:
         base = surface.jet(*np.moveaxis(grid.parameters, -1, 0))
         sense = [dot(area_normal(jet), jet.n) for jet in (grid.jet, base)]
         if (sense[0] * sense[1] <= 0.0).any():
-            raise ArgumentError(KEY, reason=f"{region} would fold: they are larger than its radius of curvature")
+            raise ArgumentError(KEY, reason=f"{region} would have a cusp: they are larger than its radius of curvature")
         if region.is_flank:
             cosine = float(dot(grid.jet.n, base.n).min())
             lean = float(np.sqrt(max(0.0, 1.0 - cosine**2))) / cosine
