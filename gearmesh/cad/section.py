@@ -160,7 +160,9 @@ def _one_tooth(tooth: Tooth, z: float, tolerance: float, drawn: _Drawn) -> tuple
     toe, heel = tooth.blank.extent
     station = float(tooth.blank.axial.value(np.array([0.0, 0.0, z])))
     if not min(toe, heel) - ON_FACE <= station <= max(toe, heel) + ON_FACE:
-        raise ArgumentError("section", z, unit="mm", must_be="between the chamfers of the end faces")
+        low, high = sorted((z + toe - station, z + heel - station))
+        between = f"from {low:g} to {high:g} mm, between the chamfers of the end faces"
+        raise ArgumentError("section", z, unit="mm", must_be=between)
     sections = tooth.sections([min(max((station - toe) / (heel - toe), 0.0), 1.0)])
     one, deviation = list[PlaneCurve](), 0.0
     for piece in [piece for region in tooth.regions for piece in Piece.of(tooth, region)]:

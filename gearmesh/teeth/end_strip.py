@@ -13,12 +13,13 @@ that of `teeth.blank.development`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, components
 from gearmesh.kernel.numeric.polylines import first_crossing
 from gearmesh.kernel.surface.stations import TrimError
@@ -41,7 +42,8 @@ INSIDE = 1e-9
 
 @dataclass(frozen=True)
 class _SharpPiece:
-    """A smooth piece of a link of the outline with sharp edges, from `span` s to s, and the curve `width` inside it."""
+    """A smooth piece of a link of the outline with sharp edges, from `span` s to s, and the curve `width` inside it; `place`
+    takes it to its tooth."""
 
     region: Region
     link: Link
@@ -50,6 +52,7 @@ class _SharpPiece:
     about: Array
     span: tuple[float, float]
     width: float
+    place: Rigid = field(default_factory=Rigid.identity)
 
     def at(self, s: Array) -> tuple[Array, Array]:
         """X, Y and unit normals out of the material (N, 2) at s (N,); at an end inside the link those of the piece itself."""
@@ -57,7 +60,7 @@ class _SharpPiece:
         edge = INSIDE * (last - first)
         inside = np.clip(s, first + edge if first > 0.0 else s.min(), last - edge if last < 1.0 else s.max())
         grid = self.link.grid(inside, self.sections)
-        r, n = grid.points[:, 0], grid.normals[:, 0]
+        r, n = self.place.point(grid.points[:, 0]), self.place.vector(grid.normals[:, 0])
         normal = self.plane.flat_vector(n, r, self.about)
         return self.plane.flat(r, self.about), normal / np.hypot(normal[:, 0], normal[:, 1])[:, None]
 
@@ -135,8 +138,10 @@ class EndStrip:
         sections: tuple[Sections, Sections],
         plane: Development,
         chamfer: EndChamfer,
+        step: Rigid,
     ) -> None:
-        """`chains` and `sections` (of one station) of the tooth under the chamfer, and of that with sharp edges at the end face."""
+        """`chains` and `sections` (of one station) of the tooth under the chamfer, and of that with sharp edges at the end face;
+        `step` takes a tooth to the next one."""
         self.chamfer, self._plane, self._sections = chamfer, plane, sections[0]
         under, sharp = (
             chain[Region.LAND].grid([0.5], at).points[0, 0] for chain, at in zip(chains, sections, strict=True)
@@ -150,7 +155,7 @@ class EndStrip:
             for span, inner in zip(*pieces, strict=True):
                 arcs.append(_SharpPiece(region, link, sections[1], plane, self._about, span, chamfer.width))
                 spans.append((below, inner))
-        self.pieces = tuple(_pieces(arcs, spans))
+        self.pieces = tuple(_pieces(arcs, spans, step))
 
     @property
     def outline(self) -> Array:
@@ -187,16 +192,17 @@ class EndStrip:
         return piece.arc.parallel(first + sigma * (last - first))
 
 
-def _pieces(arcs: list[_SharpPiece], spans: list[tuple[Link, tuple[float, float]]]) -> list[StripPiece]:
-    """The strip's pieces along the outline."""
-    kept, trimmed = _trimmed_parts(arcs)
+def _pieces(arcs: list[_SharpPiece], spans: list[tuple[Link, tuple[float, float]]], step: Rigid) -> list[StripPiece]:
+    """The strip's pieces along the outline, from the corner with the tooth before to that with the next one, `step` away."""
+    kept, trimmed = _trimmed_parts(arcs, step)
+    following = [*arcs[1:], replace(arcs[0], place=step)]
     pieces = list[StripPiece]()
     for k, (arc, (link, inner)) in enumerate(zip(arcs, spans, strict=True)):
         if k in trimmed:
             pieces.append(StripPiece(arc.region, arc, link, inner, trimmed[k]))
-            following, whole = k + 1, trimmed[k][1] == arc.span[1]
-            whole = whole and following in trimmed and trimmed[following][0] == arcs[following].span[0]
-            if whole and (corner := _concave(arc, arcs[following])) is not None:
+            after, beyond = following[k], trimmed.get((k + 1) % len(arcs))
+            whole = beyond is not None and (trimmed[k][1], beyond[0]) == (arc.span[1], after.span[0])
+            if whole and (corner := _concave(arc, after)) is not None:
                 pieces.append(StripPiece(arc.region, None, link, (inner[1], inner[1]), (0.0, 1.0), round=corner))
         else:
             beside = max((j for j in kept if j < k), default=kept[0])
@@ -205,17 +211,19 @@ def _pieces(arcs: list[_SharpPiece], spans: list[tuple[Link, tuple[float, float]
     return pieces
 
 
-def _trimmed_parts(arcs: list[_SharpPiece]) -> tuple[list[int], dict[int, tuple[float, float]]]:
+def _trimmed_parts(arcs: list[_SharpPiece], step: Rigid) -> tuple[list[int], dict[int, tuple[float, float]]]:
     """Numbers of the arcs whose parallel curves reach the end face, and the part of each, s to s, that is left of them."""
     kept = [k for k, arc in enumerate(arcs) if arc.usable[0] < arc.usable[1]]
     while True:
         spans = {k: [float(arcs[k].s[n]) for n in arcs[k].usable] for k in kept}
         dropped = None
-        for j, k in pairwise(kept):
-            whole = arcs[j].usable[1] == SAMPLES - 1 and arcs[k].usable[0] == 0
-            if k == j + 1 and whole and not _convex(arcs[j], arcs[k]):
+        for j, k in zip(kept, [*kept[1:], kept[0]], strict=True):
+            # the last one ends where the first one of the next tooth begins
+            after = replace(arcs[k], place=step) if k <= j else arcs[k]
+            whole = arcs[j].usable[1] == SAMPLES - 1 and after.usable[0] == 0
+            if whole and _meet(arcs[j], after) and not _convex(arcs[j], after):
                 continue
-            crossing = _crossing(arcs[j], arcs[k])
+            crossing = _crossing(arcs[j], after)
             if crossing is None:
                 dropped = min((j, k), key=lambda n: arcs[n].length)
                 break
@@ -227,6 +235,11 @@ def _trimmed_parts(arcs: list[_SharpPiece]) -> tuple[list[int], dict[int, tuple[
         if arcs[dropped].region not in EDGES.values():
             raise TrimError("end", 0.0, f"the end chamfer leaves nothing of the {arcs[dropped].region} in the end face")
         kept.remove(dropped)
+
+
+def _meet(one: _SharpPiece, other: _SharpPiece) -> bool:
+    """Whether one arc begins where another one ends."""
+    return float(np.linalg.norm(other.samples[0][0] - one.samples[0][-1])) <= SNAP
 
 
 def _convex(one: _SharpPiece, other: _SharpPiece) -> bool:

@@ -178,7 +178,8 @@ class Tooth:
             return None
         both = self, self.sharp_ends
         chains, sections = (self.chain, both[1].chain), (self.sections(at), both[1].sections(at))
-        return EndStrip(chains, sections, Development(self.blank.axial, self.joint), chamfer)
+        step = self.joint.to(self.pitch_angle)
+        return EndStrip(chains, sections, Development(self.blank.axial, self.joint), chamfer, step)
 
     @property
     def regions(self) -> tuple[Region, ...]:

@@ -13,6 +13,7 @@ from oracles.plane_curves import from_polylines
 import gearmesh as gm
 from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
+from gearmesh.kernel.motion.joint import REVOLUTE
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.mesh.solid import gear_solid, prove
@@ -160,3 +161,24 @@ def test_refusals() -> None:
     ):
         with pytest.raises(DesignError, match=message):
             gm.build(gm.load(SAMPLES / "spur.toml", [override]))
+
+
+def test_corners_at_a_root_that_touches_neither_fillet() -> None:
+    """Roots straight from fillet to fillet: the outline is as far inside that of three sharp teeth everywhere, so at the corners to
+    both neighbours too, which one of the two has in an arc. Nearest points of the sharp outline are 0.01 mm apart: 1e-4 mm."""
+    width = 0.3
+    tooth = chamfered("spiral_bevel_formate", "pinion", (width, 0.2), (width, 0.2)).tooth
+    up = abs(station_normal(tooth.blank.axial)[1])
+    s, sharp = np.linspace(0.0, 1.0, 1001), tooth.sharp_ends
+    sections = sharp.sections([0.0, 1.0])
+    outlines = np.concatenate([sharp.grid(region, s, sections).points for region in sharp.regions])
+    for strip, curve in zip(tooth.end_strips, outlines.swapaxes(0, 1), strict=True):
+        assert strip is not None
+        assert sum(piece.round is not None for piece in strip.pieces) == 1
+        r = np.concatenate([strip.at(piece, np.linspace(0.0, 1.0, 9), np.zeros(1)) for piece in strip.pieces])
+        assert tooth.joint.to(tooth.pitch_angle).point(r[0]) == pytest.approx(r[-1], abs=1e-8)
+        a, b = np.hypot(r[:, 0], r[:, 1])[:, None] / up, np.tile(np.hypot(curve[:, 0], curve[:, 1]), 3) / up
+        angles = np.arctan2(curve[:, 1], curve[:, 0]) + tooth.pitch_angle * np.array([[-1.0], [0.0], [1.0]])
+        turn = REVOLUTE.within(np.arctan2(r[:, 1], r[:, 0])[:, None] - angles.ravel())
+        apart = np.sqrt((a - b) ** 2 + 4.0 * a * b * np.sin(0.5 * up * turn) ** 2).min(axis=1)
+        assert apart == pytest.approx(width, abs=1e-4)

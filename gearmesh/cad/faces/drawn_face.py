@@ -46,9 +46,7 @@ class DrawnFace:
     outward: bool
 
     @staticmethod
-    def of_spline(
-        region: str, rows: tuple[int, int], net: tuple[Array, Array, Array], *, outward: bool
-    ) -> DrawnFace:
+    def of_spline(region: str, rows: tuple[int, int], net: tuple[Array, Array, Array], *, outward: bool) -> DrawnFace:
         """Of a spline with a control net (S, T, 3), mm, and its knots in both directions, along the chain and from toe to heel."""
         _, s_knots, t_knots = net
         (s, last), (t, heel) = ((float(knots[0]), float(knots[-1])) for knots in (s_knots, t_knots))

@@ -1,4 +1,4 @@
-"""The chamfers along end faces as B-spline patches: between the tooth's section, where the teeth's own patches end, and the outline.
+r"""The chamfers along end faces as B-spline patches: between the tooth's section, where the teeth's patches end, and the outline.
 
     toe side                                            heel side
     outline of the end face   o-----o--o----o           (at the heel the other way round)
@@ -82,7 +82,7 @@ class _Fitted:
         low, high = piece.inner
         link = None if low == high else Piece(piece.region, low, high)
         made = _Fitted(teeth, strip, piece, end, tolerance, link, None, lambda y: y, 1.0)
-        if link not in teeth.links:
+        if link is None or link not in teeth.links:
             return replace(made, link=None)
         patches = teeth.patches.get(link)
         if patches is None:

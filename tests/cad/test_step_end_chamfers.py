@@ -1,0 +1,67 @@
+"""Chamfers of end faces as STEP: valid solids with faces of their own, as heavy as sections and meshes say, as another program
+reads them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pytest
+from oracles.built import built, built_sample
+
+import gearmesh as gm
+from gearmesh.cad.brep import exact_volume
+
+pytest.importorskip("OCP")
+gmsh = pytest.importorskip("gmsh")
+
+#: tip roundings that end in points before the end face, one end sharp, a gap between mirrored halves
+HELICAL = {"kind": "cylindrical", "module": 2, "helix_angle": 20}
+HELICAL |= {"gear": {"teeth": 13, "face_width": 12, "bore": 8, "tip_rounding": 0.2, "end_chamfer_heel": 0.3}}
+HALVES = {"kind": "cylindrical", "module": 2, "helix_angle": 20, "arrangement": "double_helical", "gap": 3}
+HALVES |= {"gear": {"teeth": 13, "face_width": 20, "end_chamfer": 0.2}}
+
+
+def read(path: Path) -> tuple[list[float], int]:
+    """Volumes of a file's solids, and the number of its faces, by gmsh."""
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.occ.importShapes(str(path))
+        gmsh.model.occ.synchronize()
+        volumes = [gmsh.model.occ.getMass(*solid) for solid in gmsh.model.getEntities(3)]
+        return volumes, len(gmsh.model.getEntities(2))
+    finally:
+        gmsh.finalize()
+
+
+@pytest.mark.parametrize(
+    ("gears", "name", "toe", "heel"),
+    [
+        # seven links, two of which end in points
+        (lambda: built(HELICAL), "gear", 0, 8),
+        (lambda: built(HALVES), "gear", 12, 12),
+        # the root is reached in an arc on one side and in a mitre on the other
+        pytest.param(
+            lambda: built_sample("spiral_bevel_formate", "pinion.end_chamfer=0.3"),
+            "pinion",
+            7,
+            7,
+            marks=pytest.mark.sweep,
+        ),
+    ],
+)
+def test_a_solid_with_chamfers(gears: Any, name: str, toe: int, heel: int, tmp_path: Path) -> None:
+    made: gm.Gears = gears()
+    cad, member = made.cad(name), made.members[name]
+    faces, figures, teeth = cad.made.faces, cad.figures[name], member.tooth.teeth
+    counts = Counter(face.region for face in faces)
+    assert (counts["edge_toe"], counts["edge_heel"]) == (toe * teeth, heel * teeth)
+    assert figures["max_deviation_um"] <= 0.1
+    volume = exact_volume(member)
+    assert figures["volume_mm3"] == pytest.approx(volume, rel=1e-7)
+    # 3e-7 is the error of its quadrature on a fillet
+    assert read(cad.save(tmp_path / "gear.step")) == ([pytest.approx(volume, rel=1e-6)], len(faces))
+    solid = made.solid(name, "5um")
+    assert solid.figures["volume_mm3"] == pytest.approx(volume, abs=0.005 * solid.to_trimesh().area)
