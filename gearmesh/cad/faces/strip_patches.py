@@ -46,7 +46,7 @@ def with_strips(teeth: SplineTooth, tolerance: float) -> SplineTooth:
 def _patches(teeth: SplineTooth, strip: EndStrip, end: int, tolerance: float) -> tuple[StripPatch, ...]:
     """Of the chamfer at the toe (0) or the heel (1)."""
     patches, column = list[StripPatch](), 0
-    numbers = {link: k for k, link in enumerate(teeth.links)}
+    numbers: dict[Piece | None, int] = {link: k for k, link in enumerate(teeth.links)}
     fitted = [_Fitted.of(teeth, strip, piece, end, tolerance) for piece in strip.pieces]
     lines = _lines(fitted)
     for one in fitted:
