@@ -9,8 +9,9 @@ until their inner edges stay within the tolerance of the station; edges shared w
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.mesh.ring import TeethRing
-from gearmesh.mesh.strip_triangulation import Miss, StripTriangulation
+from gearmesh.mesh.strip_triangulation import GAIN, Miss, StripTriangulation
 from gearmesh.teeth.blank.body import Body, end_regions
 from gearmesh.teeth.blank.halves import HalfEnd
 from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RARE_REGIONS
@@ -28,6 +29,8 @@ from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RA
 ROUNDS = 10_000
 #: rounds of turning the edges of an end face: there they save vertices inside, which a single one may leave
 TURNS = 8
+#: rings on a plane that are closer to each other than so many times the tolerance have as many points
+NARROW = 4.0
 
 Index = NDArray[np.int64]
 
@@ -64,21 +67,18 @@ def gear_body(
     teeth, profile, first = round_axis.teeth, body.profile, round_axis.kinds[0]
     corner = first.vertices[first.end(ends[0])[0]]
     start = float(np.arctan2(corner[1], corner[0]))
-    ring = ring_count(teeth, max(rho for rho, _ in profile), tolerance)
-    counts = [ring if rho > 0.0 else 1 for rho, _ in profile]
+    counts = _ring_counts(teeth, profile, tolerance)
     firsts = [int(f) for f in round_axis.size + np.concatenate(([0], np.cumsum(counts)))]
-    angle = start + 2.0 * np.pi * np.arange(ring) / ring
-    circle = np.stack((np.cos(angle), np.sin(angle)), axis=-1)
-    vertices = [
-        np.column_stack((rho * circle, np.full(ring, z))) if rho > 0.0 else np.array([[0.0, 0.0, z]])
-        for rho, z in profile
-    ]
+    vertices = []
+    for (rho, z), count in zip(profile, counts, strict=True):
+        angle = start + 2.0 * np.pi * np.arange(count) / count
+        vertices.append(np.column_stack((rho * np.cos(angle), rho * np.sin(angle), np.full(count, z))))
     triangles, regions = [], []
     added = firsts[-1]
     for end, k in ((0, 0), (1, len(profile) - 1)):
         corner = first.vertices[first.end(ends[end])[0]]
         per_tooth = counts[k] // teeth
-        shift = round((float(np.arctan2(corner[1], corner[0])) - start) * ring / (2.0 * np.pi))
+        shift = round((float(np.arctan2(corner[1], corner[0])) - start) * counts[k] / (2.0 * np.pi))
         turns = (shift + np.arange(per_tooth, -1, -1)) if per_tooth else np.zeros(1, dtype=np.int64)
         for kind, tooth in enumerate(round_axis.kinds):
             row, places = tooth.end(ends[end]), round_axis.places(kind)[:, None]
@@ -113,15 +113,29 @@ def ring_count(teeth: int, radius: float, tolerance: float) -> int:
     return teeth * max(1, int(np.ceil(2.0 * np.pi / step / teeth)))
 
 
+def _ring_counts(teeth: int, profile: Sequence[tuple[float, float]], tolerance: float) -> list[int]:
+    """Points of the ring of each point (rho, z) of a profile: what its own radius asks for, 1 on the axis.
+
+    On both sides of a cone as many, so that no edge leaves it by more than chords do; and of a narrow plane, so that chords of the
+    outer ring do not cross the inner one.
+    """
+    counts = [ring_count(teeth, rho, tolerance) if rho > 0.0 else 1 for rho, _ in profile]
+    pairs = list(enumerate(pairwise(profile)))
+    for k, ((rho, z), (other, end)) in (*pairs, *reversed(pairs)):
+        if min(rho, other) > 0.0 and (z != end or abs(rho - other) < NARROW * tolerance):
+            counts[k] = counts[k + 1] = max(counts[k : k + 2])
+    return counts
+
+
 def _band(low: int, low_count: int, high: int, high_count: int) -> Index:
-    """Triangles between two rings of equally many vertices, or one of them a single centre."""
-    i = np.arange(max(low_count, high_count))
-    a, a_next = low + i % low_count, low + (i + 1) % low_count
-    b, b_next = high + i % high_count, high + (i + 1) % high_count
-    if low_count == 1:
-        return np.stack((a, b, b_next), axis=1)
-    first = np.stack((a, b, a_next), axis=1)
-    return first if high_count == 1 else np.concatenate((first, np.stack((a_next, b, b_next), axis=1)))
+    """Triangles between two rings of vertices that begin at the same polar angle, or one of them a single centre."""
+    low_steps, high_steps = low_count - (low_count == 1), high_count - (high_count == 1)
+    ahead = np.concatenate((np.arange(1, low_steps + 1) * high_count, np.arange(1, high_steps + 1) * low_count))
+    on_low = np.argsort(ahead, kind="stable") < low_steps
+    i: Index = np.cumsum(on_low) - on_low
+    j: Index = np.cumsum(~on_low) - ~on_low
+    following = np.where(on_low, low + (i + 1) % low_count, high + (j + 1) % high_count)
+    return np.stack((low + i % low_count, high + j % high_count, following), axis=1)
 
 
 @dataclass(frozen=True)
@@ -154,12 +168,12 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
     q, polygon = chart(r), len(r)
     station = float(level.value(chain[0]))
 
-    def miss(edges: Index) -> Array:
-        return np.abs(np.asarray(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]]))) - station)
+    def miss_of(r: Array) -> Miss:
+        return lambda edges: np.abs(np.asarray(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]]))) - station)
 
-    triangles = triangulate(q) if across == 0.0 else _spokes(q, len(chain), miss)
+    triangles = triangulate(q) if across == 0.0 else _spokes(q, len(chain), miss_of(r))
     triangles, r = split_long(triangles, (q, r), level, lift, tolerance)
-    return _Sector(triangles, r[polygon:])
+    return _Sector(without_needles(triangles, chart(r), r, miss_of(r), tolerance), r[polygon:])
 
 
 def split_long(
@@ -211,6 +225,42 @@ def triangulate(polygon: Array) -> Index:
     import manifold3d
 
     return np.asarray(manifold3d.triangulate([polygon]), dtype=np.int64)
+
+
+def thickness(corners: Array) -> Array:
+    """Least heights (M,) of triangles with corners (M, 3, 3)."""
+    sides = np.roll(corners, -1, axis=1) - corners
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=-1)
+    heights: Array = area / np.linalg.norm(sides, axis=-1).max(axis=1)
+    return heights
+
+
+def without_needles(triangles: Index, q: Array, r: Array, miss: Miss, tolerance: float) -> Index:
+    """Triangles with inner edges turned where that makes triangles thicker that are thinner than the tolerance (mm).
+
+    q (N, 2), r (N, 3): vertices in the chart and in space. No edge leaves the station by more than the tolerance for that.
+    """
+    for _ in range(TURNS):
+        thin = thickness(r[triangles])
+        if thin.min() >= tolerance:
+            break
+        edges, owners = _inner_edges(triangles)
+        corners = triangles[owners]
+        apart = (corners[..., None] != edges[:, None, None, :]).all(axis=-1).argmax(axis=-1)
+        apex, other = (corners[np.arange(len(edges)), k, apart[:, k]] for k in (0, 1))
+        a, b = (corners[np.arange(len(edges)), 0, (apart[:, 0] + k) % 3] for k in (1, 2))
+        turned = np.stack((np.stack((apex, a, other), axis=-1), np.stack((apex, other, b), axis=-1)), axis=1)
+        (x, y), (u, v) = (np.moveaxis(q[turned[..., k]] - q[turned[..., 0]], -1, 0) for k in (1, 2))
+        before = thin[owners].min(axis=1)
+        gain = thickness(r[turned].reshape(-1, 3, 3)).reshape(-1, 2).min(axis=1) - before
+        good = (x * v > y * u).all(axis=1) & (before < tolerance)
+        good &= miss(np.stack((apex, other), axis=1)) <= np.maximum(tolerance, miss(edges))
+        chosen = _worst_of_both(np.where(good, gain, 0.0), owners, len(triangles), GAIN)
+        if not chosen.size:
+            break
+        triangles = triangles.copy()
+        triangles[owners[chosen]] = turned[chosen]
+    return triangles
 
 
 def _inner_edges(triangles: Index) -> tuple[Index, Index]:

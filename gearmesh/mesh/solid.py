@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
-from gearmesh.mesh.body import gear_body, ring_count, triangulate
+from gearmesh.mesh.body import gear_body, ring_count, triangulate, without_needles
 from gearmesh.mesh.ring import TeethRing
 from gearmesh.mesh.row import row_mesh
 from gearmesh.mesh.tessellate import ToothMesh, tessellate_alike
@@ -195,7 +195,7 @@ def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> Tria
 
     (low, top), bore, teeth = member.body.ends, member.plain_body.bore_radius, member.tooth.teeth
     gear_id, sources = manifold3d.Manifold.reserve_ids(1), {}
-    gear = manifold_of(full.vertices, {gear_id: full.triangles})
+    gear = manifold_of(full.vertices, {gear_id: full.triangles}, _faces(full))
 
     def cut(tool: Any, region: Region) -> None:
         nonlocal gear
@@ -216,7 +216,35 @@ def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> Tria
             member.name,
             reason=f"its body with bore, keyway and openings is no solid ({gear.status().name}); change their sizes",
         )
-    return _from_manifold(gear, full, sources, gear_id)
+    return _thick(_from_manifold(gear, full, sources, gear_id), tolerance)
+
+
+def _flat_faces(mesh: TriangleMesh) -> list[NDArray[np.int64]]:
+    """Triangles (M,) of every plane face across the axis, each of one region at one z."""
+    z = mesh.vertices[mesh.triangles, 2]
+    flat = np.flatnonzero((z == z[:, :1]).all(axis=1))
+    _, face = np.unique(np.column_stack((mesh.regions[flat], z[flat, 0])), axis=0, return_inverse=True)
+    return [flat[face.ravel() == k] for k in range(int(face.max(initial=-1)) + 1)]
+
+
+def _faces(mesh: TriangleMesh) -> NDArray[np.int64]:
+    """Ids (M,) of the faces of all triangles: one of their numbers, the same of a plane face."""
+    numbers = np.arange(len(mesh.triangles))
+    for own in _flat_faces(mesh):
+        numbers[own] = own[0]
+    return numbers
+
+
+def _thick(mesh: TriangleMesh, tolerance: float) -> TriangleMesh:
+    """The mesh with plane faces across the axis, which openings cut to needles, without those thinner than the tolerance."""
+    triangles = mesh.triangles.copy()
+    for own in _flat_faces(mesh):
+        # seen from outside
+        seen = mesh.vertices[:, :2] * np.array([1.0, np.sign(mesh.normals[own[0], 2])])
+        triangles[own] = without_needles(
+            triangles[own], seen, mesh.vertices, lambda edges: np.zeros(len(edges)), tolerance
+        )
+    return replace(mesh, triangles=triangles)
 
 
 def _hole(
@@ -263,11 +291,13 @@ def _slot(keyway: Slot, bore: float, low: float, top: float) -> Any:
     return body.translate((0.0, -0.5 * keyway.width, low - 1.0)).as_original()
 
 
-def manifold_of(vertices: Array, runs: Mapping[int, NDArray[np.int64]]) -> manifold3d.Manifold:
+def manifold_of(
+    vertices: Array, runs: Mapping[int, NDArray[np.int64]], faces: NDArray[np.int64] | None = None
+) -> manifold3d.Manifold:
     """A body of manifold3d, whose status says whether it is one; coordinates to the last digit.
 
     Runs of triangles have ids of their own, which keeps manifold3d from renumbering (and merging) the faces; the places
-    of the triangles among all are the ids of the faces.
+    of the triangles among all are the ids of the faces, or `faces` (M,): it merges plane ones with the same id.
     """
     import manifold3d
 
@@ -279,7 +309,7 @@ def manifold_of(vertices: Array, runs: Mapping[int, NDArray[np.int64]]) -> manif
             np.array(triangles, dtype=np.uint64, order="C"),
             run_index=ends.astype(np.uint64),
             run_original_id=np.array(list(runs), dtype=np.uint32),
-            face_id=np.arange(len(triangles), dtype=np.uint64),
+            face_id=np.asarray(np.arange(len(triangles)) if faces is None else faces, dtype=np.uint64),
         )
     )
 

@@ -70,10 +70,10 @@ class StripTriangulation:
         chains = [_chains(strip, *ends) for strip, ends in zip(strips, _corners(strips, level, miss), strict=True)]
         levels = [[np.maximum.accumulate(level[chain])[1:] for chain in pair] for *_, pair in chains]
         steps = [np.argsort(np.concatenate(pair), kind="stable") < len(pair[0]) for pair in levels]
-        return StripTriangulation._made(strips, chains, steps)
+        return StripTriangulation._join(strips, chains, steps)
 
     @staticmethod
-    def _made(
+    def _join(
         strips: Sequence[Strip], chains: Sequence[Chains], steps: Sequence[NDArray[np.bool_]]
     ) -> StripTriangulation:
         counts = np.array([[len(chain) for chain in pair] for *_, pair in chains])
@@ -153,7 +153,7 @@ class StripTriangulation:
             tried = [_cheapest(cost.reshape(pair[0].size, -1)) for cost, (*_, pair) in zip(costs, ways, strict=True)]
             least = int(np.argmin([total for total, _ in tried]))
             chains[k], steps[k] = ways[least], tried[least][1]
-        return StripTriangulation._made(self.strips, chains, steps)
+        return StripTriangulation._join(self.strips, chains, steps)
 
     def _gaining(self, miss: Miss, held: Array) -> Index:
         """Steps that better change places with the next one, no two of them neighbours."""
