@@ -79,7 +79,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(str(error), error.exit_status)
     except _UsageError as error:
         where = error.ctx.command_path if error.ctx else "gearmesh"
-        return _fail(f"{error.format_message().rstrip('.')} (see {where} --help)", 2)
+        said = error.format_message().rstrip(".").replace("Value error, ", "")
+        return _fail(f"{said} (see {where} --help)", 2)
     except typer.Abort:
         return _fail("stopped", 130)
     except BrokenPipeError:

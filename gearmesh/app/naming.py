@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import functools
+import inspect
 from collections.abc import Callable
-from typing import Any, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 from typer.models import OptionInfo
 
-from gearmesh.errors import GearmeshError
+from gearmesh.errors import ArgumentError, GearmeshError
 
 #: what parameters of commands are called in the calls that they are handed on to, where that differs
 CALLED = {"tolerance": "tol", "overrides": "settings", "folder": "output", "path": "output", "moved": "move"}
@@ -26,7 +27,46 @@ def naming_options(command: Callable[..., Any]) -> Callable[..., Any]:
                 raise
             raise failure.rename(option_of(command, failure.key)) from failure
 
+    hints, own = number_options(command), inspect.signature(command)
+    parameters = [one.replace(annotation=hints[name]) for name, one in own.parameters.items()]
+    # typer reads the annotations of both
+    run.__annotations__, vars(run)["__signature__"] = hints, own.replace(parameters=parameters)
     return run
+
+
+def number_options(command: Callable[..., Any]) -> dict[str, Any]:
+    """Annotations of a command, its options that are numbers with readers of this program: what is none is refused with its value,
+    in the same words whatever the installed typer says."""
+    names, hints = _options(command), get_type_hints(command, include_extras=True)
+    for parameter, hint in hints.items():
+        (about,) = getattr(hint, "__metadata__", (None,))
+        if isinstance(about, OptionInfo) and about.parser is None:
+            own = get_args(hint)[0]
+            kinds = {kind for kind in (get_args(own) or (own,)) if kind is not type(None)}
+            if kinds <= {int, float}:
+                about.parser = _reader(names[parameter], int if kinds == {int} else float, about.min, about.max)
+    return hints
+
+
+def _reader(
+    option: str, kind: type[int] | type[float], low: float | None, high: float | None
+) -> Callable[[Any], float]:
+    """What reads a number from the text of an option. Raises ArgumentError."""
+    bounds = [f"{word} {bound:g}" for word, bound in (("from", low), ("up to", high)) if bound is not None]
+    must_be = " ".join(("a whole number" if kind is int else "a number", *bounds))
+
+    def read(text: Any) -> float:
+        try:
+            value = kind(text)
+        except ValueError:
+            raise ArgumentError(option, text, must_be=must_be) from None
+        if (low is not None and not value >= low) or (high is not None and not value <= high):
+            raise ArgumentError(option, text, must_be=must_be)
+        return value
+
+    # its name is what usage calls the value of an option
+    read.__name__ = "INTEGER" if kind is int else "FLOAT"
+    return read
 
 
 def option_of(command: Callable[..., Any], argument: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -68,6 +68,11 @@ SheetSpeed = Annotated[
     float | None,
     typer.Option("--speed", metavar="RPM", help="Speed of the member that --torque is on: adds speeds and power."),
 ]
+
+
+def sector_option(about: str) -> Any:
+    """The option --sector of a command."""
+    return typer.Option("--sector", metavar="K", help=about)
 
 
 def refuse_torque(torque: float | None) -> None:

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from gearmesh.cad.contours.curves import Contour, PlaneSpline
+from gearmesh.cad.requirements import require
 from gearmesh.cad.section import MemberSection
-from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 
@@ -22,10 +22,7 @@ VERSION = "R2000"
 
 def require_ezdxf() -> None:
     """Raise OutputError, naming what to install, where ezdxf cannot be loaded."""
-    try:
-        import ezdxf  # noqa: F401
-    except ImportError:
-        raise OutputError(reason='DXF needs ezdxf: pip install ".[cad]"') from None
+    require("ezdxf", "DXF needs ezdxf", "cad")
 
 
 def write_dxf(section: MemberSection, path: PathLike, description: str, joined: bool = False) -> None:

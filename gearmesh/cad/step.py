@@ -16,6 +16,7 @@ from typing import Any
 from gearmesh import __version__
 from gearmesh.cad.occ import location
 from gearmesh.cad.part21 import basic_alphabet, condense
+from gearmesh.cad.requirements import require
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.palette import region_colours
@@ -89,15 +90,7 @@ class PartAssembly:
 
 def require_occ() -> None:
     """Raise OutputError, naming what to install, where OpenCASCADE cannot be loaded."""
-    try:
-        import OCP.STEPCAFControl  # noqa: F401
-    except ImportError as error:
-        if ".so" in str(error):
-            missing = str(error).split(":")[0]
-            raise OutputError(
-                reason=f"STEP needs the system library {missing}: apt-get install libgl1 libx11-6"
-            ) from None
-        raise OutputError(reason='STEP needs OpenCASCADE: pip install ".[step]"') from None
+    require("OCP.STEPCAFControl", "STEP needs OpenCASCADE", "step")
 
 
 def write_step(made: Part | PartAssembly, path: PathLike, description: str) -> None:

@@ -432,7 +432,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
         ("solid SAMPLE --member gear -o a.stl --sector 2 --teeth 2", "--teeth = 2: must be left out with --sector"),
         ("solid SAMPLE --member both -o a.3mf --sector 2", "--sector = 2: must be left out for --member = both"),
         ("solid SAMPLE --member gear -o a.svg --sector 2", "--sector = 2: must be left out for .svg"),
-        ("solid SAMPLE --member gear -o a.stl --teeth x", "Invalid value for '--teeth'"),
+        ("solid SAMPLE --member gear -o a.stl --teeth x", "--teeth = x: must be a whole number"),
         ("render SAMPLE -o a.jpg", "cannot write a.jpg: its suffix must be .png"),
         ("render SAMPLE", "--output: name a file for the picture, or for an animation with --animate"),
         ("render SAMPLE --animate a.mp4", "cannot write a.mp4: its suffix must be .gif"),

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gearmesh.cad.occ import location
+from gearmesh.cad.requirements import require
 from gearmesh.cad.step import Part, PartAssembly
-from gearmesh.errors import OutputError
 
 if TYPE_CHECKING:
     import build123d
@@ -14,10 +14,7 @@ if TYPE_CHECKING:
 
 def require_build123d() -> None:
     """Raise OutputError, naming what to install, where build123d cannot be loaded."""
-    try:
-        import build123d  # noqa: F401
-    except ImportError:
-        raise OutputError(reason='to_build123d needs build123d: pip install ".[build123d]"') from None
+    require("build123d", "to_build123d needs build123d", "build123d")
 
 
 def build123d_shape(made: Part | PartAssembly) -> build123d.Solid | build123d.Compound:

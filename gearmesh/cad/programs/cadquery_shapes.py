@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gearmesh.cad.occ import location
+from gearmesh.cad.requirements import require
 from gearmesh.cad.step import Part, PartAssembly
-from gearmesh.errors import OutputError
 
 if TYPE_CHECKING:
     import cadquery
@@ -14,10 +14,7 @@ if TYPE_CHECKING:
 
 def require_cadquery() -> None:
     """Raise OutputError, naming what to install, where CadQuery cannot be loaded."""
-    try:
-        import cadquery  # noqa: F401
-    except ImportError:
-        raise OutputError(reason='to_cadquery needs CadQuery: pip install ".[cadquery]"') from None
+    require("cadquery", "to_cadquery needs CadQuery", "cadquery")
 
 
 def cadquery_shape(made: Part | PartAssembly) -> cadquery.Workplane | cadquery.Assembly:

@@ -38,13 +38,18 @@ def formats() -> dict[str, DeckFormat]:
     return dict(_FORMATS)
 
 
+def format_of(path: PathLike, name: str | None = None) -> DeckFormat:
+    """The format called `name`, or else the one that a suffix means. Raises OutputError as `write_model`."""
+    return _by_suffix(path) if name is None else _by_name(name, path)
+
+
 def write_model(model: Model, path: PathLike, name: str | None = None) -> None:
     """Write a model in the format called `name`, or else the one that the suffix of `path` means.
 
     Raises OutputError for an unknown name or suffix, a suffix that the named format does not have, a model that refers
     to a set its mesh does not have, and a file that cannot be written.
     """
-    entry = _by_suffix(path) if name is None else _by_name(name, path)
+    entry = format_of(path, name)
     _refuse_unknown_sets(model, path)
     entry.write(model, Path(path))
 

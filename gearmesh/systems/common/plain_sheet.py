@@ -121,7 +121,7 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
         **diameters,
         ("top land", "mm"): land,
         ("bore diameter", "mm"): tooth.blank.body.bore_diameter,
-        ("volume", "mm^3"): member.plain_volume(),
+        ("volume", "mm^3"): member_moments(member).volume if member.features.names else member.plain_volume(),
     }
     if on_cylinder:
         figures |= {("inner diameter of the teeth", "mm"): 2.0 * toe, ("outer diameter of the teeth", "mm"): 2.0 * heel}

@@ -19,6 +19,7 @@ from gearmesh.app.options import (
     chosen_pair,
     load_design,
     positions_in_degrees,
+    sector_option,
 )
 from gearmesh.app.terminal import Progress, refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
@@ -59,10 +60,8 @@ def fe(
     ] = None,
     sector: Annotated[
         int | None,
-        typer.Option(
-            "--sector",
-            metavar="K",
-            help="K pitches of one member with cyclic symmetry; K divides its teeth, and loads are those of every sector.",
+        sector_option(
+            "K pitches of one member with cyclic symmetry; K divides its teeth, and loads are those of every sector."
         ),
     ] = None,
     phi1: Positions = None,
@@ -94,6 +93,10 @@ def fe(
     _refuse_fe_options(rotation, friction, output, picture, solve)
     if len(positions) > 1:
         _refuse_for_several(str(phi1), output, solve)
+    elif output is not None and output.suffix.lower() != ".json":
+        from gearmesh.fe.decks import format_of
+
+        format_of(output, None if program is None else program.value)
     if sector is not None:
         _refuse_for_sector(sector, teeth, len(positions))
     design = load_design(design_file, [*(settings or []), *_fe_overrides(teeth, torque)])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Set, load_alone, load_gears
+from gearmesh.app.options import DesignFile, Set, load_alone, load_gears, sector_option
 from gearmesh.app.parts import ALL, BOTH, PartFile
 from gearmesh.errors import ArgumentError
 
@@ -93,11 +93,7 @@ def solid(
     ] = None,
     sector: Annotated[
         int | None,
-        typer.Option(
-            "--sector",
-            metavar="K",
-            help="Only the first K pitches, closed by two congruent cut faces through the middles of roots.",
-        ),
+        sector_option("Only the first K pitches, closed by two congruent cut faces through the middles of roots."),
     ] = None,
     settings: Set = None,
 ) -> None:

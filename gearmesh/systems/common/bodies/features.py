@@ -131,7 +131,7 @@ def body_features(spec: GearBody, under: UnderTeeth) -> BodyFeatures:
     features = replace(features, toe_bore=bores[0], heel_bore=bores[1])
     beside = [0.5 * hub.diameter for hub in hubs if hub] + [steps[0].radius for steps in (*shafts, *bores) if steps]
     room = (max(keyed, *beside, 0.0), under.smallest) if web is None else (web.inner, web.outer)
-    return _with_openings(spec, under, features, room)
+    return _with_openings(spec, under, features, room, keyed)
 
 
 def ring_features(spec: MemberTable, under: UnderTeeth) -> BodyFeatures:
@@ -152,7 +152,7 @@ def ring_features(spec: MemberTable, under: UnderTeeth) -> BodyFeatures:
                 _check_ring_step(under, key, step)
     features = BodyFeatures(toe_bore=sides[0], heel_bore=sides[1])
     least = min([outside, *(step.radius for steps in sides for step in steps)])
-    return _with_openings(spec, under, features, (under.smallest, least))
+    return _with_openings(spec, under, features, (under.smallest, least), under.smallest)
 
 
 def _check_ring_step(under: UnderTeeth, key: str, step: TurnedStep) -> None:
@@ -304,9 +304,10 @@ def _check_lengths(spec: GearBody, under: UnderTeeth, body: Body) -> None:
 
 
 def _with_openings(
-    spec: GearBody, under: UnderTeeth, features: BodyFeatures, room: tuple[float, float]
+    spec: GearBody, under: UnderTeeth, features: BodyFeatures, room: tuple[float, float], least: float
 ) -> BodyFeatures:
-    """Features with holes, bolt holes and spokes, which are between two radii (mm) where the design does not say where."""
+    """Features with holes, bolt holes and spokes, which are between two radii (mm) where the design does not say where, and never
+    below the `least`, that of bore and keyway."""
     name, holes = under.name, getattr(spec, "holes", None)
     made: list[tuple[str, float, Pattern]] = []
     if holes is not None:
@@ -316,13 +317,15 @@ def _with_openings(
         features = replace(features, bolts=(bolts := _bolts(name, spec.bolts, room)))
         made.append((*_stated_size(spec.bolts, "bolts", ("circle", "diameter")), bolts))
     if spec.spokes is not None:
-        features = replace(features, spokes=(spokes := _spokes(spec.spokes, under, room)))
-        made.append((*_stated_size(spec.spokes, "spokes", ("outer_diameter", "width")), spokes))
+        features = replace(features, spokes=(spokes := _spokes(spec.spokes, under, room, least)))
+        made.append((*_stated_size(spec.spokes, "spokes", ("outer_diameter", "inner_diameter", "width")), spokes))
     body = features.turn(under.body)
     for key, value, pattern in made:
-        low, high = _levels(key, value, pattern, body, under)
+        ends = _levels(key, value, pattern, body, under)
+        # above its own faces a body has hubs and shafts, which have no roots
+        low, high = max(ends[0], under.body.ends[0]), min(ends[1], under.body.ends[1])
         # what plane end faces have always been allowed stays so
-        if pattern is not features.holes or not under.flat:
+        if low < high and (pattern is not features.holes or not under.flat):
             under.check_rim(key, value, np.concatenate([_line((rho, low), (rho, high)) for rho in pattern.reach]))
     for (key, _, one), (other_key, value, other) in combinations(made, 2):
         if _overlap(one, other):
@@ -358,7 +361,7 @@ def _levels(key: str, value: float, pattern: Pattern, body: Body, under: UnderTe
         rooms = _rooms(body, under, pattern.depth)
         allowed = " or ".join(f"{at_least(2.0 * a)} to {at_most(2.0 * b)} mm" for a, b in rooms)
         raise DesignError(
-            f"{under.name}.{key}", value, unit="mm", reason=why, allowed=f"diameters from {allowed}" if rooms else ""
+            f"{under.name}.{key}", value, unit="mm", reason=why, allowed=f"openings from {allowed}" if rooms else ""
         ) from None
 
 
@@ -394,6 +397,9 @@ def _bolts(name: str, spec: BoltHoles, room: tuple[float, float]) -> Drilling:
     circle = sum(room) if spec.circle is None else spec.circle
     apart = math.sin(math.pi / spec.count)
     if spec.diameter >= circle:
+        if spec.circle is not None:
+            allowed = f"more than bolts.diameter, {at_least(spec.diameter)} mm"
+            raise DesignError(f"{name}.bolts.circle", circle, unit="mm", allowed=allowed)
         raise DesignError(f"{name}.bolts.diameter", spec.diameter, unit="mm", allowed=f"less than {at_most(circle)} mm")
     if spec.count > 1 and spec.diameter >= circle * apart:
         most = math.ceil(math.pi / math.asin(spec.diameter / circle)) - 1
@@ -406,9 +412,11 @@ def _bolts(name: str, spec: BoltHoles, room: tuple[float, float]) -> Drilling:
     return Drilling(spec.count, spec.diameter, circle, math.radians(spec.start_angle), spec.depth, Region.BOLT)
 
 
-def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float]) -> Spokes:
+def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float], least: float) -> Spokes:
     """Spokes, their openings a little within the room between two radii (mm) where they are not given; without a web under a rim as
-    thick as that of one."""
+    thick as that of one. Given ones may go through hubs too, down to the `least` radius: which plane faces they are on is asked
+    later.
+    """
     name = under.name
     if under.body.web is None:
         room = room[0], room[1] - RIM_DEPTHS / LEAST_RIM * under.least_rim
@@ -416,7 +424,7 @@ def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float]) -> S
     inner = 2.0 * (room[0] + margin) if spec.inner_diameter is None else spec.inner_diameter
     outer = 2.0 * (room[1] - margin) if spec.outer_diameter is None else spec.outer_diameter
     for key, given, low, high in (
-        ("inner_diameter", spec.inner_diameter, 2.0 * room[0], outer),
+        ("inner_diameter", spec.inner_diameter, 2.0 * least, outer),
         ("outer_diameter", spec.outer_diameter, inner, 2.0 * under.smallest),
     ):
         if given is not None and not low <= given < high:

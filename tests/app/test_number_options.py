@@ -1,0 +1,36 @@
+"""Options that are numbers refuse what is none with its value; files that cannot be written are refused before any work."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from oracles.command_line import refused
+from oracles.places import SAMPLES
+
+HELICAL = SAMPLES / "helical.toml"
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (("solid", "--member", "gear", "--sector", "two"), "--sector = two: must be a whole number"),
+        (("render", "--view", "te", "--dpi", "1.5"), "--dpi = 1.5: must be a whole number from 20 up to 1200"),
+        (("render", "--view", "te", "--dpi", "5000"), "--dpi = 5000: must be a whole number from 20 up to 1200"),
+        (("render", "--phi1", "x"), "--phi1 = x: must be a number"),
+        (("fe", "--torque", "1Nm"), "--torque = 1Nm: must be a number"),
+    ],
+)
+def test_numbers_that_are_none_are_refused_in_one_line_with_the_value(
+    tmp_path: Path, arguments: tuple[str, ...], text: str
+) -> None:
+    assert refused(arguments[0], HELICAL, *arguments[1:], "-o", tmp_path / "out.png") == text
+
+
+@pytest.mark.quick
+def test_models_of_unknown_suffixes_are_refused_before_the_design_is_read(tmp_path: Path) -> None:
+    """There is no design to read."""
+    missing = tmp_path / "missing.toml"
+    assert "unknown suffix .xyz; allowed for finite-element models" in refused("fe", missing, "-o", tmp_path / "x.xyz")
+    assert "the suffix of abaqus files is .inp" in refused("fe", missing, "-o", tmp_path / "x.msh", "--for", "abaqus")
