@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.cad.contours.curves import Contour, PlaneSpline
-from gearmesh.cad.requirements import require
+from gearmesh.cad.programs.requirements import require
 from gearmesh.cad.section import MemberSection
 from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve

@@ -16,7 +16,7 @@ from typing import Any
 from gearmesh import __version__
 from gearmesh.cad.occ import location
 from gearmesh.cad.part21 import basic_alphabet, condense
-from gearmesh.cad.requirements import require
+from gearmesh.cad.programs.requirements import require
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.palette import region_colours

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gearmesh.cad.occ import location
-from gearmesh.cad.requirements import require
+from gearmesh.cad.programs.requirements import require
 from gearmesh.cad.step import Part, PartAssembly
 
 if TYPE_CHECKING:
