@@ -129,12 +129,13 @@ def _frame(file: Path, members: tuple[str, ...]) -> str:
 
 @dataclass
 class RunFolder:
-    """The folder of a run of gears, and the files that are written there, in their order."""
+    """The folder of a run of gears, the files that are written there, in their order, and the `teeth` that their pictures show."""
 
     gears: SolvedGears
     folder: Path
     timing: bool
     files: list[Path] = field(default_factory=list)
+    teeth: pictures.ToothViews = field(default_factory=pictures.ToothViews)
 
     def file(self, name: str, pair: GearPair | None = None) -> Path:
         """A file that is written now; where there are several meshes, the names of those of a `pair` begin with its members."""
@@ -195,7 +196,7 @@ class RunFolder:
         images = []
         for contact, rolled in zip(contacts.values(), (check, *check.others), strict=True):
             patches = rolled.roll.patches(contact.pair, contact.pair.pinion.name)
-            scenes = pictures.all_pictures(contact.pair, contact.path, patches, meshes, self.gears.title)
+            scenes = pictures.all_pictures(contact.pair, contact.path, patches, meshes, self.gears.title, self.teeth)
             if self.several:
                 del scenes["pair.png"]
             images += [(scene.title, render(scene, self.file(file, contact.pair))) for file, scene in scenes.items()]
@@ -234,7 +235,7 @@ def run(
     io.write_scene(placed, written.file("pair.vtm"))
     progress(0.45, "roll test")
     check = gears.check_solved(contacts, solids)
-    drawn = {k: LoadedPictures(under_load) for k, under_load in loaded.items()}
+    drawn = {k: LoadedPictures(under_load, written.teeth) for k, under_load in loaded.items()}
     written.write_plots(contacts, drawn, progress)
     skipped, images = opengl.missing_opengl_message(), list[tuple[str, Image]]()
     if skipped is None:

@@ -5,7 +5,7 @@ A flank picture meshes the tooth in contact finely and the rest coarsely.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -157,13 +157,15 @@ def all_pictures(
     patches: list[tuple[Array, Array]],
     meshes: dict[str, TriangleMesh],
     title: str = "",
+    teeth: ToothViews | None = None,
 ) -> dict[str, Scene]:
     """Scenes by file name: both members with their contact, the pinion's pattern by ellipses and by the roll test, the pair.
 
-    Contact along lines or on edges has no ellipses, and no picture of their union; the roll test shows its pattern.
+    Contact along lines or on edges has no ellipses, and no picture of their union; the roll test shows its pattern. `teeth` saves
+    meshing teeth again that other pictures show.
     """
-    first = pair.pinion.name
-    views = {name: tooth_view(pair, name) for name in pair.members}
+    first, teeth = pair.pinion.name, teeth or ToothViews()
+    views = {name: teeth.of(pair, name) for name in pair.members}
     scenes = {
         f"{name}_contact.png": contact_picture(pair, name, path, view=view, title=title) for name, view in views.items()
     }
@@ -287,19 +289,38 @@ def _side(gears: GearPair, name: str) -> Side:
     return gears.flanks[gears.index(name)]
 
 
+@dataclass(frozen=True)
+class ToothViews:
+    """Teeth of the members of a gear set to look at, each meshed once, however many pictures and meshes of the set show it."""
+
+    meshes: dict[str, tuple[TriangleMesh, TriangleMesh]] = field(default_factory=dict)
+
+    def of(self, gears: GearPair, name: str) -> ToothView:
+        """A member's tooth, finely meshed, in front of the rest of its gear."""
+        body = gears.members[name]
+        if name not in self.meshes:
+            self.meshes[name] = _fine_and_rest(body)
+        fine, rest = self.meshes[name]
+        return ToothView(fine, flank_projection(body, _side(gears, name)), rest, _pattern_grid(gears, name))
+
+
 def tooth_view(gears: GearPair, name: str) -> ToothView:
-    """A member's tooth to look at, finely meshed, in front of the rest of its gear."""
-    body = gears.members[name]
-    fine = teeth_mesh(tessellate(body.tooth, FINE), name, np.array([0]))
+    """A member's tooth to look at, for one picture."""
+    return ToothViews().of(gears, name)
+
+
+def _fine_and_rest(body: Member) -> tuple[TriangleMesh, TriangleMesh]:
+    """The tooth on +x finely meshed, and the gear without it, coarsely."""
+    fine = teeth_mesh(tessellate(body.tooth, FINE), body.name, np.array([0]))
     rough = tessellate(body.tooth, COARSE)
     whole = gear_solid(replace(body, features=BodyFeatures()), COARSE, rough)
-    context = replace(
+    rest = replace(
         whole,
         triangles=whole.triangles[rough.triangles :],
         regions=whole.regions[rough.triangles :],
         normals=whole.normals[rough.triangles :],
     )
-    return ToothView(fine, flank_projection(body, _side(gears, name)), context, _pattern_grid(gears, name))
+    return fine, rest
 
 
 def _pattern_grid(gears: GearPair, name: str) -> Array:

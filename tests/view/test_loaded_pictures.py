@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,11 @@ import gearmesh as gm
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.mesh.tessellate import tessellate
 from gearmesh.view.load import loaded_diagrams
 from gearmesh.view.load.footprints import Footprints, largest_pressure, scale_limit
 from gearmesh.view.load.loaded_pictures import LoadedPictures
+from gearmesh.view.pictures import COARSE, FINE
 from gearmesh.view.projection import flank_projection
 
 CROSSED = SAMPLES / "beveloid_crossed.toml"
@@ -199,3 +202,27 @@ def test_all_pictures_go_into_a_folder(loaded: LoadedContact, tmp_path: Path, mo
         foot = flank_projection(loaded.pair.members[name], loaded.pair.flanks[k])(shown)
         assert 0.0 < np.nanmax(np.linalg.norm(shown - foot, axis=-1)) < 0.1
         assert 0.5 * drawn.limit < np.nanmax(drawn.values) < drawn.limit
+
+
+@pytest.mark.sweep
+def test_a_run_meshes_the_teeth_of_its_pictures_once(
+    loaded: LoadedContact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Pictures of contact and of loaded contact show the same teeth: each of both finely, and once as a part of its gear."""
+    gears = gm.build(gm.load(CROSSED, ["contact.phi1.count=3"]))
+    meshed: list[float] = []
+    monkeypatch.setattr(
+        "gearmesh.view.pictures.tessellate",
+        lambda tooth, tolerance: meshed.append(tolerance) or tessellate(tooth, tolerance),
+    )
+    monkeypatch.setattr("gearmesh.api.run._solve", lambda *_: ({0: gears.contact()}, {0: loaded}))
+    monkeypatch.setattr("gearmesh.answers.check.ROLL_TOLERANCE", 1e-3)
+    monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: None)
+    for module in ("api.run", "view.render"):
+        monkeypatch.setattr(f"gearmesh.{module}.render", lambda scene, file: file.write_bytes(b"drawn"))
+    # no plots
+    monkeypatch.setattr("gearmesh.view.pictures.plots", lambda *_: [])
+    monkeypatch.setattr(LoadedPictures, "_figure", lambda self, *_: SimpleNamespace(save=lambda file: file))
+    report = gears.run(tmp_path, "50um", page=False, torque=[2.0])
+    assert {"pinion_loaded.png", "pinion_contact.png"} <= {file.name for file in report.files}
+    assert sorted(meshed) == [FINE, FINE, COARSE, COARSE]

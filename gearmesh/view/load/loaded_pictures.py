@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 
@@ -17,14 +17,15 @@ from gearmesh.view.load import loaded_diagrams as diagrams
 from gearmesh.view.load.loaded_diagrams import LoadedPattern, newton_metres
 from gearmesh.view.load.loaded_tooth import loaded_scene
 from gearmesh.view.picture import LOADED_VIEWS, Diagram, Picture
-from gearmesh.view.pictures import SIZE, tooth_view
+from gearmesh.view.pictures import SIZE, ToothViews
 
 
 @dataclass(frozen=True)
 class LoadedPictures:
-    """Pictures of a loaded contact, which share what is pressed on the flanks."""
+    """Pictures of a loaded contact, which share what is pressed on the flanks, and `teeth` with other pictures of the gears."""
 
     contact: LoadedContact
+    teeth: ToothViews = field(default_factory=ToothViews)
 
     @cached_property
     def pattern(self) -> LoadedPattern:
@@ -75,7 +76,7 @@ class LoadedPictures:
     def _tooth(self, name: str, torque: int, size: tuple[int, int] | None, note: str) -> Picture:
         contact = self.contact
         what = f"{name}, largest pressure {_when(contact)}, {newton_metres(float(contact.mesh.torque[torque]))}"
-        view = replace(tooth_view(contact.pair, name), title=_title(contact, what, note), size=size or SIZE)
+        view = replace(self.teeth.of(contact.pair, name), title=_title(contact, what, note), size=size or SIZE)
         return Picture(loaded_scene(view, self.pattern, name, torque))
 
     def _figure(self, view: str, member: str | None, size: tuple[int, int] | None, dpi: int, note: str) -> Diagram:
