@@ -342,12 +342,17 @@ def refuse_both_edges(table: BrokenEdges) -> None:
         raise conflict("tip_rounding", table.tip_rounding, reason="cannot be given together with tip_chamfer")
 
 
-class GearBody(Table):
-    """What every toothed member has."""
+class NumberOfTeeth(Table):
+    """How many teeth a gear has."""
+
+    teeth: Annotated[int, Key("count", "number of teeth", low=3, high=10000)]
+
+
+class MemberBody(Table):
+    """What every member has, whatever its teeth are called."""
 
     rank: ClassVar[int] = 0
 
-    teeth: Annotated[int, Key("count", "number of teeth", low=3, high=10000)]
     bore: Annotated[
         float | None,
         Key(
@@ -400,6 +405,10 @@ class GearBody(Table):
     def stated_bore(self) -> float | None:
         """The bore as it is given, none where a shaft is in one piece with the body; None for the default."""
         return 0.0 if self.bore is None and (self.heel_shaft or self.toe_shaft) else self.bore
+
+
+class GearBody(MemberBody, NumberOfTeeth):
+    """What every gear has."""
 
 
 class MemberTable(GearBody):

@@ -184,6 +184,7 @@ _FOLDERS = {
     "spiral_bevel_conjugate": "spiral_bevel",
     "hypoid": "spiral_bevel",
     "face_gear": "face_gear",
+    "worm_drive": "worm_drive",
 }
 _REGISTERED: dict[str, System[Any]] = {}
 

@@ -18,11 +18,14 @@ Vector = tuple[float, float, float]
 class RackRoll:
     """A rack's pitch plane x = 0 rolling without sliding on the pitch cylinder of radius `radius` (mm) [LT02 6].
 
-    M(phi) r = Rz(phi) (r + (radius, -radius phi, 0)); the twist in the tool frame is Omega = e_z and
-    tau = (radius phi, 0, 0), which makes the equation of meshing linear in phi [LT02 7; LT85 A.4].
+    M(phi) r = Rz(phi) (r + (radius, -radius phi, -advance phi)); the twist in the tool frame is Omega = e_z and
+    tau = (radius phi, 0, -advance), which makes the equation of meshing linear in phi [LT02 7; LT85 A.4]. A worm or hob that turns is
+    the same surface as one that slides along its axis: it is a rack, too, with an `advance` (mm/rad) along the blank's axis where
+    the axes are not at right angles.
     """
 
     radius: float
+    advance: float = 0.0
     linear: bool = True
     unmodified_motion: None = None
 
@@ -31,8 +34,8 @@ class RackRoll:
         rotation, r = rotation_about("z", phi), self.radius
         c, s = rotation[..., 0, 0], rotation[..., 1, 0]
         shift, tau = np.zeros((*phi.shape, 3)), np.zeros((*phi.shape, 3))
-        shift[..., 0], shift[..., 1] = r * (c + phi * s), r * (s - phi * c)
-        tau[..., 0] = r * phi
+        shift[..., 0], shift[..., 1], shift[..., 2] = r * (c + phi * s), r * (s - phi * c), -self.advance * phi
+        tau[..., 0], tau[..., 2] = r * phi, -self.advance
         along_x = np.array([r, 0.0, 0.0])
         return MotionState(Rigid(rotation, shift), AXIS, tau, np.zeros(3), along_x)
 

@@ -1,0 +1,248 @@
+"""Worm drives: a worm between planes, a wheel as its hob generates it, and how they are mounted.
+
+Fixed frame: the worm's axis is z, the common perpendicular x, the wheel's axis at x = a. phi1 turns the worm clockwise about +z; at
+phi1 = 0 the working flank of a thread passes the pitch point, where the reference cylinder meets x, and so does the wheel's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import DesignError, VagueError
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, rotation_about
+from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.systems.common.axes import shifts
+from gearmesh.systems.common.bodies.body import bore_radius, disc_body
+from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
+from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
+from gearmesh.systems.system import Displacements
+from gearmesh.systems.worm_drive.thread import LAND, Grinding, Thread, ThreadForm
+from gearmesh.systems.worm_drive.wheel import Hob, Throat
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.tools.description import Dimension, ToolDescription
+
+if TYPE_CHECKING:
+    from gearmesh.systems.worm_drive.design import WormDriveDesign
+
+#: what the tools that make flanks of each form are called
+TOOLS = {
+    ThreadForm.ZA: "turning tool",
+    ThreadForm.ZN: "turning tool",
+    ThreadForm.ZI: "plane-sided grinding disk",
+    ThreadForm.ZK: "grinding disk",
+    ThreadForm.ZC: "grinding disk",
+}
+
+
+def build(design: WormDriveDesign) -> GearTrain:
+    """The pair of a worm drive design (in mm). Raises DesignError naming key, value and limit."""
+    thread = worm_thread(design)
+    worm, wheel = _worm(design, thread), _wheel(design)
+    first, second = _mounts(design, thread)
+    flank = Side(design.contact.flank)
+    pair = GearPair(
+        pinion=replace(worm, mount=first),
+        gear=replace(wheel, mount=second),
+        flanks=(flank, flank),
+        drive=flank.sign,
+        ratio=design.worm.threads / design.wheel.teeth,
+        delta=design.contact.delta,
+    )
+    return GearTrain(design.kind, (pair,))
+
+
+def worm_thread(design: WormDriveDesign) -> Thread:
+    """The worm's thread, thinner by the backlash."""
+    nominal = nominal_thread(design)
+    return replace(
+        nominal, thinner=0.5 * design.backlash / (math.cos(nominal.lead_angle) * math.cos(nominal.normal_angle))
+    )
+
+
+def nominal_thread(design: WormDriveDesign) -> Thread:
+    """The worm's thread without backlash."""
+    spec, m = design.worm, design.axial_module
+    form = ThreadForm(spec.form)
+    return Thread(
+        form=form,
+        threads=spec.threads,
+        hand=1 if spec.right_hand else -1,
+        module=m,
+        radius=0.5 * design.reference_diameter,
+        angle=math.radians(design.pressure_angle),
+        thickness=spec.thickness * m,
+        grinding=Grinding(0.5 * spec.disk_diameter, spec.profile_radius, spec.dedendum * m)
+        if form in (ThreadForm.ZK, ThreadForm.ZC)
+        else None,
+        across_thread=spec.section == "thread",
+    )
+
+
+def wheel_hob(design: WormDriveDesign) -> Hob:
+    """The hob: of the worm's normal module, normal profile and normal thickness on its own reference cylinder."""
+    worm, spec = nominal_thread(design), design.hob
+    threads = worm.threads if spec.threads is None else spec.threads
+    radius, normal = 0.5 * spec.reference_diameter, worm.module * math.cos(worm.lead_angle)
+    tilt = worm.hand * (math.radians(design.shaft_angle) - 0.5 * math.pi)
+    thread = worm
+    if (radius, threads) != (worm.radius, worm.threads):
+        lead_angle = math.asin(normal * threads / (2.0 * radius))
+        module = normal / math.cos(lead_angle)
+        angle = worm.angle
+        if worm.form is ThreadForm.ZA:
+            angle = math.atan(math.tan(worm.normal_angle) / math.cos(lead_angle))
+        thickness = worm.thickness * math.cos(worm.lead_angle) / math.cos(lead_angle)
+        thread = replace(worm, threads=threads, module=module, radius=radius, angle=angle, thickness=thickness)
+        tilt += worm.hand * (lead_angle - worm.lead_angle)
+    return Hob(
+        thread=thread,
+        tip_radius=radius + spec.addendum * worm.module,
+        rounding_radius=spec.tip_radius * worm.module,
+        distance=design.center_distance + radius - worm.radius,
+        tilt=tilt,
+        teeth=design.wheel.teeth,
+    )
+
+
+# ---------------------------------------------------------------- worm
+
+
+def _worm(design: WormDriveDesign, thread: Thread) -> Member:
+    spec, m = design.worm, design.axial_module
+    tip, root = thread.radius + spec.addendum * m, thread.radius - spec.dedendum * m
+    hole = bore_radius("worm", spec.stated_bore, root, "the root diameter")
+    half = 0.5 * spec.length
+    blank = Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(tip), ConeLevel.of(root), Body.tube(hole, -half, half))
+    rounding = thread.root_rounding(root, spec.root_rounding * m)
+    tool = ToolDescription(TOOLS[thread.form], dimensions=_tool_dimensions(thread))
+
+    def side(side: int) -> ToothSide:
+        return ToothSide(
+            thread.flank(side),
+            thread.rounding_surface(rounding, side),
+            form_point=rounding.form_point,
+            root=LAND,
+            tip=thread.at_radius(tip),
+            tool=tool,
+        )
+
+    tooth = _proved("worm", Tooth(thread.threads, side(1), side(-1), blank), "worm.addendum", spec.addendum)
+    tooth = with_tip_edge("worm", tooth, spec)
+    under = UnderTeeth("worm", tooth, blank.body, root, root, m)
+    return with_end_chamfers(Member("worm", tooth, _thread_parameters, body_features(spec, under)), spec)
+
+
+def _tool_dimensions(thread: Thread) -> tuple[Dimension, ...]:
+    made = [Dimension("pressure angle", math.degrees(thread.angle), "deg", "alpha_0")]
+    if thread.grinding is not None:
+        made.append(Dimension("rim diameter", 2.0 * thread.grinding.disk_radius, "mm", "d_0"))
+        if thread.form is ThreadForm.ZC:
+            made.append(Dimension("profile radius", thread.grinding.profile_radius, "mm", "rho"))
+    return tuple(made)
+
+
+def _thread_parameters(p: Array, v: Array) -> dict[str, Array]:
+    return {"p_1": p, "theta_1": np.degrees(v)}
+
+
+def _proved(name: str, tooth: Tooth, key: str, value: float) -> Tooth:
+    try:
+        tooth.prove()
+    except TrimError as failure:
+        vague = VagueError if failure.what in ("undercut", "root", "tip") else DesignError
+        raise vague(
+            key, value, reason=f"{failure} at z = {tooth.stations(failure.station):.4g} mm", allowed="less"
+        ) from failure
+    return tooth
+
+
+# ---------------------------------------------------------------- wheel
+
+
+def _wheel(design: WormDriveDesign) -> Member:
+    spec, m, hob = design.wheel, design.axial_module, wheel_hob(design)
+    half = 0.5 * spec.face_width
+    throat = Throat(
+        spec.throat_radius if spec.tip_form == "throated" else 0.0, design.center_distance, 0.5 * spec.outside_diameter
+    )
+    tip, root = throat.level(half), hob.root(half)
+    smallest = hob.distance - hob.tip_radius
+    if smallest <= 0.0 or smallest >= throat.middle:
+        raise DesignError(
+            "hob.addendum",
+            design.hob.addendum,
+            reason="the hob cuts beyond the wheel's axis" if smallest <= 0.0 else "the wheel's root lies above its tip",
+        )
+    bore = bore_radius("wheel", spec.stated_bore, smallest, "the root diameter in the middle plane")
+    body = disc_body("wheel", spec, bore, smallest, throat.middle - smallest)
+    blank = Blank(PlaneLevel(0.0), (-half, half), tip, root, body)
+    # over the hob's own axis
+    tip_height, height = hob.distance - throat.middle, hob.distance - throat.outside
+    right, left = (hob.tooth_side(side, tip_height, min(tip_height, height)) for side in (1, -1))
+    tooth = _proved("wheel", Tooth(spec.teeth, right, left, blank), "wheel.addendum", spec.addendum)
+    tooth = with_tip_edge("wheel", tooth, spec)
+    under = UnderTeeth("wheel", tooth, blank.body, smallest, float(root.at(half)), m)
+    return with_end_chamfers(Member("wheel", tooth, _wheel_parameters, body_features(spec, under)), spec)
+
+
+def _wheel_parameters(p: Array, v: Array) -> dict[str, Array]:
+    return {"p_0": p, "v_0": v}
+
+
+# ---------------------------------------------------------------- assembly
+
+
+def _gear_base(design: WormDriveDesign, opened: float = 0.0) -> Rigid:
+    """The wheel's frame over the worm's, its x axis towards the worm; the shaft angle is `opened` (deg) further."""
+    tilt = (1 if design.worm.right_hand else -1) * math.radians(design.shaft_angle + opened - 90.0)
+    c, s = math.cos(tilt), math.sin(tilt)
+    axes = np.array([[-1.0, 0.0, 0.0], [0.0, -s, c], [0.0, c, s]]).T
+    return Rigid(axes, np.array([design.center_distance, 0.0, 0.0]))
+
+
+def _mounts(design: WormDriveDesign, thread: Thread) -> tuple[Mount, Mount]:
+    """Mounts with the errors."""
+    errors, hand = design.assembly, thread.hand
+    worm = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dz1]))
+    wheel = _gear_base(design, errors.d_sigma)
+    wheel = Rigid(wheel.rotation, wheel.translation + np.array([errors.da, 0.0, 0.0]))
+    along = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dz2]))
+    side = Side(design.contact.flank).sign
+    # the flank's polar angle in the middle plane, and that of the space beside the wheel's tooth
+    half = thread.half_thickness(thread.radius) / thread.screw
+    wheel_half = math.pi / design.wheel.teeth - nominal_half(thread) * 2.0 / (thread.module * design.wheel.teeth)
+    return (
+        Mount(worm, sign=-1.0, zero=side * half),
+        Mount(wheel @ along, sign=float(hand), zero=-side * wheel_half),
+    )
+
+
+def nominal_half(thread: Thread) -> float:
+    """Half the axial thickness, mm, without backlash."""
+    return 0.5 * thread.thickness
+
+
+def _displaced_bases(design: WormDriveDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    first, second = (mount.base for mount in train.pairs[0].mounts)
+    hand = 1.0 if design.worm.right_hand else -1.0
+    worm = first.translation + shifts(0.0, 0.0, errors["dz1"])
+    opened = rotation_about("x", -hand * np.radians(errors["d_sigma"]))
+    along = Rigid(np.eye(3), shifts(0.0, 0.0, errors["dz2"]))
+    turned = Rigid(opened @ second.rotation, second.translation + shifts(errors["da"], 0.0, 0.0))
+    return Rigid(np.broadcast_to(first.rotation, (len(worm), 3, 3)), worm), turned @ along
+
+
+DISPLACEMENTS: Displacements[WormDriveDesign] = Displacements(("da", "dz1", "dz2", "d_sigma"), _displaced_bases)

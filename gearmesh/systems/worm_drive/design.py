@@ -1,0 +1,258 @@
+"""Design of a worm drive: a worm of one of the flank forms of ISO 10828, and a wheel as its hob generates it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import model_validator
+
+from gearmesh.design.core import Design, FlankContact, GearBody, Holes, MemberBody, Web
+from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
+from gearmesh.design.runout import PairRunout
+from gearmesh.systems.worm_drive.thread import ThreadForm
+
+#: Proportions that are not given, in axial modules [DIN 3975]: diameter quotient, clearance, the wheel's outside over its throat.
+QUOTIENT, CLEARANCE, OUTSIDE = 10.0, 0.2, 1.0
+#: Disk that grinds ZK and ZC flanks where it is not given: diameter at the rim and radius of the profile, in axial modules.
+DISK, PROFILE = 80.0, 6.0
+#: Roundings of the worm's root and of the hob's tip, in axial modules.
+ROUNDING = 0.2
+
+
+class ThreadCount(Table):
+    """How many threads a worm has."""
+
+    threads: Annotated[int, Key("count", "number of threads z1", low=1, high=10)]
+
+
+class WormTable(MemberBody, ThreadCount):
+    """The worm. Its diameter follows from one of reference_diameter, quotient and lead_angle."""
+
+    form: Annotated[
+        str,
+        Key(
+            "choice",
+            "flank form: ZA straight in the axial section, ZN straight in the normal section, ZI involute helicoid, ZK ground by "
+            "a straight-sided disk, ZC ground by a disk with a circular-arc profile",
+            choices=tuple(ThreadForm),
+            source="ISO 10828",
+        ),
+    ] = "ZI"
+    right_hand: Annotated[bool, Key("flag", "right-hand threads; else left-hand")] = True
+    reference_diameter: Annotated[
+        float | None,
+        Key(
+            "length",
+            "reference diameter d1",
+            low=0,
+            above=True,
+            default="10 axial modules, or by quotient or lead_angle",
+        ),
+    ] = None
+    quotient: Annotated[
+        float | None,
+        Key("number", "diameter quotient q, in axial modules", low=2, high=100, default="by reference_diameter"),
+    ] = None
+    lead_angle: Annotated[
+        float | None,
+        Key("angle", "lead angle gamma on the reference cylinder", low=0.1, high=60, default="by reference_diameter"),
+    ] = None
+    section: Annotated[
+        str,
+        Key(
+            "choice",
+            "which normal section a ZN flank is straight in: of the space or of the thread",
+            choices=("space", "thread"),
+        ),
+    ] = "space"
+    length: Annotated[
+        float, Key("length", "length of the thread", low=0, above=True, default="2 m sqrt(z2 + 1), DIN 3975")
+    ] = DERIVED
+    addendum: Annotated[
+        float, Key("coefficient", "tip above the reference cylinder", low=0, high=3, source="DIN 3975")
+    ] = 1.0
+    dedendum: Annotated[
+        float, Key("coefficient", "root below the reference cylinder", low=0, high=3, source="DIN 3975")
+    ] = 1.0 + CLEARANCE
+    root_rounding: Annotated[
+        float, Key("coefficient", "rounding between flank and root cylinder, in the axial section", low=0, high=2)
+    ] = ROUNDING
+    thickness: Annotated[
+        float,
+        Key("coefficient", "axial thickness of the thread before backlash", low=0.2, high=3, default="pi / 2"),
+    ] = 0.5 * math.pi
+    disk_diameter: Annotated[
+        float,
+        Key("length", "diameter of the grinding disk at its rim, of ZK and ZC", low=0, above=True, default="80 m"),
+    ] = DERIVED
+    profile_radius: Annotated[
+        float, Key("length", "radius of the disk's profile, of ZC", low=0, above=True, default="6 m")
+    ] = DERIVED
+
+
+class WheelTable(GearBody):
+    """The wheel, as its hob generates it."""
+
+    face_width: Annotated[
+        float, Key("length", "face width", low=0, above=True, default="2 m (0.5 + sqrt(q + 1)), DIN 3975")
+    ] = DERIVED
+    profile_shift: Annotated[
+        float,
+        Key("coefficient", "profile shift x2", low=-2, high=2, default="by center_distance, without it 0"),
+    ] = DERIVED
+    addendum: Annotated[
+        float, Key("coefficient", "tip above the shifted reference circle in the middle plane", low=0, high=3)
+    ] = 1.0
+    tip_form: Annotated[
+        str, Key("choice", "throated, or one cylinder of the outside diameter", choices=("throated", "cylindrical"))
+    ] = "throated"
+    throat_radius: Annotated[
+        float,
+        Key("length", "radius of the throat in the axial section", low=0, above=True, default="a - d_a2 / 2"),
+    ] = DERIVED
+    outside_diameter: Annotated[
+        float,
+        Key("length", "outside diameter d_e2", low=0, above=True, default="d_a2 + m, DIN 3975"),
+    ] = DERIVED
+    web: Web | None = None
+    holes: Holes | None = None
+
+
+class HobTable(Table):
+    """The hob that generates the wheel: of the worm's normal module and profile."""
+
+    reference_diameter: Annotated[
+        float,
+        Key(
+            "length",
+            "reference diameter; larger than the worm's: contact in a point",
+            low=0,
+            above=True,
+            default="the worm's",
+        ),
+    ] = DERIVED
+    threads: Annotated[int | None, Key("count", "number of threads", low=1, high=20, default="the worm's")] = None
+    addendum: Annotated[
+        float, Key("coefficient", "tip above its reference cylinder: generates the root", low=0, high=3)
+    ] = 1.0 + CLEARANCE
+    tip_radius: Annotated[
+        float, Key("coefficient", "tip rounding in the axial section: generates the fillet", low=0, high=2)
+    ] = ROUNDING
+
+
+class WormDriveAssembly(PairRunout):
+    """Positions of the members against their nominal ones: assembly errors."""
+
+    da: Annotated[float, Key("length", "change of the centre distance: the wheel away from the worm")] = 0.0
+    dz1: Annotated[float, Key("length", "displacement of the worm along its axis")] = 0.0
+    dz2: Annotated[float, Key("length", "displacement of the wheel along its axis")] = 0.0
+    d_sigma: Annotated[float, Key("angle", "change of the shaft angle", low=-5, high=5)] = 0.0
+
+
+class WormDriveDesign(Design):
+    """A worm and its wheel."""
+
+    own_kind: ClassVar[str] = "worm_drive"
+    example: ClassVar[Mapping[str, Any]] = {"module": 4, "worm": {"threads": 2}, "wheel": {"teeth": 40}}
+    about: ClassVar[str] = "worm drives: worms ZA, ZN, ZI, ZK and ZC [ISO 10828], the wheel as its hob generates it"
+
+    module_section: Annotated[
+        str,
+        Key(
+            "choice",
+            "which module the key module gives: of the worm's axial or normal section",
+            choices=("axial", "normal"),
+        ),
+    ] = "axial"
+    pressure_angle: Annotated[
+        float,
+        Key(
+            "angle",
+            "pressure angle of the tool: axial of ZA, else normal; of ZK and ZC the disk's",
+            low=5,
+            high=35,
+            source="ISO 10828",
+        ),
+    ] = 20.0
+    shaft_angle: Annotated[float, Key("angle", "angle between the axes", low=45, high=135)] = 90.0
+    center_distance: Annotated[
+        float, Key("length", "centre distance a", low=0, above=True, default="by wheel.profile_shift")
+    ] = DERIVED
+    worm: WormTable
+    wheel: WheelTable
+    hob: HobTable = HobTable()
+    assembly: WormDriveAssembly = WormDriveAssembly()
+    contact: FlankContact = FlankContact()
+
+    @property
+    def counted_teeth(self) -> int:
+        return self.worm.threads
+
+    @property
+    def normal_module(self) -> float:
+        return self.given_module if self.module_section == "normal" else self.axial_module * math.cos(self.lead_angle)
+
+    @property
+    def axial_module(self) -> float:
+        """Axial module in the design's units."""
+        if self.module_section == "axial":
+            return self.given_module
+        return self.given_module / math.cos(self.lead_angle)
+
+    @property
+    def lead_angle(self) -> float:
+        """Lead angle on the worm's reference cylinder, rad."""
+        spec, m = self.worm, self.given_module
+        if spec.lead_angle is not None:
+            return math.radians(spec.lead_angle)
+        if spec.quotient is not None:
+            return math.atan(spec.threads / spec.quotient)
+        diameter = QUOTIENT * m if spec.reference_diameter is None else spec.reference_diameter
+        ratio = m * spec.threads / diameter
+        return math.asin(ratio) if self.module_section == "normal" else math.atan(ratio)
+
+    @property
+    def reference_diameter(self) -> float:
+        """Reference diameter of the worm in the design's units."""
+        if self.worm.reference_diameter is not None:
+            return self.worm.reference_diameter
+        return self.axial_module * self.worm.threads / math.tan(self.lead_angle)
+
+    def derived_values(self) -> dict[str, float]:
+        """What the file leaves out [DIN 3975]."""
+        m, d1, wheel = self.axial_module, self.reference_diameter, self.wheel
+        unshifted = 0.5 * (d1 + wheel.teeth * m)
+        shift = given_or(wheel.profile_shift, given_or(self.center_distance, unshifted) / m - unshifted / m)
+        distance = given_or(self.center_distance, unshifted + shift * m)
+        tip = (wheel.teeth + 2.0 * (wheel.addendum + shift)) * m
+        return {
+            **super().derived_values(),
+            "center_distance": distance,
+            "worm.length": 2.0 * m * math.sqrt(wheel.teeth + 1.0),
+            "worm.disk_diameter": DISK * m,
+            "worm.profile_radius": PROFILE * m,
+            "wheel.profile_shift": shift,
+            "wheel.face_width": 2.0 * m * (0.5 + math.sqrt(d1 / m + 1.0)),
+            "wheel.throat_radius": distance - 0.5 * tip,
+            "wheel.outside_diameter": tip + (OUTSIDE * m if wheel.tip_form == "throated" else 0.0),
+            "hob.reference_diameter": d1,
+        }
+
+    @model_validator(mode="after")
+    def _one_diameter(self) -> Self:
+        given = [key for key in ("reference_diameter", "quotient", "lead_angle") if getattr(self.worm, key) is not None]
+        if len(given) > 1:
+            raise conflict(
+                f"worm.{given[1]}",
+                getattr(self.worm, given[1]),
+                reason=f"cannot be given together with worm.{given[0]}",
+            )
+        if self.module_section == "normal" and self.worm.reference_diameter is not None:
+            least = self.given_module * self.worm.threads
+            if self.worm.reference_diameter <= least:
+                raise conflict(
+                    "worm.reference_diameter", self.worm.reference_diameter, must_be=f"more than m_n z1, {least:.6g}"
+                )
+        return self

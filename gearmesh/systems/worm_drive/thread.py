@@ -1,0 +1,228 @@
+"""Threads of worms and hobs: flanks of the five forms of ISO 10828, roundings of root and tip, and where they meet.
+
+Frame: axis z, the thread centred on +x at z = 0. The threads turned by pi / z1 stand where the spaces were.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.helicoid import GeneratingCurve, Helicoid
+from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import Arc, Line
+from gearmesh.tools.worm_threads import DiskLine, Involute, PlaneEdge
+
+#: steps of Newton's method to a point of a profile, and the distance (mm) that counts as none
+STEPS, ARRIVED = 60, 1e-13
+#: part of itself by which a parameter is changed to see what it does
+STEP = 1e-6
+#: profile parameter of a rounding where it touches root or tip cylinder
+LAND = 0.5 * math.pi
+
+
+class ThreadForm(StrEnum):
+    """Flank forms of ISO 10828."""
+
+    ZA = "ZA"
+    ZN = "ZN"
+    ZI = "ZI"
+    ZK = "ZK"
+    ZC = "ZC"
+
+
+@dataclass(frozen=True)
+class Grinding:
+    """What grinds ZK and ZC flanks: radius of the disk at its rim and of its profile, mm, and depth (mm) to which the rim reaches
+    below the reference cylinder."""
+
+    disk_radius: float
+    profile_radius: float
+    depth: float
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """A rounding in the axial section of a thread: its surface, where the flank touches it, and the parameters of both there."""
+
+    arc: Arc
+    form_point: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Thread:
+    """Threads on a reference cylinder of `radius` mm; `module`: axial, mm; `angle` (rad): in the section of the form.
+
+    `hand` is +1 of right-hand threads; `thickness`: axial, on the reference cylinder, mm; `thinner`: by how much (mm, axial) either
+    flank is set back from where its tool leaves that thickness; `across_thread`: a ZN flank is straight in the section across the
+    thread and not the space.
+    """
+
+    form: ThreadForm
+    threads: int
+    hand: int
+    module: float
+    radius: float
+    angle: float
+    thickness: float
+    grinding: Grinding | None = None
+    thinner: float = 0.0
+    across_thread: bool = False
+
+    @property
+    def screw(self) -> float:
+        """Axial advance P, mm/rad."""
+        return 0.5 * self.module * self.threads
+
+    @property
+    def lead_angle(self) -> float:
+        return math.atan2(self.screw, self.radius)
+
+    @property
+    def axial_pitch(self) -> float:
+        return math.pi * self.module
+
+    @property
+    def normal_angle(self) -> float:
+        """Pressure angle in the normal section, rad: that of the tool, but for ZA."""
+        if self.form is not ThreadForm.ZA:
+            return self.angle
+        return math.atan(math.tan(self.angle) * math.cos(self.lead_angle))
+
+    @property
+    def base_radius(self) -> float:
+        """Radius of the base cylinder of a ZI worm, mm: r cos(alpha_t) with tan(alpha_t) = tan(alpha_n) / sin(gamma)."""
+        return self.radius * math.cos(self._transverse_angle)
+
+    @property
+    def _transverse_angle(self) -> float:
+        return math.atan(math.tan(self.normal_angle) / math.sin(self.lead_angle))
+
+    @cached_property
+    def curve(self) -> GeneratingCurve:
+        """The curve that sweeps the right-hand flank towards +z, without `thinner`."""
+        half = 0.5 * self.thickness
+        if self.form is ThreadForm.ZA:
+            return PlaneEdge(Line(self.angle, 0.0, half), self.radius, self.screw)
+        if self.form is ThreadForm.ZI:
+            angle = self._transverse_angle
+            return Involute(self.base_radius, self.screw, angle - math.tan(angle), half)
+        normal = half * math.cos(self.lead_angle)
+        space = 0.5 * self.axial_pitch * math.cos(self.lead_angle) - normal
+        start = normal if self.across_thread else -space
+
+        def miss(b: float) -> float:
+            section = Helicoid(self._by_tool(b), self.screw)
+            return float(section.axial_section(np.array(_at_radius(section, self.radius, self.start)))[0][1]) - half
+
+        return self._by_tool(_root(miss, start, STEP * self.module))
+
+    def _by_tool(self, b: float) -> GeneratingCurve:
+        """The curve of ZN, ZK and ZC whose tool's profile passes the reference cylinder at y = -b (mm) in the section of the tool."""
+        profile: Profile = Line(self.angle, 0.0, b)
+        middle = 0.0 if self.across_thread else 0.5 * self.axial_pitch
+        if self.form is ThreadForm.ZN:
+            return PlaneEdge(profile, self.radius, self.screw, self.lead_angle, middle)
+        assert self.grinding is not None
+        tool = self.grinding
+        if self.form is ThreadForm.ZC:
+            s, c = math.sin(self.angle), math.cos(self.angle)
+            profile = Arc((tool.profile_radius * s, -b - tool.profile_radius * c), -tool.profile_radius)
+        distance = self.radius - tool.depth + tool.disk_radius
+        return DiskLine(profile, self.radius, self.screw, self.lead_angle, middle, distance)
+
+    @property
+    def section(self) -> Helicoid:
+        """The right-hand flank towards +z."""
+        return Helicoid(self.curve, self.screw, lift=-self.thinner)
+
+    def flank(self, side: int, outward: int = 1) -> Helicoid:
+        """The flank of the right (+1) or left (-1) side of the thread, its normal out of the thread or (-1) into it."""
+        return self.place(self.section, side, outward)
+
+    def place(self, surface: Helicoid, side: int, outward: int = 1) -> Helicoid:
+        """A surface beside the right-hand flank towards +z, on a side of the threads of their hand."""
+        signs = (1.0, float(side), float(side * self.hand))
+        return replace(surface, screw=self.hand * self.screw, signs=signs, outward=float(outward))
+
+    def rounding_surface(self, rounding: Rounding, side: int, outward: int = 1) -> Helicoid:
+        """The surface of a rounding on a side of the threads."""
+        return self.place(Helicoid(PlaneEdge(rounding.arc, self.radius, self.screw), self.screw), side, outward)
+
+    @property
+    def start(self) -> float:
+        """Profile parameter near the reference cylinder."""
+        if self.form is ThreadForm.ZI:
+            return math.tan(self._transverse_angle)
+        return self.angle if self.form is ThreadForm.ZC else 0.0
+
+    def at_radius(self, radius: float) -> float:
+        """Profile parameter of the flank's point at a radius (mm); NaN where it has none."""
+        if self.form is ThreadForm.ZI:
+            ratio = radius / self.base_radius
+            return math.sqrt(ratio**2 - 1.0) if ratio >= 1.0 else math.nan
+        return _at_radius(self.section, radius, self.start)
+
+    def half_thickness(self, radius: float) -> float:
+        """Half the axial thickness of the thread at a radius, mm."""
+        p = np.array(self.at_radius(radius))
+        return float(self.section.axial_section(p)[0][1])
+
+    def root_rounding(self, land: float, radius: float) -> Rounding:
+        """The rounding of `radius` (mm) between flank and the cylinder `land` (mm) below. Raises DesignError where there is none."""
+        return self._rounding(land, radius, -1)
+
+    def tip_rounding(self, land: float, radius: float) -> Rounding:
+        """The rounding of `radius` (mm) between flank and the cylinder `land` (mm) above. Raises DesignError where there is none."""
+        return self._rounding(land, radius, 1)
+
+    def _rounding(self, land: float, radius: float, convex: int) -> Rounding:
+        section = self.section
+        p = self.at_radius(land + (-convex) * radius * (1.0 - math.sin(self.normal_angle)))
+
+        def centre(p: float) -> Array:
+            points, normals = section.axial_section(np.array(p))
+            return np.asarray(points - convex * radius * normals)
+
+        level = land - convex * radius
+        if math.isfinite(p):
+            p = _root(lambda p: float(centre(p)[0]) - level, p, STEP * max(1.0, abs(p)))
+        if not math.isfinite(p):
+            raise DesignError("rounding", radius, unit="mm", reason="the flank does not reach it")
+        (x, z), (n_x, n_z) = centre(p), section.axial_section(np.array(p))[1]
+        return Rounding(Arc((float(x) - self.radius, -float(z)), convex * radius), (p, math.atan2(n_x, n_z)))
+
+
+def _at_radius(surface: Helicoid, radius: float, start: float) -> float:
+    """Parameter of the point of a helicoid's curve at a radius (mm), by Newton's method; NaN where it has none."""
+    p = start
+    for _ in range(STEPS):
+        at = surface.curve.at(np.array(p))
+        rho = math.hypot(at.c[0], at.c[1])
+        slope = float(at.c[:2] @ at.c_p[:2]) / rho
+        step = (rho - radius) / slope if slope else math.nan
+        p -= step
+        if not abs(rho - radius) > ARRIVED * radius:
+            return p if math.isfinite(p) else math.nan
+    return math.nan
+
+
+def _root(f: Callable[[float], float], start: float, step: float) -> float:
+    """Root of a smooth function near a start, by the secant method; NaN where it is not found."""
+    a, b = start, start + step
+    f_a, f_b = f(a), f(b)
+    for _ in range(STEPS):
+        if not math.isfinite(f_b):
+            return math.nan
+        if abs(f_b) <= ARRIVED * max(1.0, abs(b)) or f_b == f_a:
+            return b
+        a, b, f_a = b, b - f_b * (b - a) / (f_b - f_a), f_b
+        f_b = f(b)
+    return b if abs(f_b) <= 1e-10 else math.nan

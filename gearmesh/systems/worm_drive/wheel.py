@@ -1,0 +1,196 @@
+"""The wheel of a worm drive as its hob generates it.
+
+The hob turns and the wheel with it: since a thread that turns is the same surface as one that slides along its axis, the hob is a
+rack that rolls on the wheel, its pitch plane at the radius K cos(theta), with K = m_x0 z2 / 2 and theta the angle by which the
+axes are away from a right angle. The equation of meshing is linear in the roll: one root, whatever the threads wind.
+
+Tool frame, of `RackRoll`: x away from the wheel's axis, z along it; the hob's axis is (0, cos(theta), sin(theta)), its threads point
+towards -x.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import ConeLevel, LandLevel
+from gearmesh.kernel.surface.mapped import MappedSurface, Mapping
+from gearmesh.kernel.surface.meridian import CircularMeridian, Joined, Meridian, Straight
+from gearmesh.kernel.surface.surface import PlacedSurface, Surface
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.worm_drive.thread import LAND, Rounding, Thread
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.tools.description import Dimension, ToolDescription
+
+
+@dataclass(frozen=True)
+class FaceParameters:
+    """Parameters (p, v) of a hob's flank `own` by which lines p = const go on across a throated face: p is that of the profile in
+    the plane v = 0 through the axis, v (mm) over `height` the tangent of the polar angle.
+
+    At the form point, of radius `outer` (mm) and parameter `form_point`, nothing changes; the lines towards the tip of the wheel
+    become lines at the height `height` (mm) over the hob's axis.
+    """
+
+    own: Helicoid
+    outer: float
+    form_point: float
+    height: float
+
+    def __call__(self, u: Array, v: Array) -> Mapping:
+        away, depth = np.hypot(self.height, v), self.outer - self.height
+        share, rate = (self.outer - away) / depth, -v / away / depth
+        a, a_v = self.form_point + (u - self.form_point) * share, (u - self.form_point) * rate
+        at = self.own.curve.at(a)
+        x, y, x_p, y_p = at.c[..., 0], at.c[..., 1], at.c_p[..., 0], at.c_p[..., 1]
+        mirror = self.own.signs[1]
+        # the curve itself winds about the axis
+        turned = -mirror * (x * y_p - y * x_p) / (x**2 + y**2)
+        b = np.arctan2(v, self.height) - mirror * np.arctan2(y, x)
+        return Mapping(a, b, share + np.zeros_like(a), a_v, turned * share, self.height / away**2 + turned * a_v)
+
+
+@dataclass(frozen=True)
+class Hob:
+    """A hob over a wheel of `teeth` teeth: its thread, radius of its tip and of its tip rounding, distance of the axes, mm; `tilt`
+    (rad): of its axis out of the plane across the wheel's."""
+
+    thread: Thread
+    tip_radius: float
+    rounding_radius: float
+    distance: float
+    tilt: float
+    teeth: int
+
+    @property
+    def roll(self) -> RackRoll:
+        """The motion of the hob over the wheel."""
+        way = 0.5 * self.thread.module * self.teeth
+        return RackRoll(way * math.cos(self.tilt), way * math.sin(self.tilt))
+
+    @cached_property
+    def rounding(self) -> Rounding:
+        """The rounding of its tip."""
+        try:
+            return self.thread.tip_rounding(self.tip_radius, self.rounding_radius)
+        except DesignError as failure:
+            raise DesignError(
+                "hob.tip_radius", self.rounding_radius, unit="mm", reason="the hob's flank does not reach it"
+            ) from failure
+
+    @property
+    def form_radius(self) -> float:
+        """Radius on the hob where flank and tip rounding meet, mm."""
+        at = self.thread.section.curve.at(np.array(self.rounding.form_point[0]))
+        return float(np.hypot(at.c[0], at.c[1]))
+
+    def place(self, side: int) -> Rigid:
+        """The hob's frame over the tool's, the thread beside the right (+1) or left (-1) side of the wheel's tooth on +x."""
+        c, s = math.cos(self.tilt), math.sin(self.tilt)
+        axes = np.array([[-1.0, 0.0, 0.0], [0.0, -s, c], [0.0, c, s]]).T
+        start = np.array([self.distance - self.roll.radius, 0.0, 0.0])
+        return Rigid(axes, start - 0.5 * side * self.thread.axial_pitch * axes[:, 2])
+
+    def _side(self, side: int) -> int:
+        """The side of the hob's thread that generates a side of the wheel's tooth: the one that looks towards it."""
+        return side * self.thread.hand
+
+    def generate(self, surface: Surface, side: int) -> Envelope:
+        """What a surface of the thread generates on a side of the wheel's tooth."""
+        return Envelope(PlacedSurface(surface, self.place(side)), self.roll)
+
+    def flank(self, side: int, height: float) -> Envelope:
+        """The flank of a side of the wheel's tooth, parameters as of `FaceParameters` with the `height`."""
+        own = self.thread.flank(self._side(side), -1)
+        mapping = FaceParameters(own, self.form_radius, self.rounding.form_point[0], height)
+        return self.generate(MappedSurface(own, mapping), side)
+
+    def fillet(self, side: int) -> Envelope:
+        """The fillet of a side of the wheel's tooth."""
+        return self.generate(self.thread.rounding_surface(self.rounding, self._side(side), -1), side)
+
+    def tooth_side(self, side: int, tip_height: float, height: float) -> ToothSide:
+        """A side of the wheel's tooth, whose tip is at `tip_height` (mm) over the hob's axis in the middle plane."""
+        flank, fillet = self.flank(side, height), self.fillet(side)
+        p, q = self.rounding.form_point
+        return ToothSide(
+            flank,
+            fillet,
+            form_point=(p, q),
+            root=LAND,
+            tip=self.thread.at_radius(tip_height),
+            tool=self.description,
+            generation=(flank, fillet),
+        )
+
+    @property
+    def description(self) -> ToolDescription:
+        thread = self.thread
+        dimensions = (
+            Dimension("threads", thread.threads, "", "z_0"),
+            Dimension("axial module", thread.module, "mm", "m_x0"),
+            Dimension("pressure angle", math.degrees(thread.angle), "deg", "alpha_0"),
+            Dimension("reference diameter", 2.0 * thread.radius, "mm", "d_0"),
+            Dimension("tip diameter", 2.0 * self.tip_radius, "mm", "d_a0"),
+            Dimension("lead angle", math.degrees(thread.lead_angle), "deg", "gamma_0"),
+        )
+        return ToolDescription("hob", dimensions=dimensions, tip_radius=self.rounding_radius)
+
+    def root(self, half: float) -> LandLevel:
+        """The root that the hob's tips leave on a face of +-`half` mm: nearest to the wheel's axis are points on the common
+        perpendicular's plane, z = r sin(psi) / cos(theta), rho = a - r cos(psi)."""
+        r, a, narrower = self.tip_radius, self.distance, math.cos(self.tilt)
+        if half * narrower >= r:
+            raise DesignError(
+                "wheel.face_width",
+                2.0 * half,
+                unit="mm",
+                reason="the hob does not reach the end faces",
+                allowed=f"less than {at_most(2.0 * r / narrower)} mm",
+            )
+        if self.tilt == 0.0:
+            return Meridian(CircularMeridian((0.0, a), r))
+        return Meridian.through(lambda z: a - np.sqrt(r**2 - (z * narrower) ** 2), (-half, half))
+
+
+@dataclass(frozen=True)
+class Throat:
+    """The tip of a wheel: a circle of `radius` mm about the worm's axis at the `distance` (mm), and the `outside` radius (mm)
+    beyond; radius 0: a cylinder."""
+
+    radius: float
+    distance: float
+    outside: float
+
+    def level(self, half: float) -> LandLevel:
+        """The tip on a face of +-`half` mm. Raises DesignError for a throat that the face never meets."""
+        if self.radius == 0.0:
+            return ConeLevel.of(self.outside)
+        height = self.distance - self.outside
+        if not 0.0 < height < self.radius:
+            raise DesignError(
+                "wheel.outside_diameter",
+                2.0 * self.outside,
+                unit="mm",
+                reason="the outside cylinder must lie between throat and the worm's axis",
+                allowed=f"more than {at_least(2.0 * (self.distance - self.radius))} mm and less than "
+                f"{at_most(2.0 * self.distance)} mm",
+            )
+        arc, corner = CircularMeridian((0.0, self.distance), self.radius), math.sqrt(self.radius**2 - height**2)
+        if corner >= half:
+            return Meridian(arc)
+        straight = Straight(self.outside)
+        return Meridian(Joined((straight, arc, straight), (-corner, corner)))
+
+    @property
+    def middle(self) -> float:
+        """Radius of the tip in the middle plane, mm."""
+        return self.outside if self.radius == 0.0 else self.distance - self.radius

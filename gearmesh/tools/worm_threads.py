@@ -1,0 +1,122 @@
+"""What makes the flanks of worms [ISO 10828]: a straight or rounded edge in a plane, an involute, a grinding disk.
+
+All are curves on the flank of a right-hand thread that looks towards +z, the thread centred on +x at z = 0 of the worm's frame, and
+sweep it in a screw motion. Profiles are those of `rack`: x outward from the reference cylinder, n = (sin, -cos) out of the thread,
+and -y along the section's second axis.
+
+      x ^   ____  thread     ZA  edge in the axial plane
+        |  /    \\            ZN  edge in the plane across the helix, in the middle of the space (or thread)
+     ---+-/------\\---> -y    ZI  involute of the transverse section
+        |/        \\          ZK, ZC  disk whose axis is across the helix in the middle of the space, its profile a line or an arc
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.kernel.numeric.algebra import AXIS, Array, components, cross, dot
+from gearmesh.kernel.surface.helicoid import Generatrix, swept
+from gearmesh.tools.profile import Profile
+
+#: Newton steps to the point in which a disk touches, and the angle (rad) that counts as none
+STEPS, ARRIVED = 30, 1e-15
+
+
+@dataclass(frozen=True)
+class PlaneEdge:
+    """An edge in a plane through the x axis line at height `middle` (mm), turned by `tilt` (rad) out of the axial plane.
+
+    `radius`: of the reference cylinder, mm; `screw` in mm/rad.
+    """
+
+    profile: Profile
+    radius: float
+    screw: float
+    tilt: float = 0.0
+    middle: float = 0.0
+
+    def at(self, p: Array) -> Generatrix:
+        points, tangents, normals, turned = self.profile.section(np.asarray(p, dtype=float))
+        # the tangent is the normal turned by a right angle, along which x grows
+        c, c_p = self._lift(points), self._lift(tangents)
+        along, along_p = (self._lift(components(-b[..., 1], b[..., 0])) for b in (normals, turned))
+        c = c + np.array([self.radius, 0.0, self.middle])
+        return swept(c, (along, along_p), c_p, self.screw)
+
+    def _lift(self, plane: Array) -> Array:
+        x, w = plane[..., 0], -plane[..., 1]
+        return components(x, -w * np.sin(self.tilt), w * np.cos(self.tilt))
+
+
+@dataclass(frozen=True)
+class Involute:
+    """The involute of the base circle `radius` (mm) at z = `middle` (mm), p its roll angle (rad), turned by `angle` (rad): of ZI
+    worms."""
+
+    radius: float
+    screw: float
+    angle: float
+    middle: float
+
+    def at(self, p: Array) -> Generatrix:
+        p = np.asarray(p, dtype=float)
+        turn, r = self.angle + p, self.radius
+        c, s = np.cos(turn), np.sin(turn)
+        point = components(r * (c + p * s), r * (s - p * c), self.middle)
+        along, along_p = components(c, s, 0.0), components(-s, c, 0.0)
+        return swept(point, (along, along_p), (r * p)[..., None] * along, self.screw)
+
+
+@dataclass(frozen=True)
+class DiskLine:
+    """Where a disk touches the flank that it grinds: n . (e_z x r + P e_z) = 0, the same in every place of its screw motion.
+
+    The disk's axis crosses the worm's at `tilt` (rad) and at the distance `distance` (mm), at z = `middle` (mm).
+    """
+
+    profile: Profile
+    radius: float
+    screw: float
+    tilt: float
+    middle: float
+    distance: float
+
+    def at(self, p: Array) -> Generatrix:
+        points, tangents, normals, turned = self.profile.section(np.asarray(p, dtype=float))
+        over = self.distance - self.radius - points[..., 0]
+        across = np.array([0.0, -np.sin(self.tilt), np.cos(self.tilt)])
+        round_ = np.array([0.0, np.cos(self.tilt), np.sin(self.tilt)])
+        delta = np.zeros_like(over)
+
+        def disk(delta: Array) -> tuple[Array, Array, Array, Array]:
+            """Points and normals of the disk, and their derivatives by its angle."""
+            inward, aside = _towards(delta, round_)
+            n_x, n_w = normals[..., :1], -normals[..., 1:]
+            r = np.array([self.distance, 0.0, self.middle]) - over[..., None] * inward - points[..., 1:] * across
+            return r, n_x * inward + n_w * across, -over[..., None] * aside, n_x * aside
+
+        for _ in range(STEPS):
+            r, n, r_d, n_d = disk(delta)
+            path = cross(AXIS, r) + self.screw * AXIS
+            f_d = dot(n_d, path) + dot(n, cross(AXIS, r_d))
+            step = dot(n, path) / f_d
+            delta = delta - step
+            if not (np.abs(step) > ARRIVED).any():
+                break
+        r, n, r_d, n_d = disk(delta)
+        inward, _ = _towards(delta, round_)
+        path = cross(AXIS, r) + self.screw * AXIS
+        r_p = tangents[..., :1] * inward - tangents[..., 1:] * across
+        n_p = turned[..., :1] * inward - turned[..., 1:] * across
+        f_d = dot(n_d, path) + dot(n, cross(AXIS, r_d))
+        rate = -((dot(n_p, path) + dot(n, cross(AXIS, r_p))) / f_d)[..., None]
+        return Generatrix(r, n, r_p + rate * r_d, n_p + rate * n_d)
+
+
+def _towards(delta: Array, round_: Array) -> tuple[Array, Array]:
+    """Unit vectors (..., 3) from a disk's rim to its axis at its angles delta (...,), and their derivatives."""
+    c, s = np.cos(delta)[..., None], np.sin(delta)[..., None]
+    x = np.array([1.0, 0.0, 0.0])
+    return c * x - s * round_, -s * x - c * round_
