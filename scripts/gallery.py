@@ -40,6 +40,7 @@ PAIRS = {
     "face_gear": 0.05,
     "spiral_bevel_basic": 0.05,
     "hypoid": 0.05,
+    "worm_drive": 0.05,
 }
 #: figures that are read, not only looked at
 LARGE = {"bevel_machine_frames": (800, 900), "te_under_torque": (880, 660)}

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearmesh.kernel.envelope.helicoid import Generatrix, swept
 from gearmesh.kernel.numeric.algebra import AXIS, Array, components, cross, dot
-from gearmesh.kernel.surface.helicoid import Generatrix, swept
 from gearmesh.tools.profile import Profile
 
 #: Newton steps to the point in which a disk touches, and the angle (rad) that counts as none
@@ -51,7 +51,7 @@ class PlaneEdge:
 
 
 @dataclass(frozen=True)
-class Involute:
+class TransverseInvolute:
     """The involute of the base circle `radius` (mm) at z = `middle` (mm), p its roll angle (rad), turned by `angle` (rad): of ZI
     worms."""
 

@@ -19,9 +19,9 @@ class RackRoll:
     """A rack's pitch plane x = 0 rolling without sliding on the pitch cylinder of radius `radius` (mm) [LT02 6].
 
     M(phi) r = Rz(phi) (r + (radius, -radius phi, -advance phi)); the twist in the tool frame is Omega = e_z and
-    tau = (radius phi, 0, -advance), which makes the equation of meshing linear in phi [LT02 7; LT85 A.4]. A worm or hob that turns is
-    the same surface as one that slides along its axis: it is a rack, too, with an `advance` (mm/rad) along the blank's axis where
-    the axes are not at right angles.
+    tau = (radius phi, 0, -advance), which makes the equation of meshing linear in phi [LT02 7; LT85 A.4]. A worm or hob that turns
+    is the same surface as one that slides along its axis: it is a rack, too, with an `advance` (mm/rad) along the blank's axis
+    where the axes are not at right angles.
     """
 
     radius: float

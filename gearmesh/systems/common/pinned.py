@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.design.core import DENSITY, GearBody
+from gearmesh.design.core import DENSITY, MemberBody
 from gearmesh.systems.common.tooth_edges import ANGLE, end_widths
 from gearmesh.teeth.region import Region
 
@@ -22,7 +22,7 @@ def body_values(design: Design, train: GearTrain) -> Values:
     for name, member in train.members.items():
         table = name.rstrip("0123456789").removesuffix("_")
         spec = getattr(design, table)
-        if isinstance(spec, GearBody):
+        if isinstance(spec, MemberBody):
             values_given |= {f"{table}.{key}": value for key, value in _of_body(spec, member).items()}
             if any(end_widths(spec)):
                 values_given[f"{table}.end_chamfer_angle"] = spec.end_chamfer_angle or ANGLE
@@ -39,7 +39,7 @@ def _of_mount(mount: MemberMount, table: str, pair: GearPair | None, name: str) 
     return values
 
 
-def _of_body(spec: GearBody, member: Member) -> Values:
+def _of_body(spec: MemberBody, member: Member) -> Values:
     body, values = member.plain_body, Values()
     if Region.BORE in body.bands:
         values["bore"] = 2.0 * body.bore_radius

@@ -23,8 +23,8 @@ from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
-from gearmesh.systems.worm_drive.thread import LAND, Grinding, Thread, ThreadForm
-from gearmesh.systems.worm_drive.wheel import Hob, Throat
+from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, WormThread, ThreadForm
+from gearmesh.systems.worm_drive.wheel import Throat, WormHob
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
@@ -64,7 +64,7 @@ def build(design: WormDriveDesign) -> GearTrain:
     return GearTrain(design.kind, (pair,))
 
 
-def worm_thread(design: WormDriveDesign) -> Thread:
+def worm_thread(design: WormDriveDesign) -> WormThread:
     """The worm's thread, thinner by the backlash."""
     nominal = nominal_thread(design)
     return replace(
@@ -72,11 +72,11 @@ def worm_thread(design: WormDriveDesign) -> Thread:
     )
 
 
-def nominal_thread(design: WormDriveDesign) -> Thread:
+def nominal_thread(design: WormDriveDesign) -> WormThread:
     """The worm's thread without backlash."""
     spec, m = design.worm, design.axial_module
     form = ThreadForm(spec.form)
-    return Thread(
+    return WormThread(
         form=form,
         threads=spec.threads,
         hand=1 if spec.right_hand else -1,
@@ -84,14 +84,14 @@ def nominal_thread(design: WormDriveDesign) -> Thread:
         radius=0.5 * design.reference_diameter,
         angle=math.radians(design.pressure_angle),
         thickness=spec.thickness * m,
-        grinding=Grinding(0.5 * spec.disk_diameter, spec.profile_radius, spec.dedendum * m)
+        grinding=DiskGrinding(0.5 * spec.disk_diameter, spec.profile_radius, spec.dedendum * m)
         if form in (ThreadForm.ZK, ThreadForm.ZC)
         else None,
         across_thread=spec.section == "thread",
     )
 
 
-def wheel_hob(design: WormDriveDesign) -> Hob:
+def wheel_hob(design: WormDriveDesign) -> WormHob:
     """The hob: of the worm's normal module, normal profile and normal thickness on its own reference cylinder."""
     worm, spec = nominal_thread(design), design.hob
     threads = worm.threads if spec.threads is None else spec.threads
@@ -107,7 +107,7 @@ def wheel_hob(design: WormDriveDesign) -> Hob:
         thickness = worm.thickness * math.cos(worm.lead_angle) / math.cos(lead_angle)
         thread = replace(worm, threads=threads, module=module, radius=radius, angle=angle, thickness=thickness)
         tilt += worm.hand * (lead_angle - worm.lead_angle)
-    return Hob(
+    return WormHob(
         thread=thread,
         tip_radius=radius + spec.addendum * worm.module,
         rounding_radius=spec.tip_radius * worm.module,
@@ -120,7 +120,7 @@ def wheel_hob(design: WormDriveDesign) -> Hob:
 # ---------------------------------------------------------------- worm
 
 
-def _worm(design: WormDriveDesign, thread: Thread) -> Member:
+def _worm(design: WormDriveDesign, thread: WormThread) -> Member:
     spec, m = design.worm, design.axial_module
     tip, root = thread.radius + spec.addendum * m, thread.radius - spec.dedendum * m
     hole = bore_radius("worm", spec.stated_bore, root, "the root diameter")
@@ -139,13 +139,13 @@ def _worm(design: WormDriveDesign, thread: Thread) -> Member:
             tool=tool,
         )
 
-    tooth = _proved("worm", Tooth(thread.threads, side(1), side(-1), blank), "worm.addendum", spec.addendum)
+    tooth = _prove("worm", Tooth(thread.threads, side(1), side(-1), blank), "worm.addendum", spec.addendum)
     tooth = with_tip_edge("worm", tooth, spec)
     under = UnderTeeth("worm", tooth, blank.body, root, root, m)
     return with_end_chamfers(Member("worm", tooth, _thread_parameters, body_features(spec, under)), spec)
 
 
-def _tool_dimensions(thread: Thread) -> tuple[Dimension, ...]:
+def _tool_dimensions(thread: WormThread) -> tuple[Dimension, ...]:
     made = [Dimension("pressure angle", math.degrees(thread.angle), "deg", "alpha_0")]
     if thread.grinding is not None:
         made.append(Dimension("rim diameter", 2.0 * thread.grinding.disk_radius, "mm", "d_0"))
@@ -158,7 +158,7 @@ def _thread_parameters(p: Array, v: Array) -> dict[str, Array]:
     return {"p_1": p, "theta_1": np.degrees(v)}
 
 
-def _proved(name: str, tooth: Tooth, key: str, value: float) -> Tooth:
+def _prove(name: str, tooth: Tooth, key: str, value: float) -> Tooth:
     try:
         tooth.prove()
     except TrimError as failure:
@@ -192,7 +192,7 @@ def _wheel(design: WormDriveDesign) -> Member:
     # over the hob's own axis
     tip_height, height = hob.distance - throat.middle, hob.distance - throat.outside
     right, left = (hob.tooth_side(side, tip_height, min(tip_height, height)) for side in (1, -1))
-    tooth = _proved("wheel", Tooth(spec.teeth, right, left, blank), "wheel.addendum", spec.addendum)
+    tooth = _prove("wheel", Tooth(spec.teeth, right, left, blank), "wheel.addendum", spec.addendum)
     tooth = with_tip_edge("wheel", tooth, spec)
     under = UnderTeeth("wheel", tooth, blank.body, smallest, float(root.at(half)), m)
     return with_end_chamfers(Member("wheel", tooth, _wheel_parameters, body_features(spec, under)), spec)
@@ -213,7 +213,7 @@ def _gear_base(design: WormDriveDesign, opened: float = 0.0) -> Rigid:
     return Rigid(axes, np.array([design.center_distance, 0.0, 0.0]))
 
 
-def _mounts(design: WormDriveDesign, thread: Thread) -> tuple[Mount, Mount]:
+def _mounts(design: WormDriveDesign, thread: WormThread) -> tuple[Mount, Mount]:
     """Mounts with the errors."""
     errors, hand = design.assembly, thread.hand
     worm = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dz1]))
@@ -230,7 +230,7 @@ def _mounts(design: WormDriveDesign, thread: Thread) -> tuple[Mount, Mount]:
     )
 
 
-def nominal_half(thread: Thread) -> float:
+def nominal_half(thread: WormThread) -> float:
     """Half the axial thickness, mm, without backlash."""
     return 0.5 * thread.thickness
 
@@ -246,3 +246,9 @@ def _displaced_bases(design: WormDriveDesign, train: GearTrain, errors: Mapping[
 
 
 DISPLACEMENTS: Displacements[WormDriveDesign] = Displacements(("da", "dz1", "dz2", "d_sigma"), _displaced_bases)
+
+
+def pinned_values(design: WormDriveDesign, train: GearTrain) -> dict[str, float]:
+    """The worm's diameter and the hob's threads of a complete design in mm, which may be left out or given otherwise."""
+    threads = design.worm.threads if design.hob.threads is None else design.hob.threads
+    return {"worm.reference_diameter": design.reference_diameter, "hob.threads": threads}

@@ -8,9 +8,9 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, GearBody, Holes, MemberBody, Web
+from gearmesh.design.core import Design, FlankContact, MemberBody, MemberTable
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
-from gearmesh.design.runout import PairRunout
+from gearmesh.design.runout import eccentricity, phase
 from gearmesh.systems.worm_drive.thread import ThreadForm
 
 #: Proportions that are not given, in axial modules [DIN 3975]: diameter quotient, clearance, the wheel's outside over its throat.
@@ -29,6 +29,8 @@ class ThreadCount(Table):
 
 class WormTable(MemberBody, ThreadCount):
     """The worm. Its diameter follows from one of reference_diameter, quotient and lead_angle."""
+
+    replaces = (("reference_diameter", "quotient"), ("reference_diameter", "lead_angle"))
 
     form: Annotated[
         str,
@@ -92,7 +94,7 @@ class WormTable(MemberBody, ThreadCount):
     ] = DERIVED
 
 
-class WheelTable(GearBody):
+class WheelTable(MemberTable):
     """The wheel, as its hob generates it."""
 
     face_width: Annotated[
@@ -116,8 +118,6 @@ class WheelTable(GearBody):
         float,
         Key("length", "outside diameter d_e2", low=0, above=True, default="d_a2 + m, DIN 3975"),
     ] = DERIVED
-    web: Web | None = None
-    holes: Holes | None = None
 
 
 class HobTable(Table):
@@ -142,13 +142,17 @@ class HobTable(Table):
     ] = ROUNDING
 
 
-class WormDriveAssembly(PairRunout):
+class WormDriveAssembly(Table):
     """Positions of the members against their nominal ones: assembly errors."""
 
     da: Annotated[float, Key("length", "change of the centre distance: the wheel away from the worm")] = 0.0
     dz1: Annotated[float, Key("length", "displacement of the worm along its axis")] = 0.0
     dz2: Annotated[float, Key("length", "displacement of the wheel along its axis")] = 0.0
     d_sigma: Annotated[float, Key("angle", "change of the shaft angle", low=-5, high=5)] = 0.0
+    worm_eccentricity: Annotated[float, eccentricity("worm")] = 0.0
+    worm_phase: Annotated[float, phase("worm")] = 0.0
+    wheel_eccentricity: Annotated[float, eccentricity("wheel")] = 0.0
+    wheel_phase: Annotated[float, phase("wheel")] = 0.0
 
 
 class WormDriveDesign(Design):

@@ -14,11 +14,11 @@ from functools import cached_property
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.kernel.envelope.helicoid import GeneratingCurve, Helicoid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.helicoid import GeneratingCurve, Helicoid
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, Line
-from gearmesh.tools.worm_threads import DiskLine, Involute, PlaneEdge
+from gearmesh.tools.worm_threads import DiskLine, PlaneEdge, TransverseInvolute
 
 #: steps of Newton's method to a point of a profile, and the distance (mm) that counts as none
 STEPS, ARRIVED = 60, 1e-13
@@ -39,7 +39,7 @@ class ThreadForm(StrEnum):
 
 
 @dataclass(frozen=True)
-class Grinding:
+class DiskGrinding:
     """What grinds ZK and ZC flanks: radius of the disk at its rim and of its profile, mm, and depth (mm) to which the rim reaches
     below the reference cylinder."""
 
@@ -57,7 +57,7 @@ class Rounding:
 
 
 @dataclass(frozen=True)
-class Thread:
+class WormThread:
     """Threads on a reference cylinder of `radius` mm; `module`: axial, mm; `angle` (rad): in the section of the form.
 
     `hand` is +1 of right-hand threads; `thickness`: axial, on the reference cylinder, mm; `thinner`: by how much (mm, axial) either
@@ -72,7 +72,7 @@ class Thread:
     radius: float
     angle: float
     thickness: float
-    grinding: Grinding | None = None
+    grinding: DiskGrinding | None = None
     thinner: float = 0.0
     across_thread: bool = False
 
@@ -113,7 +113,7 @@ class Thread:
             return PlaneEdge(Line(self.angle, 0.0, half), self.radius, self.screw)
         if self.form is ThreadForm.ZI:
             angle = self._transverse_angle
-            return Involute(self.base_radius, self.screw, angle - math.tan(angle), half)
+            return TransverseInvolute(self.base_radius, self.screw, angle - math.tan(angle), half)
         normal = half * math.cos(self.lead_angle)
         space = 0.5 * self.axial_pitch * math.cos(self.lead_angle) - normal
         start = normal if self.across_thread else -space
@@ -125,7 +125,7 @@ class Thread:
         return self._by_tool(_root(miss, start, STEP * self.module))
 
     def _by_tool(self, b: float) -> GeneratingCurve:
-        """The curve of ZN, ZK and ZC whose tool's profile passes the reference cylinder at y = -b (mm) in the section of the tool."""
+        """The curve of ZN, ZK and ZC whose tool's profile is at y = -b (mm) on the reference cylinder."""
         profile: Profile = Line(self.angle, 0.0, b)
         middle = 0.0 if self.across_thread else 0.5 * self.axial_pitch
         if self.form is ThreadForm.ZN:
@@ -176,11 +176,11 @@ class Thread:
         return float(self.section.axial_section(p)[0][1])
 
     def root_rounding(self, land: float, radius: float) -> Rounding:
-        """The rounding of `radius` (mm) between flank and the cylinder `land` (mm) below. Raises DesignError where there is none."""
+        """The rounding of `radius` (mm) between flank and the cylinder `land` (mm) below. Raises DesignError."""
         return self._rounding(land, radius, -1)
 
     def tip_rounding(self, land: float, radius: float) -> Rounding:
-        """The rounding of `radius` (mm) between flank and the cylinder `land` (mm) above. Raises DesignError where there is none."""
+        """The rounding of `radius` (mm) between flank and the cylinder `land` (mm) above. Raises DesignError."""
         return self._rounding(land, radius, 1)
 
     def _rounding(self, land: float, radius: float, convex: int) -> Rounding:

@@ -4,8 +4,8 @@ The hob turns and the wheel with it: since a thread that turns is the same surfa
 rack that rolls on the wheel, its pitch plane at the radius K cos(theta), with K = m_x0 z2 / 2 and theta the angle by which the
 axes are away from a right angle. The equation of meshing is linear in the roll: one root, whatever the threads wind.
 
-Tool frame, of `RackRoll`: x away from the wheel's axis, z along it; the hob's axis is (0, cos(theta), sin(theta)), its threads point
-towards -x.
+Tool frame, of `RackRoll`: x away from the wheel's axis, z along it; the hob's axis is (0, cos(theta), sin(theta)), its threads
+point towards -x.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.helicoid import Helicoid
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
@@ -26,7 +27,7 @@ from gearmesh.kernel.surface.mapped import MappedSurface, Mapping
 from gearmesh.kernel.surface.meridian import CircularMeridian, Joined, Meridian, Straight
 from gearmesh.kernel.surface.surface import PlacedSurface, Surface
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.worm_drive.thread import LAND, Rounding, Thread
+from gearmesh.systems.worm_drive.thread import LAND, Rounding, WormThread
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import Dimension, ToolDescription
 
@@ -59,11 +60,11 @@ class FaceParameters:
 
 
 @dataclass(frozen=True)
-class Hob:
+class WormHob:
     """A hob over a wheel of `teeth` teeth: its thread, radius of its tip and of its tip rounding, distance of the axes, mm; `tilt`
     (rad): of its axis out of the plane across the wheel's."""
 
-    thread: Thread
+    thread: WormThread
     tip_radius: float
     rounding_radius: float
     distance: float

@@ -27,7 +27,7 @@ from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
-    from gearmesh.design.core import BoltHoles, BoreSteps, GearBody, Holes, Hub, Keyway, ShaftSteps, SpokeTable
+    from gearmesh.design.core import BoltHoles, BoreSteps, MemberBody, Holes, Hub, Keyway, ShaftSteps, SpokeTable
 
 #: diameter of holes that are not given, as parts of the room and of the distance from one to the next
 HOLE_ROOM, HOLE_PITCH = 0.5, 0.6
@@ -105,7 +105,7 @@ class UnderTeeth:
             )
 
 
-def body_features(spec: GearBody, under: UnderTeeth) -> BodyFeatures:
+def body_features(spec: MemberBody, under: UnderTeeth) -> BodyFeatures:
     """Features of the part `spec` of a design (in mm). Raises DesignError naming key, value and limit."""
     name, body, web = under.name, under.body, under.body.web
     keyway = _keyway(spec, under)
@@ -160,7 +160,7 @@ def _check_ring_step(under: UnderTeeth, key: str, step: TurnedStep) -> None:
     under.check_rim(f"{key}.diameters", 2.0 * step.radius, _line((step.radius, low), (step.radius, high)))
 
 
-def _keyway(spec: GearBody, under: UnderTeeth) -> Slot | None:
+def _keyway(spec: MemberBody, under: UnderTeeth) -> Slot | None:
     name, body, web = under.name, under.body, under.body.web
     if spec.keyway is None:
         return None
@@ -244,7 +244,7 @@ def _steps(under: UnderTeeth, key: str, spec: BoreSteps | None, region: Region) 
     )
 
 
-def _bore_steps(spec: GearBody, under: UnderTeeth, features: BodyFeatures) -> list[tuple[TurnedStep, ...]]:
+def _bore_steps(spec: MemberBody, under: UnderTeeth, features: BodyFeatures) -> list[tuple[TurnedStep, ...]]:
     """Steps of the bore at toe and heel, of a body with hubs and shafts."""
     name, turned, bore = under.name, features.turn(under.body), under.body.bore_radius
     least = bore if features.keyway is None else features.keyway.reach(bore)
@@ -284,7 +284,7 @@ def _bore_steps(spec: GearBody, under: UnderTeeth, features: BodyFeatures) -> li
     return made
 
 
-def _check_lengths(spec: GearBody, under: UnderTeeth, body: Body) -> None:
+def _check_lengths(spec: MemberBody, under: UnderTeeth, body: Body) -> None:
     """Refuse steps of a bore, or of a ring's outside, that leave nothing of it between them."""
     lengths = {
         key: sum(steps.lengths) for key in ("toe_bore", "heel_bore") if (steps := getattr(spec, key)) is not None
@@ -304,7 +304,7 @@ def _check_lengths(spec: GearBody, under: UnderTeeth, body: Body) -> None:
 
 
 def _with_openings(
-    spec: GearBody, under: UnderTeeth, features: BodyFeatures, room: tuple[float, float], least: float
+    spec: MemberBody, under: UnderTeeth, features: BodyFeatures, room: tuple[float, float], least: float
 ) -> BodyFeatures:
     """Features with holes, bolt holes and spokes, which are between two radii (mm) where the design does not say where, and never
     below the `least`, that of bore and keyway."""
