@@ -27,7 +27,7 @@ from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
-    from gearmesh.design.core import BoltHoles, BoreSteps, MemberBody, Holes, Hub, Keyway, ShaftSteps, SpokeTable
+    from gearmesh.design.core import BoltHoles, BoreSteps, Holes, Hub, Keyway, MemberBody, ShaftSteps, SpokeTable
 
 #: diameter of holes that are not given, as parts of the room and of the distance from one to the next
 HOLE_ROOM, HOLE_PITCH = 0.5, 0.6
