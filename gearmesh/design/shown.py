@@ -7,9 +7,16 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
+from gearmesh.errors import shown_value
+
+#: characters of a number beyond which nobody typed it
+TYPED = 14
+
 
 def value_text(value: Any, limit: int = 60) -> str:
-    """A value as it would stand in a file: one line, printable, not long."""
+    """A value as it would stand in a file: one line, printable, not long; derived numbers with the digits of other figures."""
+    if isinstance(value, float) and len(repr(value)) > TYPED:
+        return shown_value(value)
     try:
         text = json.dumps(value, default=str)
     except (TypeError, ValueError, RecursionError):  # an integer of thousands of digits, a table in a table in a ...

@@ -34,3 +34,18 @@ def test_models_of_unknown_suffixes_are_refused_before_the_design_is_read(tmp_pa
     missing = tmp_path / "missing.toml"
     assert "unknown suffix .xyz; allowed for finite-element models" in refused("fe", missing, "-o", tmp_path / "x.xyz")
     assert "the suffix of abaqus files is .inp" in refused("fe", missing, "-o", tmp_path / "x.msh", "--for", "abaqus")
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (("--view", "toolpath"), "--tool: missing; the view toolpath needs a cutter, as ball:3mm"),
+        (("--tool", "ball:3mm"), "--tool = ball:3mm: is for the view toolpath; --view is contact"),
+        (("--scallop", "10um"), "--scallop = 10um: is for the view toolpath; --view is contact"),
+    ],
+)
+def test_pictures_of_tool_paths_need_a_cutter_and_others_have_none(
+    tmp_path: Path, arguments: tuple[str, ...], text: str
+) -> None:
+    assert refused("render", HELICAL, *arguments, "-o", tmp_path / "out.png") == text

@@ -28,6 +28,7 @@ class View(StrEnum):
     sliding = "sliding"
     te = "te"
     turns = "turns"
+    toolpath = "toolpath"
     loaded = "loaded"
     loaded_flank = "loaded_flank"
     loaded_te = "loaded_te"
@@ -42,6 +43,8 @@ LOADED = (View.loaded, View.loaded_flank, View.loaded_te, View.loaded_share, Vie
 FIGURES = (View.flank, View.sliding, View.te, View.turns, *LOADED[1:])
 #: the grinding worm among the members
 WORM = "worm"
+#: what a cutter may leave where nobody says
+SCALLOP = "10um"
 #: pixels of an animation
 ANIMATED = (640, 480)
 #: suffixes of pictures, and of figures
@@ -67,8 +70,9 @@ def render(
             help="contact: path and ellipses on a tooth; pattern: the union of the ellipses; gap: the pattern by the roll test; "
             "pair: the gears in mesh; section: a section across the teeth; tool: a member with its tool; contact_lines: of "
             "the tool on the tooth that it generates; flank, sliding: ease-off and sliding velocity on flank planes; te, turns: "
-            "transmission error, over a mesh cycle and over whole turns of eccentric members. With --torque: loaded: largest "
-            "pressures on a tooth; loaded_*: pressures on flank planes, transmission error, load sharing, root stress.",
+            "transmission error, over a mesh cycle and over whole turns of eccentric members; toolpath: passes of the ball-end "
+            "cutter --tool in a space of --member. With --torque: loaded: largest pressures on a tooth; loaded_*: pressures on "
+            "flank planes, transmission error, load sharing, root stress.",
         ),
     ] = View.contact,
     member: Annotated[
@@ -90,6 +94,14 @@ def render(
             metavar="NM[,NM...]",
             help="Torques on the pinion, for the views loaded_*; one torque for the view loaded.",
         ),
+    ] = None,
+    tool: Annotated[
+        str | None,
+        typer.Option("--tool", metavar="ball:D[,L]", help="Ball-end cutter of the view toolpath, as of the command."),
+    ] = None,
+    scallop: Annotated[
+        str | None,
+        typer.Option("--scallop", metavar="LEN", help="What it may leave over the exact surfaces. [default: 10um]"),
     ] = None,
     pair: Pair = None,
     size: Annotated[
@@ -123,6 +135,7 @@ def render(
     if phi1 is not None and not math.isfinite(phi1):
         raise ArgumentError("phi1", phi1, must_be="a finite number of degrees")
     torques = _torques(view, torque, animate)
+    _refuse_for_path(view, tool, scallop, animate)
     gears = load_gears(design_file, settings)
     mesh = chosen_pair(gears, pair) if gears.pairs else 0
     names = tuple(gears.train.pair(mesh).members if gears.pairs else gears.members)
@@ -136,11 +149,26 @@ def render(
             loaded = gears.loaded_contact(torques, phi1, pair=mesh)
             gears.picture(view.value, member, of=loaded, size=pixels, dpi=dpi, note=note).save(output)
             told = loaded.warnings
+        elif output is not None and tool is not None:
+            path = gears.toolpath(member or names[0], tool, scallop or SCALLOP)
+            gears.picture(view.value, of=path, size=pixels, note=note).save(output)
         elif output is not None:
             gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note).save(output)
         if animate is not None:
             gears.animation(phi1=phi1, size=pixels or ANIMATED, pair=mesh, note=note).save(animate)
     warn(told)
+
+
+def _refuse_for_path(view: View, tool: str | None, scallop: str | None, animate: Path | None) -> None:
+    """Refuse what does not go with the passes of a cutter, or only with them."""
+    if view == View.toolpath:
+        if tool is None:
+            raise ArgumentError("tool", reason="missing; the view toolpath needs a cutter, as ball:3mm")
+        if animate is not None:
+            raise ArgumentError("animate", animate, reason=f"is not for the view {view}")
+    for name, value in (("tool", tool), ("scallop", scallop)):
+        if value is not None and view != View.toolpath:
+            raise ArgumentError(name, value, reason=f"is for the view {View.toolpath}; --view is {view}")
 
 
 def _torques(view: View, text: str | None, animate: Path | None) -> list[float]:
