@@ -21,7 +21,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.ends.end_mesh import EndMesh, end_mesh
 from gearmesh.mesh.links.forms import Forms
 from gearmesh.mesh.links.lines import denser, stations
-from gearmesh.mesh.links.link_mesh import LinkLines, LinkMesh, mesh_link
+from gearmesh.mesh.links.link_mesh import LinkLines, LinkMesh, mesh_link, thin_link
 from gearmesh.mesh.links.plan import LinkPlan, link_plans
 from gearmesh.mesh.patch import PatchMesh
 from gearmesh.teeth.end_strip import EndStrip
@@ -39,6 +39,10 @@ ROUNDS = 12
 WORSE = 0.99
 #: rounds in which they need not, where a plan without shear takes so many times the triangles
 PATIENCE, DEAR = 3, 1.15
+#: links with more than so many times the fewest triangles are thinned
+EXCESS = 1.6
+#: with this share of what sampled deviations may reach: their triangles are of all shapes, and miss more between the samples
+BETWEEN = 0.97
 #: such a plan is taken at once if it takes no more than this share
 CHEAP = 0.9
 
@@ -174,7 +178,7 @@ def tessellate_alike(
             break
         for draft in drafts:
             draft.mesh(seams, moved, least, fixed)
-    return tuple(ToothMesh(draft.tooth, draft.patches, tolerance) for draft in drafts)
+    return tuple(ToothMesh(draft.tooth, draft.thin(), tolerance) for draft in drafts)
 
 
 def _seams(drafts: Sequence[_Draft], least: Array, fixed: Array) -> list[Array]:
@@ -232,10 +236,16 @@ class _Draft:
             set(range(len(regions))),
         )
 
-    @property
-    def patches(self) -> tuple[PatchMesh, ...]:
-        """Of all links, in order."""
-        return tuple(self.meshes[k].patch for k in range(len(self.regions)))
+    def thin(self) -> tuple[PatchMesh, ...]:
+        """All links in order, with fewer triangles where that many are far from needed."""
+        return tuple(self._thin(k) for k in range(len(self.regions)))
+
+    def _thin(self, k: int) -> PatchMesh:
+        mesh, allowed = self.meshes[k], SAFETY * self.tolerance
+        assert self.trimmed is not None
+        if len(mesh.patch.triangles) <= EXCESS * self.forms.fewest(k, allowed, int(mesh.cells[0] + mesh.cells[-1])):
+            return mesh.patch
+        return thin_link(self.tooth, mesh, self.trimmed, self.forms, k, BETWEEN * allowed)
 
     def mesh(self, seams: list[Array], moved: list[bool], least: Array, fixed: Array) -> None:
         """Mesh what is new, with nodes at the stations `seams` of every seam, some of them `moved`, and refine its

@@ -15,6 +15,8 @@ from gearmesh.teeth.tooth import Tooth
 SAMPLES = (25, 9)
 #: step of t over which the ends of the links are differentiated
 STEP = 1e-6
+#: a triangle within eps of a surface covers at most so many times eps over sqrt(|k1 k2|): where k1 k2 > 0, and where < 0
+BOWL, SADDLE = 1.5 * 3.0**0.5, 2.0 * 5.0**0.5
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,16 @@ class Forms:
         second = np.stack([np.zeros(SAMPLES) if grid.v is None else grid.v for grid in grids])
         sideways = np.stack([_sideways(grid.points, s[1], t[1]) for grid in grids])
         return Forms(length, twist, face, _outline(curves, s), second, sideways)
+
+    def fewest(self, link: int, tolerance: float, on_seams: int) -> float:
+        """Fewest triangles of a link within a tolerance, mm: by the integral of sqrt(|k1 k2|) dA, or by the edges of its
+        border, so many of them on its seams, of which a triangle has one, but for two at corners.
+        """
+        bent = self.length[link] * self.face[link] - self.twist[link] ** 2
+        density = np.sqrt(np.abs(bent)) / np.where(bent > 0.0, BOWL, SADDLE) / tolerance
+        s, t = (np.linspace(0.0, 1.0, samples) for samples in SAMPLES)
+        outline = np.ceil(np.trapezoid(np.sqrt(self.outline[link] / (8.0 * tolerance)), s, axis=-1)).sum()
+        return float(max(np.trapezoid(np.trapezoid(density, t), s), on_seams + outline - 2.0))
 
 
 def _second_form(

@@ -47,11 +47,11 @@ def stations(along: Array, fixed: Array, staggered: NDArray[np.bool_]) -> tuple[
 
 
 def between(table: Array, x: Array, y: Array) -> Array:
-    """Values (N,) of a table (X, Y) of uniform samples at x, y (N,), linear between them."""
-    count, rows = table.shape
+    """Values (N, ...) of a table (X, Y, ...) of uniform samples at x, y (N,), linear between them."""
+    count, rows = table.shape[:2]
     x, y = x * (count - 1), y * (rows - 1)
     i, j = np.minimum(x.astype(int), count - 2), np.minimum(y.astype(int), rows - 2)
-    x, y = x - i, y - j
+    x, y = ((of - at).reshape(-1, *(1,) * (table.ndim - 2)) for of, at in ((x, i), (y, j)))
     low, high = table[i, j] * (1.0 - x) + table[i + 1, j] * x, table[i, j + 1] * (1.0 - x) + table[i + 1, j + 1] * x
     values: Array = low * (1.0 - y) + high * y
     return values

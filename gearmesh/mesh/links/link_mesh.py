@@ -12,9 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.mesh.links.collapse import edges_of
+from gearmesh.mesh.links.forms import Forms
 from gearmesh.mesh.links.lines import between, integral, nodes, rows, stations
+from gearmesh.mesh.links.measure import measured, off_chords
 from gearmesh.mesh.links.plan import LinkPlan
-from gearmesh.mesh.patch import LinkNodes, PatchMesh, distance
+from gearmesh.mesh.links.thinning import thin
+from gearmesh.mesh.patch import LinkNodes, PatchMesh
 from gearmesh.mesh.strip_triangulation import StripTriangulation
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.section import Ends, GeneratedLink, Sections, breaks
@@ -139,13 +143,8 @@ def mesh_link(
         for _ in range(turns):
             triangulation = triangulation.flip(points.arch, held)
         triangles, strip = triangulation.triangles()
-        edges, side = _edges(triangles, s.size)
-        heights, centres = points.height(edges), points.middle(triangles)
-        # normals on creases are those of one of both sides, and those of drawn links not square to them
-        arches = np.where(crease[edges].any(axis=1), 0.0, points.arch(edges))
-        edge = np.maximum(np.abs(heights), arches)
-        peaks = _peaks(heights[side], distance(centres, points.points[triangles].mean(axis=1)))
-        peaks = np.maximum(peaks, edge[side].max(axis=1))
+        edges, side = edges_of(triangles, s.size)
+        edge, peaks, centres = measured(points, triangles, edges, side, crease)
         if peaks.max() <= tolerance:
             break
     strips, off = np.full(count - 1, FLOOR), np.full(count, FLOOR)
@@ -166,32 +165,21 @@ def mesh_link(
     return LinkMesh(patch, lines.s, np.diff(lines.begins) - 1.0, off, strips, form_point)
 
 
-def _edges(triangles: Index, count: int) -> tuple[Index, Index]:
-    """Edges (E, 2) between `count` nodes, and which are those of each triangle (M, 3)."""
-    low, high = np.moveaxis(np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]], axis=-1), -1, 0)
-    coded, side = np.unique(low * count + high, return_inverse=True)
-    return np.stack(np.divmod(coded, count), axis=-1), side.reshape(-1, 3)
+def thin_link(
+    tooth: Tooth, mesh: LinkMesh, trimmed: Sections, forms: Forms, number: int, tolerance: float
+) -> PatchMesh:
+    """The patch of a link's mesh, the one of this `number` in its forms, with fewer triangles within `tolerance` (mm)."""
+    patch, second = mesh.patch, forms.second[number]
+    nodes, link = patch.nodes, tooth.chain[patch.region]
+    if link.surface is None:
+        return patch
+    crease = np.isin(nodes.t, tooth.face_breaks) | np.isin(nodes.s, breaks(link))
 
+    def place(s: Array, t: Array) -> LinkNodes:
+        return LinkNodes.of(tooth, patch.region, s, t, trimmed, between(second, s, t))
 
-def _peaks(sides: Array, centres: Array) -> Array:
-    """Largest distances (M,), mm, of triangles from the surface by those, signed, of the middles of edges (M, 3) and
-    of centres.
-
-    With a, b, c at the edges' middles, opposite to the corners, the distance is 4 (a y z + b z x + c x y) at
-    barycentric x, y, z. It peaks at x : y : z = a (b + c - a) : b (c + a - b) : c (a + b - c) or, where that is
-    outside, at the middle of an edge. What the centre has beyond it is of third order and vanishes on the edges like x
-    y z.
-    """
-    shares = sides * (sides.sum(axis=1, keepdims=True) - 2.0 * sides)
-    inside = (shares > 0.0).all(axis=1)
-    x, y, z = (shares[inside] / shares[inside].sum(axis=1, keepdims=True)).T
-    a, b, c = sides[inside].T
-    more = centres[inside] - 4.0 / 9.0 * (a + b + c)
-    peaks: Array = np.maximum(np.abs(sides).max(axis=1), np.abs(centres))
-    peaks[inside] = np.maximum(
-        peaks[inside], np.abs(4.0 * (a * y * z + b * z * x + c * x * y) + 27.0 * more * x * y * z)
-    )
-    return peaks
+    of_link = np.stack([form[number] for form in (forms.length, forms.twist, forms.face)], axis=-1)
+    return thin(patch, place, of_link, forms.outline[number], crease, tolerance)
 
 
 def _between(
@@ -231,18 +219,8 @@ def _off_curves(curve: SectionCurve, nodes: Sequence[Array]) -> list[Array]:
     these, in their middles."""
     fine = [np.interp(np.arange(2 * s.size - 1), 2 * np.arange(s.size), s) for s in nodes]
     t = np.repeat([0.0, 1.0], [s.size for s in fine])
-    return [_off_chords(points) for points in np.split(curve(np.concatenate(fine), t), [fine[0].size])]
-
-
-def _off_chords(points: Array) -> Array:
-    """Distances (N,), mm, of every other one of points (2 N + 1, 3) from the chord between those beside it."""
-    nodes = points[::2]
-    chord, away = np.diff(nodes, axis=0), points[1::2] - nodes[:-1]
-    length = dot(chord, chord)
-    share = np.divide(dot(away, chord), length, out=np.zeros_like(length), where=length > 0.0)
-    off = away - share[..., None] * chord
-    distance: Array = np.sqrt(dot(off, off))
-    return distance
+    curves = np.split(curve(np.concatenate(fine), t), [fine[0].size])
+    return [off_chords(np.stack((points[:-2:2], points[2::2]), axis=1), points[1::2]) for points in curves]
 
 
 def _form_point_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float:

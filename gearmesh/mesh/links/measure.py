@@ -1,0 +1,62 @@
+"""How far edges and triangles of a link are from its exact surface."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.mesh.patch import LinkNodes, distance
+from gearmesh.teeth.section import Grid
+
+Index = NDArray[np.int64]
+
+
+def measured(
+    nodes: LinkNodes, triangles: Index, edges: Index, sides: Index, crease: NDArray[np.bool_]
+) -> tuple[Array, Array, Grid]:
+    """Largest distances, mm, of edges (E, 2) and of triangles (M, 3), and the surface near the centres of these.
+
+    `sides` (M, 3): which edges those opposite to a triangle's corners are; `crease` (N,): nodes with one of two normals.
+    """
+    heights, centres = nodes.height(edges), nodes.middle(triangles)
+    # normals on creases are those of one of both sides, and those of drawn links not square to them
+    arches = np.where(crease[edges].any(axis=1), 0.0, nodes.arch(edges))
+    edge = np.maximum(np.abs(heights), arches)
+    inside = peaks(heights[sides], distance(centres, nodes.points[triangles].mean(axis=1)))
+    return edge, np.maximum(inside, edge[sides].max(axis=1)), centres
+
+
+def peaks(sides: Array, centres: Array) -> Array:
+    """Largest distances (M,), mm, of triangles from the surface by those, signed, of the middles of edges (M, 3) and
+    of centres.
+
+    With a, b, c at the edges' middles, opposite to the corners, the distance is 4 (a y z + b z x + c x y) at
+    barycentric x, y, z. It peaks at x : y : z = a (b + c - a) : b (c + a - b) : c (a + b - c) or, where that is
+    outside, at the middle of an edge. What the centre has beyond it is of third order and vanishes on the edges like x
+    y z.
+    """
+    # column by column: numpy is slow along axes of three
+    a, b, c = sides.T
+    total = a + b + c
+    x, y, z = a * (total - 2.0 * a), b * (total - 2.0 * b), c * (total - 2.0 * c)
+    largest: Array = np.maximum(np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(c)), np.abs(centres))
+    inside = np.flatnonzero((x > 0.0) & (y > 0.0) & (z > 0.0))
+    if inside.size:
+        a, b, c, x, y, z = (of[inside] for of in (a, b, c, x, y, z))
+        total = x + y + z
+        x, y, z = x / total, y / total, z / total
+        more = centres[inside] - 4.0 / 9.0 * (a + b + c)
+        peak = np.abs(4.0 * (a * y * z + b * z * x + c * x * y) + 27.0 * more * x * y * z)
+        largest[inside] = np.maximum(largest[inside], peak)
+    return largest
+
+
+def off_chords(ends: Array, points: Array) -> Array:
+    """Distances (N,), mm, of points (N, 3) from the lines through ends (N, 2, 3)."""
+    chord, away = ends[:, 1] - ends[:, 0], points - ends[:, 0]
+    length = dot(chord, chord)
+    share = np.divide(dot(away, chord), length, out=np.zeros_like(length), where=length > 0.0)
+    off = away - share[..., None] * chord
+    size: Array = np.sqrt(dot(off, off))
+    return size
