@@ -24,8 +24,8 @@ from gearmesh.mesh.links.lines import between
 from gearmesh.mesh.links.measure import measured, off_chords, peaks
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
 
-#: rounds of collapsing and turning; the usual number is 6 to 10
-ROUNDS = 16
+#: rounds of collapsing and turning, at most; the usual number is 6 to 20
+ROUNDS = 40
 #: share of the nodes: where no more edges than that are tried in a round it is the last
 FEW = 0.01
 #: places along an edge at which its node is tried first
@@ -133,7 +133,7 @@ class _Net:
         """Second forms L, M, N (N, 3) at places (N, 2)."""
         return between(self.forms, places[:, 0], places[:, 1])
 
-    def predicted(self, a: Array, b: Array, c: Array) -> Array:
+    def prediction(self, a: Array, b: Array, c: Array) -> Array:
         """Distances (N,), mm, of triangles with corners (N, 2) by the second form; inf where they are no triangles."""
         sides = ((b, c), (c, a), (a, b))
         heights = np.stack([_height(self.form(0.5 * (p + q)), q - p) for p, q in sides], axis=-1)
@@ -153,8 +153,8 @@ class _Net:
         if not one.size:
             return
         p = self.st
-        now = np.maximum(self.predicted(p[apex], p[b], p[c]), self.predicted(p[far], p[c], p[b]))
-        then = np.maximum(self.predicted(p[apex], p[b], p[far]), self.predicted(p[apex], p[far], p[c]))
+        now = np.maximum(self.prediction(p[apex], p[b], p[c]), self.prediction(p[far], p[c], p[b]))
+        then = np.maximum(self.prediction(p[apex], p[b], p[far]), self.prediction(p[apex], p[far], p[c]))
         cost = np.where(then < GAIN * now, then - now, np.inf)
         pairs = np.stack((one, other), axis=1)
         chosen = independent(pairs.ravel(), np.repeat(np.arange(one.size), 2), cost, len(self.triangles))
