@@ -30,8 +30,12 @@ from gearmesh.teeth.section import Link, Sections
 
 #: points of an arc between which crossings are looked for
 SAMPLES = 129
+#: points of every piece of an outline
+PLACES = 9
 #: ends of parallel curves that are no farther apart (mm) are one point
 SNAP = 1e-7
+#: of these near a place the polynomial is taken where samples are all that is looked at
+NEAREST = 6
 #: Newton steps to a crossing, and the step of s of its differences
 STEPS, STEP = 8, 1e-5
 #: distance (mm) at which two parallel curves cross: the last step is made from there
@@ -68,6 +72,10 @@ class _SharpPiece:
         """X, Y (N, 2) of the parallel curve at s (N,)."""
         point, normal = self.at(s)
         return point - self.width * normal
+
+    def beyond(self, step: Rigid) -> _SharpPiece:
+        """The same of the next tooth, `step` away."""
+        return replace(self, place=step)
 
     @property
     def s(self) -> Array:
@@ -110,6 +118,36 @@ class _SharpPiece:
 
 
 @dataclass(frozen=True)
+class _SampledPiece(_SharpPiece):
+    """The same by its samples alone, which are the same whatever the width: far less work, and less exact by nothing that counts."""
+
+    given: tuple[Array, Array] = (np.zeros((0, 2)), np.zeros((0, 2)))
+
+    @staticmethod
+    def of(piece: _SharpPiece, width: float) -> _SampledPiece:
+        """The samples of a piece with another width."""
+        own = (piece.region, piece.link, piece.sections, piece.plane, piece.about, piece.span)
+        return _SampledPiece(*own, width, piece.place, piece.samples)
+
+    @property
+    def samples(self) -> tuple[Array, Array]:  # type: ignore[override]
+        return self.given
+
+    def beyond(self, step: Rigid) -> _SharpPiece:
+        own = (self.region, self.link, self.sections, self.plane, self.about, self.span)
+        return _SampledPiece.of(_SharpPiece(*own, self.width, step), self.width)
+
+    def parallel(self, s: Array) -> Array:
+        """By the polynomials through the NEAREST samples."""
+        places = self.s
+        first = np.clip(np.searchsorted(places, s) - NEAREST // 2, 0, SAMPLES - NEAREST)[:, None] + np.arange(NEAREST)
+        near = places[first]
+        apart = near[:, :, None] - near[:, None] + np.eye(NEAREST)
+        away = np.where(np.eye(NEAREST, dtype=bool), 1.0, (s[:, None] - near)[:, None])
+        return np.einsum("nk,nkj->nj", (away / apart).prod(axis=-1), self.inner[first])
+
+
+@dataclass(frozen=True)
 class StripPiece:
     """A part of the strip: of the section's `region`, from `inner` s to s, beside the parallel curve from `outer` s to s.
 
@@ -124,6 +162,31 @@ class StripPiece:
     outer: tuple[float, float]
     point: Array | None = None
     round: tuple[Array, float, float, float] | None = None
+
+
+class SharpOutline:
+    """The outline of one tooth with sharp edges in its end face, which `step` takes to the next tooth's."""
+
+    def __init__(self, chain: dict[Region, Link], sections: Sections, plane: Development, step: Rigid) -> None:
+        """`chain` and `sections` (of one station) of the tooth at the end face."""
+        sharp = chain[Region.LAND].grid([0.5], sections).points[0, 0]
+        self.plane, self.step, self.about = plane, step, plane.about(sharp)
+        self.on = _in_axial_plane(sharp)
+        self.pieces = tuple(
+            _SharpPiece(region, link, sections, plane, self.about, span, 0.0)
+            for region, link in chain.items()
+            for span in pairwise(_seams(link))
+        )
+
+    def inside(self, width: float) -> Array:
+        """Points (N, 3) of the curve `width` (mm) inside it, as the chamfer's outline, by samples of this one.
+
+        Raises TrimError as `EndStrip`.
+        """
+        arcs = [_SampledPiece.of(piece, width) for piece in self.pieces]
+        pieces = _pieces(list(arcs), [(arc.link, arc.span) for arc in arcs], self.step)
+        points = np.concatenate([_outer(piece, np.linspace(0.0, 1.0, PLACES)) for piece in pieces])
+        return self.plane.lift(points, self.on, self.about)
 
 
 class EndStrip:
@@ -142,32 +205,26 @@ class EndStrip:
     ) -> None:
         """`chains` and `sections` (of one station) of the tooth under the chamfer, and of that with sharp edges at the end face;
         `step` takes a tooth to the next one."""
-        self.chamfer, self._plane, self._sections = chamfer, plane, sections[0]
-        under, sharp = (
-            chain[Region.LAND].grid([0.5], at).points[0, 0] for chain, at in zip(chains, sections, strict=True)
-        )
-        self._about = plane.about(sharp)
-        self._on = tuple(np.array([np.hypot(r[0], r[1]), 0.0, r[2]]) for r in (sharp, under))
-        arcs, spans = list[_SharpPiece](), list[tuple[Link, tuple[float, float]]]()
-        for region, link in chains[1].items():
-            below = chains[0][region]
-            pieces = [pairwise((0.0, *(s for s, _ in own.seams), 1.0)) for own in (link, below)]
-            for span, inner in zip(*pieces, strict=True):
-                arcs.append(_SharpPiece(region, link, sections[1], plane, self._about, span, chamfer.width))
-                spans.append((below, inner))
+        self._plane, self._sections = plane, sections[0]
+        sharp = SharpOutline(chains[1], sections[1], plane, step)
+        self._about = sharp.about
+        self._on = sharp.on, _in_axial_plane(chains[0][Region.LAND].grid([0.5], sections[0]).points[0, 0])
+        spans = [(link, span) for link in chains[0].values() for span in pairwise(_seams(link))]
+        arcs = [replace(piece, width=chamfer.width) for piece in sharp.pieces]
         self.pieces = tuple(_pieces(arcs, spans, step))
 
     @property
     def outline(self) -> Array:
         """Points (N, 3) of the outline of the end face."""
-        return np.concatenate([self.at(piece, np.linspace(0.0, 1.0, 9), np.zeros(1)) for piece in self.pieces])
+        points = np.concatenate([_outer(piece, np.linspace(0.0, 1.0, PLACES)) for piece in self.pieces])
+        return self._plane.lift(points, self._on[0], self._about)
 
     def at(self, piece: StripPiece, sigma: Array, tau: Array) -> Array:
         """Points (..., 3) of a piece at sigma along it and tau from the end face (0) to the section under it (1), (...,) each."""
         sigma, tau = np.broadcast_arrays(np.asarray(sigma, dtype=float), np.asarray(tau, dtype=float))
         along, every = np.unique(sigma.ravel(), return_inverse=True)
         outer, inner = (
-            q[every].reshape(*sigma.shape, 2) for q in (self._outer(piece, along), self._inner(piece, along))
+            q[every].reshape(*sigma.shape, 2) for q in (_outer(piece, along), self._inner(piece, along))
         )
         q = outer + tau[..., None] * (inner - outer)
         on = self._on[0] + tau[..., None] * (self._on[1] - self._on[0])
@@ -179,23 +236,34 @@ class EndStrip:
         grid = piece.link.grid(first + sigma * (last - first), self._sections)
         return self._plane.flat(grid.points[:, 0], self._about)
 
-    def _outer(self, piece: StripPiece, sigma: Array) -> Array:
-        """X, Y (N, 2) of the outline of the end face."""
-        if piece.round is not None:
-            centre, radius, start, turn = piece.round
-            angle = start + sigma * turn
-            return centre - radius * components(np.cos(angle), np.sin(angle))
-        if piece.point is not None:
-            return np.broadcast_to(piece.point, (sigma.size, 2))
-        assert piece.arc is not None
-        first, last = piece.outer
-        return piece.arc.parallel(first + sigma * (last - first))
+
+def _outer(piece: StripPiece, sigma: Array) -> Array:
+    """X, Y (N, 2) of the outline of the end face at sigma (N,)."""
+    if piece.round is not None:
+        centre, radius, start, turn = piece.round
+        angle = start + sigma * turn
+        return centre - radius * components(np.cos(angle), np.sin(angle))
+    if piece.point is not None:
+        return np.broadcast_to(piece.point, (sigma.size, 2))
+    assert piece.arc is not None
+    first, last = piece.outer
+    return piece.arc.parallel(first + sigma * (last - first))
+
+
+def _seams(link: Link) -> tuple[float, ...]:
+    """s where the smooth pieces of a link begin and end."""
+    return 0.0, *(s for s, _ in link.seams), 1.0
+
+
+def _in_axial_plane(r: Array) -> Array:
+    """A point (3,) turned about z into the plane of x and z."""
+    return np.array([np.hypot(r[0], r[1]), 0.0, r[2]])
 
 
 def _pieces(arcs: list[_SharpPiece], spans: list[tuple[Link, tuple[float, float]]], step: Rigid) -> list[StripPiece]:
     """The strip's pieces along the outline, from the corner with the tooth before to that with the next one, `step` away."""
     kept, trimmed = _trimmed_parts(arcs, step)
-    following = [*arcs[1:], replace(arcs[0], place=step)]
+    following = [*arcs[1:], arcs[0].beyond(step)]
     pieces = list[StripPiece]()
     for k, (arc, (link, inner)) in enumerate(zip(arcs, spans, strict=True)):
         if k in trimmed:
@@ -219,7 +287,7 @@ def _trimmed_parts(arcs: list[_SharpPiece], step: Rigid) -> tuple[list[int], dic
         dropped = None
         for j, k in zip(kept, [*kept[1:], kept[0]], strict=True):
             # the last one ends where the first one of the next tooth begins
-            after = replace(arcs[k], place=step) if k <= j else arcs[k]
+            after = arcs[k].beyond(step) if k <= j else arcs[k]
             whole = arcs[j].usable[1] == SAMPLES - 1 and after.usable[0] == 0
             if whole and _meet(arcs[j], after) and not _convex(arcs[j], after):
                 continue

@@ -26,7 +26,7 @@ from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.development import Development
 from gearmesh.teeth.blank.end_edge import SHARP
 from gearmesh.teeth.blank.tip_edge import TipEdge
-from gearmesh.teeth.end_strip import EndStrip, StripPiece
+from gearmesh.teeth.end_strip import EndStrip, SharpOutline, StripPiece
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.section import (
     BottomLink,
@@ -180,6 +180,14 @@ class Tooth:
         chains, sections = (self.chain, both[1].chain), (self.sections(at), both[1].sections(at))
         step = self.joint.to(self.pitch_angle)
         return EndStrip(chains, sections, Development(self.blank.axial, self.joint), chamfer, step)
+
+    @cached_property
+    def sharp_outlines(self) -> tuple[SharpOutline, SharpOutline]:
+        """The outlines of its end faces at toe and heel with sharp edges."""
+        sharp, plane = self.sharp_ends, Development(self.blank.axial, self.joint)
+        step = self.joint.to(self.pitch_angle)
+        toe, heel = (SharpOutline(sharp.chain, sharp.sections([end]), plane, step) for end in (0.0, 1.0))
+        return toe, heel
 
     @property
     def regions(self) -> tuple[Region, ...]:

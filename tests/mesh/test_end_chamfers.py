@@ -182,3 +182,12 @@ def test_corners_at_a_root_that_touches_neither_fillet() -> None:
         turn = REVOLUTE.within(np.arctan2(r[:, 1], r[:, 0])[:, None] - angles.ravel())
         apart = np.sqrt((a - b) ** 2 + 4.0 * a * b * np.sin(0.5 * up * turn) ** 2).min(axis=1)
         assert apart == pytest.approx(width, abs=1e-4)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("sample", "name"), [("helical", "pinion"), ("spiral_bevel_geometry2", "gear")])
+def test_room_for_chamfers_is_looked_for_on_samples_that_are_as_good_as_the_surfaces(sample: str, name: str) -> None:
+    tooth = chamfered(sample, name, (0.5, 0.3), (0.3, 0.3)).tooth
+    for strip, sharp, width in zip(tooth.end_strips, tooth.sharp_outlines, (0.5, 0.3), strict=True):
+        assert strip is not None
+        assert sharp.inside(width) == pytest.approx(strip.outline, abs=1e-7)

@@ -14,7 +14,8 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bounds import at_most
-from gearmesh.teeth.blank.end_edge import EndChamfer
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.end_edge import EndChamfer, EndChamfers
 from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.tooth import Tooth
@@ -69,34 +70,49 @@ def with_end_chamfers(member: Member, spec: EndEdges) -> Member:
         return member
     slope = np.tan(np.radians(ANGLE if spec.end_chamfer_angle is None else spec.end_chamfer_angle))
 
-    def tooth(share: float) -> Tooth:
-        first, last = (EndChamfer(share * w, float(share * w * slope)) if w else None for w in widths)
-        return replace(member.tooth, blank=member.tooth.blank.with_ends((first, last)))
+    sharp = member.tooth.sharp_ends
 
-    if goes(lambda: _prove_ends(tooth(1.0))):
-        return replace(member, tooth=tooth(1.0))
+    def chamfers(share: float) -> EndChamfers:
+        first, last = (EndChamfer(share * w, float(share * w * slope)) if w else None for w in widths)
+        return first, last
+
+    def prove(share: float) -> None:
+        """By samples of the sharp outline: they are the same for every share."""
+        _prove_ends(sharp.blank.with_ends(chamfers(share)), lambda end, ch: sharp.sharp_outlines[end].inside(ch.width))
+
+    made = replace(member.tooth, blank=sharp.blank.with_ends(chamfers(1.0)))
+    if goes(lambda: _prove_ends(made.blank, lambda end, _: _outline_of(made, end))):
+        return replace(member, tooth=made)
     asked = {key: getattr(spec, key) for key in ("end_chamfer", "end_chamfer_toe", "end_chamfer_heel")}
     key, width = next((key, own) for key, own in asked.items() if own)
-    limit = largest(lambda share: goes(lambda: _prove_ends(tooth(share))))
+    limit = largest(lambda share: goes(lambda: prove(share)))
     larger, most = "larger than teeth, face width or rim allow", f"at most {at_most(limit * width)} mm"
     raise DesignError(f"{member.name}.{key}", width, unit="mm", reason=larger, allowed=most)
 
 
-def _prove_ends(tooth: Tooth) -> None:
-    """Raise TrimError where the chamfers of its ends have no room: in the face, on the teeth or on the body."""
-    blank = tooth.blank
+def _prove_ends(blank: Blank, outline: Callable[[int, EndChamfer], Array]) -> None:
+    """Raise TrimError where the chamfers of a blank have no room: in the face, on the teeth or on the body.
+
+    `outline` gives points (N, 3) of an end face's outline with its chamfer, and raises where the teeth have no room for it.
+    """
     toe, heel = blank.extent
     if (heel - toe) * np.subtract(*blank.faces[::-1]) <= 0.0:
         raise TrimError("end", 0.0, "the end chamfers meet")
     across = blank.across
-    ends = zip(tooth.end_strips, (blank.body.profile[0], blank.body.profile[-1]), strict=True)
-    for strip, (rho, z) in ends:
-        if strip is None:
+    for end, chamfer in enumerate(blank.ends):
+        if chamfer is None:
             continue
-        inner = float(across.value(np.array([rho, 0.0, z])))
-        above = across.value(strip.outline) - inner
+        rho, z = blank.body.profile[-end]
+        above = across.value(outline(end, chamfer)) - float(across.value(np.array([rho, 0.0, z])))
         if (above * np.sign(above[0]) <= 0.0).any():
             raise TrimError("end", 0.0, "the end chamfer reaches the body's profile")
+
+
+def _outline_of(tooth: Tooth, end: int) -> Array:
+    """Points (N, 3) of the outline of an end face with a chamfer."""
+    strip = tooth.end_strips[end]
+    assert strip is not None
+    return strip.outline
 
 
 def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | None:
