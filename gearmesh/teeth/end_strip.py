@@ -223,9 +223,7 @@ class EndStrip:
         """Points (..., 3) of a piece at sigma along it and tau from the end face (0) to the section under it (1), (...,) each."""
         sigma, tau = np.broadcast_arrays(np.asarray(sigma, dtype=float), np.asarray(tau, dtype=float))
         along, every = np.unique(sigma.ravel(), return_inverse=True)
-        outer, inner = (
-            q[every].reshape(*sigma.shape, 2) for q in (_outer(piece, along), self._inner(piece, along))
-        )
+        outer, inner = (q[every].reshape(*sigma.shape, 2) for q in (_outer(piece, along), self._inner(piece, along)))
         q = outer + tau[..., None] * (inner - outer)
         on = self._on[0] + tau[..., None] * (self._on[1] - self._on[0])
         return self._plane.lift(q, on, self._about)
