@@ -6,7 +6,9 @@ Bad input raises `DesignError` at construction; a solve never raises for one bad
 
 from __future__ import annotations
 
+import math
 import os
+import re
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass
@@ -17,6 +19,16 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+#: significant digits of lengths that a message has in another unit than mm
+DIGITS = 6
+#: words before a length that may be no more (0) or no less (1) than it
+_BOUNDS = {"at most ": 0, "less than ": 0, " to ": 0, "at least ": 1, "more than ": 1, "from ": 1, "between ": 1}
+_BOUNDS |= {"at most about ": 0, "at least about ": 1}
+_NUMBER = re.compile(rf"(?P<bound>{'|'.join(_BOUNDS)})?(?<![\w.])(?P<figure>-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)")
+#: one length or several in mm, with the words before the first
+_LENGTHS = re.compile(
+    rf"((?:{'|'.join(_BOUNDS)})?(?<![\w.])-?\d[\d.]*(?:e[-+]?\d+)?(?:(?: to | and | or |, )-?\d[\d.]*(?:e[-+]?\d+)?)*) mm(?![/\w^])"
+)
 #: what figures are made of
 _FIGURES = str.maketrans("", "", "0123456789.-+")
 
@@ -34,6 +46,8 @@ class GearmeshError(Exception):
     exit_status = 1
     #: whether `key` is an argument of a call
     of_argument = False
+    #: unit in which the message has lengths, and mm in it; fields are in mm
+    lengths_in = ("mm", 1.0)
 
     def __init__(
         self,
@@ -81,7 +95,8 @@ class GearmeshError(Exception):
     def subject(self) -> str:
         """What was refused, as the message names it."""
         name = f"{self.key} {self.entry}".strip()
-        return name if self.value is None else f"{name} = {self.shown or shown_value(self.value, self.unit)}"
+        shown = name if self.value is None else f"{name} = {self.shown or shown_value(self.value, self.unit)}"
+        return in_unit(shown, *self.lengths_in)
 
     def rename(self, key: str) -> Self:
         """The same refusal of what is called otherwise where it is read."""
@@ -93,6 +108,7 @@ class GearmeshError(Exception):
         allowed = f"{'allowed is' if self._said else 'must be'} {self.allowed}" if self.allowed else ""
         why = "; ".join(part for part in (self.reason, allowed) if part)
         line = ": ".join(part for part in (self.subject, why, self.remedy) if part)
+        line = in_unit(line, *self.lengths_in)
         return f"{line} (and {self.more} more)" if self.more else line
 
     def __repr__(self) -> str:
@@ -126,6 +142,27 @@ def shown_value(value: Any, unit: str = "") -> str:
     else:
         text = str(value)
     return f"{text} {unit}".rstrip()
+
+
+def in_unit(line: str, unit: str, mm: float) -> str:
+    """A message with its lengths, which are in mm, in another unit of so many mm; what may be at most or at least so much never
+    becomes more or less than that."""
+    return line if mm == 1.0 else _LENGTHS.sub(lambda lengths: _in_unit(lengths, unit, mm), line)
+
+
+def _in_unit(lengths: re.Match[str], unit: str, mm: float) -> str:
+    """One length or several, as "from 1 to 2.5 mm", in another unit."""
+
+    def convert(number: re.Match[str]) -> str:
+        figure = float(number["figure"]) / mm
+        step = 10.0 ** (math.floor(math.log10(abs(figure))) - DIGITS + 1) if figure else 1.0
+        # what is whole but for rounding is whole
+        whole = (math.floor, math.ceil, round)[_BOUNDS.get(number["bound"], 2)]
+        nearest = round(figure / step)
+        count = nearest if abs(figure / step - nearest) < 1e-4 else whole(figure / step)
+        return f"{number['bound'] or ''}{count * step:.{DIGITS}g}"
+
+    return f"{_NUMBER.sub(convert, lengths[1])} {unit}"
 
 
 class DesignError(GearmeshError):

@@ -17,7 +17,7 @@ from oracles.sources import parsed
 import gearmesh as gm
 from gearmesh import samples
 from gearmesh.app.cli import main
-from gearmesh.errors import DesignError, GearmeshError, OutputError, VagueError
+from gearmesh.errors import DesignError, GearmeshError, OutputError, VagueError, in_unit
 
 PACKAGE = Path(gm.__file__).parent
 #: errors whose fields are key, value, reason and what is allowed, by keyword after the first two
@@ -228,3 +228,33 @@ def test_what_is_work_to_find_out_is_asked_for_once_and_late() -> None:
     assert (str(error), error.value, error.topic) == ("gear = 3: too few", 3, "gear: few")
     assert str(pickle.loads(pickle.dumps(VagueError.later(tell, "gear: few")))) == "gear = 3: too few"
     assert asked == [1, 1]
+
+
+@pytest.mark.quick
+def test_refusals_of_designs_in_inches_are_in_inches() -> None:
+    """Fields stay in mm; of figures with a bound the printed one is allowed, tried on a design with it."""
+    keys = {"kind": "cylindrical", "units": "inch", "diametral_pitch": 10}
+    keys |= {"pinion": {"teeth": 17, "face_width": 0.5}, "gear": {"teeth": 40, "face_width": 0.5}}
+    design = gm.parse(keys)
+    with pytest.raises(DesignError, match=r"^gear.bore = 9 inch: .* less than the smallest root diameter, 3.75 inch$"):
+        gm.build(design.with_values({"gear.bore": 9}))
+    with pytest.raises(DesignError, match=r"^gear.end_chamfer = 0.3 inch: .* at most (0\.\d+) inch$") as refused:
+        gm.build(design.with_values({"gear.end_chamfer": 0.3}))
+    assert (refused.value.value, refused.value.unit) == (pytest.approx(7.62), "mm")
+    most = float(str(refused.value).split()[-2])
+    gm.build(design.with_values({"gear.end_chamfer": most}))
+    with pytest.raises(DesignError):
+        gm.build(design.with_values({"gear.end_chamfer": most + 1e-5}))
+    # what was noticed is in the design's unit, as the key is
+    with pytest.raises(
+        DesignError, match=r"^pinion.profile_shift = 3: .* -0.25 inch: the tip diameter is 2.5 inch"
+    ) as pointed:
+        gm.build(design.with_values({"pinion.profile_shift": 3}))
+    assert " mm" not in str(pointed.value)
+
+
+@pytest.mark.quick
+def test_lengths_of_a_message_in_another_unit() -> None:
+    line = "a = 5.08 mm: at most 10 mm, at least 10 mm, from 1 to 25.4 mm; 0.3 mm/mm, 12 teeth and 3 mm^2"
+    said = "a = 0.2 inch: at most 0.3937 inch, at least 0.393701 inch, from 0.0393701 to 1 inch; 0.3 mm/mm, 12 teeth and 3 mm^2"
+    assert in_unit(line, "inch", 25.4) == said

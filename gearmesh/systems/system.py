@@ -286,6 +286,8 @@ def _refused_by_name(design: D, make: Callable[[D], T], tried: Callable[[D], obj
     except (DesignError, NoSolutionError) as failure:
         from gearmesh.systems.diagnosis import diagnose
 
+        # what is made of a design is in mm
+        failure.lengths_in = (design.units, design.mm_per_unit)
         raise diagnose(design, failure, tried or _try_build) from failure
 
 

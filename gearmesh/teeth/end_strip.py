@@ -119,7 +119,7 @@ class _SharpPiece:
 
 @dataclass(frozen=True)
 class _SampledPiece(_SharpPiece):
-    """The same by its samples alone, which are the same whatever the width: far less work, and less exact by nothing that counts."""
+    """The same by its samples alone, which are the same whatever the width: far less work, and as exact."""
 
     given: tuple[Array, Array] = (np.zeros((0, 2)), np.zeros((0, 2)))
 
