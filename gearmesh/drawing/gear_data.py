@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+import numpy as np
+
 from gearmesh import __version__
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.sheet import sheet_of
@@ -16,10 +18,12 @@ from gearmesh.drawing.facts import DataRow, Facts, number
 from gearmesh.systems import system as systems
 from gearmesh.systems.common.plain_sheet import MASS
 from gearmesh.systems.system import DrawnRows, SheetTable
+from gearmesh.teeth.blank.end_edge import SHARP
 from gearmesh.teeth.gear_train import Member
 
 #: keys that are said elsewhere on the sheet
 ELSEWHERE = ("gearmesh", "name", "kind", "units", "teeth")
+ELSEWHERE += ("end_chamfer", "end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle")
 #: units of keys as they are written
 UNITS = {"length": "mm", "angle": "deg", "coefficient": "m_n"}
 #: symbols of the deviations of the tip diameter
@@ -40,12 +44,13 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
     else:
         tolerances = own.tolerances if own.accuracy in design.model_fields_set else ()
         rows = _rows(tables, member.name, mates, own, tolerances)
+    own_rows = next((k for k, row in enumerate(rows) if row.heading), len(rows))
     reference = None if own is None or own.reference is None else own.reference
     ends = tuple(_value(tables, symbol, member.name) for symbol in reference or ())
     deviations = tuple(_value(tables, symbol, member.name) for symbol in TIP_DEVIATIONS)
     density = DENSITY if design.material.density is None else design.material.density
     return Facts(
-        rows=tuple(rows),
+        rows=(*rows[:own_rows], *_end_chamfers(member), *rows[own_rows:]),
         tip=None if own is None else _value(tables, own.tip, member.name),
         reference=(float(ends[0]), float(ends[1])) if len(ends) == 2 and None not in ends else None,
         tip_deviations=(float(deviations[0]), float(deviations[1])) if None not in deviations else None,
@@ -56,6 +61,20 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
         version=f"gearmesh {__version__}",
         units="mm, deg",
     )
+
+
+def _end_chamfers(member: Member) -> list[DataRow]:
+    """A row for the chamfers of the end faces, if there are any."""
+    ends = member.tooth.blank.ends
+    if ends == SHARP:
+        return []
+    toe, heel = (
+        "sharp"
+        if end is None
+        else f"{number(end.width)} mm x {number(np.degrees(np.arctan2(end.depth, end.width)), 2)}°"
+        for end in ends
+    )
+    return [DataRow("chamfer of the end faces, toe / heel", value=toe if toe == heel else f"{toe} / {heel}")]
 
 
 def _column(name: str) -> str:

@@ -10,6 +10,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
+from gearmesh.teeth.tooth import Tooth
 
 #: stations along the face, points along each link of a tooth
 STATIONS, LINKS = 25, 13
@@ -17,15 +18,18 @@ STATIONS, LINKS = 25, 13
 
 @dataclass(frozen=True)
 class ToothRow:
-    """Of one row of teeth, in the axial half plane: lines (STATIONS, 2) of tip and root, (z, rho), from toe to heel."""
+    """Of one row of teeth, in the axial half plane: lines (STATIONS, 2) of tip and root, (z, rho), from toe to heel, as if the end
+    faces were sharp, and `broken`, both with the chamfers there."""
 
     tip: Array
     root: Array
+    broken: tuple[Array, Array]
 
     @property
     def outline(self) -> Array:
         """Closed polygon of the tooth."""
-        return np.concatenate((self.tip, self.root[::-1]))
+        tip, root = self.broken
+        return np.concatenate((tip, root[::-1]))
 
     def on_ends(self, radii: tuple[float, float]) -> Array:
         """Points (2, 2) on the end faces at toe and heel at so large radii."""
@@ -60,20 +64,21 @@ class Outline:
 
 
 def outline_of(member: Member) -> Outline:
-    """The outline of a member, its end faces sharp. Raises TrimError for teeth that cannot be trimmed."""
-    tooth = member.tooth.sharp_ends
-    sections = tooth.sections(np.linspace(0.0, 1.0, STATIONS))
-
-    def line(region: Region) -> Array:
-        points = tooth.grid(region, np.array([0.5]), sections).points[0]
-        # of a rack the height over the reference plane
-        rho = tooth.joint.radius(points)
-        return np.stack((points[:, 2], rho), axis=-1)
-
-    tip, root = line(Region.LAND), line(Region.ROOT)
-    rows = tuple(ToothRow(_in_half(tip, half), _in_half(root, half)) for half in member.halves)
+    """The outline of a member. Raises TrimError for teeth that cannot be trimmed."""
+    lines = [
+        [_middle(tooth, region) for region in (Region.LAND, Region.ROOT)]
+        for tooth in (member.tooth.sharp_ends, member.tooth)
+    ]
+    rows = tuple(
+        ToothRow(tip, root, (broken_tip, broken_root))
+        for tip, root, broken_tip, broken_root in (
+            [_in_half(line, half) for of_tooth in lines for line in of_tooth] for half in member.halves
+        )
+    )
     profile = np.array([(z, rho) for rho, z in member.body.profile])
-    roots = [row.root for row in rows] + [np.array([(z, rho) for rho, z in gap.body.profile]) for gap in member.gaps]
+    roots = [row.broken[1] for row in rows] + [
+        np.array([(z, rho) for rho, z in gap.body.profile]) for gap in member.gaps
+    ]
     # all of them one after the other, from where the profile ends to where it begins
     rising = profile[0, 0] < profile[-1, 0]
     ordered = sorted((part[np.argsort(part[:, 0])] for part in roots), key=lambda part: float(part[:, 0].mean()))
@@ -83,27 +88,38 @@ def outline_of(member: Member) -> Outline:
     return Outline(rows, np.concatenate((under, profile[::-1])))
 
 
+def _middle(tooth: Tooth, region: Region) -> Array:
+    """The middle of a land or root, (N, 2) over (z, rho), from one end face to the other, of the tooth's chamfers the ends."""
+    points = tooth.grid(region, np.array([0.5]), tooth.sections(np.linspace(0.0, 1.0, STATIONS))).points[0]
+    toe, heel = (np.zeros((0, 3)) if strip is None else strip.middle(region)[None] for strip in tooth.end_strips)
+    points = np.concatenate((toe, points, heel))
+    # of a rack the height over the reference plane
+    return np.stack((points[:, 2], tooth.joint.radius(points)), axis=-1)
+
+
 def _in_half(line: Array, half: HalfGear) -> Array:
     """A line (N, 2) over (z, rho) in its row of teeth."""
     points = half.points(np.stack((line[:, 1], np.zeros(len(line)), line[:, 0]), axis=-1))
     return np.stack((points[:, 2], line[:, 1]), axis=-1)
 
 
-def end_of_teeth(member: Member, above: bool) -> Array:
-    """Points (N, 2), mm, over x and y: the teeth's end that looks to larger z (`above`) or smaller, one tooth of them.
+def end_of_teeth(member: Member, above: bool) -> tuple[Array, ...]:
+    """Points (N, 2), mm, over x and y: the teeth's end that looks to larger z (`above`) or smaller, one tooth of them; with a
+    chamfer the section under it, and the outline of the end face.
 
     Of a double helical member that of its first half.
     """
-    tooth = member.tooth.sharp_ends
+    tooth = member.tooth
     sections = tooth.sections([0.0, 1.0])
     links = [tooth.grid(region, np.linspace(0.0, 1.0, LINKS), sections).points for region in tooth.regions]
     heel_above = float(links[0][:, 1, 2].mean()) > float(links[0][:, 0, 2].mean())
     end = 1 if heel_above == above else 0
-    return np.concatenate([link[:, end, :2] for link in links])
+    strip, section = tooth.end_strips[end], np.concatenate([link[:, end, :2] for link in links])
+    return (section,) if strip is None else (section, strip.outline[:, :2])
 
 
 def tip_edges(member: Member) -> tuple[Array, Array]:
     """Both edges of a land from toe to heel, (STATIONS, 2) over x and y."""
-    tooth = member.tooth.sharp_ends
+    tooth = member.tooth
     points = tooth.grid(Region.LAND, np.array([0.0, 1.0]), tooth.sections(np.linspace(0.0, 1.0, STATIONS))).points
     return points[0, :, :2], points[1, :, :2]

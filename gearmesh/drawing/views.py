@@ -307,8 +307,8 @@ class WheelViews:
         count = tooth.teeth if everything else FEW
         first = -(count // 2)
         end = end_of_teeth(self.member, self.side > 0.0)
-        more = () if self.is_cylindrical else (end_of_teeth(self.member, self.side < 0.0), *tip_edges(self.member))
-        lines = [end, *more]
+        more = () if self.is_cylindrical else (*end_of_teeth(self.member, self.side < 0.0), *tip_edges(self.member))
+        lines = [*end, *more]
         for k in range(first, first + count):
             for line in lines:
                 canvas.stroke(on(_turn(line, k * pitch)))

@@ -130,7 +130,7 @@ class _SampledPiece(_SharpPiece):
         return _SampledPiece(*own, width, piece.place, piece.samples)
 
     @property
-    def samples(self) -> tuple[Array, Array]:  # type: ignore[override]
+    def samples(self) -> tuple[Array, Array]:
         return self.given
 
     def beyond(self, step: Rigid) -> _SharpPiece:
@@ -144,7 +144,7 @@ class _SampledPiece(_SharpPiece):
         near = places[first]
         apart = near[:, :, None] - near[:, None] + np.eye(NEAREST)
         away = np.where(np.eye(NEAREST, dtype=bool), 1.0, (s[:, None] - near)[:, None])
-        return np.einsum("nk,nkj->nj", (away / apart).prod(axis=-1), self.inner[first])
+        return np.asarray(np.einsum("nk,nkj->nj", (away / apart).prod(axis=-1), self.inner[first]))
 
 
 @dataclass(frozen=True)
@@ -218,6 +218,11 @@ class EndStrip:
         """Points (N, 3) of the outline of the end face."""
         points = np.concatenate([_outer(piece, np.linspace(0.0, 1.0, PLACES)) for piece in self.pieces])
         return self._plane.lift(points, self._on[0], self._about)
+
+    def middle(self, region: Region) -> Array:
+        """The middle (3,) of what a link has of the outline of the end face."""
+        pieces = [piece for piece in self.pieces if piece.region is region and piece.round is None]
+        return self.at(pieces[len(pieces) // 2], np.array([0.0, 0.5, 1.0]), np.zeros(3))[1 if len(pieces) % 2 else 0]
 
     def at(self, piece: StripPiece, sigma: Array, tau: Array) -> Array:
         """Points (..., 3) of a piece at sigma along it and tau from the end face (0) to the section under it (1), (...,) each."""

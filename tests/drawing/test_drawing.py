@@ -13,6 +13,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.drawing.canvas import HATCH, Box, Canvas, Pen
 from gearmesh.drawing.drawing import WorkshopDrawing
+from gearmesh.drawing.outline import outline_of
 from gearmesh.drawing.paper import SCALES, scale_name
 
 #: sample, changes, member, texts that must be there: key dimensions, hole pattern, tolerances, limits of the span
@@ -129,3 +130,21 @@ def test_the_command_writes_a_sheet_or_says_in_one_line_why_not(tmp_path: Path) 
     )
     message = refused("drawing", SAMPLES / "rack.toml", "--member", "ring", "-o", file)
     assert message.startswith("--member = ring: must be one of pinion, rack")
+
+
+def test_chamfers_of_end_faces_are_drawn_and_said() -> None:
+    """In the axial section tip and root end a chamfer's width inside, where the end face is; seen along the axis there is one more
+    line round all teeth."""
+    plain = gm.build(gm.load(SAMPLES / "helical.toml"))
+    gears = gm.build(gm.load(SAMPLES / "helical.toml", ["pinion.end_chamfer_toe=2", "pinion.end_chamfer_angle=30"]))
+    (row,), (sharp,) = (outline_of(made.members["pinion"]).rows for made in (gears, plain))
+    for own, before in zip(row.broken, sharp.broken, strict=True):
+        assert own[0] == pytest.approx(before[0] - [0.0, 2.0], abs=1e-9)
+        assert own[1] == pytest.approx(before[0] + [2.0 * np.tan(np.radians(30.0)), 0.0], abs=1e-9)
+        assert own[-1] == pytest.approx(before[-1], abs=1e-9)
+    assert row.tip == pytest.approx(sharp.tip, abs=1e-12)
+    drawn = [made.drawing("pinion") for made in (gears, plain)]
+    assert "2 mm x 30° / sharp" in drawn[0].texts
+    lines = [sum(stroke.pen is Pen.OUTLINE for stroke in made.page.canvas.strokes) for made in drawn]
+    # the side of the toe is what is seen
+    assert lines[0] == lines[1] + 24
