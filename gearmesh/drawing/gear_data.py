@@ -22,8 +22,10 @@ from gearmesh.teeth.blank.end_edge import SHARP
 from gearmesh.teeth.gear_train import Member
 
 #: keys that are said elsewhere on the sheet
-ELSEWHERE = ("gearmesh", "name", "kind", "units", "teeth")
-ELSEWHERE += ("end_chamfer", "end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle")
+ELSEWHERE = (
+    *("gearmesh", "name", "kind", "units", "teeth"),
+    *("end_chamfer", "end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle"),
+)
 #: units of keys as they are written
 UNITS = {"length": "mm", "angle": "deg", "coefficient": "m_n"}
 #: symbols of the deviations of the tip diameter

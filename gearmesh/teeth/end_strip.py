@@ -222,7 +222,9 @@ class EndStrip:
     def middle(self, region: Region) -> Array:
         """The middle (3,) of what a link has of the outline of the end face."""
         pieces = [piece for piece in self.pieces if piece.region is region and piece.round is None]
-        return self.at(pieces[len(pieces) // 2], np.array([0.0, 0.5, 1.0]), np.zeros(3))[1 if len(pieces) % 2 else 0]
+        return np.asarray(
+            self.at(pieces[len(pieces) // 2], np.array([0.0, 0.5, 1.0]), np.zeros(3))[1 if len(pieces) % 2 else 0]
+        )
 
     def at(self, piece: StripPiece, sigma: Array, tau: Array) -> Array:
         """Points (..., 3) of a piece at sigma along it and tau from the end face (0) to the section under it (1), (...,) each."""
