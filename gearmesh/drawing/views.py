@@ -15,11 +15,11 @@ from typing import Protocol
 import numpy as np
 
 from gearmesh.drawing.canvas import Canvas, Pen
-from gearmesh.drawing.dimensions import Span, note, room, stack
+from gearmesh.drawing.dimensions import LETTERS, Span, note, room, stack
 from gearmesh.drawing.facts import Facts, diameter, number
 from gearmesh.drawing.outline import Outline, end_of_teeth, outline_of, tip_edges
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.blank.features import Drilling
+from gearmesh.teeth.blank.features import Drilling, Spokes
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 
@@ -295,6 +295,8 @@ class WheelViews:
         for drilled in (member.holes, member.features.bolts):
             if drilled is not None:
                 self._name_holes(canvas, scale, centre, on, drilled)
+        if member.features.spokes is not None:
+            self._name_spokes(canvas, scale, centre, on, member.features.spokes)
 
     def _is_seen(self, z: float) -> bool:
         low, high = self.member.body.ends
@@ -358,13 +360,33 @@ class WheelViews:
         x, y = places[np.argmax(side * places[:, 0] - places[:, 1])]
         way = np.array([side, -1.0]) / np.sqrt(2.0)
         tip = np.array([x, y]) + 0.5 * scale * holes.diameter * way
-        low = centre[1] - scale * self.outline.reach - BEYOND - 3.0
-        corner = (
-            (float(tip[0] + side * 2.0), low) if tip[1] > low else (float(tip[0] + side * 4.0), float(tip[1] - 4.0))
-        )
         text = f"{holes.count} \N{MULTIPLICATION SIGN} {diameter(holes.diameter)} on {diameter(holes.circle)}"
         if holes.depth is not None:
             text += f", {number(holes.depth)} deep"
+        self._note_below(canvas, scale, centre, tip, side, text)
+
+    def _name_spokes(self, canvas: Canvas, scale: float, centre: Array, on: _Mapping, spokes: Spokes) -> None:
+        """Number and width of spokes, bounds and corners of the openings, at the foot of the opening at the lower right."""
+        angle = spokes.start + 2.0 * np.pi * (np.arange(spokes.count) + 0.5) / spokes.count
+        places = on(0.5 * spokes.outer * np.stack((np.cos(angle), np.sin(angle)), axis=-1))
+        # holes are named on the right, bolt holes on the left
+        side = -1.0 if self.member.holes is not None else 1.0
+        tip = places[np.argmax(side * places[:, 0] - places[:, 1])]
+        text = (
+            f"{spokes.count} spokes, {number(spokes.width)} wide, {diameter(spokes.inner)} to {diameter(spokes.outer)}"
+        )
+        if spokes.corner > 0.0:
+            text += f", R {number(spokes.corner)}"
+        self._note_below(canvas, scale, centre, tip, side, text, 2.0 * LETTERS)
+
+    def _note_below(
+        self, canvas: Canvas, scale: float, centre: Array, tip: Array, side: float, text: str, more: float = 0.0
+    ) -> None:
+        """A text at a leader from a tip to below the view, on the right (`side` 1) or the left, `more` mm lower than usual."""
+        low = centre[1] - scale * self.outline.reach - BEYOND - 3.0 - more
+        corner = (
+            (float(tip[0] + side * 2.0), low) if tip[1] > low else (float(tip[0] + side * 4.0), float(tip[1] - 4.0))
+        )
         note(
             canvas,
             (float(tip[0]), float(tip[1])),

@@ -35,6 +35,12 @@ CASES = {
     "keyed": ("helical", KEYED, "gear", {"12", "43.3", "15", "\u230040", "10", "7"}),
     "ring": ("internal", [], "gear", {"\u2300142.139", "(\u2300144.939)", "\u2300162.739", "20"}),
     "double helical": ("double_helical", [], "pinion", {"30", "72", "\u2300112.196"}),
+    "spokes": (
+        "helical_hub",
+        [],
+        "gear",
+        {"6 spokes, 22 wide, \u2300124.958 to \u2300196.625, R 3.583", "6 \u00d7 \u23007 on \u2300105"},
+    ),
     "rack": ("rack", [], "rack", {"200", "24", "22"}),
     "bevel": ("zerol", [], "pinion", {"(\u230060)", "\u230070.535", "26.5651\N{DEGREE SIGN}"}),
 }
