@@ -14,8 +14,8 @@ from typing import Protocol
 
 import numpy as np
 
-from gearmesh.drawing.canvas import Canvas, Pen
-from gearmesh.drawing.dimensions import LETTERS, Span, note, room, stack
+from gearmesh.drawing.canvas import LETTERS, Canvas, Pen
+from gearmesh.drawing.dimensions import Span, note, room, stack
 from gearmesh.drawing.facts import Facts, diameter, number
 from gearmesh.drawing.outline import Outline, end_of_teeth, outline_of, tip_edges
 from gearmesh.kernel.numeric.algebra import Array
