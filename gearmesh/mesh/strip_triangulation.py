@@ -132,6 +132,8 @@ class StripTriangulation:
         """
         held = np.zeros(max(int(self.a.max()), int(self.b.max())) + 1) if held is None else held
         chosen, steps = self._gaining(miss, held), self.steps.copy()
+        if not chosen.size:
+            return self
         steps[chosen], steps[chosen + 1] = self.steps[chosen + 1], self.steps[chosen]
         return replace(self, steps=steps)
 

@@ -31,8 +31,8 @@ SectionCurve = Callable[[Array, Array], Array]
 
 #: below this (mm) a deviation is rounding
 FLOOR = 1e-9
-#: rounds of turning diagonals, and more of them where a mesh misses the tolerance; after these the best ones of all are taken
-TURNS = (1, 6, 0)
+#: rounds of turning diagonals, and more of them where a mesh misses the tolerance, after the best ones were taken
+TURNS = (1, 6)
 #: share of its densest nodes that a section curve has where it is straight
 STRAIGHT = 0.1
 #: rounds in which chords of the section curves are halved
@@ -131,22 +131,22 @@ def mesh_link(
     triangulation = StripTriangulation.of(numbers, inner[: count - 1], inner[count - 1 :], level, points.arch)
     on_break = np.isin(t, tooth.face_breaks)
     held, crease = np.where(on_break, t, 0.0), on_break | np.isin(s, breaks(link)) | (link.surface is None)
-    triangles, strip = triangulation.triangles()
-    peaks = np.zeros(len(triangles))
     for turns in TURNS:
-        if not turns:
-            bad, fixed = (
-                np.bincount(strip[of], minlength=count - 1) > 0
-                for of in (peaks > tolerance, np.any(held[triangles] > 0.0, axis=1))
-            )
-            triangulation = triangulation.best(points.arch, bad & ~fixed)
         for _ in range(turns):
-            triangulation = triangulation.flip(points.arch, held)
+            turned = triangulation.flip(points.arch, held)
+            if turned is triangulation:
+                break
+            triangulation = turned
         triangles, strip = triangulation.triangles()
         edges, side = edges_of(triangles, s.size)
         edge, peaks, centres = measured(points, triangles, edges, side, crease)
-        if peaks.max() <= tolerance:
+        if peaks.max() <= tolerance or turns == TURNS[-1]:
             break
+        bad, fixed = (
+            np.bincount(strip[of], minlength=count - 1) > 0
+            for of in (peaks > tolerance, np.any(held[triangles] > 0.0, axis=1))
+        )
+        triangulation = triangulation.best(points.arch, bad & ~fixed)
     strips, off = np.full(count - 1, FLOOR), np.full(count, FLOOR)
     np.maximum.at(strips, strip, peaks)
     on_line = (line[edges[:, 0]] == line[edges[:, 1]]) & (line[edges[:, 0]] >= 0)
