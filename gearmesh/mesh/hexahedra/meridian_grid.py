@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.polylines import contains
 
 #: share of the outline's size below which its edges count as none
 NONE = 1e-7
@@ -216,7 +217,7 @@ class _OutlineLayout:
     def _fill(self, lines: tuple[Array, Array], station: Index, step: int) -> MeridianGrid:
         nominal = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
         centres = 0.25 * (nominal[1:, 1:] + nominal[1:, :-1] + nominal[:-1, 1:] + nominal[:-1, :-1])
-        cells = _contains(self._nominal, centres)
+        cells = contains(self._nominal, centres)
         moved, edges, on_rim = self._boundary(lines, cells, step)
         return MeridianGrid(_harmonic(nominal, moved, cells, lines), cells, edges, 1 - self.rim_axis, station, on_rim)
 
@@ -251,15 +252,6 @@ class _OutlineLayout:
         nodes[:, axis] = np.abs(lines[axis] - start[axis]).argmin()
         nodes[:, along] = np.arange(low, high + 1)
         return nodes, (lines[along][low : high + 1] - start[along]) / (end[along] - start[along])
-
-
-def _contains(polygon: Array, points: Array) -> NDArray[np.bool_]:
-    """Which of points (..., 2) are inside a polygon (N, 2)."""
-    (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
-    px, py = points[..., :1], points[..., 1:]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        crossed = ((y > py) != (v > py)) & (px < (u - x) * (py - y) / (v - y) + x)
-    return np.asarray(crossed.sum(axis=-1) % 2 == 1)
 
 
 def _harmonic(nominal: Array, places: Array, cells: NDArray[np.bool_], lines: Sequence[Array]) -> Array:

@@ -10,12 +10,12 @@ from itertools import combinations, pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gearmesh.design.core import MemberTable
 from gearmesh.design.keys import Table
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.polylines import contains
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.common.bodies.body import LEAST_RIM, RIM_DEPTHS
 from gearmesh.systems.common.bodies.parallel_keys import LARGEST, SMALLEST, keyway_in_hub
@@ -88,7 +88,7 @@ class UnderTeeth:
 
     def is_inside(self, body: Body, points: Array) -> bool:
         """Whether points (N, 2), (rho, z), are all inside a body under the roots."""
-        return bool(_contains(np.concatenate((body.profile, self.root)), points).all())
+        return bool(contains(np.concatenate((body.profile, self.root)), points).all())
 
     def check_rim(self, key: str, value: object, points: Array) -> None:
         """Refuse a feature that leaves less than the least rim between points (N, 2), (rho, z), and the roots."""
@@ -453,7 +453,7 @@ def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float], leas
 def _overlap(one: Pattern, other: Pattern) -> bool:
     """Whether openings of two patterns meet."""
     drawn = [[_points(outline) for outline in pattern.outlines] for pattern in (one, other)]
-    return any(bool(_contains(a, b).any() or _contains(b, a).any()) for a in drawn[0] for b in drawn[1])
+    return any(bool(contains(a, b).any() or contains(b, a).any()) for a in drawn[0] for b in drawn[1])
 
 
 def _points(outline: Outline) -> Array:
@@ -473,15 +473,6 @@ def _distances(points: Array, line: Array) -> Array:
     length = np.maximum((way**2).sum(axis=-1), np.finfo(float).tiny)
     along = np.clip(((points[:, None] - start) * way).sum(axis=-1) / length, 0.0, 1.0)
     return np.asarray(np.linalg.norm(points[:, None] - start - along[..., None] * way, axis=-1).min(axis=1))
-
-
-def _contains(polygon: Array, points: Array) -> NDArray[np.bool_]:
-    """Which (N,) of points (N, 2) are inside a polygon (M, 2)."""
-    (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
-    px, py = points[:, :1], points[:, 1:]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        crossed = ((y > py) != (v > py)) & (px < (u - x) * (py - y) / (v - y) + x)
-    return np.asarray(crossed.sum(axis=1) % 2 == 1)
 
 
 def holes_in(name: str, spec: Holes, inner: float, outer: float) -> Drilling:
