@@ -16,6 +16,8 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import REVOLUTE
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.mesh.deviation.bound import CHAMFER
+from gearmesh.mesh.ends import end_mesh
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.teeth.blank.end_edge import EndChamfer
@@ -191,3 +193,15 @@ def test_room_for_chamfers_is_looked_for_on_samples_that_are_as_good_as_the_surf
     for strip, sharp, width in zip(tooth.end_strips, tooth.sharp_outlines, (0.5, 0.3), strict=True):
         assert strip is not None
         assert sharp.inside(width) == pytest.approx(strip.outline, abs=1e-7)
+
+
+@pytest.mark.parametrize("tolerance", [0.05, 0.001])
+def test_no_place_of_a_chamfer_is_farther_than_its_bound(tolerance: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Facets measured at a thousand random places each are within the bound, which is no more than 1.10 of what is measured."""
+    mesh = tessellate(chamfered("helical", "pinion", (1.5, 1.5), (0.5, 0.3)).tooth, tolerance)
+    measured = max(end.deviation for end in mesh.end_meshes().values())
+    places = np.random.default_rng(1).dirichlet(np.ones(3), 1000)
+    monkeypatch.setattr(end_mesh, "PLACES", places)
+    again = replace(mesh)
+    farthest = max(end.deviation for end in again.end_meshes().values())
+    assert 0.9 * measured < farthest <= CHAMFER * measured <= 1.1001 * measured

@@ -47,9 +47,9 @@ def _patches(teeth: SplineTooth, strip: EndStrip, end: int, tolerance: float) ->
     """Of the chamfer at the toe (0) or the heel (1)."""
     patches, column = list[StripPatch](), 0
     numbers: dict[Piece | None, int] = {link: k for k, link in enumerate(teeth.links)}
-    fitted = [_Fitted.of(teeth, strip, piece, end, tolerance) for piece in strip.pieces]
-    lines = _lines(fitted)
-    for one in fitted:
+    fits = [_PieceFit.of(teeth, strip, piece, end, tolerance) for piece in strip.pieces]
+    lines = _lines(fits)
+    for one in fits:
         number = numbers.get(one.link)
         column = column if number is None else number
         if number is None and one.is_point:
@@ -61,7 +61,7 @@ def _patches(teeth: SplineTooth, strip: EndStrip, end: int, tolerance: float) ->
 
 
 @dataclass(frozen=True)
-class _Fitted:
+class _PieceFit:
     """A piece of a strip, and what its patch ends in on the section: a curve of the tooth's patch, or none.
 
     `own` takes the curve's parameter to the piece's sigma; `last`: the parameter's end, 1 or the angle (rad) of an arc.
@@ -78,10 +78,10 @@ class _Fitted:
     last: float
 
     @staticmethod
-    def of(teeth: SplineTooth, strip: EndStrip, piece: StripPiece, end: int, tolerance: float) -> _Fitted:
+    def of(teeth: SplineTooth, strip: EndStrip, piece: StripPiece, end: int, tolerance: float) -> _PieceFit:
         low, high = piece.inner
         link = None if low == high else Piece(piece.region, low, high)
-        made = _Fitted(teeth, strip, piece, end, tolerance, link, None, lambda y: y, 1.0)
+        made = _PieceFit(teeth, strip, piece, end, tolerance, link, None, lambda y: y, 1.0)
         if link is None or link not in teeth.links:
             return replace(made, link=None)
         patches = teeth.patches.get(link)
@@ -104,7 +104,7 @@ class _Fitted:
         sigma = self.own(y)[:, None]
         return self.strip.at(self.piece, sigma, np.broadcast_to(tau, (y.size, tau.size)))
 
-    def _drawn(self, knots: Array, lines: Array) -> Array:
+    def _control_net(self, knots: Array, lines: Array) -> Array:
         """Control net (S, T, 3) of the spline through exact points, on the section through those of the tooth's patch."""
         s, t = _nodes(knots), _nodes(lines)
         exact = self._at(s, t)
@@ -115,10 +115,10 @@ class _Fitted:
 
     def fit(self, lines: Array) -> tuple[Array, Array, float]:
         """Control net (S, T, 3) from the outline to the section, knots along the chain, and the deviation (mm)."""
-        knots = self._clamped(np.array([0.0, self.last])) if self.curve is None else self.curve.t
+        knots = self._clamped_knots(np.array([0.0, self.last])) if self.curve is None else self.curve.t
         tau = _places(lines)
         for _ in range(ROUNDS):
-            net = self._drawn(knots, lines)
+            net = self._control_net(knots, lines)
             y = _places(knots)
             drawn = BSpline(lines, BSpline(knots, net, DEGREE)(y), _degree(lines), axis=1)(tau)
             miss = np.linalg.norm(drawn - self._at(y, tau), axis=-1)
@@ -152,20 +152,20 @@ class _Fitted:
         return float(np.linalg.norm(drawn - self._at(y, tau), axis=-1).max())
 
     @staticmethod
-    def _clamped(spans: Array, degree: int = DEGREE) -> Array:
+    def _clamped_knots(spans: Array, degree: int = DEGREE) -> Array:
         return np.concatenate((np.repeat(spans[0], degree), spans, np.repeat(spans[-1], degree)))
 
 
-def _lines(fitted: list[_Fitted]) -> Array:
+def _lines(fits: list[_PieceFit]) -> Array:
     """Knots from outline (0) to section (1) that all pieces of a strip have in common."""
-    axial = fitted[0].teeth.tooth.blank.axial
+    axial = fits[0].teeth.tooth.blank.axial
     if station_normal(axial)[0] == 0.0:
-        return _Fitted._clamped(np.array([0.0, 1.0]), 1)
-    spans, tolerance = 1, fitted[0].tolerance
-    lines = _Fitted._clamped(np.linspace(0.0, 1.0, spans + 1))
-    while spans < SPANS and max(one.across(lines) for one in fitted) > 0.5 * SHARE * tolerance:
+        return _PieceFit._clamped_knots(np.array([0.0, 1.0]), 1)
+    spans, tolerance = 1, fits[0].tolerance
+    lines = _PieceFit._clamped_knots(np.linspace(0.0, 1.0, spans + 1))
+    while spans < SPANS and max(one.across(lines) for one in fits) > 0.5 * SHARE * tolerance:
         spans *= 2
-        lines = _Fitted._clamped(np.linspace(0.0, 1.0, spans + 1))
+        lines = _PieceFit._clamped_knots(np.linspace(0.0, 1.0, spans + 1))
     return lines
 
 

@@ -28,8 +28,12 @@ Index = NDArray[np.int64]
 MOST = 16
 #: share of the tolerance that chords between the tooth's nodes may miss the chamfer by
 CHORDS = 0.5
-#: where a facet is measured, barycentric
-PLACES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [1 / 3, 1 / 3, 1 / 3]])
+#: parts of a facet's edges between the places where it is measured, and these, barycentric: all of the lattice but the corners
+PARTS = 4
+PLACES = np.array(
+    [(i, j, PARTS - i - j) for i in range(PARTS) for j in range(PARTS - i + 1) if j < PARTS and i + j > 0], dtype=float
+)
+PLACES /= PARTS
 
 
 @dataclass(frozen=True)
