@@ -178,7 +178,7 @@ def smooth_under(pair: GearPair, path: ContactPath) -> NDArray[np.bool_]:
 
 
 def _length(line: Array) -> float:
-    return float(np.linalg.norm(np.diff(line, axis=0), axis=-1).sum())
+    return float(np.nansum(np.linalg.norm(np.diff(line, axis=0), axis=-1)))
 
 
 def contact_flank(member: Member, side: Side) -> Flank:

@@ -24,7 +24,7 @@ class ContactPath:
     semi_major, semi_minor (P,) semi-axes of the contact ellipse in mm and angle (P,) from the pinion's first
     parameter line to the major axis, rad (NaN for edges and lines); major, minor (P, 3) unit vectors along them, fixed frame;
     part (P,): 0 on the flanks, 1 where a tip touches the pinion's fillet, 2 the gear's (parameters are then the fillet's);
-    lines: for every position None or (K, 3) points of the contact line, fixed frame, mm.
+    lines: for every position None or (K, 3) points of the contact line, fixed frame, mm, NaN between its pieces.
     """
 
     phi1: Array

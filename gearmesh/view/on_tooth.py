@@ -68,7 +68,8 @@ def path_on_surface(view: ToothView, contact: MemberContact, between: int = 8) -
     """
     point = contact.point.copy()
     point[contact.along_lines] = np.nan
-    if not np.isfinite(point).any():
+    known = np.isfinite(point[:, 0])
+    if not (known[1:] & known[:-1]).any():
         return ()
     point, normal = _refine(point, between), _refine(contact.normal, between)
     on_surface = view.project(point)

@@ -2,7 +2,8 @@
 
 Where the surfaces touch along a line the five conditions of a point leave one unknown free. It is fixed by where on the line the
 point shall lie: on an edge of either flank, which gives the ends of the line, or at a station between them. The normals then need
-to agree only across the line.
+to agree only across the line. Lines that bend, so that this does not lead along all of them, are followed step by step
+(`bent_lines.py`).
 """
 
 from __future__ import annotations
@@ -13,23 +14,26 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.conditions.bent_lines import directions, pieces
 from gearmesh.contact.conditions.meshing import Bound, Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, RCOND, at_positions, margins
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
-from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvature, tangent_basis
 
 #: points by which a line is given, its ends among them
 LINE_POINTS = 13
 #: a line whose ends' stations differ by less than this share of its length is not followed by stations
 STEEP = 0.1
+#: how far (mm) beside the flanks a point of a line may be
+BESIDE = 1e-6
 
 
 @dataclass(frozen=True)
 class ContactLines:
-    """Of positions with line contact (M,): `points`, for each None or (LINE_POINTS, 3), fixed frame, mm, from end to end; unknowns
-    `x` (M, 5) at the middle, where the line has two ends on the flanks, else as given."""
+    """Of positions with line contact (M,): `points`, for each None or (K, 3), fixed frame, mm, from end to end, LINE_POINTS of
+    every piece with NaN between pieces; unknowns `x` (M, 5) at the middle of the longest piece, where the line has two ends on the
+    flanks, else as given."""
 
     points: list[Array | None]
     x: Array
@@ -43,25 +47,41 @@ def trace(pair: Pair, phi1: Array, x: Array) -> ContactLines:
     ends, places = _ends(pair, plain, x, along, across)
     points: list[Array | None] = [None] * len(x)
     there = np.flatnonzero(np.isfinite(places).all(axis=1) & (places[:, 1] - places[:, 0] > EDGE_SLACK))
-    middle = x.copy()
+    middle, bent = x.copy(), np.full(len(x), True)
     if there.size:
         share = np.linspace(0.0, 1.0, LINE_POINTS)[:, None]
         start = ends[there, None, 0] + share * (ends[there, None, 1] - ends[there, None, 0])
-        unknowns = _between(pair, plain, start, across[there], there)
-        r = plain.touch(unknowns.reshape(-1, 5), np.repeat(there, LINE_POINTS)).fixed[0].r
-        for k, row in zip(there, r.reshape(-1, LINE_POINTS, 3), strict=True):
+        unknowns, on_line = _between(pair, plain, start, across[there], there)
+        touch = plain.touch(unknowns.reshape(-1, 5), np.repeat(there, LINE_POINTS))
+        outside, past = margins(pair, touch, unknowns.reshape(-1, 5))
+        on_flanks = (np.maximum(outside.max(axis=1), past) <= BESIDE).reshape(-1, LINE_POINTS)
+        bent[there] = ~(on_flanks & on_line).all(axis=1)
+        for k, row in zip(there, touch.fixed[0].r.reshape(-1, LINE_POINTS, 3), strict=True):
             points[k] = row
         middle[there] = unknowns[:, LINE_POINTS // 2]
+    _bend(pair, plain, np.flatnonzero(bent), x, points, middle)
     solution = newton.solve(partial(at_positions, plain, every), middle, tolerance=pair.tolerance, rcond=RCOND)
     return ContactLines(points, np.where(solution.converged[:, None], solution.values, x))
 
 
-def directions(pair: Pair, conditions: Conditions, x: Array) -> tuple[Array, Array]:
-    """Unit vectors (M, 3), fixed frame, along and across the lines through x (M, 5)."""
-    one, two = conditions.touch(x, np.arange(len(x))).fixed
-    e1, e2 = tangent_basis(one)
-    ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta)
-    return ellipse.major, ellipse.minor
+def _bend(
+    pair: Pair, plain: Conditions, which: NDArray[np.intp], x: Array, points: list[Array | None], middle: Array
+) -> None:
+    """Put what both flanks have of the lines `which` (B,) through x (M, 5), followed step by step, in the place of `points`, and of
+    `middle` (M, 5) the middle of the longest piece. Lines of which they have nothing stay."""
+    if not which.size:
+        return
+    own = pieces(pair, plain.repeat(which), x[which], LINE_POINTS)
+    r = (
+        plain.touch(own.x.reshape(-1, 5), np.repeat(which[own.line], LINE_POINTS))
+        .fixed[0]
+        .r.reshape(-1, LINE_POINTS, 3)
+    )
+    for k in np.unique(own.line):
+        parts = np.flatnonzero(own.line == k)
+        gap = np.full((1, 3), np.nan)
+        points[which[k]] = np.concatenate([row for part in parts for row in (r[part], gap)][:-1])
+        middle[which[k]] = own.x[parts[own.length[parts].argmax()], LINE_POINTS // 2]
 
 
 def on_edges(pair: Pair, conditions: Conditions, across: Array, x: Array) -> dict[int, tuple[Array, NDArray[np.bool_]]]:
@@ -98,8 +118,11 @@ def _ends(pair: Pair, plain: Conditions, x: Array, along: Array, across: Array) 
     return ends, places
 
 
-def _between(pair: Pair, plain: Conditions, start: Array, across: Array, which: NDArray[np.intp]) -> Array:
-    """Points (M, LINE_POINTS, 5) of lines from their places on the straight way between their ends."""
+def _between(
+    pair: Pair, plain: Conditions, start: Array, across: Array, which: NDArray[np.intp]
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Points (M, LINE_POINTS, 5) of lines from their places on the straight way between their ends; which (M, LINE_POINTS) are
+    found."""
     count = len(start)
     rows = np.repeat(np.arange(count), LINE_POINTS)
     position = which[rows]
@@ -113,17 +136,18 @@ def _between(pair: Pair, plain: Conditions, start: Array, across: Array, which: 
         across=np.repeat(across, LINE_POINTS, axis=0),
     )
     steep = np.abs(station[:, -1] - station[:, 0]) < STEEP * pair.length
-    values = guess.copy()
+    values, good = guess.copy(), np.full(len(guess), True)
     gentle = np.flatnonzero(~steep[rows])
     if gentle.size:
         solution = newton.solve(
             partial(at_positions, by_station, gentle), guess[gentle], tolerance=pair.tolerance, max_step=pair.max_step
         )
         values[gentle] = np.where(solution.converged[:, None], solution.values, guess[gentle])
+        good[gentle] = solution.converged
     rest = np.flatnonzero(steep[rows])
     if rest.size:
         solution = newton.solve(
             partial(at_positions, plain, position[rest]), guess[rest], tolerance=pair.tolerance, rcond=RCOND
         )
-        values[rest] = solution.values
-    return values.reshape(count, LINE_POINTS, 5)
+        values[rest], good[rest] = solution.values, solution.converged
+    return values.reshape(count, LINE_POINTS, 5), good.reshape(count, LINE_POINTS)

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.lines import STEEP, directions, on_edges, trace
+from gearmesh.contact.conditions.bent_lines import directions
+from gearmesh.contact.conditions.lines import STEEP, on_edges, trace
 from gearmesh.contact.conditions.meshing import Bound, Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, advances_of, margins
 from gearmesh.contact.engagement.engagement import Engagement

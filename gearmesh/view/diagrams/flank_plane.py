@@ -21,6 +21,8 @@ from gearmesh.view.scene import MemberContact, Project
 GRID = (121, 241)
 #: points of a line of contact from which the area that lines sweep is made
 LINE_POINTS = 41
+#: part of a line's length by which the ends of the next one are away at most, if nothing but flank lies between them
+APART = 0.5
 
 
 @dataclass(frozen=True)
@@ -86,11 +88,28 @@ class FlankPlane:
         for k, line in enumerate(contact.lines):
             if line is None or len(line) < 2:
                 continue
-            way = np.r_[0.0, np.linalg.norm(np.diff(line, axis=0), axis=-1).cumsum()]
-            here = self.frame.places(np.stack([np.interp(share * way[-1], way, column) for column in line.T], axis=-1))
+            here = self.frame.places(_evenly(line, share))
             if before is not None and last == k - 1:
-                if (np.abs(here - before) ** 2).sum() > (np.abs(here[::-1] - before) ** 2).sum():
+                if np.nansum((here - before) ** 2) > np.nansum((here[::-1] - before) ** 2):
                     here = here[::-1]
-                strips.append(np.stack((before[:-1], before[1:], here[1:], here[:-1]), axis=1))
+                if (
+                    np.linalg.norm((here - before)[[0, -1]], axis=-1) > APART * np.linalg.norm(here[-1] - here[0])
+                ).any():
+                    before, last = here, k
+                    continue
+                quads = np.stack((before[:-1], before[1:], here[1:], here[:-1]), axis=1)
+                strips.append(quads[np.isfinite(quads).all(axis=(1, 2))])
             before, last = here, k
         return strips
+
+
+def _evenly(line: Array, share: Array) -> Array:
+    """Points (S, 3) at shares of the way along a line (K, 3); NaN in the gaps between its pieces."""
+    known = np.isfinite(line[:, 0])
+    points = line[known]
+    way = np.r_[0.0, np.linalg.norm(np.diff(points, axis=0), axis=-1).cumsum()]
+    places = share * way[-1]
+    evenly = np.stack([np.interp(places, way, column) for column in points.T], axis=-1)
+    for first in np.flatnonzero(np.diff(np.flatnonzero(known)) > 1):
+        evenly[(places > way[first]) & (places < way[first + 1])] = np.nan
+    return evenly

@@ -1,0 +1,182 @@
+"""Lines of contact that bend: followed step by step from a point of them, both ways, and cut to what both flanks have of them.
+
+A line of a worm wheel runs along the whole face while its station on the worm hardly changes, and may leave the tooth over the
+throat and enter it again: it has pieces. A step goes along the line's tangent, in which the flanks do not part, and back on to the
+line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.conditions.meshing import Conditions
+from gearmesh.contact.conditions.refinement import EDGE_SLACK, margins
+from gearmesh.contact.pair import Pair
+from gearmesh.errors import Solution
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvature, tangent_basis
+from gearmesh.kernel.surface.nearest import tangential
+
+#: steps each way over a length of a flank, and in all; residual (mm) while it is followed
+STEPS, MOST, ROUGH = 24, 48, 1e-5
+#: how far (part of a flank's length) beyond the flanks a line is followed, to where it may enter them again
+BEYOND = 0.35
+
+
+@dataclass(frozen=True)
+class LinePieces:
+    """Pieces of lines (Q,): `line`, the number (Q,) of each one's line, in order along it; unknowns `x` (Q, K, 5) of points evenly
+    spaced from end to end; `length` (Q,), mm."""
+
+    line: NDArray[np.intp]
+    x: Array
+    length: Array
+
+
+def directions(pair: Pair, conditions: Conditions, x: Array) -> tuple[Array, Array]:
+    """Unit vectors (M, 3), fixed frame, along and across the lines through x (M, 5)."""
+    one, two = conditions.touch(x, np.arange(len(x))).fixed
+    e1, e2 = tangent_basis(one)
+    ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta)
+    return ellipse.major, ellipse.minor
+
+
+def pieces(pair: Pair, plain: Conditions, x: Array, count: int) -> LinePieces:
+    """What both flanks have of the lines through x (M, 5), at `count` points each; `plain`: the conditions at these positions."""
+    own = _pieces(pair, plain, np.arange(len(x)), _follow(pair, plain, x), count)
+    # a gap between two steps shows between the points of its piece
+    return _pieces(pair, plain, own.line, own.x, count)
+
+
+def _pieces(pair: Pair, plain: Conditions, line: NDArray[np.intp], states: Array, count: int) -> LinePieces:
+    """What both flanks have of lines (L,) through states (L, S, 5) in order along them, NaN where there are none."""
+    outside = np.full(states.shape[:2], np.inf)
+    there = np.nonzero(np.isfinite(states[..., 0]))
+    by_edge, past = margins(
+        pair, plain.repeat(line[there[0]]).touch(states[there], np.arange(len(there[0]))), states[there]
+    )
+    outside[there] = np.maximum(by_edge.max(axis=1), past)
+    inside = np.pad(outside <= EDGE_SLACK, ((0, 0), (1, 1))).astype(int)
+    row, first = np.nonzero(np.diff(inside, axis=1) > 0)
+    last = np.nonzero(np.diff(inside, axis=1) < 0)[1] - 1
+    ends = []
+    for inner, outer in ((first, first - 1), (last, last + 1)):
+        end = states[row, inner].copy()
+        beyond = np.clip(outer, 0, states.shape[1] - 1)
+        cut = np.flatnonzero((beyond == outer) & np.isfinite(states[row, beyond, 0]))
+        end[cut] = _cut(pair, plain, line[row[cut]], states[row[cut], outer[cut]], end[cut])
+        ends.append(end)
+    between = [
+        np.concatenate((begin[None], states[i, j : k + 1], end[None]))
+        for i, j, k, begin, end in zip(row, first, last, *ends, strict=True)
+    ]
+    return _evenly(pair, plain, line[row], between, count)
+
+
+def _follow(pair: Pair, plain: Conditions, x: Array) -> Array:
+    """Points (M, 2 MOST + 1, 5) of the lines through x (M, 5): NaN beyond where they end."""
+    count = len(x)
+    full, length = np.full((count, 2 * MOST + 1, 5), np.nan), 4.0 * pair.length
+    full[:, MOST] = x
+    position = np.tile(np.arange(count), 2)
+    way = np.repeat([1, -1], count)
+    at, active = x[position].copy(), np.arange(2 * count)
+    heading = directions(pair, plain, x)[0][position] * way[:, None]
+    step = length / STEPS
+    for k in range(1, MOST + 1):
+        which = position[active]
+        here = plain.repeat(which)
+        fixed = here.touch(at[active], np.arange(len(active))).fixed
+        along = directions(pair, here, at[active])[0]
+        along *= np.sign(dot(along, heading[active]))[:, None]
+        guess = at[active].copy()
+        for member, jet in enumerate(fixed):
+            guess[:, 2 * member], guess[:, 2 * member + 1] = (
+                guess[:, 2 * member + i] + step * d for i, d in enumerate(tangential(jet, along))
+            )
+        solution = _sections(pair, here, guess, ROUGH)
+        touch = here.touch(solution.values, np.arange(len(active)))
+        outside, past = margins(pair, touch, solution.values)
+        moved = np.linalg.norm(touch.fixed[0].r - fixed[0].r, axis=-1)
+        good = solution.converged & (moved < 2.0 * step) & (moved > 0.3 * step) & (past < length)
+        good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
+        own = active[good]
+        at[own], heading[own] = solution.values[good], along[good]
+        full[position[own], MOST + k * way[own]] = at[own]
+        active = active[good & (outside.max(axis=1) < BEYOND * length)]
+        if not active.size:
+            break
+    return full
+
+
+@dataclass(frozen=True)
+class _Sections:
+    """Where lines of contact go through planes across them, through points `at` (M, 3) with normals `along` (M, 3), fixed frame:
+    the flanks' normals agree `across` (M, 3), as they then do along the line."""
+
+    plain: Conditions
+    at: Array
+    along: Array
+    across: Array
+
+    def __call__(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Residuals (M, 5), mm, and Jacobians (M, 5, 5) of the positions `index` (M,)."""
+        touch, f, jacobian, _ = self.plain.with_phi1(x, index)
+        one = touch.fixed[0]
+        along, (e1, e2) = self.along[index], tangent_basis(one)
+        c1, c2 = (dot(self.across[index], e) for e in (e1, e2))
+        f[:, 3] = c1 * f[:, 3] + c2 * f[:, 4]
+        jacobian[:, 3] = c1[:, None] * jacobian[:, 3] + c2[:, None] * jacobian[:, 4]
+        f[:, 4], jacobian[:, 4] = dot(one.r - self.at[index], along), 0.0
+        jacobian[:, 4, 0], jacobian[:, 4, 1] = dot(one.r_u, along), dot(one.r_v, along)
+        return f, jacobian
+
+
+def _sections(pair: Pair, here: Conditions, guess: Array, tolerance: float) -> Solution:
+    """Points (M, 5) of the lines in the planes across them through what is near them."""
+    along, across = directions(pair, here, guess)
+    at = here.touch(guess, np.arange(len(guess))).fixed[0].r
+    return newton.solve(_Sections(here, at, along, across), guess, tolerance=tolerance, max_iterations=12, halvings=3)
+
+
+def _cut(pair: Pair, plain: Conditions, line: NDArray[np.intp], outer: Array, inner: Array) -> Array:
+    """Where lines (K,) leave the flanks between points outside and inside of them, unknowns (K, 5); NaN where it is not known."""
+    if not len(line):
+        return np.empty((0, 5))
+    here = plain.repeat(line)
+    every = np.arange(len(line))
+    across = directions(pair, here, inner)[1]
+    beyond, within = (margins(pair, here.touch(x, every), x)[0] for x in (outer, inner))
+    own, edge = np.nonzero((beyond > EDGE_SLACK) & np.isfinite(within))
+    share = np.clip(beyond[own, edge] / (beyond[own, edge] - within[own, edge]), 0.0, 1.0)[:, None]
+    start = outer[own] + share * (inner[own] - outer[own])
+    choice = np.stack((pair.numbers[edge], np.full_like(edge, -1)), axis=-1)
+    repeated = here.repeat(own)
+    at_edge = replace(repeated, bounds=pair.all_bounds, across=across[own], choice=choice)
+    solution = newton.solve(at_edge, start, tolerance=pair.tolerance, max_step=pair.max_step, max_iterations=15)
+    outside, past = margins(pair, repeated.touch(solution.values, np.arange(len(own))), solution.values)
+    good = solution.converged & (outside <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
+    ends = np.full((len(line), 5), np.nan)
+    ends[own[good]] = solution.values[good]
+    return ends
+
+
+def _evenly(pair: Pair, plain: Conditions, line: NDArray[np.intp], chains: list[Array], count: int) -> LinePieces:
+    """Pieces of lines (Q,) through unknowns (K, 5) each, at `count` points."""
+    sizes = [len(chain) for chain in chains]
+    if not chains:
+        return LinePieces(line, np.empty((0, count, 5)), np.empty(0))
+    every = plain.repeat(np.repeat(line, sizes)).touch(np.concatenate(chains), np.arange(sum(sizes))).fixed[0].r
+    guesses, length = np.empty((len(line), count, 5)), np.empty(len(line))
+    for q, (chain, r) in enumerate(zip(chains, np.split(every, np.cumsum(sizes)[:-1]), strict=True)):
+        way = np.r_[0.0, np.linalg.norm(np.diff(r, axis=0), axis=-1).cumsum()]
+        length[q] = way[-1]
+        places = np.linspace(0.0, way[-1], count)
+        guesses[q] = np.stack([np.interp(places, way, column) for column in chain.T], axis=-1)
+    solution = _sections(pair, plain.repeat(np.repeat(line, count)), guesses.reshape(-1, 5), pair.tolerance)
+    good = solution.converged.reshape(len(line), count).all(axis=1) & (length > EDGE_SLACK)
+    return LinePieces(line[good], solution.values.reshape(guesses.shape)[good], length[good])

@@ -1,0 +1,64 @@
+"""Contact of worm drives: lines that bend over the throated wheel and have pieces."""
+
+from __future__ import annotations
+
+import numpy as np
+from oracles.built import pair_of
+from oracles.places import SAMPLES
+
+from gearmesh.contact.conditions.bent_lines import pieces
+from gearmesh.contact.conditions.meshing import Conditions, Flank
+from gearmesh.contact.first_touch.first_touch import touches
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.tca import contact_path
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.surface import Jet
+from gearmesh.systems.designs import load
+from gearmesh.teeth.generation.tool_in_place import generation
+
+#: radii of the wheel's throat and the worm's tip about the worm's axis, mm
+THROAT, TIP = 25.0, 35.0
+
+
+def test_lines_of_an_identical_hob_lie_on_both_members_and_end_at_edges() -> None:
+    """Against the wheel's generation: along a line of contact the hob's roll, which the solver does not know, is one."""
+    gears = pair_of(load(SAMPLES / "worm_drive.toml"))
+    pair = solver_pair(gears).parts[0]
+    phi1 = np.radians([-185.0, -135.0, -60.0, 15.0, 140.0])
+    x = touches(pair, phi1)[0].x
+    plain = Conditions(pair.flanks, phi1, pair.length)
+    own = pieces(pair, plain, x, 13)
+    # over the throat a line has two pieces
+    assert own.line.tolist() == [0, 0, 1, 2, 3, 4]
+    touch = plain.touch(own.x.reshape(-1, 5), np.repeat(own.line, 13))
+    one, two = touch.fixed
+    assert np.abs(one.r - two.r).max() < 1e-12
+    flank = generation(gears.gear.tooth.side(gears.flanks[1]), "contact_lines")[0]
+    roll = flank.progress(own.x[..., 2], own.x[..., 3])[0]
+    assert np.ptp(roll, axis=1).max() < 1e-11
+    # the ends, and nothing between, are on the throat, the end faces or the worm's tip
+    margins = np.array([flank.margin(at, r) for flank, at, r in _sides(pair.flanks, own.x, touch.own)]).max(axis=0)
+    margins = margins.reshape(-1, 13)
+    assert np.abs(margins[:, [0, -1]]).max() < 1e-10
+    assert margins[:, 1:-1].max() < -1e-3
+
+
+def _sides(flanks: tuple[Flank, Flank], x: Array, jets: tuple[Jet, Jet]) -> list[tuple[Flank, Array, Array]]:
+    return [
+        (flank, x.reshape(-1, 5)[:, 2 * member : 2 * member + 2], jet.r)
+        for member, (flank, jet) in enumerate(zip(flanks, jets, strict=True))
+    ]
+
+
+def test_path_of_line_contact_is_the_middle_of_the_longest_piece() -> None:
+    gears = pair_of(load(SAMPLES / "worm_drive.toml"))
+    path = contact_path(solver_pair(gears), np.radians(np.linspace(-200.0, 170.0, 12)))
+    assert (path.kind == "line").all()
+    for line, point in zip(path.lines, path.point, strict=True):
+        assert line is not None
+        about_worm = np.hypot(line[:, 0], line[:, 1])
+        assert np.nanmin(about_worm) > THROAT - 1e-9
+        assert np.nanmax(about_worm) < TIP + 1e-9
+        runs = line[None] if len(line) == 13 else np.stack((line[:13], line[14:]))
+        lengths = np.linalg.norm(np.diff(runs, axis=1), axis=-1).sum(axis=1)
+        assert np.linalg.norm(runs[lengths.argmax(), 6] - point) < 1e-9
