@@ -53,10 +53,12 @@ def build(design: WormDriveDesign) -> GearTrain:
     worm, wheel = _worm(design, thread), _wheel(design)
     first, second = _mounts(design, thread)
     flank = Side(design.contact.flank)
+    # a left-hand drive is the mirror image in the plane across the worm: the wheel's sides change places
+    beside = flank if design.worm.right_hand else flank.other
     pair = GearPair(
         pinion=replace(worm, mount=first),
         gear=replace(wheel, mount=second),
-        flanks=(flank, flank),
+        flanks=(flank, beside),
         drive=flank.sign,
         ratio=design.worm.threads / design.wheel.teeth,
         delta=design.contact.delta,

@@ -1,0 +1,210 @@
+"""Worm drives against second computations: sections of the five forms, the disk by brute force, uniform transmission."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.places import SAMPLES
+from scipy.optimize import brentq, minimize_scalar
+
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.path import ContactPath
+from gearmesh.contact.tca import contact_path
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.surface import Surface
+from gearmesh.systems.designs import load
+from gearmesh.systems.worm_drive.build import wheel_hob, worm_thread
+from gearmesh.systems.worm_drive.thread import WormThread
+from gearmesh.tools.rack import Line, RackSurface
+
+FORMS = ("ZA", "ZN", "ZI", "ZK", "ZC")
+OVERSIZED = "hob.reference_diameter=63"
+
+
+def drive(*overrides: str) -> Any:
+    return load(SAMPLES / "worm_drive.toml", list(overrides))
+
+
+def heights(thread: WormThread) -> Array:
+    """Parameters of the flank from below to above the reference cylinder."""
+    return np.linspace(*(thread.at_radius(thread.radius + x * thread.module) for x in (-0.9, 1.0)), 15)
+
+
+def off_line(x: Array, y: Array) -> tuple[float, float]:
+    """Slope of the straight line through the ends of a plane curve and the largest distance from it."""
+    slope = (y[-1] - y[0]) / (x[-1] - x[0])
+    return slope, float(np.abs(y - y[0] - slope * (x - x[0])).max() / np.hypot(1.0, slope))
+
+
+# ---------------------------------------------------------------- the worm
+
+
+def test_za_is_straight_in_the_axial_section() -> None:
+    thread = worm_thread(drive("worm.form=ZA"))
+    x, z = np.moveaxis(thread.section.axial_section(heights(thread))[0], -1, 0)
+    slope, off = off_line(x, z)
+    assert slope == pytest.approx(-np.tan(np.radians(20.0)), abs=1e-12)
+    assert off < 1e-12
+    # and no other form is
+    for form in ("ZN", "ZI", "ZK", "ZC"):
+        other = worm_thread(drive(f"worm.form={form}"))
+        assert off_line(*np.moveaxis(other.section.axial_section(heights(other))[0], -1, 0))[1] > 1e-3
+
+
+@pytest.mark.parametrize(("section", "middle"), [("space", 0.5), ("thread", 0.0)])
+def test_zn_is_straight_across_the_helix(section: str, middle: float) -> None:
+    """In the plane through the middle of space or thread at the reference cylinder, both flanks beside it, found by bisection."""
+    thread = worm_thread(drive("worm.form=ZN", f"worm.section={section}"))
+    tangent = np.array([0.0, np.cos(thread.lead_angle), np.sin(thread.lead_angle)])
+    centre = np.array([0.0, 0.0, middle * thread.axial_pitch])
+    across = np.cross([1.0, 0.0, 0.0], tangent)
+    both = []
+    for side in (1, -1):
+        flank = thread.flank(side)
+        # the flank beyond the space is that of the following thread
+        lift = centre * 2.0 if side < 0 else 0.0 * centre
+        points = []
+        for p in heights(thread):
+
+            def off_plane(v: float, p: float = p) -> float:
+                return float((flank.jet(np.array(p), np.array(v)).r + lift - centre) @ tangent)
+
+            v = brentq(off_plane, -0.5, 0.5, xtol=1e-15)
+            points.append(flank.jet(np.array(p), np.array(v)).r + lift - centre)
+        x, y = np.array(points)[:, 0], np.array(points) @ across
+        slope, off = off_line(x, y)
+        assert abs(slope) == pytest.approx(np.tan(np.radians(20.0)), abs=1e-12)
+        assert off < 1e-12
+        both.append(y[7])
+    assert both[0] == pytest.approx(-both[1], abs=1e-12)
+
+
+@pytest.mark.parametrize("hand", [1, -1])
+def test_zi_is_a_helical_gear(hand: int) -> None:
+    """The transverse section is that of a gear of z1 teeth, helix angle 90 deg - gamma, which a rack generates."""
+    thread = worm_thread(drive("worm.form=ZI", f"worm.right_hand={'true' if hand > 0 else 'false'}"))
+    normal = thread.module * np.cos(thread.lead_angle)
+    rack = RackSurface(Line(thread.angle, 0.0, 0.25 * np.pi * normal), hand * (0.5 * np.pi - thread.lead_angle), 0.0)
+    u, p = np.meshgrid(np.linspace(-3.0, 3.0, 7), np.linspace(-2.0, 2.0, 5))
+    r = Envelope(rack, RackRoll(thread.radius)).jet(p, u).r
+    rho = np.hypot(r[..., 0], r[..., 1])
+    turned = np.arctan2(r[..., 1], r[..., 0]) - r[..., 2] / (hand * thread.screw)
+    own = np.array([thread.at_radius(float(radius)) for radius in rho.ravel()]).reshape(rho.shape)
+    point = thread.flank(1).jet(own, np.zeros_like(own)).r
+    angle = np.arctan2(point[..., 1], point[..., 0]) - point[..., 2] / (hand * thread.screw)
+    miss = np.remainder(turned - angle + np.pi, 2.0 * np.pi) - np.pi
+    assert np.abs(rho * miss).max() < 1e-12 * thread.radius
+
+
+def disk_section(thread: WormThread, width: Callable[[float, float], float], radii: Array, half: float) -> Array:
+    """z (mm) of the axial section that a disk leaves, the least over all points of the disk in all places of its screw motion.
+
+    `width` (b, x): half the disk's width at the height x over the reference cylinder, b that at x = 0.
+    """
+    assert thread.grinding is not None
+    disk, gamma, screw = thread.grinding, thread.lead_angle, thread.screw
+    distance, middle = thread.radius - disk.depth + disk.disk_radius, 0.5 * thread.axial_pitch
+
+    def point(b: float, x: float, delta: float) -> tuple[float, float]:
+        """Radius and section height of the disk's point at the angle delta, towards the thread below."""
+        over, aside = distance - thread.radius - x, -width(b, x)
+        back, forth = distance - over * np.cos(delta), -over * np.sin(delta)
+        y = forth * np.cos(gamma) - aside * np.sin(gamma)
+        z = middle + forth * np.sin(gamma) + aside * np.cos(gamma)
+        return float(np.hypot(back, y)), float(z - screw * np.arctan2(y, back))
+
+    def least(b: float, rho: float) -> float:
+        def height(delta: float) -> float:
+            x = brentq(lambda x: point(b, x, delta)[0] - rho, -disk.depth - 2.0, 12.0, xtol=1e-14)
+            return point(b, x, delta)[1]
+
+        coarse = np.linspace(-0.06, 0.06, 13)
+        k = int(np.argmin([height(float(delta)) for delta in coarse]))
+        assert 0 < k < len(coarse) - 1
+        return float(minimize_scalar(height, bracket=tuple(coarse[k - 1 : k + 2]), options={"xtol": 1e-9}).fun)
+
+    b = brentq(lambda b: least(b, thread.radius) - half, 0.5 * half, 2.0 * half, xtol=1e-10)
+    return np.array([least(b, float(rho)) for rho in radii])
+
+
+@pytest.mark.parametrize("form", ["ZK", "ZC"])
+def test_ground_flanks_are_what_the_disk_leaves(form: str) -> None:
+    thread = worm_thread(drive(f"worm.form={form}", "worm.disk_diameter=150"))
+    assert thread.grinding is not None
+    alpha, rho = thread.angle, thread.grinding.profile_radius
+
+    def straight(b: float, x: float) -> float:
+        return float(b + x * np.tan(alpha))
+
+    def arc(b: float, x: float) -> float:
+        return float(b - rho * np.cos(alpha) + np.sqrt(rho**2 - (x - rho * np.sin(alpha)) ** 2))
+
+    p = heights(thread)[::7]
+    x, z = np.moveaxis(thread.section.axial_section(p)[0], -1, 0)
+    brute = disk_section(thread, straight if form == "ZK" else arc, x, thread.half_thickness(thread.radius))
+    np.testing.assert_allclose(z, brute, rtol=0, atol=1e-6)
+
+
+# ---------------------------------------------------------------- the wheel
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_jets_of_threads_and_wheels(form: str) -> None:
+    """Derivatives by differences, and normals across both."""
+    design = drive(f"worm.form={form}", OVERSIZED, "worm.right_hand=false")
+    hob, thread = wheel_hob(design), worm_thread(design)
+    surfaces: list[tuple[Surface, Array]] = [(thread.flank(side), heights(thread)) for side in (1, -1)]
+    surfaces += [(hob.flank(side, 25.0), heights(hob.thread)[3:]) for side in (1, -1)]
+    for surface, p in surfaces:
+        p, v = np.meshgrid(p, np.linspace(-4.0, 4.0, 5))
+        jet, step = surface.jet(p, v), 1e-5
+        by_p, by_v = (
+            [(getattr(ahead, name) - getattr(back, name)) / (2.0 * step) for name in ("r", "n")]
+            for ahead, back in (
+                (surface.jet(p + step, v), surface.jet(p - step, v)),
+                (surface.jet(p, v + step), surface.jet(p, v - step)),
+            )
+        )
+        for exact, difference in zip((jet.r_u, jet.n_u, jet.r_v, jet.n_v), (*by_p, *by_v), strict=True):
+            size = 1.0 + np.abs(exact).max()
+            np.testing.assert_allclose(difference, exact, rtol=0, atol=2e-7 * size)
+        assert np.abs((jet.n * jet.r_u).sum(axis=-1)).max() < 1e-9 * np.abs(jet.r_u).max()
+        assert np.abs((jet.n * jet.r_v).sum(axis=-1)).max() < 1e-9 * np.abs(jet.r_v).max()
+
+
+# ---------------------------------------------------------------- transmission
+
+PHI1 = np.radians([0.0, -150.0, -60.0, 40.0, 120.0])
+
+
+def path(*overrides: str) -> ContactPath:
+    return contact_path(solver_pair(pair_of(drive(*overrides))), PHI1)
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_oversized_zi_is_uniform_under_errors_and_both_hands_are_mirror_images(side: str) -> None:
+    """Under errors of all four kinds at once; in the mirror the worm is displaced the other way."""
+    errors = (OVERSIZED, "assembly.da=0.05", "assembly.dz2=0.2", "assembly.d_sigma=0.05", f"contact.flank={side}")
+    right = path(*errors, "assembly.dz1=0.1")
+    left = path(*errors, "assembly.dz1=-0.1", "worm.right_hand=false")
+    for one in (right, left):
+        assert one.touching.all()
+        assert np.abs(one.te).max() < 1e-9
+    mirror = np.array([1.0, 1.0, -1.0])
+    np.testing.assert_allclose(left.point, right.point * mirror, rtol=0, atol=1e-12 * 125.0)
+    np.testing.assert_allclose(left.phi2, right.phi2, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("form", ["ZA", "ZN", "ZI", "ZK"])
+def test_a_hob_like_the_worm_makes_no_transmission_error(form: str) -> None:
+    for hand in ("true", "false"):
+        one = path(f"worm.form={form}", f"worm.right_hand={hand}")
+        assert one.touching.all()
+        assert np.abs(one.te).max() < 1e-9
+        assert (one.kind == "line").all()
