@@ -92,6 +92,16 @@ class WormTable(MemberBody, ThreadCount):
     profile_radius: Annotated[
         float, Key("length", "radius of the disk's profile, of ZC", low=0, above=True, default="6 m")
     ] = DERIVED
+    wire_diameter: Annotated[
+        float | None,
+        Key(
+            "length",
+            "diameter of the wires or balls of the measure over them",
+            low=0,
+            above=True,
+            default="touch on the reference cylinder",
+        ),
+    ] = None
 
 
 class WheelTable(MemberTable):
@@ -184,6 +194,16 @@ class WormDriveDesign(Design):
     center_distance: Annotated[
         float, Key("length", "centre distance a", low=0, above=True, default="by wheel.profile_shift")
     ] = DERIVED
+    friction: Annotated[
+        float | None,
+        Key(
+            "number",
+            "coefficient of friction of the flanks, of forces and efficiency in the sheet",
+            low=0,
+            high=1,
+            default="no friction",
+        ),
+    ] = None
     worm: WormTable
     wheel: WheelTable
     hob: HobTable = HobTable()

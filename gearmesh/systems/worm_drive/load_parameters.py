@@ -1,0 +1,160 @@
+"""Mean figures of the contact lines, those of ISO/TS 14521 from the true geometry of worm and the wheel that its equal hobs.
+
+Sums over the contact field, each with the weight dA P |b| / |b . v_r1| of an element of the worm's flank: the integral of a figure
+along all contact lines and over the turns of the worm. The force is even along all lines at once, w = F / l; E_red = 2 E / (1 - nu^2)
+of two equal materials and Hertz's p_0^2 = w E_red / (2 pi rho), 2 b_H = 8 p_0 rho / E_red:
+
+    mean(p_0^2) = (16 / pi^2) p_m* T2 E_red / a^3        p_m* = pi / 32 mean(w / rho) a^3 / T2
+    h = 21 h* ...,  h ~ v_n^0.7 rho^0.43 / w^0.13        h* = 1.6 10^2.01 / 21 mean((v_n / (n1 a))^0.7 (rho / a)^0.43 / (w a^2 / T2)^0.13)
+    s = s* p_0 a / E_red = 2 b_H v_g / v_2               s* = 8 mean(rho v_g / v_2) / a
+
+with rho of the gap across the line, v_n the mean velocity of both surfaces across it, v_2 its own over the wheel.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.systems.common.symbol_table import Row
+from gearmesh.systems.worm_drive.build import wheel_hob
+from gearmesh.systems.worm_drive.conjugate import ContactField
+from gearmesh.systems.worm_drive.force_tables import thread_mesh
+
+if TYPE_CHECKING:
+    from gearmesh.kernel.surface.levels import LandLevel
+    from gearmesh.systems.worm_drive.conjugate import ThreadMesh
+    from gearmesh.systems.worm_drive.design import WormDriveDesign
+
+#: points of the field from root to tip and across the face
+GRID = (81, 161)
+#: 1.6 of Dowson and Higginson, powers of ten of the units m^2/N, N s/m^2, 1/min, mm, N/mm^2, Nm, um, and 21 [ISO/TS 14521]
+FILM = 1.6 * 10.0**2.01 / 21.0
+
+
+@dataclass(frozen=True)
+class LoadParameters:
+    """Mean figures of the contact lines: their `length` together (mm), `radius` of equivalent curvature (mm), p_m*, h* and s*;
+    `used`: whether all the field touches, up to no limit where the worm's flank cuts the wheel's away."""
+
+    length: float
+    radius: float
+    pressure: float
+    film: float
+    path: float
+    used: bool
+
+
+def field(design: WormDriveDesign, tip: LandLevel, grid: tuple[int, int] = GRID) -> tuple[ContactField, Array]:
+    """The contact over the teeth, and the weights (n, m) in mm^2 of its points: length of lines by axial way of the thread."""
+    mesh = thread_mesh(design)
+    limits = _radii(design, mesh)
+    p_ends = [mesh.thread.at_radius(radius) for radius in limits]
+    p = np.linspace(*p_ends, grid[0])[:, None] + np.zeros(grid[1])
+    at_start = mesh.thread.section.curve.at(p[:, :1]).c
+    rho = np.hypot(at_start[..., 0], at_start[..., 1])
+    half = 0.5 * design.wheel.face_width
+    across = np.linspace(-1.0, 1.0, grid[1]) * np.minimum(0.999 * rho, (1.0 if mesh.tilt == 0.0 else 1.4) * half)
+    at = mesh.at(p, np.arcsin(across / rho))
+    axial = dot(at.r - np.array([mesh.distance, 0.0, 0.0]), mesh.wheel_axis)
+    out = tip.at(np.clip(axial, -half, half)) - _wheel_radius(mesh, at.r)
+    inside = _share(out) * _share(0.5 * design.worm.length - np.abs(at.r[..., 2]))
+    if mesh.tilt:
+        inside = inside * _share(half - np.abs(axial))
+    # dp and d(angle) of the trapezium rule
+    step = abs(p_ends[1] - p_ends[0]) / (grid[0] - 1) * (across[:, 1:2] - across[:, :1]) / np.sqrt(rho**2 - across**2)
+    ends = [np.where(np.arange(n) % (n - 1) == 0, 0.5, 1.0) for n in grid]
+    rate = mesh.thread.screw * np.linalg.norm(at.b, axis=-1) / np.abs(at.over_worm)
+    return at, inside * step * ends[0][:, None] * ends[1] * rate * at.area
+
+
+def _radii(design: WormDriveDesign, mesh: ThreadMesh) -> tuple[float, float]:
+    """Radii between which the worm's flank can touch the wheel's: from its form point to its tip, or where the hob's flank ends."""
+    thread, spec, m = mesh.thread, design.worm, design.axial_module
+    root = thread.radius - spec.dedendum * m
+    curve = thread.section.curve.at(np.array(thread.root_rounding(root, spec.root_rounding * m).form_point[0]))
+    tip, deep = thread.radius + spec.addendum * m, wheel_hob(design).form_radius - wheel_hob(design).thread.radius
+    return float(np.hypot(curve.c[0], curve.c[1])), min(tip, thread.radius + deep)
+
+
+def _wheel_radius(mesh: ThreadMesh, r: Array) -> Array:
+    """Distances (...,) of points (..., 3) from the wheel's axis."""
+    arm = cross(r - np.array([mesh.distance, 0.0, 0.0]), mesh.wheel_axis)
+    return np.asarray(np.sqrt(dot(arm, arm)))
+
+
+def _share(inside: Array) -> Array:
+    """The part (n, m) of the element around each point of a grid in which a smooth function (n, m) is positive."""
+    width = np.sum([np.abs(slope) for slope in np.gradient(inside)], axis=0)
+    return np.clip(0.5 + inside / np.maximum(width, 1e-300), 0.0, 1.0)
+
+
+def load_parameters(design: WormDriveDesign, tip: LandLevel, grid: tuple[int, int] = GRID) -> LoadParameters:
+    """The mean figures of a complete design in mm, its wheel with this tip."""
+    mesh = thread_mesh(design)
+    at, weight = field(design, tip, grid)
+    bent = at.curvature > 0.0
+    used = bool(bent[weight > 0.0].all())
+    weight = np.where(bent, weight, 0.0)
+    whole, a = float(weight.sum()), mesh.distance
+
+    def mean(figure: Array) -> float:
+        return float((weight * np.where(weight > 0.0, figure, 0.0)).sum()) / whole
+
+    pitch = mesh.thread.axial_pitch
+    arm = dot(cross(at.r - np.array([a, 0.0, 0.0]), at.n), mesh.wheel_axis)
+    load = pitch / float((weight * np.abs(arm)).sum())  # N/mm per N mm of the wheel's torque
+    size = np.linalg.norm(at.b, axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        radius, over_wheel = 1.0 / at.curvature, np.abs(at.over_wheel) / size
+        rolling = 0.5 * np.abs(at.over_worm + at.over_wheel) / size
+        sliding = np.linalg.norm(at.v12, axis=-1)
+        speed = rolling * math.pi / 30.0 / a
+        film = FILM * speed**0.7 * (radius / a) ** 0.43 / (load * a**2 * 1e0) ** 0.13
+        return LoadParameters(
+            length=whole / pitch,
+            radius=1.0 / mean(at.curvature),
+            pressure=math.pi / 32.0 * load * a**3 * mean(at.curvature),
+            film=mean(film),
+            path=8.0 / a * mean(radius * sliding / over_wheel),
+            used=used,
+        )
+
+
+def middle_contact_ratio(design: WormDriveDesign, tip: LandLevel) -> float:
+    """Axial way of the thread over its pitch, from the worm's tip to the wheel's, or to where the worm's flank ends, in the plane
+    of the worm's axis and the common perpendicular."""
+    mesh = thread_mesh(design)
+    low, high = _radii(design, mesh)
+    ends = np.array([mesh.thread.at_radius(radius) for radius in (low, high)])
+
+    def out(p: Array, _: Array) -> Array:
+        r = mesh.at(p, np.zeros_like(p)).r
+        axial = dot(r - np.array([mesh.distance, 0.0, 0.0]), mesh.wheel_axis)
+        return tip.at(axial) - _wheel_radius(mesh, r)
+
+    root = bracketed_root(out, ends[:1], ends[1:])
+    first = root.values if root.converged.all() else ends[:1]
+    shift = mesh.at(np.concatenate((first, ends[1:])), np.zeros(2)).shift
+    return float(abs(shift[1] - shift[0])) / mesh.thread.axial_pitch
+
+
+def contact_rows(design: WormDriveDesign, tip: LandLevel) -> list[Row]:
+    """Rows of the mean figures; none of the field where the worm's flank would cut the wheel's away."""
+    found = load_parameters(design, tip)
+    values = (found.length, found.radius, found.pressure, found.film, found.path)
+    shown = values if found.used else (None,) * len(values)
+    rows = (
+        ("l_m", "mean length of all contact lines together", "mm"),
+        ("rho_m", "mean radius of equivalent curvature", "mm"),
+        ("p_m*", "parameter of the mean Hertzian stress", "-"),
+        ("h*", "parameter of the mean lubricant film thickness", "-"),
+        ("s*", "parameter of the mean sliding path", "-"),
+    )
+    ratio: Row = ("eps_alpha", "contact ratio in the middle plane", "-", (middle_contact_ratio(design, tip),))
+    return [ratio, *((*row, (value,)) for row, value in zip(rows, shown, strict=True))]

@@ -1,0 +1,167 @@
+"""The sheet of a worm drive: symbols and values of ISO 10828 and DIN 3975, backlash, friction, measures and mean contact figures."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.common.symbol_table import Row, Values, table
+from gearmesh.systems.system import Sheet, SheetTable
+from gearmesh.systems.worm_drive.build import nominal_thread, wheel_hob, worm_thread
+from gearmesh.systems.worm_drive.force_tables import MEMBERS, efficiencies, thread_mesh
+from gearmesh.systems.worm_drive.load_parameters import contact_rows
+from gearmesh.systems.worm_drive.thread import ThreadForm, WormThread
+from gearmesh.systems.worm_drive.wires import wire_rows
+
+if TYPE_CHECKING:
+    from gearmesh.systems.worm_drive.design import WormDriveDesign
+    from gearmesh.teeth.gear_train import GearTrain
+
+#: columns of tables of the pair
+PAIR = ("",)
+
+
+def data_sheet(design: WormDriveDesign, train: GearTrain) -> Sheet:
+    """Derived keys, members and axes as of every system, then the tables of a worm drive."""
+    own, plain = design.in_mm(), plain_sheet(design, train)
+    tip = train.members["wheel"].tooth.blank.tip
+    tables = (
+        *plain.tables,
+        table("Pair [ISO 10828, DIN 3975]", PAIR, _pair(own)),
+        table("Worm and wheel [ISO 10828, DIN 3975]", MEMBERS, [*_threads(own), *_diameters(own, float(tip.at(0.0)))]),
+        table("Worm: thickness and over wires", MEMBERS[:1], [*_thickness(own), *wire_rows(own)]),
+        _hob(own),
+        table("Backlash and friction", PAIR, _backlash(own)),
+        table("Contact lines, wheel of a hob of the worm's size", PAIR, contact_rows(own, tip)),
+    )
+    return Sheet(tables, plain.values, plain.replaced, plain.warnings)
+
+
+def _pair(design: WormDriveDesign) -> list[Row]:
+    thread, m = nominal_thread(design), design.axial_module
+    return [
+        ("form", "flank form", "", (design.worm.form,)),
+        ("a", "centre distance", "mm", (design.center_distance,)),
+        ("Sigma", "shaft angle", "deg", (design.shaft_angle,)),
+        ("i", "ratio", "-", (design.wheel.teeth / design.worm.threads,)),
+        ("m_x", "axial module", "mm", (m,)),
+        ("m_n", "normal module", "mm", (m * math.cos(thread.lead_angle),)),
+        ("q", "diameter quotient", "-", (design.reference_diameter / m,)),
+        ("gamma_m", "lead angle", "deg", (math.degrees(thread.lead_angle),)),
+        ("alpha_0", "pressure angle of the tool", "deg", (design.pressure_angle,)),
+        ("alpha_n", "normal pressure angle", "deg", (math.degrees(thread.normal_angle),)),
+        ("v_g / n_1", "sliding speed at d_m1, per speed", "m/s min", (_sliding(thread),)),
+    ]
+
+
+def _sliding(thread: WormThread) -> float:
+    """Sliding speed on the reference cylinder, m/s per 1/min."""
+    return 2.0 * thread.radius * math.pi / (60000.0 * math.cos(thread.lead_angle))
+
+
+def _threads(design: WormDriveDesign) -> list[Row]:
+    thread, worm, m = nominal_thread(design), design.worm, design.axial_module
+    right: Values = ("right" if worm.right_hand else "left",) * 2
+    return [
+        ("z", "threads, teeth", "-", (worm.threads, design.wheel.teeth)),
+        ("hand", "hand", "", right),
+        ("p_x", "axial pitch", "mm", (thread.axial_pitch, None)),
+        ("p_z", "lead", "mm", (thread.axial_pitch * thread.threads, None)),
+        ("h_am", "addendum in the middle plane", "mm", (worm.addendum * m, design.wheel.addendum * m)),
+        ("h_fm", "dedendum", "mm", (worm.dedendum * m, None)),
+        ("x_2", "profile shift", "-", (None, design.wheel.profile_shift)),
+    ]
+
+
+def _diameters(design: WormDriveDesign, tip: float) -> list[Row]:
+    thread, worm, wheel, m = nominal_thread(design), design.worm, design.wheel, design.axial_module
+    hob, d1 = wheel_hob(design), 2.0 * thread.radius
+    tip_1, root_1 = d1 + 2.0 * worm.addendum * m, d1 - 2.0 * worm.dedendum * m
+    root_2 = 2.0 * (hob.distance - hob.tip_radius)
+    base = 2.0 * thread.base_radius if thread.form is ThreadForm.ZI else None
+    throated = wheel.tip_form == "throated"
+    wide = effective_width(0.5 * tip_1, design.center_distance - 0.5 * wheel.outside_diameter)
+    clear = design.center_distance - 0.5 * np.array([tip_1 + root_2, root_1 + 2.0 * tip])
+    return [
+        ("d", "reference diameter", "mm", (d1, wheel.teeth * m)),
+        ("d_m", "mean diameter, 2 a - d_m1 of the wheel", "mm", (d1, 2.0 * design.center_distance - d1)),
+        ("d_a", "tip diameter, in the middle plane", "mm", (tip_1, 2.0 * tip)),
+        ("d_e", "outside diameter", "mm", (None, wheel.outside_diameter)),
+        ("r_k", "throat radius", "mm", (None, wheel.throat_radius if throated else None)),
+        ("d_f", "root diameter, in the middle plane", "mm", (root_1, root_2)),
+        ("d_b", "base diameter, of ZI", "mm", (base, None)),
+        ("b", "length of the thread, face width", "mm", (worm.length, wheel.face_width)),
+        ("b_H", "effective face width", "mm", (None, min(wide, wheel.face_width))),
+        ("c", "tip clearance to the other's root", "mm", (float(clear[0]), float(clear[1]))),
+    ]
+
+
+def effective_width(tip: float, height: float) -> float:
+    """Width (mm) over which the worm's tip cylinder, of radius `tip`, is inside an outside cylinder of the wheel `height` mm over
+    the worm's axis."""
+    return 2.0 * math.sqrt(max(0.0, tip**2 - height**2))
+
+
+def _thickness(design: WormDriveDesign) -> list[Row]:
+    """Of the worm as it is made, backlash included, on the reference cylinder."""
+    thread = worm_thread(design)
+    axial = 2.0 * thread.half_thickness(thread.radius)
+    narrower = math.cos(thread.lead_angle)
+    space = thread.axial_pitch - axial
+    return [
+        ("s_mx", "axial thickness of the thread", "mm", (axial,)),
+        ("e_mx", "axial width of the space", "mm", (space,)),
+        ("s_mn", "normal thickness of the thread", "mm", (axial * narrower,)),
+        ("e_mn", "normal width of the space", "mm", (space * narrower,)),
+    ]
+
+
+def _hob(design: WormDriveDesign) -> SheetTable:
+    hob, thread = wheel_hob(design), nominal_thread(design)
+    made = hob.thread
+    swivel = made.lead_angle - thread.lead_angle
+    rows: list[Row] = [
+        ("z_0", "threads", "-", (made.threads,)),
+        ("m_x0", "axial module", "mm", (made.module,)),
+        ("d_0", "reference diameter", "mm", (2.0 * made.radius,)),
+        ("d_a0", "tip diameter", "mm", (2.0 * hob.tip_radius,)),
+        ("gamma_0", "lead angle", "deg", (math.degrees(made.lead_angle),)),
+        ("s_mx0", "axial thickness of the thread", "mm", (made.thickness,)),
+        ("a_0", "centre distance of cutting", "mm", (hob.distance,)),
+        ("eta_0", "swivel from the worm's axis, gamma_0 - gamma_m", "deg", (math.degrees(swivel),)),
+    ]
+    return table("Wheel: the hob", MEMBERS[1:], rows)
+
+
+def _backlash(design: WormDriveDesign) -> list[Row]:
+    """Of an axial shift by which the worm's flanks part: the wheel turns by it over its reference radius."""
+    thread = worm_thread(design)
+    shift, mesh = 2.0 * thread.thinner, thread_mesh(design)
+    radius = 0.5 * thread.module * design.wheel.teeth
+    steep, angle = thread.lead_angle, thread.normal_angle
+    rows: list[Row] = [
+        ("j_n", "normal backlash", "mm", (design.backlash,)),
+        ("j_x", "axial backlash of the worm", "mm", (shift,)),
+        ("j_t2", "circumferential backlash, at the wheel's reference circle", "mm", (shift,)),
+        ("j_phi2", "angular backlash of the wheel, worm fixed", "deg", (math.degrees(shift / radius),)),
+        ("j_phi1", "angular backlash of the worm, wheel fixed", "deg", (math.degrees(shift / thread.screw),)),
+        ("mu_s", "self-locking from this coefficient of friction on", "-", (math.tan(steep) * math.cos(angle),)),
+        ("rho_s", "its angle of friction", "deg", (math.degrees(math.atan(math.tan(steep) * math.cos(angle))),)),
+    ]
+    if design.friction is None:
+        return rows
+    driving, driven = efficiencies(mesh, design.friction)
+    return [
+        *rows,
+        ("mu", "coefficient of friction, by friction", "-", (design.friction,)),
+        ("rho_z", "angle of friction mu / cos(alpha_n)", "deg", (_friction_angle(design.friction, angle),)),
+        ("eta", "efficiency of the teeth, worm driving", "-", (driving,)),
+        ("eta'", "efficiency of the teeth, wheel driving (none: self-locking)", "-", (driven,)),
+    ]
+
+
+def _friction_angle(friction: float, normal_angle: float) -> float:
+    return math.degrees(math.atan(friction / math.cos(normal_angle)))

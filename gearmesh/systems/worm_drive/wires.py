@@ -1,0 +1,102 @@
+"""The worm over wires: three wires between parallel anvils, each laid in a space along the threads.
+
+A wire that lies free turns until it has no moment about the radius through the middle of the space. The normals of both points of
+contact then meet on its axis there: it touches where a ball of its diameter does, and M = 2 x + D for both, with the ball's centre
+at the radius x in the middle of the space. The flank's parallel surface at D / 2 is the helicoid that the curve c + n D / 2 sweeps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.envelope.helicoid import half_plane
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.symbol_table import Row
+from gearmesh.systems.worm_drive.build import worm_thread
+from gearmesh.systems.worm_drive.thread import WormThread
+
+if TYPE_CHECKING:
+    from gearmesh.systems.worm_drive.design import WormDriveDesign
+
+
+@dataclass(frozen=True)
+class Wires:
+    """Wires of a `diameter` in the spaces of a thread: radius of their centres and of where they touch, measure over them, mm."""
+
+    diameter: float
+    centre: float
+    contact: float
+
+    @property
+    def over(self) -> float:
+        return 2.0 * self.centre + self.diameter
+
+
+def _parallel(thread: WormThread, p: Array, radius: Array) -> tuple[Array, Array]:
+    """Radii (N,) of the flank at p, and the points (N, 2), x and z, at `radius` (N,) over it in the axial section."""
+    at = thread.section.jet(p, np.zeros_like(p))
+    points, _ = half_plane(at.r + radius[:, None] * at.n, at.n, thread.screw)
+    return np.hypot(at.r[:, 0], at.r[:, 1]), points
+
+
+def wires_at(thread: WormThread, radius: float) -> Wires:
+    """The wires that touch at a radius (mm) of the flanks; NaN where none do."""
+    p = np.array([thread.at_radius(radius)])
+
+    def miss(half: Array, index: Array) -> Array:
+        return np.asarray(_parallel(thread, p[index], half)[1][:, 1] - 0.5 * thread.axial_pitch)
+
+    half = bracketed_root(miss, np.zeros(1), np.full(1, thread.axial_pitch)).values
+    centre = float(_parallel(thread, p, half)[1][0, 0])
+    return Wires(2.0 * float(half[0]), centre, radius)
+
+
+def wires_of(thread: WormThread, diameter: float, radii: tuple[float, float]) -> Wires | None:
+    """The wires of a diameter (mm) that touch the flanks between two radii (mm), None where they do not."""
+    ends = np.array([thread.at_radius(radius) for radius in radii])
+    half = np.array([0.5 * diameter])
+
+    def miss(p: Array, _: Array) -> Array:
+        return np.asarray(_parallel(thread, p, half)[1][:, 1] - 0.5 * thread.axial_pitch)
+
+    root = bracketed_root(miss, ends[:1], ends[1:])
+    if not root.converged.all():
+        return None
+    at, points = _parallel(thread, root.values, half)
+    return Wires(diameter, float(points[0, 0]), float(at[0]))
+
+
+def wire_rows(design: WormDriveDesign) -> list[Row]:
+    """The wires of the design, or those that touch the nominal thread on the reference cylinder. Raises DesignError for a wire that
+    does not touch the flanks, or does not stand out of the space or clear its ground."""
+    thread, spec, m = worm_thread(design), design.worm, design.axial_module
+    tip, root = thread.radius + spec.addendum * m, thread.radius - spec.dedendum * m
+    curve = thread.section.curve.at(np.array(thread.root_rounding(root, spec.root_rounding * m).form_point[0]))
+    flank = (float(np.hypot(curve.c[0], curve.c[1])), tip)
+    if spec.wire_diameter is None:
+        wires: Wires | None = wires_at(thread, thread.radius)
+    else:
+        wires = wires_of(thread, spec.wire_diameter, flank)
+        if wires is None or wires.over < 2.0 * tip or wires.centre - 0.5 * wires.diameter < root:
+            fit = [at for at in (wires_at(thread, radius) for radius in np.linspace(*flank, 65)) if at.over >= 2.0 * tip]
+            fit = [at for at in fit if at.centre - 0.5 * at.diameter >= root]
+            raise DesignError(
+                "worm.wire_diameter",
+                spec.wire_diameter,
+                unit="mm",
+                reason="does not touch both flanks of a space, or does not stand out of it",
+                allowed=f"from {at_least(fit[0].diameter)} to {at_most(fit[-1].diameter)} mm" if fit else "none, no wire does",
+            )
+    fits = wires is not None and wires.over >= 2.0 * tip and wires.centre - 0.5 * wires.diameter >= root
+    given = (wires.diameter, wires.over, 2.0 * wires.contact) if wires is not None and fits else (None,) * 3
+    return [
+        ("D_M", "diameter of the wires", "mm", (given[0],)),
+        ("M_d", "diameter over three wires or two balls", "mm", (given[1],)),
+        ("d_MK", "diameter where wires or balls touch", "mm", (given[2],)),
+    ]
