@@ -24,7 +24,7 @@ from gearmesh.systems.worm_drive.thread import WormThread
 class ContactField:
     """Points of contact and what they say of their lines, all per rad/s of the worm: `r`, unit normals `n` out of the worm, velocity
     `v12` of the worm's flank over the wheel's, `b` as above (..., 3); `shift`: s (mm); `over_worm`, `over_wheel`: b . v_r1,
-    b . v_r2; `area`: of the flank, per dp dv."""
+    b . v_r2; `over_thread`: the same over a thread that slides and does not turn; `area`: of the flank, per dp dv."""
 
     r: Array
     n: Array
@@ -33,6 +33,7 @@ class ContactField:
     shift: Array
     over_worm: Array
     over_wheel: Array
+    over_thread: Array
     area: Array
 
     @property
@@ -80,7 +81,8 @@ class ThreadMesh:
         bent = along_u[..., None] * jet.n_u + along_v[..., None] * jet.n_v
         b = cross(w12, n) - bent
         over_worm = dot(cross(w1, n), v12) + dot(n, cross(w12, v1))
-        return ContactField(r, n, v12, b, shift, over_worm, over_worm + dot(b, v12), np.sqrt(area))
+        over_thread = over_worm + dot(b, v1 - flank.screw * AXIS)
+        return ContactField(r, n, v12, b, shift, over_worm, over_worm + dot(b, v12), over_thread, np.sqrt(area))
 
     def at_reference(self) -> ContactField:
         """The contact on the worm's reference cylinder in the plane of the common perpendicular and the worm's axis: arrays (3,)."""

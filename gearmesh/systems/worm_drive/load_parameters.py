@@ -1,7 +1,7 @@
 """Mean figures of the contact lines, those of ISO/TS 14521 from the true geometry of worm and the wheel that its equal hobs.
 
-Sums over the contact field, each with the weight dA P |b| / |b . v_r1| of an element of the worm's flank: the integral of a figure
-along all contact lines and over the turns of the worm. The force is even along all lines at once, w = F / l; E_red = 2 E / (1 - nu^2)
+Sums over the contact field, each with the weight dA P |b| / |b . v_r| of an element of the flank of a thread that slides: the
+integral of a figure along all contact lines and over the way of the thread. The force is even along all lines at once, w = F / l; E_red = 2 E / (1 - nu^2)
 of two equal materials and Hertz's p_0^2 = w E_red / (2 pi rho), 2 b_H = 8 p_0 rho / E_red:
 
     mean(p_0^2) = (16 / pi^2) p_m* T2 E_red / a^3        p_m* = pi / 32 mean(w / rho) a^3 / T2
@@ -69,7 +69,7 @@ def field(design: WormDriveDesign, tip: LandLevel, grid: tuple[int, int] = GRID)
     # dp and d(angle) of the trapezium rule
     step = abs(p_ends[1] - p_ends[0]) / (grid[0] - 1) * (across[:, 1:2] - across[:, :1]) / np.sqrt(rho**2 - across**2)
     ends = [np.where(np.arange(n) % (n - 1) == 0, 0.5, 1.0) for n in grid]
-    rate = mesh.thread.screw * np.linalg.norm(at.b, axis=-1) / np.abs(at.over_worm)
+    rate = mesh.thread.screw * np.linalg.norm(at.b, axis=-1) / np.abs(at.over_thread)
     return at, inside * step * ends[0][:, None] * ends[1] * rate * at.area
 
 
@@ -115,7 +115,7 @@ def load_parameters(design: WormDriveDesign, tip: LandLevel, grid: tuple[int, in
         rolling = 0.5 * np.abs(at.over_worm + at.over_wheel) / size
         sliding = np.linalg.norm(at.v12, axis=-1)
         speed = rolling * math.pi / 30.0 / a
-        film = FILM * speed**0.7 * (radius / a) ** 0.43 / (load * a**2 * 1e0) ** 0.13
+        film = FILM * speed**0.7 * (radius / a) ** 0.43 / (load * a**2) ** 0.13
         return LoadParameters(
             length=whole / pitch,
             radius=1.0 / mean(at.curvature),
