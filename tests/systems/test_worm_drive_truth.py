@@ -72,7 +72,7 @@ def test_zn_is_straight_across_the_helix(section: str, middle: float) -> None:
         points = []
         for p in heights(thread):
 
-            def off_plane(v: float, p: float = p) -> float:
+            def off_plane(v: float, p: float = p, flank: Surface = flank, lift: Array = lift) -> float:
                 return float((flank.jet(np.array(p), np.array(v)).r + lift - centre) @ tangent)
 
             v = brentq(off_plane, -0.5, 0.5, xtol=1e-15)

@@ -1,8 +1,9 @@
 """The contact of a worm's flank with the flank that it generates, in closed form: where all its contact lines lie.
 
-Frame: fixed, the worm's axis z, the wheel's through (a, 0, 0). A thread that turns is one that slides along its axis, so that the
-points at (p, v) of its flank r(p, v) touch at r + s e_z, with s linear in the equation of meshing n . v12 = 0, v12 = v1 - v2. With W
-the shape operator of the worm's flank (dn = W dr) and b = w12 x n - W v12, the contact moves over the wheel's flank by v_r2:
+Frame: fixed, the worm's axis z, the wheel's through (a, 0, 0). A thread that turns is one that slides along its axis,
+so that the points at (p, v) of its flank r(p, v) touch at r + s e_z, with s linear in the equation of meshing n . v12
+= 0, v12 = v1 - v2. With W the shape operator of the worm's flank (dn = W dr) and b = w12 x n - W v12, the contact
+moves over the wheel's flank by v_r2:
 
     b . v_r1 = (w1 x n) . v12 + n . (w12 x v1),   b . v_r2 = b . v_r1 + b . v12,   W2 - W1 = b b^T / (b . v_r2)  [LF04 8.4]
 
@@ -22,9 +23,10 @@ from gearmesh.systems.worm_drive.thread import WormThread
 
 @dataclass(frozen=True)
 class ContactField:
-    """Points of contact and what they say of their lines, all per rad/s of the worm: `r`, unit normals `n` out of the worm, velocity
-    `v12` of the worm's flank over the wheel's, `b` as above (..., 3); `shift`: s (mm); `over_worm`, `over_wheel`: b . v_r1,
-    b . v_r2; `over_thread`: the same over a thread that slides and does not turn; `area`: of the flank, per dp dv."""
+    """Points of contact and what they say of their lines, all per rad/s of the worm: `r`, unit normals `n` out of the
+    worm, velocity `v12` of the worm's flank over the wheel's, `b` as above (..., 3); `shift`: s (mm); `over_worm`,
+    `over_wheel`: b . v_r1, b . v_r2; `over_thread`: the same over a thread that slides and does not turn; `area`: of
+    the flank, per dp dv."""
 
     r: Array
     n: Array
@@ -85,5 +87,5 @@ class ThreadMesh:
         return ContactField(r, n, v12, b, shift, over_worm, over_worm + dot(b, v12), over_thread, np.sqrt(area))
 
     def at_reference(self) -> ContactField:
-        """The contact on the worm's reference cylinder in the plane of the common perpendicular and the worm's axis: arrays (3,)."""
+        """The contact on the worm's reference cylinder, in the plane of common perpendicular and worm axis: arrays (3,)."""
         return self.at(np.array(self.thread.at_radius(self.thread.radius)), np.array(0.0))

@@ -99,13 +99,13 @@ def pair_forces(design: WormDriveDesign, torque: float, speed: float | None) -> 
             words = "power, with the losses of this contact"
             at = (driving * turning, driven * turning / ratio)
             rows[-2] = ("P", words, "kW", tuple(1e-6 * normal * power for power in at))
-    words = {
+    names = {
         "F_t": "tangential",
         "F_r": "radial, > 0 towards the own axis",
         "F_a": "axial, > 0 along the own z",
     }
     rows += [
-        (symbol, words[symbol], "N", tuple(normal * part for part in both)) for symbol, both in forces.parts.items()
+        (symbol, names[symbol], "N", tuple(normal * part for part in both)) for symbol, both in forces.parts.items()
     ]
     drag: Row = ("F_n", "normal to the flanks", "N", (normal, normal))
     title = f"Forces for {torque:g} Nm on the worm, its {flank.value} flanks driving"

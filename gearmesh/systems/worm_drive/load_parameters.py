@@ -1,11 +1,12 @@
 """Mean figures of the contact lines, those of ISO/TS 14521 from the true geometry of worm and the wheel that its equal hobs.
 
 Sums over the contact field, each with the weight dA P |b| / |b . v_r| of an element of the flank of a thread that slides: the
-integral of a figure along all contact lines and over the way of the thread. The force is even along all lines at once, w = F / l; E_red = 2 E / (1 - nu^2)
-of two equal materials and Hertz's p_0^2 = w E_red / (2 pi rho), 2 b_H = 8 p_0 rho / E_red:
+integral of a figure along all contact lines and over the way of the thread. The force is even along all lines at once, w = F / l;
+E_red = 2 E / (1 - nu^2) of two equal materials and Hertz's p_0^2 = w E_red / (2 pi rho), 2 b_H = 8 p_0 rho / E_red:
 
     mean(p_0^2) = (16 / pi^2) p_m* T2 E_red / a^3        p_m* = pi / 32 mean(w / rho) a^3 / T2
-    h = 21 h* ...,  h ~ v_n^0.7 rho^0.43 / w^0.13        h* = 1.6 10^2.01 / 21 mean((v_n / (n1 a))^0.7 (rho / a)^0.43 / (w a^2 / T2)^0.13)
+    h = 21 h* ...,  h ~ v_n^0.7 rho^0.43 / w^0.13
+                                     h* = 1.6 10^2.01 / 21 mean((v_n / (n1 a))^0.7 (rho / a)^0.43 / (w a^2 / T2)^0.13)
     s = s* p_0 a / E_red = 2 b_H v_g / v_2               s* = 8 mean(rho v_g / v_2) / a
 
 with rho of the gap across the line, v_n the mean velocity of both surfaces across it, v_2 its own over the wheel.
@@ -18,6 +19,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.numeric.roots import bracketed_root
@@ -54,8 +56,8 @@ def field(design: WormDriveDesign, tip: LandLevel, grid: tuple[int, int] = GRID)
     """The contact over the teeth, and the weights (n, m) in mm^2 of its points: length of lines by axial way of the thread."""
     mesh = thread_mesh(design)
     limits = _radii(design, mesh)
-    p_ends = [mesh.thread.at_radius(radius) for radius in limits]
-    p = np.linspace(*p_ends, grid[0])[:, None] + np.zeros(grid[1])
+    p_ends = mesh.thread.at_radius(limits[0]), mesh.thread.at_radius(limits[1])
+    p = np.linspace(p_ends[0], p_ends[1], grid[0])[:, None] + np.zeros(grid[1])
     at_start = mesh.thread.section.curve.at(p[:, :1]).c
     rho = np.hypot(at_start[..., 0], at_start[..., 1])
     half = 0.5 * design.wheel.face_width
@@ -91,7 +93,7 @@ def _wheel_radius(mesh: ThreadMesh, r: Array) -> Array:
 def _share(inside: Array) -> Array:
     """The part (n, m) of the element around each point of a grid in which a smooth function (n, m) is positive."""
     width = np.sum([np.abs(slope) for slope in np.gradient(inside)], axis=0)
-    return np.clip(0.5 + inside / np.maximum(width, 1e-300), 0.0, 1.0)
+    return np.asarray(np.clip(0.5 + inside / np.maximum(width, 1e-300), 0.0, 1.0))
 
 
 def load_parameters(design: WormDriveDesign, tip: LandLevel, grid: tuple[int, int] = GRID) -> LoadParameters:
@@ -133,7 +135,7 @@ def middle_contact_ratio(design: WormDriveDesign, tip: LandLevel) -> float:
     low, high = _radii(design, mesh)
     ends = np.array([mesh.thread.at_radius(radius) for radius in (low, high)])
 
-    def out(p: Array, _: Array) -> Array:
+    def out(p: Array, _: NDArray[np.intp]) -> Array:
         r = mesh.at(p, np.zeros_like(p)).r
         axial = dot(r - np.array([mesh.distance, 0.0, 0.0]), mesh.wheel_axis)
         return tip.at(axial) - _wheel_radius(mesh, r)

@@ -1,4 +1,4 @@
-"""The sheet of a worm drive: symbols and values of ISO 10828 and DIN 3975, backlash, friction, measures and mean contact figures."""
+"""The sheet of a worm drive: symbols and values of ISO 10828 and DIN 3975, backlash, friction, measures, mean contact figures."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _diameters(design: WormDriveDesign, tip: float) -> list[Row]:
         ("d", "reference diameter", "mm", (d1, wheel.teeth * m)),
         ("d_m", "mean diameter, 2 a - d_m1 of the wheel", "mm", (d1, 2.0 * design.center_distance - d1)),
         ("d_a", "tip diameter, in the middle plane", "mm", (tip_1, 2.0 * tip)),
-        ("d_e", "outside diameter", "mm", (None, wheel.outside_diameter)),
+        ("d_e", "outside diameter", "mm", (tip_1, wheel.outside_diameter)),
         ("r_k", "throat radius", "mm", (None, wheel.throat_radius if throated else None)),
         ("d_f", "root diameter, in the middle plane", "mm", (root_1, root_2)),
         ("d_b", "base diameter, of ZI", "mm", (base, None)),
@@ -124,14 +124,14 @@ def _hob(design: WormDriveDesign) -> SheetTable:
     made = hob.thread
     swivel = made.lead_angle - thread.lead_angle
     rows: list[Row] = [
-        ("z_0", "threads", "-", (made.threads,)),
-        ("m_x0", "axial module", "mm", (made.module,)),
-        ("d_0", "reference diameter", "mm", (2.0 * made.radius,)),
-        ("d_a0", "tip diameter", "mm", (2.0 * hob.tip_radius,)),
-        ("gamma_0", "lead angle", "deg", (math.degrees(made.lead_angle),)),
-        ("s_mx0", "axial thickness of the thread", "mm", (made.thickness,)),
+        ("z_0", "threads of the hob", "-", (made.threads,)),
+        ("m_x0", "axial module of the hob", "mm", (made.module,)),
+        ("d_0", "reference diameter of the hob", "mm", (2.0 * made.radius,)),
+        ("d_a0", "tip diameter of the hob", "mm", (2.0 * hob.tip_radius,)),
+        ("gamma_0", "lead angle of the hob", "deg", (math.degrees(made.lead_angle),)),
+        ("s_mx0", "axial thickness of its thread", "mm", (made.thickness,)),
         ("a_0", "centre distance of cutting", "mm", (hob.distance,)),
-        ("eta_0", "swivel from the worm's axis, gamma_0 - gamma_m", "deg", (math.degrees(swivel),)),
+        ("eta_0", "swivel of the hob, gamma_0 - gamma_m", "deg", (math.degrees(swivel),)),
     ]
     return table("Wheel: the hob", MEMBERS[1:], rows)
 

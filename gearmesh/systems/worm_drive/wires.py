@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.helicoid import half_plane
@@ -49,7 +50,7 @@ def wires_at(thread: WormThread, radius: float) -> Wires:
     """The wires that touch at a radius (mm) of the flanks; NaN where none do."""
     p = np.array([thread.at_radius(radius)])
 
-    def miss(half: Array, index: Array) -> Array:
+    def miss(half: Array, index: NDArray[np.intp]) -> Array:
         return np.asarray(_parallel(thread, p[index], half)[1][:, 1] - 0.5 * thread.axial_pitch)
 
     half = bracketed_root(miss, np.zeros(1), np.full(1, thread.axial_pitch)).values
@@ -62,7 +63,7 @@ def wires_of(thread: WormThread, diameter: float, radii: tuple[float, float]) ->
     ends = np.array([thread.at_radius(radius) for radius in radii])
     half = np.array([0.5 * diameter])
 
-    def miss(p: Array, _: Array) -> Array:
+    def miss(p: Array, _: NDArray[np.intp]) -> Array:
         return np.asarray(_parallel(thread, p, half)[1][:, 1] - 0.5 * thread.axial_pitch)
 
     root = bracketed_root(miss, ends[:1], ends[1:])
@@ -84,14 +85,18 @@ def wire_rows(design: WormDriveDesign) -> list[Row]:
     else:
         wires = wires_of(thread, spec.wire_diameter, flank)
         if wires is None or wires.over < 2.0 * tip or wires.centre - 0.5 * wires.diameter < root:
-            fit = [at for at in (wires_at(thread, radius) for radius in np.linspace(*flank, 65)) if at.over >= 2.0 * tip]
+            fit = [
+                at for at in (wires_at(thread, radius) for radius in np.linspace(*flank, 65)) if at.over >= 2.0 * tip
+            ]
             fit = [at for at in fit if at.centre - 0.5 * at.diameter >= root]
             raise DesignError(
                 "worm.wire_diameter",
                 spec.wire_diameter,
                 unit="mm",
                 reason="does not touch both flanks of a space, or does not stand out of it",
-                allowed=f"from {at_least(fit[0].diameter)} to {at_most(fit[-1].diameter)} mm" if fit else "none, no wire does",
+                allowed=f"from {at_least(fit[0].diameter)} to {at_most(fit[-1].diameter)} mm"
+                if fit
+                else "none, no wire does",
             )
     fits = wires is not None and wires.over >= 2.0 * tip and wires.centre - 0.5 * wires.diameter >= root
     given = (wires.diameter, wires.over, 2.0 * wires.contact) if wires is not None and fits else (None,) * 3

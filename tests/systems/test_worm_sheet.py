@@ -1,0 +1,190 @@
+"""The sheet of worm drives: hand-made figures, wires against closed form and brute force, forces, contact lines of the solver."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, minimize, minimize_scalar
+
+import gearmesh as gm
+from gearmesh.contact.flanks import separation_curvatures
+from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.worm_drive.build import worm_thread
+from gearmesh.systems.worm_drive.design import WormDriveDesign
+from gearmesh.systems.worm_drive.force_tables import pair_forces, thread_mesh
+from gearmesh.systems.worm_drive.load_parameters import field
+
+TORQUE, SPEED = 100.0, 1500.0
+
+
+def gears_of(**more: Any) -> gm.Gears:
+    """a = 125, i = 38 / 2; keys of members are added to theirs."""
+    keys: dict[str, Any] = {"kind": "worm_drive", "module": 5, "center_distance": 125}
+    keys |= {"worm": {"threads": 2, "reference_diameter": 60, "length": 100}, "wheel": {"teeth": 38}}
+    for name, value in more.items():
+        keys[name] = {**keys.get(name, {}), **value} if isinstance(value, dict) else value
+    return gm.build(gm.parse(keys))
+
+
+def sheet_of(gears: gm.Gears) -> dict[str, Any]:
+    """Symbol -> values of the rows of the sheet, those of one column alone."""
+    rows = {}
+    for table in gears.sheet().tables:
+        for symbol, row in zip(table.symbols, table.rows, strict=False):
+            rows.setdefault(symbol, row[2:] if len(row) > 3 else row[2])
+    return rows
+
+
+def own_of(gears: gm.Gears) -> WormDriveDesign:
+    design = gears.design
+    assert isinstance(design, WormDriveDesign)
+    return design.in_mm()
+
+
+def test_figures_are_those_of_the_hand() -> None:
+    """d1 = 60, q = 12, gamma = atan(1/6); a hob of 66 mm with sin(gamma0) = m_n z / d0, 3 mm farther away; x2 = 0.2 by a = 126."""
+    sheet = sheet_of(gears_of(center_distance=126, backlash=0.1, friction=0.05, hob={"reference_diameter": 66}))
+    gamma, alpha = math.atan(1.0 / 6.0), math.radians(20.0)
+    normal = 5.0 * math.cos(gamma)
+    assert (sheet["q"], sheet["i"], sheet["m_x"]) == (12.0, 19.0, 5.0)
+    assert sheet["gamma_m"] == pytest.approx(math.degrees(gamma), abs=1e-8)
+    assert sheet["m_n"] == pytest.approx(normal, abs=1e-8)
+    assert sheet["p_x"][0] * 2 == pytest.approx(sheet["p_z"][0]) == pytest.approx(10.0 * math.pi)
+    assert sheet["d"] == pytest.approx((60.0, 190.0))
+    assert sheet["d_m"] == pytest.approx((60.0, 192.0))
+    assert sheet["d_a"] == pytest.approx((70.0, 202.0))
+    assert sheet["d_f"] == pytest.approx((48.0, 2.0 * (129.0 - 39.0)))
+    assert sheet["d_e"][1] == pytest.approx(207.0)
+    assert sheet["c"] == pytest.approx((126.0 - 35.0 - 90.0, 126.0 - 24.0 - 101.0))
+    base = 60.0 * math.cos(math.atan(math.tan(alpha) / math.sin(gamma)))
+    assert sheet["d_b"][0] == pytest.approx(base, abs=1e-8)
+    assert sheet["gamma_0"] == pytest.approx(math.degrees(math.asin(normal * 2.0 / 66.0)), abs=1e-8)
+    assert (sheet["a_0"], sheet["d_a0"]) == pytest.approx((129.0, 78.0))
+    thin = 0.1 / (math.cos(gamma) * math.cos(alpha))
+    assert sheet["s_mx"] == pytest.approx(2.5 * math.pi - thin, abs=1e-8)
+    assert sheet["j_phi2"] == pytest.approx(math.degrees(thin / 95.0), abs=1e-8)
+    assert sheet["mu_s"] == pytest.approx(math.tan(gamma) * math.cos(alpha), abs=1e-8)
+    assert sheet["v_g / n_1"] == pytest.approx(60.0 * math.pi / 60000.0 / math.cos(gamma), abs=1e-8)
+    # x2 moves the point of contact out of the common perpendicular; without it this is tan(gamma) / tan(gamma + rho)
+    assert sheet_of(gears_of(friction=0.05))["eta"] == pytest.approx(
+        math.tan(gamma) / math.tan(gamma + math.atan(0.05 / math.cos(alpha))), abs=1e-8
+    )
+
+
+def test_angular_backlash_is_the_way_from_flank_to_flank() -> None:
+    """Threads of the other flank's contact are an axial way j_x away where those without backlash are not."""
+    ways = []
+    for backlash in (0.0, 0.1):
+        made = [gears_of(backlash=backlash, contact={"flank": flank}) for flank in ("right", "left")]
+        first, second = (thread_mesh(own_of(gears)).at_reference() for gears in made)
+        ways.append(second.shift - first.shift)
+    sheet = sheet_of(made[0])
+    assert abs(ways[1] - ways[0]) == pytest.approx(sheet["j_x"], abs=1e-9)
+
+
+def test_wires_are_the_balls_of_a_helical_gear() -> None:
+    """ZI: inv(alpha_K) = inv(alpha_t) + D / (z m_n cos(alpha_n)) - half the angle of the thread's thickness, of z = 2."""
+    made = gears_of(backlash=0.2, worm={"wire_diameter": 8.3, "right_hand": False})
+    sheet, gamma, alpha = sheet_of(made), math.atan(1.0 / 6.0), math.radians(20.0)
+    transverse = math.atan(math.tan(alpha) / math.sin(gamma))
+    space = (5.0 * math.pi - sheet["s_mx"]) / 10.0
+    angle = math.tan(transverse) - transverse - space
+    angle += 8.3 / (2.0 * 5.0 * math.cos(gamma) * math.cos(alpha))
+    at = brentq(lambda a: math.tan(a) - a - angle, 0.1, 1.55, xtol=1e-15)
+    assert sheet["M_d"] == pytest.approx(60.0 * math.cos(transverse) / math.cos(at) + 8.3, abs=1e-8)
+    with pytest.raises(DesignError, match=r"worm\.wire_diameter = 3 mm: .*allowed is from 7"):
+        gears_of(worm={"wire_diameter": 3.0}).sheet()
+
+
+def test_a_wire_lies_in_the_space_of_a_za_worm() -> None:
+    """By brute force: the ball of its centre is as near to the flank as its radius, and a wire that is free to turn, and lies as
+    low as it can, has the same height, at about the lead angle."""
+    made = gears_of(worm={"form": "ZA", "threads": 4})
+    sheet, thread = sheet_of(made), worm_thread(own_of(made))
+    half = 0.5 * sheet["D_M"]
+    centre = np.array([0.5 * (sheet["M_d"] - sheet["D_M"]), 0.0, 0.5 * thread.axial_pitch])
+    flank = thread.flank(1)
+
+    def away(x: Array) -> float:
+        return float(np.linalg.norm(flank.jet(np.array(x[0]), np.array(x[1])).r - centre))
+
+    nearest = minimize(away, [0.0, 0.0], method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-13})
+    assert nearest.fun == pytest.approx(half, abs=1e-8)
+    p, v = np.meshgrid(np.linspace(-4.0, 4.0, 801), np.linspace(-0.4, 0.4, 801), indexing="ij")
+    r = flank.jet(p, v).r - [0.0, 0.0, centre[2]]
+
+    def height(tilt: float) -> float:
+        """Of the axis of the wire over that of the worm: it clears all points of the flank."""
+        beside = -np.sin(tilt) * r[..., 1] + np.cos(tilt) * r[..., 2]
+        return float((r[..., 0] + np.sqrt(np.maximum(half**2 - beside**2, 0.0)))[np.abs(beside) < half].max())
+
+    lowest = minimize_scalar(height, bounds=(0.5 * thread.lead_angle, 2.0 * thread.lead_angle), method="bounded")
+    assert lowest.fun == pytest.approx(centre[0], abs=1e-4)
+
+
+@pytest.mark.parametrize("hand", [True, False])
+def test_forces_are_those_of_the_exact_normals(hand: bool) -> None:
+    """An involute worm and an oversized hob: every point of contact has the same normal, that of the pitch point."""
+    gears = gears_of(worm={"right_hand": hand}, hob={"reference_diameter": 63})
+    (table,) = pair_forces(own_of(gears), TORQUE, SPEED)
+    rows = {symbol: row[2:] for symbol, row in zip(table.symbols, table.rows, strict=True)}
+    path = gears.contact(np.linspace(-3.0, 3.0, 7), cycle=False).path
+    on_flanks = path.kind == "point"
+    assert on_flanks.sum() >= 2
+    first, second = gears.pairs[0].mounts
+    between = np.array([1.0, 0.0, 0.0])
+    for point, normal in zip(path.point[on_flanks], -path.normal[on_flanks], strict=True):
+        force = normal * 1e3 * TORQUE / abs(np.cross(point - first.origin, normal) @ first.axis)
+        for k, (sign, mount) in enumerate(((1.0, first), (-1.0, second))):
+            on = sign * force
+            assert abs(on @ np.cross(mount.axis, between)) == pytest.approx(rows["F_t"][k], rel=1e-9)
+            assert on @ mount.axis == pytest.approx(rows["F_a"][k], rel=1e-9)
+            assert -sign * (on @ between) == pytest.approx(rows["F_r"][k], rel=1e-9)
+        assert np.linalg.norm(force) == pytest.approx(rows["F_n"][0], rel=1e-9)
+        moment = np.cross(point - second.origin, -force) @ second.axis
+        assert abs(moment) == pytest.approx(1e3 * rows["T"][1], rel=1e-9)
+
+
+@pytest.mark.parametrize("friction", [None, 0.06])
+def test_what_goes_in_comes_out_or_slides(friction: float | None) -> None:
+    """ZK, profile shift, axes at 80 deg: the moments of the forces have the ratio's power, but for friction along the sliding."""
+    gears = gears_of(worm={"form": "ZK", "right_hand": False}, center_distance=127, shaft_angle=80, friction=friction)
+    (table,) = pair_forces(own_of(gears), TORQUE, SPEED)
+    rows = {symbol: row[2:] for symbol, row in zip(table.symbols, table.rows, strict=True)}
+    lost = 1e-3 * (friction or 0.0) * rows["F_n"][0] * rows["v_g"][0]
+    turning = SPEED * math.pi / 3e4
+    assert rows["T"][1] * turning / 19.0 + lost == pytest.approx(TORQUE * turning, rel=1e-9)
+    assert rows["P"] == pytest.approx((TORQUE * turning, TORQUE * turning - lost), rel=1e-9)
+
+
+@pytest.mark.parametrize("form", ["ZI", "ZK"])
+def test_contact_lines_are_those_of_the_solver(form: str) -> None:
+    """Place, normal and curvature of the gap, from both built surfaces, and the weight of a line."""
+    gears = gears_of(worm={"form": form}, center_distance=126)
+    own = own_of(gears)
+    path = gears.contact(np.linspace(-4.0, 4.0, 17), cycle=False).path
+    on = path.kind == "line"
+    assert on.sum() >= 5
+    mesh = thread_mesh(own)
+    angle = np.arctan2(path.point[on, 1], path.point[on, 0])
+    at = mesh.at(path.params1[on, 0], angle)
+    np.testing.assert_allclose(at.r, path.point[on], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(at.n, path.normal[on], rtol=0, atol=1e-9)
+    kappa = separation_curvatures(gears.pairs[0], path)[on]
+    np.testing.assert_allclose(at.curvature, kappa[:, 1], rtol=1e-6)
+    # the field has a line's length by the way of a thread that slides: the gradient of the shift on its flank
+    p, step = path.params1[on, 0], 1e-5
+    ends = [(mesh.at(p + step, angle), mesh.at(p - step, angle)), (mesh.at(p, angle + step), mesh.at(p, angle - step))]
+    way = np.array([[0.0, 0.0, 1.0]])
+    along = np.stack([(a.r - a.shift[:, None] * way - b.r + b.shift[:, None] * way) / (2.0 * step) for a, b in ends], 1)
+    rise = np.stack([(a.shift - b.shift) / (2.0 * step) for a, b in ends], 1)
+    slope = np.einsum("pk,pkx->px", np.linalg.solve(along @ along.mT, rise[..., None])[..., 0], along)
+    rate = mesh.thread.screw * np.linalg.norm(at.b, axis=-1) / np.abs(at.over_thread)
+    np.testing.assert_allclose(np.linalg.norm(slope, axis=-1), rate, rtol=1e-6)
+    tip = gears.members["wheel"].tooth.blank.tip
+    coarse, fine = (float(field(own, tip, grid)[1].sum()) for grid in ((41, 81), (81, 161)))
+    assert coarse == pytest.approx(fine, rel=1e-3)
