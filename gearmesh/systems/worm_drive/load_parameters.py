@@ -148,9 +148,9 @@ def middle_contact_ratio(design: WormDriveDesign, tip: LandLevel) -> float:
 
 def contact_rows(design: WormDriveDesign, tip: LandLevel) -> list[Row]:
     """Rows of the mean figures; none of the field where the worm's flank would cut the wheel's away."""
-    found = load_parameters(design, tip)
-    values = (found.length, found.radius, found.pressure, found.film, found.path)
-    shown = values if found.used else (None,) * len(values)
+    means = load_parameters(design, tip)
+    values = (means.length, means.radius, means.pressure, means.film, means.path)
+    shown = values if means.used else (None,) * len(values)
     rows = (
         ("l_m", "mean length of all contact lines together", "mm"),
         ("rho_m", "mean radius of equivalent curvature", "mm"),
