@@ -369,6 +369,37 @@ def face_gear(dice: Dice, m: float) -> Keys:
     }
 
 
+def worm_drive(dice: Dice, m: float) -> Keys:
+    threads, quotient = dice.count((1, 4), (1, 6)), dice.between((8.0, 16.0), (6.0, 20.0))
+    worm: Keys = {
+        "threads": threads,
+        "form": dice.one_of("ZA", "ZN", "ZI", "ZK", "ZC"),
+        "right_hand": dice.chance(0.7),
+        "quotient": quotient,
+    }
+    wheel: Keys = {"teeth": dice.count((28, 60), (20, 80))}
+    if worm["form"] == "ZC":
+        wheel["profile_shift"] = dice.between((0.4, 0.9), (0.0, 1.2))
+    elif dice.chance(0.4):
+        wheel["profile_shift"] = dice.between((-0.3, 0.5), (-0.7, 1.0))
+    if dice.chance(0.2):
+        wheel["tip_form"] = "cylindrical"
+    if dice.chance(0.3):
+        wheel["face_width"] = float(f"{m * (quotient + 2.0) * dice.between((0.5, 0.72), (0.3, 0.9)):.4g}")
+    keys: Keys = {
+        "pressure_angle": dice.one_of(20, dice.between((15.0, 25.0), (12.0, 30.0))),
+        "backlash": dice.one_of(0.0, float(f"{m * dice.between((0.01, 0.05), (0.0, 0.1)):.3g}")),
+        "worm": worm,
+        "wheel": wheel,
+        "assembly": dice.errors(da=(0.02, 0.2), dz1=(0.1, 1.0), dz2=(0.1, 1.0), d_sigma=(0.05, 0.5)),
+    }
+    if dice.chance(0.6):
+        keys["hob"] = {"reference_diameter": float(f"{m * quotient * dice.between((1.02, 1.08), (1.0, 1.2)):.5g}")}
+    if dice.chance(0.2):
+        keys["shaft_angle"] = dice.between((80.0, 100.0), (60.0, 120.0))
+    return keys
+
+
 KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
     "cylindrical": cylindrical,
     "planetary": planetary,
@@ -381,4 +412,5 @@ KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
     "hypoid": hypoid,
     "spiral_bevel_conjugate": spiral_bevel_conjugate,
     "face_gear": face_gear,
+    "worm_drive": worm_drive,
 }
