@@ -49,9 +49,8 @@ TOOLS = {
 
 def build(design: WormDriveDesign) -> GearTrain:
     """The pair of a worm drive design (in mm). Raises DesignError naming key, value and limit."""
-    thread = worm_thread(design)
-    worm, wheel = _worm(design, thread), _wheel(design)
-    first, second = _mounts(design, thread)
+    worm, wheel = _worm(design), _wheel(design)
+    first, second = _mounts(design)
     flank = Side(design.contact.flank)
     # a left-hand drive is the mirror image in the plane across the worm: the wheel's sides change places
     beside = flank if design.worm.right_hand else flank.other
@@ -66,23 +65,24 @@ def build(design: WormDriveDesign) -> GearTrain:
     return GearTrain(design.kind, (pair,))
 
 
-def worm_thread(design: WormDriveDesign) -> WormThread:
-    """The worm's thread, thinner by the backlash."""
-    nominal = nominal_thread(design)
+def worm_thread(design: WormDriveDesign, side: int = 0) -> WormThread:
+    """The worm's thread, thinner by the backlash; of its right (+1) or left (-1) side as of `nominal_thread`."""
+    nominal = nominal_thread(design, side)
     return replace(
         nominal, thinner=0.5 * design.backlash / (math.cos(nominal.lead_angle) * math.cos(nominal.normal_angle))
     )
 
 
-def nominal_thread(design: WormDriveDesign) -> WormThread:
-    """The worm's thread without backlash."""
+def nominal_thread(design: WormDriveDesign, side: int = 0) -> WormThread:
+    """The worm's thread without backlash; of its right (+1) or left (-1) side, which have leads of their own where the worm has two
+    (0: that of their mean)."""
     spec, m = design.worm, design.axial_module
     form = ThreadForm(spec.form)
     return WormThread(
         form=form,
         threads=spec.threads,
         hand=1 if spec.right_hand else -1,
-        module=m,
+        module=m * (1.0 + side * spec.dual_lead),
         radius=0.5 * design.reference_diameter,
         angle=math.radians(design.pressure_angle),
         thickness=spec.thickness * m,
@@ -93,55 +93,65 @@ def nominal_thread(design: WormDriveDesign) -> WormThread:
     )
 
 
-def wheel_hob(design: WormDriveDesign) -> WormHob:
-    """The hob: of the worm's normal module, normal profile and normal thickness on its own reference cylinder."""
-    worm, spec = nominal_thread(design), design.hob
-    threads = worm.threads if spec.threads is None else spec.threads
-    radius, normal = 0.5 * spec.reference_diameter, worm.module * math.cos(worm.lead_angle)
-    tilt = worm.hand * (math.radians(design.shaft_angle) - 0.5 * math.pi)
-    thread = worm
-    if (radius, threads) != (worm.radius, worm.threads):
-        lead_angle = math.asin(normal * threads / (2.0 * radius))
-        module = normal / math.cos(lead_angle)
-        angle = worm.angle
-        if worm.form is ThreadForm.ZA:
-            angle = math.atan(math.tan(worm.normal_angle) / math.cos(lead_angle))
-        thickness = worm.thickness * math.cos(worm.lead_angle) / math.cos(lead_angle)
-        thread = replace(worm, threads=threads, module=module, radius=radius, angle=angle, thickness=thickness)
-        tilt += worm.hand * (lead_angle - worm.lead_angle)
+def wheel_hob(design: WormDriveDesign, side: int = 0) -> WormHob:
+    """The hob: of the worm's normal module, normal profile and normal thickness on its own reference cylinder; the thread that of
+    the right (+1) or left (-1) side of the worm's (0: of their mean), set up alike for both."""
+    mean, spec, m = nominal_thread(design), design.hob, design.axial_module
+    turned = hob_thread(design).lead_angle - mean.lead_angle
     return WormHob(
-        thread=thread,
-        tip_radius=radius + spec.addendum * worm.module,
-        rounding_radius=spec.tip_radius * worm.module,
-        distance=design.center_distance + radius - worm.radius,
-        tilt=tilt,
+        thread=hob_thread(design, side),
+        tip_radius=0.5 * spec.reference_diameter + spec.addendum * m,
+        rounding_radius=spec.tip_radius * m,
+        distance=design.center_distance + 0.5 * spec.reference_diameter - mean.radius,
+        tilt=mean.hand * (math.radians(design.shaft_angle) - 0.5 * math.pi + turned),
         teeth=design.wheel.teeth,
+    )
+
+
+def hob_thread(design: WormDriveDesign, side: int = 0) -> WormThread:
+    """The hob's thread; of its right (+1) or left (-1) side, or (0) of their mean."""
+    worm, spec = nominal_thread(design, side), design.hob
+    threads, radius = spec.threads or worm.threads, 0.5 * spec.reference_diameter
+    if (radius, threads) == (worm.radius, worm.threads):
+        return worm
+    lead_angle = math.asin(worm.module * math.cos(worm.lead_angle) * threads / (2.0 * radius))
+    narrower = math.cos(worm.lead_angle) / math.cos(lead_angle)
+    angle = worm.angle
+    if worm.form is ThreadForm.ZA:
+        angle = math.atan(math.tan(worm.normal_angle) / math.cos(lead_angle))
+    return replace(
+        worm,
+        threads=threads,
+        module=worm.module * narrower,
+        radius=radius,
+        angle=angle,
+        thickness=worm.thickness * narrower,
     )
 
 
 # ---------------------------------------------------------------- worm
 
 
-def _worm(design: WormDriveDesign, thread: WormThread) -> Member:
-    spec, m = design.worm, design.axial_module
-    tip, root = thread.radius + spec.addendum * m, thread.radius - spec.dedendum * m
+def _worm(design: WormDriveDesign) -> Member:
+    spec, m, radius = design.worm, design.axial_module, 0.5 * design.reference_diameter
+    tip, root = radius + spec.addendum * m, radius - spec.dedendum * m
     hole = bore_radius("worm", spec.stated_bore, root, "the root diameter")
     half = 0.5 * spec.length
     blank = Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(tip), ConeLevel.of(root), Body.tube(hole, -half, half))
-    rounding = thread.root_rounding(root, spec.root_rounding * m)
-    tool = ToolDescription(TOOLS[thread.form], dimensions=_tool_dimensions(thread))
 
     def side(side: int) -> ToothSide:
+        thread = worm_thread(design, side)
+        rounding = thread.root_rounding(root, spec.root_rounding * m)
         return ToothSide(
             thread.flank(side),
             thread.rounding_surface(rounding, side),
             form_point=rounding.form_point,
             root=LAND,
             tip=thread.at_radius(tip),
-            tool=tool,
+            tool=ToolDescription(TOOLS[thread.form], dimensions=_tool_dimensions(thread)),
         )
 
-    tooth = _prove("worm", Tooth(thread.threads, side(1), side(-1), blank), "worm.addendum", spec.addendum)
+    tooth = _prove("worm", Tooth(spec.threads, side(1), side(-1), blank), "worm.addendum", spec.addendum)
     tooth = with_tip_edge("worm", tooth, spec)
     under = UnderTeeth("worm", tooth, blank.body, root, root, m)
     return with_end_chamfers(Member("worm", tooth, _thread_parameters, body_features(spec, under)), spec)
@@ -193,7 +203,7 @@ def _wheel(design: WormDriveDesign) -> Member:
     blank = Blank(PlaneLevel(0.0), (-half, half), tip, root, body)
     # over the hob's own axis
     tip_height, height = hob.distance - throat.middle, hob.distance - throat.outside
-    right, left = (hob.tooth_side(side, tip_height, min(tip_height, height)) for side in (1, -1))
+    right, left = (wheel_hob(design, side).tooth_side(side, tip_height, min(tip_height, height)) for side in (1, -1))
     tooth = _prove("wheel", Tooth(spec.teeth, right, left, blank), "wheel.addendum", spec.addendum)
     tooth = with_tip_edge("wheel", tooth, spec)
     under = UnderTeeth("wheel", tooth, blank.body, smallest, float(root.at(half)), m)
@@ -215,26 +225,21 @@ def _gear_base(design: WormDriveDesign, opened: float = 0.0) -> Rigid:
     return Rigid(axes, np.array([design.center_distance, 0.0, 0.0]))
 
 
-def _mounts(design: WormDriveDesign, thread: WormThread) -> tuple[Mount, Mount]:
+def _mounts(design: WormDriveDesign) -> tuple[Mount, Mount]:
     """Mounts with the errors."""
-    errors, hand = design.assembly, thread.hand
+    errors, side = design.assembly, Side(design.contact.flank).sign
+    thread = worm_thread(design, side)
     worm = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dz1]))
     wheel = _gear_base(design, errors.d_sigma)
     wheel = Rigid(wheel.rotation, wheel.translation + np.array([errors.da, 0.0, 0.0]))
     along = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dz2]))
-    side = Side(design.contact.flank).sign
     # the flank's polar angle in the middle plane, and that of the space beside the wheel's tooth
     half = thread.half_thickness(thread.radius) / thread.screw
-    wheel_half = math.pi / design.wheel.teeth - nominal_half(thread) * 2.0 / (thread.module * design.wheel.teeth)
+    wheel_half = (math.pi - thread.thickness / thread.module) / design.wheel.teeth
     return (
         Mount(worm, sign=-1.0, zero=side * half),
-        Mount(wheel @ along, sign=float(hand), zero=-side * wheel_half),
+        Mount(wheel @ along, sign=float(thread.hand), zero=-side * wheel_half),
     )
-
-
-def nominal_half(thread: WormThread) -> float:
-    """Half the axial thickness, mm, without backlash."""
-    return 0.5 * thread.thickness
 
 
 def _displaced_bases(design: WormDriveDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:

@@ -85,6 +85,15 @@ class WormTable(MemberBody, ThreadCount):
         float,
         Key("coefficient", "axial thickness of the thread before backlash", low=0.2, high=3, default="pi / 2"),
     ] = 0.5 * math.pi
+    dual_lead: Annotated[
+        float,
+        Key(
+            "coefficient",
+            "dual lead (duplex) e: leads p_z (1 + e) of the right and p_z (1 - e) of the left flanks, thickness nominal in the middle",
+            low=-0.2,
+            high=0.2,
+        ),
+    ] = 0.0
     disk_diameter: Annotated[
         float,
         Key("length", "diameter of the grinding disk at its rim, of ZK and ZC", low=0, above=True, default="80 m"),
