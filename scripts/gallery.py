@@ -42,6 +42,8 @@ PAIRS = {
     "hypoid": 0.05,
     "worm_drive": 0.05,
 }
+#: designs of which another member's tooth is shown than the first's
+MEMBERS = {"worm_drive": "wheel", "worm_drive_dual_lead": "wheel"}
 #: figures that are read, not only looked at
 LARGE = {"bevel_machine_frames": (800, 900), "te_under_torque": (880, 660)}
 #: designs whose flanks are shown in their planes, and how large
@@ -88,8 +90,8 @@ def rendered(name: str, sample: str, *options: str) -> Picture:
 
 
 def tooth(sample: str) -> Picture:
-    """The pinion's tooth of a sample with its contact."""
-    return rendered(sample, sample)
+    """The first member's tooth of a sample, or that of `MEMBERS`, with its contact."""
+    return rendered(sample, sample, *(("--member", MEMBERS[sample]) if sample in MEMBERS else ()))
 
 
 def pair(sample: str) -> Picture:

@@ -11,9 +11,11 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 from scipy.optimize import brentq, minimize_scalar
 
+import gearmesh as gm
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
+from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
@@ -208,3 +210,21 @@ def test_a_hob_like_the_worm_makes_no_transmission_error(form: str) -> None:
         assert one.touching.all()
         assert np.abs(one.te).max() < 1e-9
         assert (one.kind == "line").all()
+
+
+# ---------------------------------------------------------------- what cannot be
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (["hob.reference_diameter=58"], "hob.reference_diameter = 58 mm: smaller than the worm's, .* at least 60 mm"),
+        (["worm.form=ZK", "worm.disk_diameter=20"], "worm.disk_diameter = 20 mm: .* more than 22 mm"),
+        (["wheel.throat_radius=23"], "wheel.throat_radius = 23 mm: the throat is inside the worm's root; .* 24 mm"),
+        (["worm.lead_angle=9"], "worm.reference_diameter = 60(.0)?: cannot be given together with lead_angle"),
+        (["wheel.outside_diameter=190"], "wheel.outside_diameter = 190 mm: .* more than 200 mm"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(changes: list[str], message: str) -> None:
+    with pytest.raises(DesignError, match=f"^{message}"):
+        gm.build(drive(*changes))

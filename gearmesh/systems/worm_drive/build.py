@@ -21,6 +21,7 @@ from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
+from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
 from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, ThreadForm, WormThread
@@ -46,9 +47,13 @@ TOOLS = {
     ThreadForm.ZC: "grinding disk",
 }
 
+#: part of a diameter within which hob and worm are of one size
+EQUAL = 1e-9
+
 
 def build(design: WormDriveDesign) -> GearTrain:
     """The pair of a worm drive design (in mm). Raises DesignError naming key, value and limit."""
+    _refuse_tools(design)
     worm, wheel = _worm(design), _wheel(design)
     first, second = _mounts(design)
     flank = Side(design.contact.flank)
@@ -63,6 +68,37 @@ def build(design: WormDriveDesign) -> GearTrain:
         delta=design.contact.delta,
     )
     return GearTrain(design.kind, (pair,))
+
+
+def _refuse_tools(design: WormDriveDesign) -> None:
+    """Refuse a hob smaller than the worm, a disk that does not reach over the thread, and a throat inside the worm's root."""
+    spec, m, d1 = design.worm, design.axial_module, design.reference_diameter
+    if design.hob.reference_diameter < d1 * (1.0 - EQUAL):
+        raise DesignError(
+            "hob.reference_diameter",
+            design.hob.reference_diameter,
+            unit="mm",
+            reason="smaller than the worm's, whose threads would cut into the wheel at both end faces",
+            allowed=f"at least {at_least(d1)} mm",
+        )
+    depth = (spec.addendum + spec.dedendum) * m
+    if spec.form in (ThreadForm.ZK, ThreadForm.ZC) and spec.disk_diameter <= 2.0 * depth:
+        raise DesignError(
+            "worm.disk_diameter",
+            spec.disk_diameter,
+            unit="mm",
+            reason="the disk does not reach from the thread's tip to its root",
+            allowed=f"more than {at_least(2.0 * depth)} mm",
+        )
+    root = 0.5 * d1 - spec.dedendum * m
+    if design.wheel.tip_form == "throated" and design.wheel.throat_radius <= root:
+        raise DesignError(
+            "wheel.throat_radius",
+            design.wheel.throat_radius,
+            unit="mm",
+            reason="the throat is inside the worm's root",
+            allowed=f"more than {at_least(root)} mm",
+        )
 
 
 def worm_thread(design: WormDriveDesign, side: int = 0) -> WormThread:
@@ -141,7 +177,11 @@ def _worm(design: WormDriveDesign) -> Member:
 
     def side(side: int) -> ToothSide:
         thread = worm_thread(design, side)
-        rounding = thread.root_rounding(root, spec.root_rounding * m)
+        try:
+            rounding = thread.root_rounding(root, spec.root_rounding * m)
+        except DesignError as failure:
+            why = "the flank does not reach the rounding of the root"
+            raise VagueError("worm.root_rounding", spec.root_rounding, reason=why) from failure
         return ToothSide(
             thread.flank(side),
             thread.rounding_surface(rounding, side),
@@ -203,7 +243,11 @@ def _wheel(design: WormDriveDesign) -> Member:
     blank = Blank(PlaneLevel(0.0), (-half, half), tip, root, body)
     # over the hob's own axis
     tip_height, height = hob.distance - throat.middle, hob.distance - throat.outside
-    right, left = (wheel_hob(design, side).tooth_side(side, tip_height, min(tip_height, height)) for side in (1, -1))
+    right, left = (
+        # the side of the hob that generates it
+        wheel_hob(design, side * hob.thread.hand).tooth_side(side, tip_height, min(tip_height, height))
+        for side in (1, -1)
+    )
     tooth = _prove("wheel", Tooth(spec.teeth, right, left, blank), "wheel.addendum", spec.addendum)
     tooth = with_tip_edge("wheel", tooth, spec)
     under = UnderTeeth("wheel", tooth, blank.body, smallest, float(root.at(half)), m)
