@@ -89,7 +89,7 @@ class WormTable(MemberBody, ThreadCount):
         float,
         Key(
             "coefficient",
-            "dual lead (duplex) e: leads p_z (1 + e) of the right, p_z (1 - e) of the left flanks; thickness is nominal in the middle",
+            "dual lead (duplex) e: leads p_z (1 + e) of right, p_z (1 - e) of left flanks; nominal thickness in the middle",
             low=-0.2,
             high=0.2,
         ),
