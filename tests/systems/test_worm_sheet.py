@@ -126,10 +126,10 @@ def test_a_wire_lies_in_the_space_of_a_za_worm() -> None:
     assert lowest.fun == pytest.approx(centre[0], abs=1e-4)
 
 
-@pytest.mark.parametrize("hand", [True, False])
-def test_forces_are_those_of_the_exact_normals(hand: bool) -> None:
+@pytest.mark.parametrize(("hand", "flank"), [(True, "right"), (True, "left"), (False, "right"), (False, "left")])
+def test_forces_are_those_of_the_exact_normals(hand: bool, flank: str) -> None:
     """An involute worm and an oversized hob: every point of contact has the same normal, that of the pitch point."""
-    gears = gears_of(worm={"right_hand": hand}, hob={"reference_diameter": 63})
+    gears = gears_of(worm={"right_hand": hand}, hob={"reference_diameter": 63}, contact={"flank": flank})
     (table,) = pair_forces(own_of(gears), TORQUE, SPEED)
     rows = {symbol: row[2:] for symbol, row in zip(table.symbols, table.rows, strict=True)}
     path = gears.contact(np.linspace(-3.0, 3.0, 7), cycle=False).path
@@ -149,14 +149,16 @@ def test_forces_are_those_of_the_exact_normals(hand: bool) -> None:
         assert abs(moment) == pytest.approx(1e3 * rows["T"][1], rel=1e-9)
 
 
-@pytest.mark.parametrize("friction", [None, 0.06])
-def test_what_goes_in_comes_out_or_slides(friction: float | None) -> None:
+@pytest.mark.parametrize(("friction", "flank"), [(None, "right"), (0.06, "right"), (0.06, "left")])
+def test_what_goes_in_comes_out_or_slides(friction: float | None, flank: str) -> None:
     """ZK, profile shift, axes at 80 deg: the moments of the forces have the ratio's power, but for friction along the sliding."""
-    gears = gears_of(worm={"form": "ZK", "right_hand": False}, center_distance=127, shaft_angle=80, friction=friction)
+    worm = {"form": "ZK", "right_hand": False}
+    gears = gears_of(worm=worm, center_distance=127, shaft_angle=80, friction=friction, contact={"flank": flank})
     (table,) = pair_forces(own_of(gears), TORQUE, SPEED)
     rows = {symbol: row[2:] for symbol, row in zip(table.symbols, table.rows, strict=True)}
     lost = 1e-3 * (friction or 0.0) * rows["F_n"][0] * rows["v_g"][0]
     turning = SPEED * math.pi / 3e4
+    assert min(rows["F_n"]) > 0.0
     assert rows["T"][1] * turning / 19.0 + lost == pytest.approx(TORQUE * turning, rel=1e-9)
     assert rows["P"] == pytest.approx((TORQUE * turning, TORQUE * turning - lost), rel=1e-9)
 

@@ -51,8 +51,9 @@ class PitchForces:
         """Moments (N mm per N) about the own axis: that which drives the worm, and that of the force on the wheel, along with the
         speeds of both."""
         (w1, w2), centre = self.mesh.speeds, np.array([self.mesh.distance, 0.0, 0.0])
-        on_worm = float(dot(cross(self.r, -self.on_wheel), unit(w1)))
-        return -on_worm, float(dot(cross(self.r - centre, self.on_wheel), unit(w2)))
+        # on its left flanks the worm drives the other way
+        on_worm = self.mesh.side * float(dot(cross(self.r, -self.on_wheel), unit(w1)))
+        return -on_worm, self.mesh.side * float(dot(cross(self.r - centre, self.on_wheel), unit(w2)))
 
     @property
     def parts(self) -> dict[str, tuple[float, float]]:
@@ -70,7 +71,7 @@ def pitch_forces(mesh: ThreadMesh, friction: float, driver: int) -> PitchForces:
     """Forces per N of normal force with a coefficient of friction, the worm (+1) or the wheel (-1) driving."""
     at = mesh.at_reference()
     # what slides over the wheel's flank drags it along; with the wheel driving, all turns the other way
-    return PitchForces(mesh, at.r, at.n + driver * friction * unit(at.v12))
+    return PitchForces(mesh, at.r, at.n + driver * mesh.side * friction * unit(at.v12))
 
 
 def efficiencies(mesh: ThreadMesh, friction: float) -> tuple[float, float | None]:
