@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from oracles.built import pair_of
 from oracles.places import SAMPLES
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, minimize_scalar
 
 import gearmesh as gm
@@ -21,8 +22,9 @@ from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Surface
 from gearmesh.systems.designs import load
-from gearmesh.systems.worm_drive.build import wheel_hob, worm_thread
+from gearmesh.systems.worm_drive.build import build, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.thread import WormThread
+from gearmesh.teeth.region import Side
 from gearmesh.tools.rack import Line, RackSurface
 
 FORMS = ("ZA", "ZN", "ZI", "ZK", "ZC")
@@ -178,6 +180,47 @@ def test_jets_of_threads_and_wheels(form: str) -> None:
             np.testing.assert_allclose(difference, exact, rtol=0, atol=2e-7 * size)
         assert np.abs((jet.n * jet.r_u).sum(axis=-1)).max() < 1e-9 * np.abs(jet.r_u).max()
         assert np.abs((jet.n * jet.r_v).sum(axis=-1)).max() < 1e-9 * np.abs(jet.r_v).max()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ["worm.form=ZK"],
+        [OVERSIZED],
+        ["worm.form=ZA", "worm.right_hand=false", "shaft_angle=80", OVERSIZED],
+        ["worm.dual_lead=0.02"],
+    ],
+    ids=str,
+)
+def test_the_hob_touches_every_point_of_the_wheel_and_cuts_into_none(changes: list[str]) -> None:
+    """By brute force: where the hob is in every position of the roll, from the axial section of its thread alone."""
+    design = drive(*changes)
+    wheel = build(design).pairs[0].gear.tooth
+    shares = np.linspace(0.05, 0.95, 6)
+    for side in Side:
+        hob = wheel_hob(design, side.sign * (1 if design.worm.right_hand else -1))
+        thread, place = hob.thread, hob.place(side.sign)
+        radii = np.linspace(0.55 * thread.radius, hob.form_radius, 200)
+        p = np.array([thread.at_radius(float(radius)) for radius in radii])
+        section = CubicSpline(radii, thread.section.axial_section(p)[0][:, 1])
+        points = wheel.flank_grid(side, shares, shares).points.reshape(-1, 3)
+
+        def outside(phi: Array, hob: Any = hob, place: Any = place, section: Any = section, side: Side = side) -> Array:
+            """Axial distance of the points from the thread's flank, beyond the hob's form radius none."""
+            over = hob.roll.at(phi).tool_to_blank.inverse.point(points)  # noqa: B023
+            r = place.inverse.point(over)
+            rho, screw = np.hypot(r[..., 0], r[..., 1]), hob.thread.hand * hob.thread.screw
+            away = side.sign * (r[..., 2] - screw * np.arctan2(r[..., 1], r[..., 0])) - section(rho)
+            return np.where((rho <= hob.form_radius + 1e-9) & (rho >= section.x[0]), away, np.inf)
+
+        step = 1e-3
+        coarse = np.linspace(-0.4, 0.4, 801)
+        at = coarse[np.argmin([outside(np.full(len(points), phi)) for phi in coarse], axis=0)]
+        for _ in range(3):
+            before, here, after = (outside(at + k * step) for k in (-1.0, 0.0, 1.0))
+            at = at + 0.5 * step * (before - after) / (before - 2.0 * here + after)
+            step *= 0.1
+        np.testing.assert_allclose(outside(at), 0.0, rtol=0, atol=1e-7)
 
 
 # ---------------------------------------------------------------- transmission
