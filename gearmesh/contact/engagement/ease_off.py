@@ -55,7 +55,8 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
         past = field.beyond.max(axis=0)
         nearest = _Nearest.of(phi1, np.where(past <= 0.0, field.advance, -np.inf))
         any_nearest = _Nearest.of(phi1, np.where(np.isnan(field.advance), -np.inf, field.advance))
-        top = np.nanmax(nearest.advance)
+        # NaN where no point is most advanced in the middle of the positions
+        top = np.fmax.reduce(nearest.advance)
         distance, continued = (
             (top - place.advance) * _levers(pair, jet.r, jet.n, place.phi1) for place in (nearest, any_nearest)
         )
