@@ -25,7 +25,7 @@ from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
 from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, ThreadForm, WormThread
-from gearmesh.systems.worm_drive.wheel import Throat, WormHob
+from gearmesh.systems.worm_drive.wheel import Throat, WormHob, crossed_axes
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
@@ -264,9 +264,7 @@ def _wheel_parameters(p: Array, v: Array) -> dict[str, Array]:
 def _gear_base(design: WormDriveDesign, opened: float = 0.0) -> Rigid:
     """The wheel's frame over the worm's, its x axis towards the worm; the shaft angle is `opened` (deg) further."""
     tilt = (1 if design.worm.right_hand else -1) * math.radians(design.shaft_angle + opened - 90.0)
-    c, s = math.cos(tilt), math.sin(tilt)
-    axes = np.array([[-1.0, 0.0, 0.0], [0.0, -s, c], [0.0, c, s]]).T
-    return Rigid(axes, np.array([design.center_distance, 0.0, 0.0]))
+    return Rigid(crossed_axes(tilt), np.array([design.center_distance, 0.0, 0.0]))
 
 
 def _mounts(design: WormDriveDesign) -> tuple[Mount, Mount]:

@@ -59,6 +59,13 @@ class FaceParameters:
         return Mapping(a, b, share + np.zeros_like(a), a_v, turned * share, self.height / away**2 + turned * a_v)
 
 
+def crossed_axes(tilt: float) -> Array:
+    """Axes (3, 3) of a frame that looks back along x, its z axis the other's y axis turned by `tilt` (rad) towards the other's z:
+    of the hob over its tool frame, and of the wheel over the worm's frame."""
+    c, s = math.cos(tilt), math.sin(tilt)
+    return np.array([[-1.0, 0.0, 0.0], [0.0, -s, c], [0.0, c, s]]).T
+
+
 @dataclass(frozen=True)
 class WormHob:
     """A hob over a wheel of `teeth` teeth: its thread, radius of its tip and of its tip rounding, distance of the axes, mm; `tilt`
@@ -95,8 +102,7 @@ class WormHob:
 
     def place(self, side: int) -> Rigid:
         """The hob's frame over the tool's, the thread beside the right (+1) or left (-1) side of the wheel's tooth on +x."""
-        c, s = math.cos(self.tilt), math.sin(self.tilt)
-        axes = np.array([[-1.0, 0.0, 0.0], [0.0, -s, c], [0.0, c, s]]).T
+        axes = crossed_axes(self.tilt)
         start = np.array([self.distance - self.roll.radius, 0.0, 0.0])
         return Rigid(axes, start - 0.5 * side * self.thread.axial_pitch * axes[:, 2])
 
