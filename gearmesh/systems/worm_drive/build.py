@@ -24,6 +24,7 @@ from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
+from gearmesh.systems.worm_drive.helical_wheel import helical_wheel
 from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, ThreadForm, WormThread
 from gearmesh.systems.worm_drive.wheel import Throat, WormHob, crossed_axes
 from gearmesh.teeth.blank.blank import Blank
@@ -54,7 +55,12 @@ EQUAL = 1e-9
 def build(design: WormDriveDesign) -> GearTrain:
     """The pair of a worm drive design (in mm). Raises DesignError naming key, value and limit."""
     _refuse_tools(design)
-    worm, wheel = _worm(design), _wheel(design)
+    worm = _worm(design)
+    if design.wheel.form == "helical":
+        _refuse_unused(design)
+        wheel = helical_wheel(design)
+    else:
+        wheel = _wheel(design)
     first, second = _mounts(design)
     flank = Side(design.contact.flank)
     # a left-hand drive is the mirror image in the plane across the worm: the wheel's sides change places
@@ -91,7 +97,7 @@ def _refuse_tools(design: WormDriveDesign) -> None:
             allowed=f"more than {at_least(2.0 * depth)} mm",
         )
     root = 0.5 * d1 - spec.dedendum * m
-    if design.wheel.tip_form == "throated" and design.wheel.throat_radius <= root:
+    if design.wheel.throated and design.wheel.throat_radius <= root:
         raise DesignError(
             "wheel.throat_radius",
             design.wheel.throat_radius,
@@ -99,6 +105,16 @@ def _refuse_tools(design: WormDriveDesign) -> None:
             reason="the throat is inside the worm's root",
             allowed=f"more than {at_least(root)} mm",
         )
+
+
+def _refuse_unused(design: WormDriveDesign) -> None:
+    """Refuse what a helical wheel does not have."""
+    for name, keys in (("wheel", ("tip_form", "throat_radius")), ("hob", ("reference_diameter", "threads"))):
+        table = getattr(design, name)
+        for key in keys:
+            value = getattr(table, key)
+            if key in table.model_fields_set and value not in (None, "cylindrical"):
+                raise DesignError(f"{name}.{key}", value, reason="cannot be given together with wheel.form = helical")
 
 
 def worm_thread(design: WormDriveDesign, side: int = 0) -> WormThread:
@@ -227,9 +243,7 @@ def _prove(name: str, tooth: Tooth, key: str, value: float) -> Tooth:
 def _wheel(design: WormDriveDesign) -> Member:
     spec, m, hob = design.wheel, design.axial_module, wheel_hob(design)
     half = 0.5 * spec.face_width
-    throat = Throat(
-        spec.throat_radius if spec.tip_form == "throated" else 0.0, design.center_distance, 0.5 * spec.outside_diameter
-    )
+    throat = Throat(spec.throat_radius if spec.throated else 0.0, design.center_distance, 0.5 * spec.outside_diameter)
     tip, root = throat.level(half), hob.root(half)
     smallest = hob.distance - hob.tip_radius
     if smallest <= 0.0 or smallest >= throat.middle:

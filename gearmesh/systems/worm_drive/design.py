@@ -114,8 +114,17 @@ class WormTable(MemberBody, ThreadCount):
 
 
 class WheelTable(MemberTable):
-    """The wheel, as its hob generates it."""
+    """The wheel, as its hob generates it, or a helical gear."""
 
+    form: Annotated[
+        str,
+        Key(
+            "choice",
+            "enveloping: as a hob generates it that stands where the worm will; helical: a cylindrical helical gear of the worm's "
+            "rack, of ZI worms: contact in a point",
+            choices=("enveloping", "helical"),
+        ),
+    ] = "enveloping"
     face_width: Annotated[
         float, Key("length", "face width", low=0, above=True, default="2 m (0.5 + sqrt(q + 1)), DIN 3975")
     ] = DERIVED
@@ -137,6 +146,11 @@ class WheelTable(MemberTable):
         float,
         Key("length", "outside diameter d_e2", low=0, above=True, default="d_a2 + m, DIN 3975"),
     ] = DERIVED
+
+    @property
+    def throated(self) -> bool:
+        """Whether its tip follows the worm."""
+        return self.form == "enveloping" and self.tip_form == "throated"
 
 
 class HobTable(Table):
@@ -269,7 +283,7 @@ class WormDriveDesign(Design):
             "wheel.profile_shift": shift,
             "wheel.face_width": 2.0 * m * (0.5 + math.sqrt(d1 / m + 1.0)),
             "wheel.throat_radius": distance - 0.5 * tip,
-            "wheel.outside_diameter": tip + (OUTSIDE * m if wheel.tip_form == "throated" else 0.0),
+            "wheel.outside_diameter": tip + (OUTSIDE * m if wheel.throated else 0.0),
             "hob.reference_diameter": d1,
         }
 
@@ -288,4 +302,15 @@ class WormDriveDesign(Design):
                 raise conflict(
                     "worm.reference_diameter", self.worm.reference_diameter, must_be=f"more than m_n z1, {least:.6g}"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _helical_wheel(self) -> Self:
+        """A helical gear has one rack for both flanks, that of an involute worm."""
+        if self.wheel.form == "helical" and self.worm.form != "ZI":
+            reason = f"goes with involute worms, worm.form is {self.worm.form}"
+            raise conflict("wheel.form", self.wheel.form, reason=reason, allowed="enveloping")
+        if self.wheel.form == "helical" and self.worm.dual_lead:
+            reason = "cannot be given together with wheel.form = helical"
+            raise conflict("worm.dual_lead", self.worm.dual_lead, reason=reason, allowed="0")
         return self

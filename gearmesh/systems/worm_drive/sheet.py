@@ -12,6 +12,7 @@ from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.systems.worm_drive.build import nominal_thread, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.force_tables import MEMBERS, efficiencies, thread_mesh
+from gearmesh.systems.worm_drive.helical_wheel import wheel_helix
 from gearmesh.systems.worm_drive.load_parameters import contact_rows
 from gearmesh.systems.worm_drive.thread import ThreadForm, WormThread
 from gearmesh.systems.worm_drive.wires import wire_rows
@@ -28,15 +29,17 @@ def data_sheet(design: WormDriveDesign, train: GearTrain) -> Sheet:
     """Derived keys, members and axes as of every system, then the tables of a worm drive."""
     own, plain = design.in_mm(), plain_sheet(design, train)
     tip = train.members["wheel"].tooth.blank.tip
+    helical = own.wheel.form == "helical"
     tables = (
         *plain.tables,
         table("Pair [ISO 10828, DIN 3975]", PAIR, _pair(own)),
         table("Worm and wheel [ISO 10828, DIN 3975]", MEMBERS, [*_threads(own), *_diameters(own, float(tip.at(0.0)))]),
         table("Worm: thickness and over wires", MEMBERS[:1], [*_thickness(own), *wire_rows(own)]),
-        _hob(own),
+        *(() if helical else (_hob(own),)),
         table("Backlash and friction", PAIR, _backlash(own)),
-        table("Contact lines, wheel of a hob of the worm's size", PAIR, contact_rows(own, tip)),
     )
+    if not helical:
+        tables += (table("Contact lines, wheel of a hob of the worm's size", PAIR, contact_rows(own, tip)),)
     return Sheet(tables, plain.values, plain.replaced, plain.warnings)
 
 
@@ -64,10 +67,12 @@ def _sliding(thread: WormThread) -> float:
 
 def _threads(design: WormDriveDesign) -> list[Row]:
     thread, worm, m = nominal_thread(design), design.worm, design.axial_module
+    helix = math.degrees(wheel_helix(design)) if design.wheel.form == "helical" else None
     right: Values = ("right" if worm.right_hand else "left",) * 2
     return [
         ("z", "threads, teeth", "-", (worm.threads, design.wheel.teeth)),
         ("hand", "hand", "", right),
+        ("beta", "helix angle, of a helical wheel", "deg", (None, helix)),
         ("p_x", "axial pitch", "mm", (thread.axial_pitch, None)),
         ("p_z", "lead", "mm", (thread.axial_pitch * thread.threads, None)),
         ("h_am", "addendum in the middle plane", "mm", (worm.addendum * m, design.wheel.addendum * m)),
@@ -82,15 +87,17 @@ def _diameters(design: WormDriveDesign, tip: float) -> list[Row]:
     tip_1, root_1 = d1 + 2.0 * worm.addendum * m, d1 - 2.0 * worm.dedendum * m
     root_2 = 2.0 * (hob.distance - hob.tip_radius)
     base = 2.0 * thread.base_radius if thread.form is ThreadForm.ZI else None
-    throated = wheel.tip_form == "throated"
+    reference = wheel.teeth * m
+    if wheel.form == "helical":
+        reference *= math.cos(design.lead_angle) / math.cos(wheel_helix(design))
     wide = effective_width(0.5 * tip_1, design.center_distance - 0.5 * wheel.outside_diameter)
     clear = design.center_distance - 0.5 * np.array([tip_1 + root_2, root_1 + 2.0 * tip])
     return [
-        ("d", "reference diameter", "mm", (d1, wheel.teeth * m)),
+        ("d", "reference diameter", "mm", (d1, reference)),
         ("d_m", "mean diameter, 2 a - d_m1 of the wheel", "mm", (d1, 2.0 * design.center_distance - d1)),
         ("d_a", "tip diameter, in the middle plane", "mm", (tip_1, 2.0 * tip)),
         ("d_e", "outside diameter", "mm", (tip_1, wheel.outside_diameter)),
-        ("r_k", "throat radius", "mm", (None, wheel.throat_radius if throated else None)),
+        ("r_k", "throat radius", "mm", (None, wheel.throat_radius if wheel.throated else None)),
         ("d_f", "root diameter, in the middle plane", "mm", (root_1, root_2)),
         ("d_b", "base diameter, of ZI", "mm", (base, None)),
         ("b", "length of the thread, face width", "mm", (worm.length, wheel.face_width)),

@@ -1,0 +1,69 @@
+"""Wheels of worm drives that are helical gears: involute worm and wheel touch in a point, as crossed helical gears do.
+
+The rack that generates the wheel is the worm's own: their normals and normal pitches agree, its teeth lie along the thread where
+the worm's reference cylinder meets the common perpendicular. It is what a hob becomes whose diameter grows without limit.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import DesignError, VagueError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.common.racks.rack_member import Roll, member
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
+from gearmesh.systems.common.tooth_edges import with_end_chamfers
+from gearmesh.systems.worm_drive.wheel import crossed_axes
+from gearmesh.tools.rack import Line
+
+if TYPE_CHECKING:
+    from gearmesh.systems.worm_drive.design import WormDriveDesign
+    from gearmesh.teeth.gear_train import Member
+
+
+@dataclass(frozen=True)
+class _CutterTip:
+    """The hob's tip in normal modules."""
+
+    dedendum: float
+    tool_tip_radius: float
+
+
+def wheel_helix(design: WormDriveDesign) -> float:
+    """Helix angle (rad) of the wheel, positive right-hand: of the direction in which the worm's thread crosses the common
+    perpendicular."""
+    hand = 1.0 if design.worm.right_hand else -1.0
+    along = np.array([0.0, math.cos(design.lead_angle), hand * math.sin(design.lead_angle)])
+    _, y, z = crossed_axes(hand * math.radians(design.shaft_angle - 90.0)).T @ along
+    return math.atan2(y, z)
+
+
+def helical_wheel(design: WormDriveDesign) -> Member:
+    """The wheel of a design (in mm) as a helical gear. Raises DesignError naming key, value and limit."""
+    helix = wheel_helix(design)
+    roll = Roll(0.5 * design.wheel.teeth * design.normal_module / math.cos(helix), helix, 0.0)
+    made = member("wheel", design.wheel, _rack(design, roll), roll, _parameters, "addendum")
+    return with_end_chamfers(made, design.wheel)
+
+
+def _rack(design: WormDriveDesign, roll: Roll) -> tuple[RackTooth, RackTooth]:
+    """The worm's rack: its reference plane touches the worm's reference cylinder, and its space is as wide there as the thread."""
+    module, m = design.normal_module, design.axial_module
+    shift = design.center_distance - 0.5 * design.reference_diameter - roll.radius
+    half = 0.5 * (math.pi - design.worm.thickness) * module
+    flank = Line(math.radians(design.pressure_angle), module, half, shift)
+    heights = Heights(0.5 * design.wheel.outside_diameter - roll.radius, shift - design.hob.addendum * m)
+    tip = _CutterTip(design.hob.addendum * m / module, design.hob.tip_radius * m / module)
+    try:
+        return round_tips("hob", tip, module, (flank, flank), heights)
+    except DesignError as failure:
+        key = "addendum" if failure.key == "hob.dedendum" else "tip_radius"
+        raise VagueError(f"hob.{key}", getattr(design.hob, key), reason=failure.reason) from failure
+
+
+def _parameters(p: Array, v: Array) -> dict[str, Array]:
+    return {"p_0": p, "v_0": v}
