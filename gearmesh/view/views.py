@@ -158,6 +158,8 @@ ALONG = 0.9
 CUT_OFF, FILLS = 2.6, 1.2
 #: heights of a flank that are seen before its foremost point: the fillet, and not the next tooth
 BEFORE = 0.12
+#: mean of the directions from root to tip below which a flank winds, and their cosine up to which it is shown then
+WINDS, TURNED = 0.5, 0.85
 #: what of a point is at right angles to z
 FLAT = np.array([1.0, 1.0, 0.0])
 
@@ -187,6 +189,9 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
         raise NoSolutionError(
             view.title or "flank picture", reason="no position has contact, so there is nothing to show"
         )
+    wound = view.grid is not None and _winds(view.grid)
+    if view.grid is not None and wound:
+        view = replace(view, grid=_turn_near(view.grid, np.nanmean(contact.point, axis=0)))
     grid = _flank_points(view)
     normal = unit(np.nanmean(contact.normal, axis=0))
     if view.grid is not None:
@@ -195,6 +200,10 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
         normal = mean * np.sign(dot(mean, normal))
     land = view.fine.only("land").normals if "land" in view.fine.region_names else grid.mean(axis=0)[None] * FLAT
     up = unit(land.mean(axis=0))
+    if view.grid is not None and wound:
+        # across the threads the next one would hide it
+        up = unit(_heights(view.grid).mean(axis=0))
+        normal = unit(normal + up)
     whole = frame(normal, up, grid, view.size, margin=FILLS)
     right, rise, _ = whole.axes
     height = np.ptp(grid @ rise)
@@ -212,6 +221,26 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
     return replace(whole, position=whole.position + shift, focus=whole.focus + shift, height=most, front=front)
 
 
+def _heights(grid: Array) -> Array:
+    """Unit vectors (J, 3) from root to tip of a flank's points (I, J, 3)."""
+    return np.asarray(unit(grid[-1] - grid[0]))
+
+
+def _winds(grid: Array) -> bool:
+    """Whether a flank winds so far round its axis that no direction looks at all of it."""
+    return float(np.linalg.norm(_heights(grid).mean(axis=0))) < WINDS
+
+
+def _turn_near(grid: Array, point: Array) -> Array:
+    """The part (I, K, 3) of a flank that winds, of points (I, J, 3), that looks as it does where it is nearest to a point (3,)."""
+    heights = _heights(grid)
+    nearest = int(np.linalg.norm(grid - point, axis=-1).min(axis=0).argmin())
+    other = np.flatnonzero(heights @ heights[nearest] < TURNED)
+    first = int(other[other < nearest].max(initial=-1)) + 1
+    last = int(other[other > nearest].min(initial=len(heights)))
+    return grid[:, first:last]
+
+
 def _front(view: ToothView, camera: Camera) -> float:
     """How far (mm) before the focus the flank comes where it comes least: a gear is round, and before it there hide it."""
     if view.grid is None:
@@ -224,6 +253,10 @@ def edge_words(view: ToothView, camera: Camera) -> tuple[Word, ...]:
     """Toe, heel, tip and root at the edges of the flank, above and below the middle of what is seen of it."""
     if view.grid is None:
         return ()
+    if _winds(view.grid):
+        part = _turn_near(view.grid, camera.focus)
+        i, j = part.shape[0] // 2, part.shape[1] // 2
+        return tuple(Word(word, part[k, j], part[i, j]) for word, k in (("tip", -1), ("root", 0)))
     i = view.grid.shape[0] // 2
     j = int(np.abs((view.grid[i] - camera.focus) @ camera.axes[0]).argmin())
     middle = view.grid[i, j]

@@ -1,0 +1,37 @@
+"""Pictures of flanks that wind round their axis: what touches is seen, and not hidden behind the next thread."""
+
+from __future__ import annotations
+
+import numpy as np
+from oracles.built import pair_of
+from oracles.places import SAMPLES
+
+from gearmesh.contact.flanks import analyse
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.solid import gear_solid
+from gearmesh.systems.designs import load
+from gearmesh.view.pictures import contact_picture
+from gearmesh.view.scene import contact_on
+
+
+def test_contact_on_a_thread_is_seen() -> None:
+    """Rays from the points of contact near the middle of the picture to the camera do not meet the worm again."""
+    pair = pair_of(load(str(SAMPLES / "worm_drive.toml"), ["wheel.form=helical", "wheel.face_width=25"]))
+    path = analyse(pair, np.radians(np.linspace(-60.0, 60.0, 13)))
+    camera = contact_picture(pair, "worm", path).camera
+    contact = contact_on(0, path, pair.mounts)
+    near = np.linalg.norm(contact.point - camera.focus, axis=-1) < 0.3 * camera.height
+    assert near.sum() >= 2
+    starts = contact.point[near] + 0.1 * contact.normal[near]
+    mesh = gear_solid(pair.pinion, 0.02)
+    assert not any(hidden(start, camera.axes, mesh.vertices[mesh.triangles]) for start in starts)
+
+
+def hidden(start: Array, axes: Array, corners: Array) -> bool:
+    """Whether a triangle, of `corners` (M, 3, 3), lies between a point (3,) and a camera of `axes` (right, up, back) (3, 3)."""
+    x, y, z = np.moveaxis((corners - start) @ axes.T, -1, 0)
+    after = [1, 2, 0]
+    areas = x * y[:, after] - x[:, after] * y
+    around = (areas > 0.0).all(axis=1) | (areas < 0.0).all(axis=1)
+    depth = (areas[:, after] * z).sum(axis=1)[around] / areas[around].sum(axis=1)
+    return bool((depth > 0.0).any())
