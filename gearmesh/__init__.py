@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from gearmesh.systems.system import System, kinds, register, system
 
 #: said here alone: pyproject.toml has it from here
-__version__ = "0.8.0"
+__version__ = "0.9.0"
 
 __all__ = [
     "BeveloidDesign",
