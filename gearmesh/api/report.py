@@ -40,6 +40,7 @@ from gearmesh.view.load.loaded_pictures import LoadedPictures
 from gearmesh.view.picture import LOADED_VIEWS, Diagram
 from gearmesh.view.render import Image, render
 from gearmesh.view.report import page as pages
+from gearmesh.view.report.card import Card, mesh_card
 from gearmesh.view.report.page import PageSection, drawing, listing, picture, three_version
 from gearmesh.view.report.stage import StagedMember, StagedPair, stage
 from gearmesh.view.scene import Scene
@@ -129,8 +130,35 @@ def report_page(
     summary = "; ".join(
         [f"{gears.design.kind}, teeth: {teeth}", *(contact.headline for contact in [*contacts.values()][:1])]
     )
-    html = pages.page(gears.title, summary, warnings, data, shots, sections)
+    card = Card(
+        tuple(mesh_card(contact, loads[k].contact if k in loads else None) for k, contact in contacts.items()),
+        _worst(gears, contacts, check, loads) or skipped,
+        len(warnings),
+    )
+    html = pages.page(gears.title, summary, card, warnings, data, shots, sections)
     return ReportPage(gears.title, html, warnings, skipped)
+
+
+def _worst(
+    gears: GearSet, contacts: Mapping[int, Contact], check: Check | None, loads: Mapping[int, LoadedPictures]
+) -> str | None:
+    """The warning that matters most: a check that failed, gears that do not fit, what did not converge, gears of which that is not
+    known, then contact, contact under torque, and the design itself. None where there is none."""
+    verdicts = {k: None if contact.fit is None else contact.fit.fits for k, contact in contacts.items()}
+    # of each contact what interferes stands first, after what is said of the gears
+    own = {k: [line for line in contact.warnings if line not in gears.warnings] for k, contact in contacts.items()}
+    under = [load.contact for load in loads.values()]
+    ordered = [
+        *([] if check is None else check.complaints),
+        *(line for k, lines in own.items() if verdicts[k] is False for line in lines),
+        *(line for loaded in under for line in loaded.complaints),
+        *(line for k, lines in own.items() if verdicts[k] is None for line in lines),
+        *(line for lines in own.values() for line in lines),
+        *(line for loaded in under for line in loaded.warnings),
+        *gears.warnings,
+        *([] if check is None else check.warnings),
+    ]
+    return next(iter(ordered), None)
 
 
 def _overview(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[str, TriangleMesh]) -> Scene:

@@ -100,9 +100,15 @@ def test_browser_draws_rolls_and_picks(page: str, browser: Any, tmp_path: Path) 
     browser.get(page)
     assert browser.title == NAME
     assert not browser.find_element("id", "stand-in").is_displayed()
+    browser.execute_script("document.getElementById('canvas').scrollIntoView({ behavior: 'instant' })")
     first, before = pixels(browser, tmp_path / "first.png"), state(browser)
     assert len(np.unique((255 * first).round().astype(int).reshape(-1, 3), axis=0)) > 100
     assert before["triangles"] > 5000
+
+    # it begins at the contact, which stands in the middle of the view
+    assert browser.find_element("id", "look").get_property("value") == "contact"
+    red = np.argwhere(first[..., 0] - first[..., 1] > 0.3)
+    assert np.abs(red - np.array(first.shape[:2]) / 2).max(axis=1).min() < 6
 
     # the slider moves the gears: both turn, against their ratio, and other pixels are seen
     choose(browser, "roll", "0.9", "input")
@@ -219,7 +225,18 @@ def test_browser_fits_a_phone(page: str, browser: Any) -> None:
     metrics = {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
     browser.get(page)
+    # however long what can be chosen is
+    browser.execute_script(
+        """for (const each of document.querySelectorAll("select"))
+        each.append(Object.assign(document.createElement("option"), { textContent: "a choice with a long name ".repeat(6) }))"""
+    )
     assert browser.execute_script("return document.documentElement.scrollWidth") <= 390
+    beyond = browser.execute_script(
+        """return [...document.querySelectorAll("input, select, button, a, dd")].filter((each) => each.getClientRects().length)
+        .filter((each) => each.getBoundingClientRect().right > 390 || each.getBoundingClientRect().left < 0)
+        .map((each) => each.outerHTML)"""
+    )
+    assert beyond == []
     # what can be used has a name
     unnamed = browser.execute_script(
         """return [...document.querySelectorAll("input, select, button")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import html
 import json
 import re
 import tomllib
@@ -19,6 +20,7 @@ import gearmesh as gm
 from gearmesh.api.report import plots, report_page, study_section
 from gearmesh.errors import OutputError
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.view.report import card
 from gearmesh.view.report.page import script_json
 from gearmesh.view.report.stage import StagedMember
 
@@ -136,6 +138,38 @@ def test_page_s_teeth_and_bodies_are_the_whole_solids() -> None:
 def _moved(mesh: TriangleMesh, moves: Any, k: int) -> TriangleMesh:
     translation = np.broadcast_to(moves.translation, (len(moves.rotation), 3))[k]
     return mesh.move(type(moves)(moves.rotation[k], translation))
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(9.159997e-11, "0.0000000000916"), (0.09811, "0.0981"), (1.2632, "1.26"), (10.0, "10"), (99.96, "100"),
+     (1265.7, "1266"), (-0.03251, "\u22120.0325"), (0.0, "0")],
+)  # fmt: skip
+def test_card_writes_three_digits_without_exponent(value: float, text: str) -> None:
+    assert card.number(value) == text
+
+
+def test_card_reads_as_the_solver_says() -> None:
+    """Of gears that fit and of gears that jam: words and units; what jams is the warning that comes first."""
+    assert card.error(9.159997e-11, "arcsec") == "below 0.001\u00a0arcsec"
+    assert card.span(-0.0325, 0.1) == "\u22120.0325 to 0.1\u00a0mm"
+    for closer, backlash, note in ((0.0, "60\u00a0\u00b5m", "at least "), (-0.1, "\u22128.12\u00a0\u00b5m", "negative")):
+        gears = gm.build(gm.load(SAMPLES / "spur.toml", [f"assembly.dx={closer}"]))
+        contact = gears.contact()
+        shown = {figure.label: figure for figure in card.mesh_card(contact).figures}
+        assert list(shown) == ["Contact ratio", "Mesh transmission error", "Normal backlash", "Tip clearance"]
+        assert float(shown["Contact ratio"].value) == pytest.approx(contact.summary["contact_ratio"], abs=5e-3)
+        assert shown["Contact ratio"].note == "1 or 2 tooth pairs in contact"
+        assert shown["Normal backlash"].value.startswith(backlash)
+        assert shown["Normal backlash"].note.startswith(note)
+        page = report_page(gears, {0: contact}, 0.05, images=[]).html
+        (section,) = re.findall(r'<section id="card".*?</section>', page, re.DOTALL)
+        assert page.index(section) < page.index('<section id="view"')
+        assert html.escape(shown["Tip clearance"].value) in section
+        assert not re.search(r"\de[-+]\d|_mm|_deg|_arcsec", section)
+        jammed = [line for line in contact.warnings if "jammed" in line]
+        assert (html.escape(jammed[0]) if jammed else "No warnings.") in section
+        assert bool(jammed) == (closer < 0.0)
 
 
 @pytest.mark.quick

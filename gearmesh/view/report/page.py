@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
 
+from gearmesh.view.report.card import Card
+
 
 @dataclass(frozen=True)
 class PageSection:
@@ -30,12 +32,13 @@ class PageSection:
 def page(
     title: str,
     summary: str,
+    card: Card,
     warnings: Sequence[str],
     stage: Mapping[str, Any],
     pictures: Sequence[tuple[str, bytes]],
     sections: Sequence[PageSection],
 ) -> str:
-    """The page: title and a line under it, warnings, the view, then the sections.
+    """The page: title and a line under it, the card, the view, all warnings, then the sections.
 
     `pictures`: captions and JPEG files, of which the first takes the view's place where that cannot be drawn.
     """
@@ -46,6 +49,7 @@ def page(
         "NAVIGATION": "".join(
             f'<a href="#{section.anchor}">{html.escape(section.heading)}</a>' for section in sections
         ),
+        "CARD": _card(card),
         "WARNINGS": _warnings(warnings),
         "PICTURE": picture(*pictures[0], identity="still") if pictures else "",
         "SECTIONS": "\n".join(map(_section, sections)),
@@ -96,9 +100,27 @@ def _section(section: PageSection) -> str:
     return f'<section id="{section.anchor}"><h2>{html.escape(section.heading)}</h2>\n{section.body}\n</section>'
 
 
+def _card(card: Card) -> str:
+    parts = []
+    for mesh in card.meshes:
+        heading = f"<h3>{html.escape(mesh.mesh)}</h3>" if len(card.meshes) > 1 else ""
+        figures = "".join(
+            f"<div><dt>{html.escape(figure.label)}</dt><dd><strong>{html.escape(figure.value)}</strong>"
+            f"{f'<small>{html.escape(figure.note)}</small>' if figure.note else ''}</dd></div>"
+            for figure in mesh.figures
+        )
+        parts.append(f"{heading}<dl>{figures}</dl>")
+    if card.worst is None:
+        parts.append('<p class="good">No warnings.</p>')
+    else:
+        link = f' <a href="#warnings">All {card.warnings} warnings</a>' if card.warnings > 1 else ""
+        parts.append(f'<p class="worst"><strong>Warning:</strong> {html.escape(card.worst)}{link}</p>')
+    return f'<section id="card" aria-label="At a glance">{"".join(parts)}</section>'
+
+
 def _warnings(lines: Sequence[str]) -> str:
     if not lines:
-        return '<p class="good">No warnings.</p>'
+        return ""
     items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
     return f'<section id="warnings" class="warnings"><h2>Warnings</h2><ul>{items}</ul></section>'
 

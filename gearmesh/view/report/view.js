@@ -36,7 +36,7 @@
   // viridis from large to small amounts, as in the pictures: apart for all kinds of colour vision, and in grey
   const COLOURS = ["#fde725", "#addc30", "#5ec962", "#28ae80", "#21918c", "#2c728e", "#3b528b", "#472d7b", "#440154"];
   const COMPOUND = [0.247, 0.498, 0.769], ELLIPSE = [0.78, 0.06, 0.18], CAP = "vec3(0.62, 0.36, 0.28)";
-  const FIELD_OF_VIEW = 20, SECONDS = 5, CLICK = 5;
+  const FIELD_OF_VIEW = 20, SECONDS = 5, CLICK = 5, CONTACT = "contact";
 
   // ---------------------------------------------------------------- members
 
@@ -415,7 +415,7 @@
     options(element("torque"), torques, torques.some(([key]) => key === chosen) ? chosen : torques.at(-1)?.[0]);
     element("torque-label").hidden = !torques.length;
     element("torque-label").style.display = torques.length ? "" : "none";
-    options(element("look"), [["", "the gears"], ...current.members.map((m, i) => [String(i), `tooth of ${members[m].name}`])]);
+    options(element("look"), [[CONTACT, "the contact"], ["", "the gears"], ...current.members.map((m, i) => [String(i), `tooth of ${members[m].name}`])]);
     // which points of contact lines a solver reports means nothing
     const stride = current.lines.length / current.phi1.length, steps = [];
     const alone = (k) => !Number.isNaN(current.point[3 * k]) && Number.isNaN(current.lines[k * stride]);
@@ -427,7 +427,7 @@
     const middle = current.phi1.length === 1 ? 0 : 0.5;
     roll.value = middle;
     roll.disabled = element("play").disabled = current.phi1.length < 2;
-    lookAt("");
+    lookAt(CONTACT);
     showColours();
     showPosition();
   }
@@ -475,9 +475,26 @@
     stale = true;
   }
 
+  // the pinion's flank where it touches, through the other gears, as large as the teeth in mesh
+  function lookAtContact() {
+    const [flank] = current.flanks, member = members[current.members[0]], [rows, columns] = flank.shape;
+    members.filter((other) => other !== member).forEach((other) => setMode(other, "see-through"));
+    showPosition();
+    const x = Number(roll.value) * (current.phi1.length - 1), middle = columns >> 1;
+    const own = (k) => vector(flank.points.slice(3 * k, 3 * k + 3)).applyMatrix4(member.group.matrix);
+    const up = own((rows - 1) * columns + middle).sub(own(middle)), along = own(columns - 1).sub(own(0)).normalize();
+    const out = vector(at(flank.normal, 3, x)).transformDirection(member.group.matrix);
+    aim(vector(at(flank.contact, 3, x)).applyMatrix4(member.group.matrix),
+      out.multiplyScalar(0.7).add(along.multiplyScalar(0.8)).add(up.clone().setLength(0.5)), up, Math.max(5 * up.length(), 1.2 * flank.size));
+  }
+
   function lookAt(which) {
     members.forEach((member) => setMode(member, "solid"));
     element("look").value = which;
+    if (which === CONTACT) {
+      lookAtContact();
+      return;
+    }
     if (which === "") {
       const { focus, back, up, height } = data.camera;
       aim(vector(focus), vector(back), vector(up), 0.9 * height);
