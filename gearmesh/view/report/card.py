@@ -114,7 +114,9 @@ def _pressure(contact: Contact, loaded: LoadedContact | None) -> Iterator[CardFi
             also = ", without the singular peak of edge contact" if singular else ""
             yield CardFigure(label, f"{number(highest.max_pressure)}{BLANK}MPa", at + also)
     elif (hertz := contact.hertz) is not None and np.isfinite(hertz.peak_pressure).any():
-        yield CardFigure(label, f"{number(np.nanmax(hertz.peak_pressure))}{BLANK}MPa", f"Hertz, at {number(hertz.torque)} Nm")
+        yield CardFigure(
+            label, f"{number(np.nanmax(hertz.peak_pressure))}{BLANK}MPa", f"Hertz, at {number(hertz.torque)} Nm"
+        )
 
 
 def number(value: float) -> str:
