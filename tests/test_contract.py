@@ -30,8 +30,9 @@ MAY_IMPORT: dict[str, str] = {
     "tools": "kernel",
     "teeth": "kernel tools",
     "contact": "kernel teeth",
+    "metrology": "kernel teeth",
     "design": "files",
-    "systems": "kernel tools teeth contact design",  # and never another system
+    "systems": "kernel tools teeth contact metrology design",  # and never another system
     "mesh": "kernel teeth",
     "toolpath": "kernel teeth",
     "check": "kernel teeth mesh",  # never the solver that it checks
@@ -39,8 +40,8 @@ MAY_IMPORT: dict[str, str] = {
     "cad": "kernel teeth mesh io",
     "fe": "kernel teeth contact mesh io",
     "loaded": "kernel teeth contact mesh fe",
-    "answers": "kernel tools teeth contact design files systems mesh toolpath check io cad fe loaded",
-    "study": "kernel teeth contact design files io systems loaded answers",
+    "answers": "kernel tools teeth contact metrology design files systems mesh toolpath check io cad fe loaded",
+    "study": "kernel teeth contact metrology design files io systems loaded answers",
     "view": "kernel tools teeth contact mesh check fe loaded io answers",  # and of solvers their results alone
     "drawing": "kernel teeth design systems cad answers view",  # of answers the sheet, of view the writer of figures
     # only app and gearmesh import api
@@ -76,7 +77,7 @@ RESULTS = {
     "contact_flank",
 }
 #: packages that are mathematics: numpy and scipy only
-MATHEMATICS = ("kernel", "tools", "teeth", "contact", "check")
+MATHEMATICS = ("kernel", "tools", "teeth", "contact", "metrology", "check")
 
 #: where tools are, and the surfaces and motions that stand for them
 TOOLS = ("gearmesh/tools/", "gearmesh/kernel/envelope/", "gearmesh/kernel/motion/", "gearmesh/kernel/surface/")

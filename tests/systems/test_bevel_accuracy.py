@@ -7,22 +7,9 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.systems.spiral_bevel.sheet.accuracy import ToleranceSizes, tolerance_table, tolerances
+from gearmesh.metrology.iso17485 import BevelSizes
+from gearmesh.systems.spiral_bevel.sheet.accuracy import tolerance_table
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
-
-
-@pytest.mark.quick
-def test_tolerances_of_iso_17485() -> None:
-    """By hand: module 5, 100 mm; a factor of sqrt(2) from grade to grade; rounding in its ranges; silence beyond the range."""
-    sizes = ToleranceSizes(20, 100.0, 5.0)
-    # grade 4: f_pt 6.8, F_p 23, F_r 18.4
-    assert tolerances(4, sizes) == {"f_ptT": 7.0, "F_pT": 23.0, "F_rT": 18.0}
-    # grade 6: twice; grade 2: half; grade 7: 19.23, 65.05, 52.04
-    assert tolerances(6, sizes) == {"f_ptT": 14.0, "F_pT": 46.0, "F_rT": 37.0}
-    assert tolerances(2, sizes) == {"f_ptT": 3.4, "F_pT": 12.0, "F_rT": 9.0}
-    assert tolerances(7, sizes) == {"f_ptT": 19.0, "F_pT": 65.0, "F_rT": 52.0}
-    for beyond in ((4, 100.0, 5.0), (401, 100.0, 5.0), (20, 4.9, 5.0), (20, 2501.0, 5.0), (20, 100.0, 0.9)):
-        assert tolerances(6, ToleranceSizes(*beyond)) is None
 
 
 @pytest.mark.quick
@@ -48,5 +35,5 @@ def test_the_sheet_of_a_pair_and_of_one_member_have_them() -> None:
     title = "Tolerances [ISO 17485:2006]"
     alone = gm.build(design, alone="gear").sheet(member="gear").plain_tables[title]
     assert alone["B"][1:] == [6]
-    sizes = ToleranceSizes(design.gear.teeth, alone["d_T"][1], basic_blank(design.in_mm()).mean_normal_module)
-    assert {symbol: alone[symbol][1] for symbol in ("f_ptT", "F_pT", "F_rT")} == tolerances(6, sizes)
+    sizes = BevelSizes(design.gear.teeth, alone["d_T"][1], basic_blank(design.in_mm()).mean_normal_module)
+    assert {symbol: alone[symbol][1] for symbol in ("f_ptT", "F_pT", "F_rT")} == sizes.tolerances(6)

@@ -16,11 +16,13 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from gearmesh.design.core import DENSITY
+from gearmesh.metrology.iso1328 import NAMES
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.standards.iso286 import Deviations
 from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.cylindrical.double_helical import half_of, half_width
-from gearmesh.systems.cylindrical.geometry import accuracy, measures
+from gearmesh.systems.cylindrical.geometry import measures
+from gearmesh.systems.cylindrical.geometry.accuracy import tolerance_sizes
 from gearmesh.systems.cylindrical.geometry.allowances import Allowances, allowances_of
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing
 from gearmesh.systems.cylindrical.geometry.interference import reserves
@@ -614,13 +616,13 @@ def _bodies(pair: SheetGears) -> list[Row]:
 def _tolerances(pair: SheetGears) -> list[Row]:
     """None of them beyond the range of the standard."""
     limits = [
-        accuracy.tolerances(pair.design.accuracy_class, teeth, spec.face_width) or {}
+        tolerance_sizes(teeth, spec.face_width).tolerances(pair.design.accuracy_class) or {}
         for teeth, spec in zip(pair.teeth, pair.specs, strict=True)
     ]
     return [
         ("A", "flank tolerance class", "-", pair.of_all(lambda _: pair.design.accuracy_class)),
         *(
             (symbol, words, "um", tuple(of_member.get(symbol) for of_member in limits))
-            for symbol, words in accuracy.NAMES.items()
+            for symbol, words in NAMES.items()
         ),
     ]

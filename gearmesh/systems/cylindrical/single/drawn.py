@@ -1,6 +1,6 @@
 """What a workshop drawing of a cylindrical gear or a rack has of the data sheet [DIN 3966-1, ISO 1340]."""
 
-from gearmesh.systems.cylindrical.geometry.accuracy import NAMES
+from gearmesh.metrology.iso1328 import NAMES
 from gearmesh.systems.system import DrawnRows
 
 #: what both have

@@ -1,6 +1,6 @@
 """What a workshop drawing of a bevel or hypoid gear has of the data sheet [DIN 3966-2, ISO 1340]."""
 
-from gearmesh.systems.spiral_bevel.sheet.accuracy import NAMES
+from gearmesh.metrology.iso17485 import NAMES
 from gearmesh.systems.system import DrawnRows
 
 #: teeth and cones
