@@ -18,6 +18,8 @@ from gearmesh.kernel.numeric.algebra import Array
 
 #: coefficients
 TERMS = 6
+#: sine of the spiral angle (rad) of teeth that count as straight
+STRAIGHT = 1e-3
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,24 @@ def flank_coordinates(points: Array) -> tuple[Array, Array]:
     ways along the grid's lines, from its middle."""
     length, height = (_way(np.moveaxis(points, axis, 0)) for axis in (1, 0))
     return np.moveaxis(length, 0, 1), height
+
+
+def spiral_angle_error(points: Array, normals: Array, lengthwise_angle: float) -> float:
+    """By how much (rad) the amount of the spiral or helix angle is larger where material rises to the heel by the
+    `lengthwise_angle`; of points and outward normals (I, J, 3), mm, of a flank of 3 x 3 or more, at its middle.
+
+    The trace of the flank in the pitch surface moves by d / (n . e), e across the trace in that surface. Of straight teeth it is
+    positive where the heel leans to rising angles about the axis.
+    """
+    i, j = (size // 2 for size in points.shape[:2])
+    x, y, _ = points[i, j]
+    around = np.array([-y, x, 0.0]) / np.hypot(x, y)
+    trace = points[i, j + 1] - points[i, j - 1]
+    trace = trace / np.linalg.norm(trace)
+    lean = float(trace @ around)
+    across = around - lean * trace
+    sense = 1.0 if abs(lean) < STRAIGHT else float(np.sign(lean))
+    return float(sense * lengthwise_angle * np.linalg.norm(across) / (normals[i, j] @ across))
 
 
 def _way(points: Array) -> Array:

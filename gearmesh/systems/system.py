@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from gearmesh.design.core import Design
     from gearmesh.kernel.motion.rigid import Rigid
     from gearmesh.kernel.numeric.algebra import Array
+    from gearmesh.metrology.measured_teeth import InspectionBasis
     from gearmesh.teeth.gear_train import GearTrain, Member
     from gearmesh.teeth.tooth import Tooth
 
@@ -143,7 +144,8 @@ class System(Generic[D]):
     design in mm and its gear set, by two of V, H, J and alpha, `first_order` gives, for a design in mm with errors, its
     transmission error in closed form; `displacements` moves the members of many assemblies at once. `single` makes designs of the
     same kind of one member without a mating gear, those whose keys `is_single`.
-    `drawn`: what of the sheet a workshop drawing has; without it, all that it says of the member.
+    `drawn`: what of the sheet a workshop drawing has; without it, all that it says of the member; `inspection`: what the member
+    named, of a design and its gear set, is inspected by.
     """
 
     kind: str
@@ -163,6 +165,7 @@ class System(Generic[D]):
     displacements: Displacements[D] | None = None
     pinned: Callable[[D, GearTrain], dict[str, Any]] | None = None
     drawn: DrawnRows | None = None
+    inspection: Callable[[D, GearTrain, str], InspectionBasis] | None = None
     single: System[Any] | None = None
     is_single: Callable[[Mapping[str, Any]], bool] | None = None
 

@@ -5,6 +5,7 @@ from gearmesh.systems.cylindrical.build import DISPLACEMENTS, build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.force_tables import pair_forces
 from gearmesh.systems.cylindrical.geometry.proportions import derived_values
+from gearmesh.systems.cylindrical.inspection.basis import pair_inspection
 from gearmesh.systems.cylindrical.pinned import pair_values
 from gearmesh.systems.cylindrical.sheet import data_sheet
 from gearmesh.systems.cylindrical.single.drawn import DRAWN
@@ -21,6 +22,7 @@ SYSTEMS = (
         displacements=DISPLACEMENTS,
         pinned=pair_values,
         drawn=DRAWN,
+        inspection=pair_inspection,
         single=single.SYSTEM,
         is_single=single.is_single,
     ),

@@ -1,5 +1,6 @@
 """Planetary sets: sun, planets and ring as cylindrical pairs that share the planet, their positions, motions and sheet."""
 
+from gearmesh.systems.cylindrical.inspection.planetary_basis import planetary_inspection
 from gearmesh.systems.cylindrical.planetary.build import build, derived_values
 from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 from gearmesh.systems.cylindrical.planetary.force_tables import set_forces
@@ -18,5 +19,6 @@ SYSTEMS = (
         forces=set_forces,
         pinned=planetary_values,
         drawn=DRAWN,
+        inspection=planetary_inspection,
     ),
 )

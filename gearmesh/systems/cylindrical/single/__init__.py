@@ -1,5 +1,6 @@
 """One cylindrical gear without a mating gear: its keys, the member built of it, its data sheet."""
 
+from gearmesh.metrology.measured_teeth import InspectionBasis
 from gearmesh.systems.cylindrical.single.build import build, derived_values
 from gearmesh.systems.cylindrical.single.design import SingleGearDesign, is_single
 from gearmesh.systems.cylindrical.single.drawn import DRAWN
@@ -14,8 +15,21 @@ def _sheet(design: SingleGearDesign, train: GearTrain) -> Sheet:
     return single_sheet(design, train)
 
 
+def _inspection(design: SingleGearDesign, train: GearTrain, name: str) -> InspectionBasis:
+    from gearmesh.systems.cylindrical.inspection.basis import single_inspection
+
+    return single_inspection(design, train, name)
+
+
 SYSTEM = System(
-    "cylindrical", SingleGearDesign, build, derive=derived_values, sheet=_sheet, pinned=single_values, drawn=DRAWN
+    "cylindrical",
+    SingleGearDesign,
+    build,
+    derive=derived_values,
+    sheet=_sheet,
+    pinned=single_values,
+    drawn=DRAWN,
+    inspection=_inspection,
 )
 
 __all__ = ["SYSTEM", "is_single"]

@@ -1,14 +1,21 @@
-"""The table of tolerances of bevel and hypoid gears [ISO 17485:2006]."""
+"""The table of tolerances of bevel and hypoid gears, and what they are inspected by [ISO 17485:2006]."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from gearmesh.metrology.iso17485 import NAMES, BevelSizes
+from gearmesh.metrology.measured_teeth import InspectionBasis
 from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
+from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.systems.system import SheetTable
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
+    from gearmesh.teeth.gear_train import GearTrain
 
 MEMBERS = ("pinion", "gear")
 
@@ -32,3 +39,9 @@ def tolerance_table(grade: int, blank: BevelBlank, members: Sequence[str]) -> Sh
         *((symbol, words, "um", tuple(own.get(symbol) for own in limits)) for symbol, words in NAMES.items()),
     ]
     return table("Tolerances [ISO 17485:2006]", tuple(members), rows)
+
+
+def bevel_inspection(design: FaceMilledDesign, train: GearTrain, name: str) -> InspectionBasis:
+    """Of the "pinion" or the "gear" of a design: pitch and runout have tolerances, flanks have not."""
+    own = design.in_mm()
+    return InspectionBasis(tolerance_sizes(bevel_teeth(own).cut.blank, MEMBERS.index(name)), own.accuracy_grade)

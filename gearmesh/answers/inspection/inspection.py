@@ -1,0 +1,247 @@
+"""A measured gear: its deviations evaluated by sides, the tolerance class of every figure, and what limits that of the gear."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from gearmesh.answers.inspection.figures import (
+    UM,
+    ClassFigures,
+    FlankInspectionFigures,
+    FlankOrderFigures,
+    InspectionFigures,
+    PitchFigures,
+    TraceFigures,
+)
+from gearmesh.answers.inspection.flank_map import DeviationMap, MeasuredTrace, helix_trace, profile_trace
+from gearmesh.answers.result import Result, header
+from gearmesh.answers.tables import Listing, round_to
+from gearmesh.design.core import Design
+from gearmesh.errors import ArgumentError
+from gearmesh.figures import Content, Summary, flat
+from gearmesh.metrology.measured_teeth import FlankDeviations, InspectionBasis, InvoluteFlank, MeasuredTeeth
+from gearmesh.metrology.pitch import BallInSpace
+from gearmesh.metrology.tolerances import GearClass, class_of
+from gearmesh.systems.system import system_of
+from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+
+#: decimals of um and arc seconds in tables
+DIGITS = 2
+
+
+@dataclass(frozen=True, repr=False)
+class Inspection(Result):
+    """What was `measured` of a nominal member of a design; `basis`: what it is inspected by, None without tolerances."""
+
+    design: Design
+    member: Member
+    measured: MeasuredTeeth
+    basis: InspectionBasis | None
+
+    @cached_property
+    def maps(self) -> dict[Side, DeviationMap]:
+        """Deviations over the flanks that were measured."""
+        return {side: DeviationMap.of(self.member.tooth, side, own) for side, own in self._flanks}
+
+    @cached_property
+    def profiles(self) -> dict[Side, MeasuredTrace]:
+        """Profile traces, of involute flanks alone."""
+        return self._traces(profile_trace)
+
+    @cached_property
+    def helices(self) -> dict[Side, MeasuredTrace]:
+        """Helix traces, of involute flanks alone."""
+        return self._traces(helix_trace)
+
+    @property
+    def _flanks(self) -> list[tuple[Side, FlankDeviations]]:
+        return [(side, self.measured.flanks[side]) for side in Side if side in self.measured.flanks]
+
+    def _traces(
+        self, trace: Callable[[Tooth, Side, FlankDeviations, InvoluteFlank], MeasuredTrace]
+    ) -> dict[Side, MeasuredTrace]:
+        involute = None if self.basis is None else self.basis.involute
+        if involute is None:
+            return {}
+        return {side: trace(self.member.tooth, side, own, involute) for side, own in self._flanks}
+
+    @property
+    def runout(self) -> float | None:
+        """F_r, mm: as measured, or by a ball in the spaces where pitch deviations of both sides were."""
+        if self.measured.runout is not None or self._ball is None:
+            return self.measured.runout
+        return self._ball.runout(*(self.measured.pitch[side] for side in Side))
+
+    @property
+    def eccentricity(self) -> float | None:
+        """Of the teeth to the axis, mm, where pitch deviations of both sides were measured."""
+        return None if self._ball is None else self._ball.eccentricity(*(self.measured.pitch[side] for side in Side))
+
+    @property
+    def _ball(self) -> BallInSpace | None:
+        known = all(side in self.measured.pitch for side in Side)
+        return self.basis.ball if self.basis is not None and known else None
+
+    @cached_property
+    def deviations(self) -> dict[str, float]:
+        """The deviations that may have tolerances, um, by their symbols: of either side the one of the larger amount."""
+        by_symbol: dict[str, list[float]] = {}
+
+        def add(symbol: str, value: float) -> None:
+            by_symbol.setdefault(symbol, []).append(UM * value)
+
+        for letter, traces in (("a", self.profiles), ("b", self.helices)):
+            for own in traces.values():
+                add(f"f_f{letter}", own.trace.form)
+                add(f"f_H{letter}", own.sign * own.trace.slope)
+                add(f"F_{letter}", own.trace.total)
+        for pitch in self.measured.pitch.values():
+            add("f_p", pitch.single_pitch)
+            add("f_pt", pitch.single_pitch)
+            add("F_p", pitch.cumulative)
+        if self.runout is not None:
+            add("F_r", self.runout)
+        return {symbol: max(values, key=abs) for symbol, values in by_symbol.items()}
+
+    @cached_property
+    def gear_class(self) -> GearClass | None:
+        """The classes of all figures; None without tolerances, and beyond their range."""
+        return None if self.basis is None else class_of(self.basis.sizes, self.deviations)
+
+    def tolerance(self, symbol: str) -> float | None:
+        """The tolerance (um) of a deviation in the class that is asked for, None where there is none."""
+        if self.basis is None:
+            return None
+        return (self.basis.sizes.tolerances(self.basis.asked) or {}).get(f"{symbol}T")
+
+    @property
+    def headline(self) -> str:
+        classes = self.gear_class
+        if classes is None or not classes.deciding:
+            return f"{self.member.name}: no figure has a tolerance"
+        limits = ", ".join(classes.limiting)
+        if classes.overall is None:
+            return f"{self.member.name}: coarser than class {classes_end(self.basis)} [{classes.standard}], by {limits}"
+        return f"{self.member.name}: class {classes.overall} [{classes.standard}], limited by {limits}"
+
+    @property
+    def complaints(self) -> list[str]:
+        """Figures that are beyond the class that the design asks for."""
+        classes = self.gear_class
+        if classes is None or self.basis is None:
+            return []
+        lines = []
+        for own in classes.deciding:
+            limit = self.tolerance(own.symbol)
+            if limit is not None and (own.tolerance_class is None or own.tolerance_class > self.basis.asked):
+                lines.append(
+                    f"{own.symbol} ({own.name}) is {own.deviation:.4g} um; class {self.basis.asked} allows {limit:g} um"
+                )
+        return lines
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Ranges of evaluation that were not measured from end to end."""
+        return tuple(
+            f"the {what} trace of the {side} flank was measured over {100.0 * (1.0 - own.missing_share):.0f} % of its range of "
+            "evaluation: its form and total deviations are those of that part"
+            for what, traces in (("profile", self.profiles), ("helix", self.helices))
+            for side, own in traces.items()
+            if own.missing_share
+        )
+
+    @cached_property
+    def figures(self) -> InspectionFigures:
+        """All of it."""
+        classes, basis = self.gear_class, self.basis
+        runout, eccentricity = (None if x is None else UM * x for x in (self.runout, self.eccentricity))
+        return InspectionFigures(
+            member=self.member.name,
+            standard=None if basis is None else basis.sizes.standard,
+            tolerance_class=None if classes is None else classes.overall,
+            limited_by=[] if classes is None else list(classes.limiting),
+            asked_class=None if basis is None else basis.asked,
+            runout=runout,
+            eccentricity=eccentricity,
+            classes=[] if classes is None else [ClassFigures.of(own) for own in classes.figures],
+            flanks={
+                str(side): self._of_side(side) for side in Side if side in self.maps or side in self.measured.pitch
+            },
+        )
+
+    def _of_side(self, side: Side) -> FlankInspectionFigures:
+        order = self.maps[side].order if side in self.maps else None
+        profile, helix, pitch = self.profiles.get(side), self.helices.get(side), self.measured.pitch.get(side)
+        return FlankInspectionFigures(
+            None if order is None else FlankOrderFigures.of(order, self.maps[side].spiral_error(order)),
+            None if profile is None else TraceFigures.of(profile.trace, profile.sign),
+            None if helix is None else TraceFigures.of(helix.trace, helix.sign),
+            None if pitch is None else PitchFigures.of(pitch),
+        )
+
+    @property
+    def listings(self) -> list[Listing]:
+        """The classes, then the deviations of both sides beside each other."""
+        tables = []
+        classes = self.gear_class
+        if classes is not None and classes.figures:
+            rows = [
+                (own.symbol, own.name, round_to(own.deviation, DIGITS), own.tolerance, own.tolerance_class)
+                for own in classes.figures
+            ]
+            heads = ("", "", "um", "tolerance um", "class")
+            tables.append(Listing(f"Tolerance classes of the {self.member.name} [{classes.standard}]", heads, rows))
+        sides = list(self.figures.flanks)
+        columns = [flat(self.figures.flanks[side].entries) for side in sides]
+        shown = [key for key in dict.fromkeys(key for own in columns for key in own) if not key.endswith(LISTS)]
+        rows = [(key, *(_to_digits(own.get(key)) for own in columns)) for key in shown]
+        tables.append(Listing(f"Deviations of the {self.member.name}", ("", *sides), rows))
+        return tables
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """The classes of all figures."""
+        rows = [own.row for own in self.figures.classes]
+        return {key: [row[key] for row in rows] for key in (rows[0] if rows else ())}
+
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "warnings": self.warnings, **Summary(self.figures)}
+
+
+#: ends of keys whose values are a list of all teeth
+LISTS = "index_deviation_um"
+
+
+def classes_end(basis: InspectionBasis | None) -> int:
+    """The coarsest class of the standard."""
+    return 0 if basis is None else basis.sizes.classes[1]
+
+
+def _to_digits(value: Any) -> Any:
+    return None if value is None else round_to(value, DIGITS)
+
+
+def inspect(design: Design, train: GearTrain, name: str, measured: MeasuredTeeth) -> Inspection:
+    """What was measured of the member `name` of a design and its nominal gear set.
+
+    Raises DesignError for a member that there is not, for pitch deviations of another number of teeth, and for flanks of which
+    too little was measured.
+    """
+    if name not in train.members:
+        raise ArgumentError("member", name, must_be=f"one of {', '.join(train.members)}")
+    member = train.members[name]
+    for side, pitch in measured.pitch.items():
+        if pitch.index.size != member.tooth.teeth:
+            raise ArgumentError(
+                "pitch",
+                pitch.index.size,
+                reason=f"numbers of the {side} flanks",
+                must_be=f"{member.tooth.teeth}, one a tooth",
+            )
+    basis = system_of(design).inspection
+    return Inspection(design, member, measured, None if basis is None else basis(design, train, name))

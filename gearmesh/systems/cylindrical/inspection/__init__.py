@@ -1,0 +1,1 @@
+"""What measured cylindrical gears are evaluated by."""

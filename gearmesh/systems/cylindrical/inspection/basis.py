@@ -1,0 +1,63 @@
+"""What cylindrical gears are inspected by [ISO 1328-1:2013].
+
+The profile control diameter is the active root diameter d_Nf of a gear with a mating gear, else the root form diameter d_Ff.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from gearmesh.metrology.measured_teeth import InspectionBasis, InvoluteFlank
+from gearmesh.metrology.pitch import BallInSpace
+from gearmesh.systems.cylindrical.double_helical import first_halves, half_of
+from gearmesh.systems.cylindrical.geometry.accuracy import tolerance_sizes
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
+from gearmesh.systems.cylindrical.geometry.proportions import GearsProportions, proportions
+from gearmesh.systems.cylindrical.sheet import SheetGears, SheetPair
+from gearmesh.systems.cylindrical.single.build import proportions as single_proportions
+from gearmesh.systems.system import complete_design
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalDesign
+    from gearmesh.systems.cylindrical.single.design import SingleGearDesign
+    from gearmesh.teeth.gear_train import GearTrain
+
+
+def pair_inspection(design: CylindricalDesign, train: GearTrain, name: str) -> InspectionBasis:
+    """Of the "pinion" or the "gear" of a design and the gear set built of it."""
+    half = half_of(complete_design(design).in_mm())
+    gears = SheetPair(half, proportions(half), tuple(train.members[own] for own in MEMBERS))
+    return inspection_of(gears, MEMBERS.index(name))
+
+
+def single_inspection(design: SingleGearDesign, train: GearTrain, name: str) -> InspectionBasis:
+    """Of a gear without a mating gear."""
+    own = complete_design(design).in_mm()
+    gears = SheetGears(first_halves(own), GearsProportions((single_proportions(own),)), (train.members[name],))
+    return inspection_of(gears, 0)
+
+
+def inspection_of(gears: SheetGears, number: int) -> InspectionBasis:
+    """Of the gear of a number of those of a sheet."""
+    own, width = gears.teeth[number], gears.specs[number].face_width
+    root_form, tip_form = gears.flanks[number]
+    mesh = gears.meshing
+    begins = root_form if mesh is None else math.hypot(own.base_radius, mesh.line.active(own)[0])
+    space = math.pi / own.teeth - own.half_angle(own.radius)
+    return InspectionBasis(
+        sizes=tolerance_sizes(own, width),
+        asked=gears.design.accuracy_class,
+        involute=InvoluteFlank(
+            base=own.base_radius,
+            control=begins,
+            form=tip_form,
+            tip=gears.geometry.tips[number],
+            helix=own.beta,
+            base_helix=own.beta_b,
+            toe=-0.5 * width,
+            heel=0.5 * width,
+            module=own.module,
+        ),
+        ball=BallInSpace(own.alpha_t, own.sense * space),
+    )
