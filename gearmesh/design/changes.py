@@ -86,6 +86,22 @@ CHANGES: tuple[Change, ...] = (
         "pinion_convex",
         "a key does not change the default of another one",
     ),
+    Change(
+        "0.9.0",
+        ("worm_drive",),
+        "wheel.profile_shift",
+        "by center_distance, without it 0",
+        "by center_distance, without it 0, of ZC 0.75",
+        "wheels of ZC worms are undercut without it",
+    ),
+    Change(
+        "0.9.0",
+        ("worm_drive",),
+        "wheel.face_width",
+        "2 m (sqrt(q + 1) + 0.5)",
+        "2 m (sqrt(q + 1) + 0.5), ZC: 2 m (sqrt(q + 1) - 0.5)",
+        "flanks of ZC wheels began beyond the tip at the toe",
+    ),
 )
 
 

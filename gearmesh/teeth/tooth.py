@@ -496,6 +496,7 @@ class Tooth:
             self._undercut.get(which),
             folds=self._folds(side),
         )
+        self._demand_flank(side, (form_point_flank, tip), (stations, t), tip_jet)
         if t.size >= PROOF_STATIONS and t.min() <= 0.0 and t.max() >= 1.0:
             self._undercut.setdefault(which, undercut)
         root_angle = np.full_like(stations, np.nan)
@@ -510,6 +511,17 @@ class Tooth:
             tip, edge = self.tip_edge.between(side.flank, self.blank, which.sign, (form_point_flank, tip), stations)
             tip_point = edge[1]
         return Ends(form_point_flank, form_point_fillet, tip, tip_corner, self.joint.angle(tip_point), root_angle, edge)
+
+    def _demand_flank(self, side: ToothSide, ends: tuple[Array, Array], at: tuple[Array, Array], tip: Jet) -> None:
+        """Raise TrimError where the form point lies beyond the tip, both flank parameters `ends` (T,) at stations and t (T,)."""
+        height = (ends[1] - ends[0]) * np.sign(side.tip - side.form_point[0])
+        if (height > 0.0).all():
+            return
+        k, (stations, t) = int(np.argmin(height)), at
+        begins = along(side.flank, ends[0][[k]], stations[[k]], self.blank.axial)[1].r
+        radii = (float(self.joint.radius(r)[0]) for r in (begins, tip.r[[k]]))
+        lost = "no flank is left between the form point (radius {:.6g} mm) and the tip ({:.6g} mm)".format(*radii)
+        raise TrimError("flank", float(t[k]), lost)
 
     def _tip(self, side: ToothSide, stations: Array, t: Array) -> tuple[Array, Jet]:
         """Flank parameter p (T,) and the flank's jet on the tip's level, or where its tip chamfer or rounding begins, at each

@@ -27,6 +27,8 @@ from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 ROUNDS, SPLIT = 11, 8
 #: stations at which a line is looked at, and how often ever finer about the best
 STATIONS, FINER = 33, 6
+#: evaluations of its points at most: those that it has take up to 30, what it has not 230
+MOST_EVALUATIONS = 40
 #: shares of the way along an edge, from one end of the face to the other
 DOUBLED = 0.5 ** np.arange(6, -1, -1)
 
@@ -307,7 +309,11 @@ class _Ends:
                     np.repeat(across, STATIONS, axis=0),
                 )
                 solved = newton.solve(
-                    conditions, np.repeat(x, STATIONS, axis=0), tolerance=pair.tolerance, max_step=pair.max_step
+                    conditions,
+                    np.repeat(x, STATIONS, axis=0),
+                    tolerance=pair.tolerance,
+                    max_step=pair.max_step,
+                    max_evaluations=MOST_EVALUATIONS,
                 )
                 touch = conditions.touch(solved.values, np.arange(STATIONS))
                 outside, past = margins(pair, touch, solved.values)

@@ -20,7 +20,7 @@ TOGETHER, STALE = 8, 8
 
 
 class TrimError(NoSolutionError):
-    """A tooth that cannot be trimmed: `station` (t) and `what` ("pointed", "undercut", "tip", "edge") say where and why."""
+    """A tooth that cannot be trimmed: `station` (t) and `what` ("pointed", "undercut", "flank", "tip", "edge") say where, why."""
 
     def __init__(self, what: str, station: float, message: str) -> None:
         super().__init__(reason=message)

@@ -37,6 +37,7 @@ from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import Dimension, ToolDescription
 
 if TYPE_CHECKING:
+    from gearmesh.design.core import MemberTable
     from gearmesh.systems.worm_drive.design import WormDriveDesign
 
 #: what the tools that make flanks of each form are called
@@ -46,6 +47,17 @@ TOOLS = {
     ThreadForm.ZI: "plane-sided grinding disk",
     ThreadForm.ZK: "grinding disk",
     ThreadForm.ZC: "grinding disk",
+}
+
+#: what helps against a wheel that cannot be trimmed: the key that is named, what is allowed, and the keys of which more (1) or less
+#: (-1) may mend it
+REMEDIES = {
+    "flank": ("face_width", "less", {"wheel.face_width": -1, "wheel.profile_shift": 0, "center_distance": 0}),
+    "undercut": (
+        "profile_shift",
+        "more, or a narrower face",
+        {"wheel.profile_shift": 1, "center_distance": 1, "wheel.face_width": -1},
+    ),
 }
 
 #: part of a diameter within which hob and worm are of one size
@@ -207,7 +219,7 @@ def _worm(design: WormDriveDesign) -> Member:
             tool=ToolDescription(TOOLS[thread.form], dimensions=_tool_dimensions(thread)),
         )
 
-    tooth = _prove("worm", Tooth(spec.threads, side(1), side(-1), blank), "worm.addendum", spec.addendum)
+    tooth = _prove("worm", Tooth(spec.threads, side(1), side(-1), blank), spec)
     tooth = with_tip_edge("worm", tooth, spec)
     under = UnderTeeth("worm", tooth, blank.body, root, root, m)
     return with_end_chamfers(Member("worm", tooth, _thread_parameters, body_features(spec, under)), spec)
@@ -226,13 +238,19 @@ def _thread_parameters(p: Array, v: Array) -> dict[str, Array]:
     return {"p_1": p, "theta_1": np.degrees(v)}
 
 
-def _prove(name: str, tooth: Tooth, key: str, value: float) -> Tooth:
+def _prove(name: str, tooth: Tooth, spec: MemberTable) -> Tooth:
     try:
         tooth.prove()
     except TrimError as failure:
-        vague = VagueError if failure.what in ("undercut", "root", "tip") else DesignError
+        vague = VagueError if failure.what in ("undercut", "flank", "root", "tip") else DesignError
+        key, allowed, remedies = REMEDIES.get(failure.what, ("addendum", "less", {}))
         raise vague(
-            key, value, reason=f"{failure} at z = {tooth.stations(failure.station):.4g} mm", allowed="less"
+            f"{name}.{key}",
+            getattr(spec, key),
+            reason=f"{failure} at z = {tooth.stations(failure.station):.4g} mm",
+            allowed=allowed,
+            topic=f"{name}: {failure.what}",
+            remedies=remedies,
         ) from failure
     return tooth
 
@@ -262,7 +280,7 @@ def _wheel(design: WormDriveDesign) -> Member:
         wheel_hob(design, side * hob.thread.hand).tooth_side(side, tip_height, min(tip_height, height))
         for side in (1, -1)
     )
-    tooth = _prove("wheel", Tooth(spec.teeth, right, left, blank), "wheel.addendum", spec.addendum)
+    tooth = _prove("wheel", Tooth(spec.teeth, right, left, blank), spec)
     tooth = with_tip_edge("wheel", tooth, spec)
     under = UnderTeeth("wheel", tooth, blank.body, smallest, float(root.at(half)), m)
     return with_end_chamfers(Member("wheel", tooth, _wheel_parameters, body_features(spec, under)), spec)

@@ -15,6 +15,11 @@ from gearmesh.systems.worm_drive.thread import ThreadForm
 
 #: Proportions that are not given, in axial modules [DIN 3975]: diameter quotient, clearance, the wheel's outside over its throat.
 QUOTIENT, CLEARANCE, OUTSIDE = 10.0, 0.2, 1.0
+#: Of ZC drives, whose wheels are undercut and whose flanks end beyond the tip at the toe otherwise: profile shift of the wheel, and
+#: by how many axial modules half the face is narrower
+CONCAVE_SHIFT, CONCAVE_NARROWER = 0.75, 1.0
+#: Difference of two profile shifts that are the same but for rounding.
+SAME_SHIFT = 1e-6
 #: Disk that grinds ZK and ZC flanks where it is not given: diameter at the rim and radius of the profile, in axial modules.
 DISK, PROFILE = 80.0, 6.0
 #: Roundings of the worm's root and of the hob's tip, in axial modules.
@@ -126,11 +131,18 @@ class WheelTable(MemberTable):
         ),
     ] = "enveloping"
     face_width: Annotated[
-        float, Key("length", "face width", low=0, above=True, default="2 m (0.5 + sqrt(q + 1)), DIN 3975")
+        float,
+        Key(
+            "length",
+            "face width",
+            low=0,
+            above=True,
+            default="2 m (sqrt(q + 1) + 0.5), DIN 3975; ZC: 2 m (sqrt(q + 1) - 0.5)",
+        ),
     ] = DERIVED
     profile_shift: Annotated[
         float,
-        Key("coefficient", "profile shift x2", low=-2, high=2, default="by center_distance, without it 0"),
+        Key("coefficient", "profile shift x2", low=-2, high=2, default="by center_distance, without it 0, of ZC 0.75"),
     ] = DERIVED
     addendum: Annotated[
         float, Key("coefficient", "tip above the shifted reference circle in the middle plane", low=0, high=3)
@@ -267,12 +279,18 @@ class WormDriveDesign(Design):
             return self.worm.reference_diameter
         return self.axial_module * self.worm.threads / math.tan(self.lead_angle)
 
+    @property
+    def _zero_shift_distance(self) -> float:
+        """Centre distance without profile shift, in the design's units."""
+        return 0.5 * (self.reference_diameter + self.wheel.teeth * self.axial_module)
+
     def derived_values(self) -> dict[str, float]:
         """What the file leaves out [DIN 3975]."""
         m, d1, wheel = self.axial_module, self.reference_diameter, self.wheel
-        unshifted = 0.5 * (d1 + wheel.teeth * m)
-        shift = given_or(wheel.profile_shift, given_or(self.center_distance, unshifted) / m - unshifted / m)
-        distance = given_or(self.center_distance, unshifted + shift * m)
+        concave = self.worm.form == ThreadForm.ZC
+        usual = self._zero_shift_distance + (CONCAVE_SHIFT * m if concave else 0.0)
+        shift = given_or(wheel.profile_shift, (given_or(self.center_distance, usual) - self._zero_shift_distance) / m)
+        distance = given_or(self.center_distance, self._zero_shift_distance + shift * m)
         tip = (wheel.teeth + 2.0 * (wheel.addendum + shift)) * m
         return {
             **super().derived_values(),
@@ -281,7 +299,7 @@ class WormDriveDesign(Design):
             "worm.disk_diameter": DISK * m,
             "worm.profile_radius": PROFILE * m,
             "wheel.profile_shift": shift,
-            "wheel.face_width": 2.0 * m * (0.5 + math.sqrt(d1 / m + 1.0)),
+            "wheel.face_width": 2.0 * m * (math.sqrt(d1 / m + 1.0) + 0.5 - concave * CONCAVE_NARROWER),
             "wheel.throat_radius": distance - 0.5 * tip,
             "wheel.outside_diameter": tip + (OUTSIDE * m if wheel.throated else 0.0),
             "hob.reference_diameter": d1,
@@ -302,6 +320,16 @@ class WormDriveDesign(Design):
                 raise conflict(
                     "worm.reference_diameter", self.worm.reference_diameter, must_be=f"more than m_n z1, {least:.6g}"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _one_shift(self) -> Self:
+        shift, distance = self.wheel.profile_shift, self.center_distance
+        if "center_distance" in self.model_fields_set and "profile_shift" in self.wheel.model_fields_set:
+            own = (distance - self._zero_shift_distance) / self.axial_module
+            if abs(shift - own) > SAME_SHIFT:
+                reason = f"cannot be given together with center_distance = {distance:.7g}, which makes it {own:.7g}"
+                raise conflict("wheel.profile_shift", shift, reason=reason)
         return self
 
     @model_validator(mode="after")

@@ -231,7 +231,7 @@ def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:
         tooth.prove()
     except TrimError as trim_error:
         failure = trim_error
-        vague = VagueError if failure.what in ("undercut", "root", "tip") else DesignError
+        vague = VagueError if failure.what in ("undercut", "flank", "root", "tip") else DesignError
         raise vague.later(lambda: _refusal(name, tooth, spec, tip_key, failure), f"{name}: {failure.what}") from failure
 
 
@@ -246,6 +246,8 @@ def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
             reason=f"undercut removes the whole flank {place}",
             allowed="more teeth or a larger profile shift",
         )
+    if failure.what == "flank":
+        return DesignError(name, reason=f"{failure.reason} {place}", allowed=f"a larger {tip_key} or a narrower face")
     if failure.what == "root":
         overlap = f"the fillets of neighbouring teeth overlap {place}"
         return DesignError(name, reason=overlap, allowed="a smaller tool tip radius or dedendum")

@@ -35,6 +35,7 @@ TOE_RIM, HEEL_RIM = 0.35, 1.2
 ALLOWED = {
     "pointed": "a smaller addendum, spiral angle or face width",
     "undercut": "more teeth, a smaller dedendum or a larger pressure angle",
+    "flank": "a larger addendum, a smaller face width or a smaller edge radius of the {name}'s blades",
     "root": "a smaller edge radius of the {name}'s blades, a larger point width or a smaller face width",
     "tip": "settings whose cutter generates the whole tooth: check face width, spiral angle and cutter radius",
     "crossing": "a toprem_angle nearer to the blade angle, a smaller toprem_height or a toprem_radius",

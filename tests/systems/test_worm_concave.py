@@ -1,0 +1,72 @@
+"""ZC drives: what their wheels are by default, and where no flank is left between form point and tip."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.places import SAMPLES
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.surface.stations import along
+from gearmesh.systems.designs import load
+from gearmesh.systems.worm_drive.build import build
+from gearmesh.systems.worm_drive.design import WormDriveDesign
+from gearmesh.teeth.limits import lost_heights
+from gearmesh.teeth.region import Side
+
+SAMPLE = SAMPLES / "worm_drive.toml"
+
+
+@pytest.mark.parametrize(
+    ("threads", "teeth", "quotient"), [(1, 30, 8), (1, 40, 16), (2, 40, 10), (3, 80, 10), (4, 60, 12)]
+)
+def test_plain_concave_drives_are_not_undercut(threads: int, teeth: int, quotient: float) -> None:
+    """By their default profile shift and face width; at the face width of the other forms the flank is gone at the toe."""
+    made = {
+        "kind": "worm_drive",
+        "module": 4.0,
+        "worm": {"threads": threads, "form": "ZC", "quotient": quotient},
+        "wheel": {"teeth": teeth},
+    }
+    design = WormDriveDesign.model_validate(made)
+    wheel = pair_of(design).gear.tooth
+    assert not lost_heights(wheel)
+    # the flanks are nowhere lower than a module
+    sections = wheel.sections(np.linspace(0.0, 1.0, 9))
+    for which in Side:
+        ends = sections.of(which)
+        begin, tip = (
+            along(wheel.side(which).flank, p, sections.stations, wheel.blank.axial)[1].r
+            for p in (ends.form_point_flank, ends.tip)
+        )
+        assert (np.hypot(*tip.T[:2]) - np.hypot(*begin.T[:2]) > 4.0).all()
+
+
+def test_flank_that_begins_beyond_the_tip_is_refused() -> None:
+    """The bound that is named is where, by bisection on the surface, the form point has the radius of the outside cylinder."""
+    sound = ["worm.form=ZC", "center_distance=128"]
+    with pytest.raises(
+        DesignError, match=r"no flank is left between the form point \(radius 114.04 mm\) and the tip \(105.5 mm\)"
+    ):
+        build(load(SAMPLE, [*sound, "wheel.face_width=41"]))
+    tooth = pair_of(load(SAMPLE, sound)).gear.tooth
+    side, (low, high) = tooth.right, (-20.5, -15.0)
+    for _ in range(50):
+        z = 0.5 * (low + high)
+        r = along(side.flank, np.array([side.form_point[0]]), np.array([z]), tooth.blank.axial)[1].r[0]
+        low, high = (z, high) if np.hypot(r[0], r[1]) > 105.5 else (low, z)
+    width = -2.0 * low
+    assert 35.0 < width < 40.0
+    build(load(SAMPLE, [*sound, f"wheel.face_width={width - 1e-3}"]))
+    with pytest.raises(DesignError, match="no flank is left"):
+        build(load(SAMPLE, [*sound, f"wheel.face_width={width + 1e-3}"]))
+
+
+def test_profile_shift_and_centre_distance_must_agree() -> None:
+    with pytest.raises(
+        DesignError,
+        match=r"wheel.profile_shift = 0.5: cannot be given together with center_distance = 125, which makes it 0",
+    ):
+        load(SAMPLE, ["wheel.profile_shift=0.5"])
+    assert load(SAMPLE, ["wheel.profile_shift=0.5", "center_distance=127.5"]).wheel.profile_shift == 0.5
