@@ -37,7 +37,7 @@ from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import Dimension, ToolDescription
 
 if TYPE_CHECKING:
-    from gearmesh.design.core import MemberTable
+    from gearmesh.design.core import MemberBody
     from gearmesh.systems.worm_drive.design import WormDriveDesign
 
 #: what the tools that make flanks of each form are called
@@ -238,7 +238,7 @@ def _thread_parameters(p: Array, v: Array) -> dict[str, Array]:
     return {"p_1": p, "theta_1": np.degrees(v)}
 
 
-def _prove(name: str, tooth: Tooth, spec: MemberTable) -> Tooth:
+def _prove(name: str, tooth: Tooth, spec: MemberBody) -> Tooth:
     try:
         tooth.prove()
     except TrimError as failure:
