@@ -84,13 +84,15 @@ def picture(
     if view in FIGURES:
         return _figure(view, contact, None if member is None else (name,), title, size, dpi)
     size = size or pictures.SIZE
+    # of positions that are asked for nothing but these is shown
+    whole = contact.whole if phi1 is None and view in ("contact", "pattern", "gap") else None
     if view == "contact":
-        return Picture(pictures.contact_picture(mesh, name, path, size, title=title))
+        return Picture(pictures.contact_picture(mesh, name, path, size, title=title, whole=whole))
     if view == "pattern":
-        return Picture(pictures.pattern_picture(mesh, name, path, size, title=title))
+        return Picture(pictures.pattern_picture(mesh, name, path, size, title=title, whole=whole))
     if view == "gap":
         patches = roll_test(mesh, path).patches(mesh, name)
-        return Picture(pictures.gap_picture(mesh, name, path, patches, size, title=title))
+        return Picture(pictures.gap_picture(mesh, name, path, patches, size, title=title, whole=whole))
     if view == "pair" and len(gears.pairs) > 1:
         placed = {name: part.mesh for name, part in solids_of(gears, gears.within(None)).parts.items()}
         return Picture(pictures.set_picture(mesh, placed, size, title))

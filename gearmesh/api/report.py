@@ -185,7 +185,8 @@ def _draw(
     scenes = [overview]
     for contact in contacts.values():
         scenes += [
-            pictures.contact_picture(contact.pair, name, contact.path, PICTURE_SIZE) for name in contact.pair.members
+            pictures.contact_picture(contact.pair, name, contact.path, PICTURE_SIZE, whole=contact.whole)
+            for name in contact.pair.members
         ]
     return [(scene.title, render(scene)) for scene in scenes]
 

@@ -196,7 +196,9 @@ class RunFolder:
         images = []
         for contact, rolled in zip(contacts.values(), (check, *check.others), strict=True):
             patches = rolled.roll.patches(contact.pair, contact.pair.pinion.name)
-            scenes = pictures.all_pictures(contact.pair, contact.path, patches, meshes, self.gears.title, self.teeth)
+            scenes = pictures.all_pictures(
+                contact.pair, contact.path, patches, meshes, self.gears.title, self.teeth, contact.whole
+            )
             if self.several:
                 del scenes["pair.png"]
             images += [(scene.title, render(scene, self.file(file, contact.pair))) for file, scene in scenes.items()]

@@ -64,14 +64,13 @@ def ellipses_on_surface(
 def path_on_surface(view: ToothView, contact: MemberContact, between: int = 8) -> tuple[Curve, ...]:
     """The path of contact as a curve on the surface, with `between` steps from one position to the next.
 
-    Along contact lines there is none: which of their points a solver reports means nothing.
+    Along contact lines there is none.
     """
-    point = contact.point.copy()
-    point[contact.along_lines] = np.nan
+    point, normal = contact.path
     known = np.isfinite(point[:, 0])
     if not (known[1:] & known[:-1]).any():
         return ()
-    point, normal = _refine(point, between), _refine(contact.normal, between)
+    point, normal = _refine(point, between), _refine(normal, between)
     on_surface = view.project(point)
     # Edge contact lies on the trimmed edge itself, where `project` may fall to either side: the chord is near enough.
     on_surface = np.where(np.isfinite(on_surface), on_surface, point)

@@ -56,24 +56,36 @@ AT_1000_RPM = 1e-3 * 1000.0 * 2.0 * np.pi / 60.0
 
 
 def contact_picture(
-    pair: GearPair, name: str, path: ContactPath, size: Size = SIZE, view: ToothView | None = None, title: str = ""
+    pair: GearPair,
+    name: str,
+    path: ContactPath,
+    size: Size = SIZE,
+    view: ToothView | None = None,
+    title: str = "",
+    whole: ContactPath | None = None,
 ) -> Scene:
-    """A member's tooth with the path of contact and the contact ellipses (or lines) on it.
+    """A member's tooth with the path of contact, of the `whole` engagement if given, and the contact ellipses (or lines) on it.
 
     `view`, of `tooth_view`, saves meshing the tooth again, here and in the other pictures of a tooth.
     """
     view = replace(view or tooth_view(pair, name), title=_title(title, f"{name}, path of contact"), size=size)
-    return member_scene(view, contact_on(pair.index(name), path, pair.mounts))
+    return member_scene(view, contact_on(pair.index(name), path, pair.mounts, whole))
 
 
 def pattern_picture(
-    pair: GearPair, name: str, path: ContactPath, size: Size = SIZE, view: ToothView | None = None, title: str = ""
+    pair: GearPair,
+    name: str,
+    path: ContactPath,
+    size: Size = SIZE,
+    view: ToothView | None = None,
+    title: str = "",
+    whole: ContactPath | None = None,
 ) -> Scene:
-    """A member's tooth with its contact pattern as the union of the ellipses.
+    """A member's tooth with its contact pattern as the union of the ellipses, of the `whole` engagement if given.
 
     Raises NoSolutionError where contact is along lines or on edges, which have no ellipses.
     """
-    contact = contact_on(pair.index(name), path, pair.mounts)
+    contact = contact_on(pair.index(name), path if whole is None else whole, pair.mounts)
     if not contact.ellipses.size:
         raise NoSolutionError(
             reason="no position has an ellipse of contact",
@@ -95,9 +107,10 @@ def gap_picture(
     size: Size = SIZE,
     view: ToothView | None = None,
     title: str = "",
+    whole: ContactPath | None = None,
 ) -> Scene:
     """A member's tooth with the gaps that the roll test found: `patches` of points in its own frame and gaps, mm."""
-    contact = contact_on(pair.index(name), path, pair.mounts)
+    contact = contact_on(pair.index(name), path, pair.mounts, whole)
     view = replace(
         view or tooth_view(pair, name),
         title=_title(title, f"{name}, contact pattern, roll test of the meshes"),
@@ -158,21 +171,27 @@ def all_pictures(
     meshes: dict[str, TriangleMesh],
     title: str = "",
     teeth: ToothViews | None = None,
+    whole: ContactPath | None = None,
 ) -> dict[str, Scene]:
     """Scenes by file name: both members with their contact, the pinion's pattern by ellipses and by the roll test, the pair.
 
     Contact along lines or on edges has no ellipses, and no picture of their union; the roll test shows its pattern. `teeth` saves
-    meshing teeth again that other pictures show.
+    meshing teeth again that other pictures show; `whole` is the contact of the whole engagement.
     """
     first, teeth = pair.pinion.name, teeth or ToothViews()
     views = {name: teeth.of(pair, name) for name in pair.members}
     scenes = {
-        f"{name}_contact.png": contact_picture(pair, name, path, view=view, title=title) for name, view in views.items()
+        f"{name}_contact.png": contact_picture(pair, name, path, view=view, title=title, whole=whole)
+        for name, view in views.items()
     }
     if contact_on(0, path, pair.mounts).ellipses.size:
-        scenes[f"{first}_pattern.png"] = pattern_picture(pair, first, path, view=views[first], title=title)
+        scenes[f"{first}_pattern.png"] = pattern_picture(
+            pair, first, path, view=views[first], title=title, whole=whole
+        )
     if patches:
-        scenes[f"{first}_gap.png"] = gap_picture(pair, first, path, patches, view=views[first], title=title)
+        scenes[f"{first}_gap.png"] = gap_picture(
+            pair, first, path, patches, view=views[first], title=title, whole=whole
+        )
     scenes["pair.png"] = pair_picture(pair, meshes, path, title=title)
     return scenes
 
@@ -211,11 +230,9 @@ def flank_panel(
 
     `nominal` (P, 3), own frame, is another path to compare with.
     """
-    contact, wholly = (
-        None if own_path is None else contact_on(gears.index(name), own_path, gears.mounts)
-        for own_path in (path, whole)
-    )
-    assert contact is not None
+    index = gears.index(name)
+    contact = contact_on(index, path, gears.mounts, whole)
+    wholly = None if whole is None else contact_on(index, whole, gears.mounts)
     side = _side(gears, name)
     return contact_panel(
         FlankPlane.of(gears.members[name], side), contact, title or f"{name}, {side} flank", wholly, nominal

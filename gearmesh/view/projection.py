@@ -32,8 +32,9 @@ def flank_projection(member: Member, side: Side) -> Project:
         foot = nearest(flank.surface, q[known], p[start], v[start])
         jet = foot.jet
         outside = flank.margin(foot.values, jet.r) > BEYOND
-        # beyond a singular line of the surface the search can end farther away than it started
+        # beyond a singular line of the surface the search can end farther away than it started, or nowhere
         outside |= np.linalg.norm(jet.r - q[known], axis=-1) > distance + 1e-9
+        outside |= ~(foot.residual <= BEYOND)
         places[known] = np.where(outside[:, None], np.nan, jet.r)
         return places
 

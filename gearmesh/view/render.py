@@ -387,10 +387,11 @@ def _draw_words(figure: Any, scene: Scene, size: tuple[int, int]) -> None:
         # a scale stands at the right
         right = _SIDE if scene.maps else 1.0 - _MARGIN[0]
         kept = np.clip(place, _MARGIN, (right, _TOP - 0.05))
-        cut = np.abs(kept - place).max() > 0.03
-        arrow = ("\N{LEFTWARDS ARROW} ", "") if way[0] < 0.0 else ("", " \N{RIGHTWARDS ARROW}")
+        cut = word.beyond or np.abs(kept - place).max() > 0.03
+        leftwards = at[0] < 0.5 if word.beyond else way[0] < 0.0
+        arrow = ("\N{LEFTWARDS ARROW} ", "") if leftwards else ("", " \N{RIGHTWARDS ARROW}")
         text = f"{arrow[0]}{word.text}{arrow[1]}" if cut else word.text
-        across = "left" if cut and way[0] < 0.0 else "right" if cut else "center"
+        across = "left" if cut and leftwards else "right" if cut else "center"
         figure.text(*kept, text, ha=across, va="center", fontsize=12, color=INK, path_effects=_halo())
 
 

@@ -7,7 +7,7 @@ Lengths are in mm, angles in rad, colours "#rrggbb". NaN points cut curves, area
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,11 +132,12 @@ class Camera:
 
 @dataclass(frozen=True)
 class Word:
-    """A word at a point (3,), written beyond it as seen from `inside` (3,)."""
+    """A word at a point (3,), written beyond it as seen from `inside` (3,); `beyond`: what it names is outside of the picture."""
 
     text: str
     point: Array
     inside: Array
+    beyond: bool = False
 
 
 @dataclass(frozen=True)
@@ -159,7 +160,8 @@ class MemberContact:
     """The contact of P positions as one member sees it, in its own frame: what a flank picture draws.
 
     point, normal (out of the member), major, minor (P, 3); semi_major, semi_minor (P,) in mm, NaN where there is
-    no ellipse; edge (P,) True for edge contact; lines: contact lines (K, 3), one per position or None.
+    no ellipse; edge (P,) True for edge contact; lines: contact lines (K, 3), one per position or None; curve: points and normals
+    (W, 3) of the path of contact where it is known better than by the positions.
     """
 
     point: Array
@@ -170,6 +172,27 @@ class MemberContact:
     semi_minor: Array
     edge: NDArray[np.bool_]
     lines: tuple[Array | None, ...] = ()
+    curve: tuple[Array, Array] | None = None
+
+    @property
+    def path(self) -> tuple[Array, Array]:
+        """Points and normals (W, 3) of the path of contact; NaN along contact lines: which of their points a solver reports means
+        nothing."""
+        if self.curve is not None:
+            return self.curve
+        point = self.point.copy()
+        point[self.along_lines] = np.nan
+        return point, self.normal
+
+    @property
+    def places(self) -> Array:
+        """Points (K, 3) between which all contact is: of the path and of contact lines, and ends of ellipses."""
+        chosen = self.ellipses
+        reach = self.semi_major[chosen, None] * self.major[chosen]
+        lines = [line for line in self.lines if line is not None]
+        points = (self.point, self.path[0], self.point[chosen] + reach, self.point[chosen] - reach, *lines)
+        every = np.concatenate(points)
+        return every[np.isfinite(every[:, 0])]
 
     @property
     def ellipses(self) -> NDArray[np.int64]:
@@ -182,21 +205,37 @@ class MemberContact:
         return np.array([i for i, line in enumerate(self.lines) if line is not None], dtype=np.int64)
 
 
-def contact_on(member: int, path: ContactPath, mounts: tuple[Mount, Mount]) -> MemberContact:
-    """The contact path in the own frame of the pinion (0) or the gear (1)."""
+def contact_on(
+    member: int, path: ContactPath, mounts: tuple[Mount, Mount], whole: ContactPath | None = None
+) -> MemberContact:
+    """The contact path in the own frame of the pinion (0) or the gear (1), its curve with the positions of the `whole` path too."""
+    own = _own_contact(member, path, mounts)
+    if whole is None:
+        return own
+    both = (own, path), (_own_contact(member, whole, mounts), whole)
+    kept = np.concatenate([part.touching for _, part in both])
+    rotation = np.concatenate([part.rotation for _, part in both])[kept]
+    points, normals = (np.concatenate([part.path[k] for part, _ in both])[kept] for k in (0, 1))
+    order = np.argsort(rotation, kind="stable")
+    return replace(own, curve=(points[order], normals[order]))
+
+
+def _own_contact(member: int, path: ContactPath, mounts: tuple[Mount, Mount]) -> MemberContact:
     pinion = member == 0
     own_to_fixed = mounts[member].at(path.rotation if pinion else path.phi2)
     fixed_to_own = own_to_fixed.inverse
     turns, shifts = fixed_to_own.rotation, fixed_to_own.translation
+    point, normal = path.point1 if pinion else path.point2, fixed_to_own.vector(path.normal if pinion else -path.normal)
     return MemberContact(
-        point=path.point1 if pinion else path.point2,
-        normal=fixed_to_own.vector(path.normal if pinion else -path.normal),
+        point=point,
+        normal=normal,
         major=fixed_to_own.vector(path.major),
         minor=fixed_to_own.vector(path.minor),
         semi_major=path.semi_major,
         semi_minor=path.semi_minor,
         edge=path.kind == "edge",
         lines=tuple(None if line is None else line @ turns[i].T + shifts[i] for i, line in enumerate(path.lines)),
+        curve=(np.where((path.kind == "line")[:, None], np.nan, point), normal),
     )
 
 

@@ -154,8 +154,11 @@ SWUNG = 0.35
 #: cosine from which on an axis is upright
 ALONG = 0.9
 
-#: height of a picture of a flank in heights of the flank, at most, and by how much it is larger than what it holds
-CUT_OFF, FILLS = 2.6, 1.2
+#: height of a picture of a flank in heights of the flank: of one that is cut off at least, and at most; by how much a picture is
+#: larger than what it holds; how much larger it may become before a flank is cut off after all
+CUT_OFF, LONGEST, FILLS, SPARED = 2.6, 9.5, 1.2, 1.25
+#: where, as a part of the way to the picture's edge, it is said that a flank goes on, and how far below it in its heights
+AT_EDGE, BELOW_ROOT = 0.94, 0.1
 #: heights of a flank that are seen before its foremost point: the fillet, and not the next tooth
 BEFORE = 0.12
 #: mean of the directions from root to tip below which a flank winds, and their cosine up to which it is shown then
@@ -183,7 +186,7 @@ def frame(back: Array, up: Array, points: Array, size: tuple[int, int], margin: 
 def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
     """Look at a flank along its mean outward normal, its tip on top, the flank filling the picture.
 
-    The neighbour that would hide it is cut away. A flank much longer than high is cut off: what is seen of it is at the contact.
+    The neighbour that would hide it is cut away. A flank much longer than high is cut off beyond all that touches.
     """
     if not np.isfinite(contact.normal).any():
         raise NoSolutionError(
@@ -208,12 +211,13 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
     right, rise, _ = whole.axes
     height = np.ptp(grid @ rise)
     front = _front(view, whole) + BEFORE * height
-    most = CUT_OFF * height
-    if whole.height <= most:
+    lengths, touched = (grid - whole.focus) @ right, (contact.places - whole.focus) @ right
+    shape = view.size[0] / view.size[1]
+    most = float(np.clip(FILLS * np.ptp(touched) / shape, CUT_OFF * height, LONGEST * height))
+    if whole.height <= SPARED * most:
         return replace(whole, front=front)
     # along the tooth the contact is in the middle, but no picture shows what is beyond the end
-    half = 0.5 * most * view.size[0] / view.size[1] / FILLS
-    lengths, middle = (grid - whole.focus) @ right, (np.nanmean(contact.point, axis=0) - whole.focus) @ right
+    half, middle = 0.5 * most * shape / FILLS, 0.5 * float(touched.min() + touched.max())
     aside = float(np.clip(middle, lengths.min() + half, lengths.max() - half))
     near = np.abs(lengths - aside) < half
     lifted = (grid - whole.focus)[near] @ rise
@@ -260,8 +264,22 @@ def edge_words(view: ToothView, camera: Camera) -> tuple[Word, ...]:
     i = view.grid.shape[0] // 2
     j = int(np.abs((view.grid[i] - camera.focus) @ camera.axes[0]).argmin())
     middle = view.grid[i, j]
-    places = {"toe": (i, 0), "heel": (i, -1), "tip": (-1, j), "root": (0, j)}
-    return tuple(Word(word, view.grid[place], middle) for word, place in places.items())
+    words = (Word(word, view.grid[k, j], middle) for word, k in (("tip", -1), ("root", 0)))
+    return (*(_end_word(view, view.grid, camera, word, k) for word, k in (("toe", 0), ("heel", -1))), *words)
+
+
+def _end_word(view: ToothView, grid: Array, camera: Camera, word: str, end: int) -> Word:
+    """Toe or heel beside the `end` of a flank; where that is outside of the picture, below the root at the picture's edge, clear of
+    what lies on the flank."""
+    (right, rise, _), i = camera.axes, grid.shape[0] // 2
+    half = 0.5 * camera.height * view.size[0] / view.size[1]
+    length = float((grid[i, end] - camera.focus) @ right)
+    if abs(length) <= half:
+        return Word(word, grid[i, end], grid[i, grid.shape[1] // 2])
+    root = (grid[0] - camera.focus) @ right
+    j = int(np.abs(root - np.sign(length) * AT_EDGE * half).argmin())
+    below = grid[0, j] - BELOW_ROOT * np.ptp(grid[:, j] @ rise) * rise
+    return Word(word, below, grid[i, j], beyond=True)
 
 
 def _flank_points(view: ToothView) -> Array:

@@ -25,7 +25,7 @@ from gearmesh.answers.contact.figures import (
     slid_summary,
 )
 from gearmesh.answers.contact.fit import UNMET, FitDetails, FitSummary, fit_warnings, fitted_cycle, verdict
-from gearmesh.answers.contact.sides import SideContact, side_contacts
+from gearmesh.answers.contact.sides import SideContact, side_contacts, whole_path
 from gearmesh.answers.contact.turns import TurnsDetails, TurnsSummary, turns_listing, turns_warnings
 from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.result import Result, columns, header
@@ -118,6 +118,16 @@ class Contact(Result):
             return full_turns(self.pair)
         except (DesignError, NoSolutionError):
             return None
+
+    @cached_property
+    def whole(self) -> ContactPath | None:
+        """The path of a tooth pair from its first touch to its last, whatever positions were asked for; None where teeth do not
+        touch, or jam."""
+        if self.fit is not None and self.fit.jammed:
+            return None
+        followed = self.engagement or whole_engagement(solver_pair(self.pair), self.pair.pitch)
+        touching = followed is not None and followed.contacts.touching.any()
+        return whole_path(self.pair, followed) if followed is not None and touching else None
 
     @cached_property
     def sides(self) -> tuple[SideContact, ...]:

@@ -40,6 +40,12 @@ class SideContact:
         return to_fixed.inverse.vector(between)
 
 
+def whole_path(pair: GearPair, engagement: Engagement) -> ContactPath:
+    """The contact of a tooth pair from its first touch to its last, closely spaced."""
+    phi1 = np.linspace(*engagement_range(engagement, pair.pitch), POSITIONS)
+    return contact_path(solver_pair(pair), phi1, None, engagement=engagement)
+
+
 def side_contacts(
     pair: GearPair, path: ContactPath, engagement: Engagement | None = None, coast: Engagement | None = None
 ) -> tuple[SideContact, ...]:
@@ -51,8 +57,7 @@ def side_contacts(
         followed = whole_engagement(flanks, own_pair.pitch) if known is None else known
         if followed is None or not followed.contacts.touching.any():
             continue
-        phi1 = np.linspace(*engagement_range(followed, own_pair.pitch), POSITIONS)
-        whole = contact_path(flanks, phi1, None, engagement=followed)
+        whole = whole_path(own_pair, followed)
         own = path
         if not driving:
             phi1 = np.linspace(whole.rotation[0], whole.rotation[-1], len(path.phi1))

@@ -39,7 +39,7 @@ class ContactPanel:
 
     `path` (P, 2) and which of its positions are of `edge` contact (P,); `ellipses` (E, K, 2); contact `lines` (K, 2) and the
     `strips` (Q, 4, 2) that they sweep; the `pattern`: places (I, J, 2) and there at most 1 inside of it (I, J); `nominal` (P, 2)
-    is another path to compare with.
+    is another path to compare with; `curve` (W, 2): the path of contact where it is known more closely than at the positions.
     """
 
     name: str
@@ -51,11 +51,12 @@ class ContactPanel:
     strips: Sequence[Array] = ()
     pattern: tuple[Array, Array] | None = None
     nominal: Array | None = None
+    curve: Array | None = None
 
     @property
     def extent(self) -> tuple[float, float]:
         """Lengths between which there is contact; NaN where there is none."""
-        parts = [self.path[:, 0], self.ellipses[..., 0].ravel(), *(line[:, 0] for line in self.lines)]
+        parts = [self.path[:, 0], *(() if self.curve is None else (self.curve[:, 0],)), self.ellipses[..., 0].ravel(), *(line[:, 0] for line in self.lines)]
         parts += [strip[..., 0].ravel() for strip in self.strips]
         if self.pattern is not None:
             parts.append(self.pattern[0][self.pattern[1] <= 1.0, 0])
@@ -113,6 +114,7 @@ def contact_panel(
         plane.swept(whole),
         plane.pattern(whole) if whole.ellipses.size else None,
         None if nominal is None else plane.frame.places(nominal),
+        plane.frame.places(contact.path[0]),
     )
 
 
@@ -277,8 +279,9 @@ def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
         axes.plot(*panel.nominal.T, color=INK, lw=1.3, ls="--", zorder=4, label="aligned")
     size = float(np.clip(150.0 / max(len(panel.path), 1), 2.0, 3.5))
     around = [withStroke(linewidth=3.2, foreground="white")]
-    if np.isfinite(panel.path).any():
-        axes.plot(*panel.path.T, color=PATH, lw=1.8, zorder=5, label="path of contact", path_effects=around)
+    curve = panel.path if panel.curve is None else panel.curve
+    if np.isfinite(curve).any():
+        axes.plot(*curve.T, color=PATH, lw=1.8, zorder=5, label="path of contact", path_effects=around)
         if not small:
             axes.plot(*panel.path.T, color=PATH, ls="", marker="o", ms=size, zorder=5)
     if panel.edge.any():
