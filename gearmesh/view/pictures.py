@@ -185,9 +185,7 @@ def all_pictures(
         for name, view in views.items()
     }
     if contact_on(0, path, pair.mounts).ellipses.size:
-        scenes[f"{first}_pattern.png"] = pattern_picture(
-            pair, first, path, view=views[first], title=title, whole=whole
-        )
+        scenes[f"{first}_pattern.png"] = pattern_picture(pair, first, path, view=views[first], title=title, whole=whole)
     if patches:
         scenes[f"{first}_gap.png"] = gap_picture(
             pair, first, path, patches, view=views[first], title=title, whole=whole

@@ -56,7 +56,12 @@ class ContactPanel:
     @property
     def extent(self) -> tuple[float, float]:
         """Lengths between which there is contact; NaN where there is none."""
-        parts = [self.path[:, 0], *(() if self.curve is None else (self.curve[:, 0],)), self.ellipses[..., 0].ravel(), *(line[:, 0] for line in self.lines)]
+        parts = [
+            self.path[:, 0],
+            *(() if self.curve is None else (self.curve[:, 0],)),
+            self.ellipses[..., 0].ravel(),
+            *(line[:, 0] for line in self.lines),
+        ]
         parts += [strip[..., 0].ravel() for strip in self.strips]
         if self.pattern is not None:
             parts.append(self.pattern[0][self.pattern[1] <= 1.0, 0])
