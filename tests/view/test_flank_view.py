@@ -46,7 +46,7 @@ def test_the_flank_fills_the_picture(sample: str) -> None:
 @pytest.mark.sweep_cases("internal")
 @pytest.mark.parametrize("sample", ["circular_arc", "internal"])
 def test_all_that_touches_is_seen_and_no_word_lies_on_it(sample: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The path goes from the first touch to the last whatever positions are asked for, as a curve on the flank; of lines there is none."""
+    """The path goes from the first touch to the last, whatever positions are asked for, on the flank; of lines there is none."""
     monkeypatch.setattr(pictures, "FINE", 0.1)
     monkeypatch.setattr(pictures, "COARSE", 0.1)
     gears, size = gm.build(gm.load(SAMPLES / f"{sample}.toml")), (800, 600)
