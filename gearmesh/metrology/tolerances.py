@@ -32,6 +32,8 @@ class ToleranceSizes(ABC):
     informative: ClassVar[Mapping[str, str]]
     classes: ClassVar[tuple[int, int]]
     reference: ClassVar[int]
+    #: circle (mm) on which pitch deviations are measured
+    diameter: float
 
     @property
     @abstractmethod

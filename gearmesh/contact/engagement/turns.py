@@ -108,7 +108,7 @@ def full_turns(pair: GearPair) -> FullTurns:
     forwards, carrier = _advance(pair, pitches, per_pitch)
     backwards, _ = _advance(reversed_pair(pair), pitches, per_pitch)
     te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
-    waves = _waves(pair, pitches, phi1, te)
+    waves = waves_of_turns(pair, pitches, phi1, te)
     return FullTurns(pitches, per_pitch, phi1, te - te[0], carrier, play(pair, forwards + backwards), waves)
 
 
@@ -272,7 +272,7 @@ class _Turns:
         return self.places[place].astype(float) * self.step
 
 
-def _waves(pair: GearPair, pitches: int, phi1: Array, te: Array) -> tuple[Wave, ...]:
+def waves_of_turns(pair: GearPair, pitches: int, phi1: Array, te: Array) -> tuple[Wave, ...]:
     """Waves of both members, once and twice a turn, and of the mesh, as far as the turns hold them a whole number of times.
 
     Waves of one frequency cannot be distinguished: they are one, called by all its members.

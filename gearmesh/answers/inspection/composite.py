@@ -1,0 +1,126 @@
+"""Single-flank and double-flank test of gears with pitch deviations: transmission error and centre distance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from gearmesh.answers.contact.turns import TurnsDetails, turns_listing
+from gearmesh.answers.inspection.figures import UM
+from gearmesh.answers.result import Result, header
+from gearmesh.answers.tables import Listing, figures
+from gearmesh.contact.engagement.pitch_turns import PitchShifts, pitch_turns
+from gearmesh.contact.engagement.turns import FullTurns
+from gearmesh.contact.fit.fit import centre_distance
+from gearmesh.contact.fit.tight_mesh import TightMesh, tight_mesh
+from gearmesh.design.core import Design
+from gearmesh.errors import ArgumentError
+from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.metrology.measured_teeth import InspectionBasis, MeasuredTeeth
+from gearmesh.systems.system import system_of
+from gearmesh.teeth.gear_train import GearPair, GearTrain
+from gearmesh.teeth.region import Side
+
+
+@dataclass(frozen=True)
+class CompositeFigures(Figures):
+    """Composite deviations of gears that roll together, over the turns after which the same teeth meet again."""
+
+    pair: str = figure("members")
+    turns_pinion: float = figure("turns of the pinion until the same teeth meet again")
+    single_flank_te: float = figure("transmission error over whole turns, peak to peak", "arcsec")
+    single_flank_total: float = figure(
+        "total single-flank composite deviation, on the gear's reference circle", "um", "F_i'"
+    )
+    single_flank_tooth: float = figure("tooth-to-tooth single-flank composite deviation", "um", "f_i'")
+    double_flank_total: float | None = figure("total double-flank composite deviation", "um", "F_i''", optional=True)
+    double_flank_tooth: float | None = figure(
+        "tooth-to-tooth double-flank composite deviation", "um", "f_i''", optional=True
+    )
+    tight_center_distance: float | None = figure(
+        "centre distance without backlash, of teeth without deviations", "mm", "a''", optional=True
+    )
+
+
+@dataclass(frozen=True, repr=False)
+class CompositeTest(Result):
+    """A pair with pitch deviations over whole turns: `single`, on its driving flanks, and `double`, pressed together, on parallel
+    axes alone; `radius` (mm) of the gear's reference circle."""
+
+    design: Design
+    pair: GearPair
+    single: FullTurns
+    double: TightMesh | None
+    radius: float
+
+    @cached_property
+    def figures(self) -> CompositeFigures:
+        """All of it."""
+        double = self.double
+        return CompositeFigures(
+            pair=self.pair.name,
+            turns_pinion=self.single.pitches / self.pair.pinion.tooth.teeth,
+            single_flank_te=self.single.peak_to_peak / ARCSEC,
+            single_flank_total=UM * self.radius * self.single.peak_to_peak,
+            single_flank_tooth=UM * self.radius * self.single.tooth_to_tooth,
+            double_flank_total=None if double is None else UM * double.total,
+            double_flank_tooth=None if double is None else UM * double.tooth_to_tooth,
+            tight_center_distance=None if double is None else double.nominal,
+        )
+
+    @property
+    def headline(self) -> str:
+        own = self.figures
+        line = f"{own.pair}: F_i' {own.single_flank_total:.4g} um, f_i' {own.single_flank_tooth:.4g} um"
+        if own.double_flank_total is None:
+            return line
+        return f"{line}; F_i'' {own.double_flank_total:.4g} um, f_i'' {own.double_flank_tooth:.4g} um"
+
+    @property
+    def listings(self) -> list[Listing]:
+        return [figures(f"Composite deviations of {self.pair.name}", self.figures), turns_listing(self.single)]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return TurnsDetails.of(self.single).positions.row
+
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), **Summary(self.figures), "turns": TurnsDetails.of(self.single)}
+
+
+def composite_test(
+    design: Design, train: GearTrain, measured: Mapping[str, MeasuredTeeth], mesh: GearPair | None = None
+) -> CompositeTest:
+    """Of one `mesh`, by default the first, of a nominal gear set with what was measured of its members, by their names.
+
+    Sides without pitch deviations have none. Raises DesignError for other members, for other numbers of teeth and where turns are
+    too many, NoSolutionError where the teeth do not meet.
+    """
+    pair = train.pairs[0] if mesh is None else mesh
+    for name in measured:
+        if name not in pair.members:
+            raise ArgumentError("member", name, must_be=f"one of {', '.join(pair.members)}")
+    radii = {name: _radius(design, train, name) for name in pair.members}
+    first, second = (_shifts(measured.get(member.name), radii[member.name]) for member in pair.both)
+    shifts = PitchShifts(first, second)
+    single = pitch_turns(pair, shifts)
+    double = None if centre_distance(pair) is None else tight_mesh(pair, shifts)
+    return CompositeTest(design, pair, single, double, radii[pair.gear.name])
+
+
+def _radius(design: Design, train: GearTrain, name: str) -> float:
+    """Radius (mm) of the circle on which pitch deviations of a member are measured."""
+    inspection = system_of(design).inspection
+    if inspection is None:
+        raise ArgumentError("kind", design.kind, reason="its gears have no pitch deviations here")
+    basis: InspectionBasis = inspection(design, train, name)
+    return 0.5 * basis.sizes.diameter
+
+
+def _shifts(measured: MeasuredTeeth | None, radius: float) -> dict[Side, Array]:
+    return {} if measured is None else {side: np.asarray(own.index / radius) for side, own in measured.pitch.items()}

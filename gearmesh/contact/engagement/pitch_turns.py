@@ -1,0 +1,146 @@
+"""A pair whose teeth have pitch deviations over whole turns: every tooth pair is as long ahead or behind as its flanks are.
+
+A flank that is turned about its gear's own axis by e does what it does without, at a rotation that differs by e, exactly. With
+the transmission error te of one tooth pair, phi2 - i phi1, tooth pair k has, its flanks e1 and e2 ahead as phi1 and phi2 count,
+
+    te_k(phi1) = te(phi1 + e1 - k pitch) + i e1 - e2
+
+and the gears the one that is most advanced, edge contact of flanks that are ahead of the next included.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
+from gearmesh.contact.engagement.engagement import Engagement, follow, whole_engagement
+from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
+from gearmesh.contact.engagement.turns import LEAST, MOST, PER_PITCH, PLENTY, FullTurns, waves_of_turns
+from gearmesh.contact.fit.fit import play, reversed_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import Pair
+from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.gear_train import GearPair, Member
+from gearmesh.teeth.region import Side
+
+#: nodes by which a tooth pair is followed beyond where it is ahead without pitch deviations
+BEYOND = NODES // 2
+
+
+@dataclass(frozen=True)
+class PitchShifts:
+    """Angles (N,), rad, about a member's own z axis by which the flanks of its teeth, by their numbers, are ahead of their places;
+    by sides, none where they have no deviations."""
+
+    pinion: Mapping[Side, Array] = field(default_factory=dict)
+    gear: Mapping[Side, Array] = field(default_factory=dict)
+
+    def of(self, pair: GearPair) -> tuple[Array, Array]:
+        """Those of the touching flanks of a pair, 0 where there are none. Raises DesignError for other numbers of teeth."""
+        return tuple(  # type: ignore[return-value]
+            _of_member(member, own.get(side))
+            for member, own, side in zip(pair.both, (self.pinion, self.gear), pair.flanks, strict=True)
+        )
+
+    def pitches(self, pair: GearPair) -> int:
+        """After how many teeth the same meet again: those of a member without deviations are alike."""
+        uneven = zip(pair.both, (self.pinion, self.gear), strict=True)
+        return math.lcm(
+            1, *(member.tooth.teeth for member, own in uneven if any(np.ptp(x) > 0.0 for x in own.values()))
+        )
+
+
+def _of_member(member: Member, shifts: Array | None) -> Array:
+    teeth = member.tooth.teeth
+    if shifts is None:
+        return np.zeros(teeth)
+    if shifts.shape != (teeth,):
+        raise DesignError(
+            f"{member.name} pitch deviations", shifts.size, must_be=f"{teeth}, one a tooth", topic="pitch deviations"
+        )
+    return shifts
+
+
+def pitch_turns(pair: GearPair, shifts: PitchShifts) -> FullTurns:
+    """A pair of gears, no rack, whose flanks are shifted, over the turns after which it repeats.
+
+    Raises DesignError where these are too many, and where members are eccentric too, NoSolutionError where the teeth do
+    not meet all the time.
+    """
+    refuse_too_many(pair, shifts)
+    pitches = shifts.pitches(pair)
+    per_pitch = max(LEAST, min(PER_PITCH, PLENTY // pitches))
+    forwards, carrier = shifted_advance(pair, shifts, pitches, per_pitch)
+    backwards, _ = shifted_advance(reversed_pair(pair), shifts, pitches, per_pitch)
+    te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
+    waves = tuple(
+        replace(wave, closed_amplitude=math.nan, closed_crest=math.nan)
+        for wave in waves_of_turns(pair, pitches, phi1, te)
+    )
+    return FullTurns(pitches, per_pitch, phi1, te - te[0], carrier, play(pair, forwards + backwards), waves)
+
+
+def refuse_too_many(pair: GearPair, shifts: PitchShifts) -> None:
+    """Raise DesignError as `pitch_turns`."""
+    if pair.eccentric:
+        raise DesignError(
+            "assembly",
+            reason="members with pitch deviations cannot have eccentricities too",
+            remedy="pitch deviations that were measured about the axis of rotation contain them: leave the eccentricities out",
+        )
+    pitches = shifts.pitches(pair)
+    if pitches > MOST:
+        raise DesignError(
+            "teeth",
+            (pair.pinion.tooth.teeth, pair.gear.tooth.teeth),
+            reason=f"the pattern of both members' pitch deviations repeats after {pitches} teeth",
+            allowed=f"up to {MOST}; deviations of one member alone need fewer",
+        )
+
+
+def shifted_advance(
+    pair: GearPair, shifts: PitchShifts, pitches: int, per_pitch: int
+) -> tuple[Array, NDArray[np.intp]]:
+    """Transmission advances (P,), rad, of the gears over so many pitches, and the tooth pairs in contact (P,)."""
+    flanks = solver_pair(pair)
+    followed = _longer_engagement(flanks, pair.pitch)
+    if followed is None:
+        raise NoSolutionError(reason="the teeth never touch, so there is no transmission error over whole turns")
+    of_pair = TransmissionAdvance(followed)
+    low, high = (followed.phi1[k] / pair.pitch for k in (0, -1))
+    # where tooth pair `pitch number + away` is, counted as pair 0 counts it
+    away = np.arange(math.ceil(-high), math.floor(1.0 - low) + 1)
+    phase = np.arange(per_pitch) / per_pitch
+    number = np.arange(pitches)[:, None, None] + away
+    place = np.broadcast_to((phase[:, None] - away) * pair.pitch, (pitches, per_pitch, away.size))
+    first, second = (
+        mount.sign * own[np.mod(-int(mount.sign) * sense * number, own.size)]
+        for mount, own, sense in zip(pair.mounts, shifts.of(pair), (1, int(np.sign(pair.ratio))), strict=True)
+    )
+    there = (place + first).ravel()
+    inside = (there >= followed.phi1[0]) & (there <= followed.phi1[-1])
+    advance = np.full(there.shape, -np.inf)
+    own_advance = of_pair.at(there[inside])[0]
+    advance[inside] = np.where(np.isnan(own_advance), -np.inf, own_advance)
+    advance = advance.reshape(place.shape) + pair.drive * (pair.ratio * first - second)
+    flat = advance.reshape(-1, away.size)
+    leading = flat.argmax(axis=1)
+    greatest = flat[np.arange(len(flat)), leading]
+    if not np.isfinite(greatest).all():
+        raise NoSolutionError(reason="the teeth lose contact, so there is no transmission error over whole turns")
+    return greatest, np.repeat(np.arange(pitches), per_pitch) + away[leading]
+
+
+def _longer_engagement(flanks: Pair, pitch: float) -> Engagement | None:
+    """A tooth pair, followed beyond where it is ahead."""
+    known = whole_engagement(flanks, pitch)
+    if known is None:
+        return None
+    first, last = (round(known.phi1[k] / pitch * NODES) for k in (0, -1))
+    return follow(flanks, np.arange(first - BEYOND, last + BEYOND + 1) * (pitch / NODES))

@@ -1,0 +1,132 @@
+"""Pitch deviations over whole turns: closed form of involute teeth, eccentric members, and centre distances without backlash."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.answers.inspection.composite import composite_test
+from gearmesh.contact.engagement.pitch_turns import PitchShifts, pitch_turns
+from gearmesh.contact.engagement.turns import full_turns
+from gearmesh.contact.fit.tight_mesh import tight_mesh
+from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.metrology.measured_teeth import MeasuredTeeth
+from gearmesh.metrology.pitch import PitchDeviations
+from gearmesh.systems.cylindrical.geometry.line_of_action import tight_distance
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
+from gearmesh.systems.designs import load
+from gearmesh.systems.system import complete_design
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import Side
+
+SPUR = ("spur", "pinion.teeth=16", "gear.teeth=32", "assembly.center_distance=72")
+
+
+def design_of(sample: str, *keys: str) -> gm.Design:
+    return load(SAMPLES / f"{sample}.toml", list(keys))
+
+
+@pytest.mark.quick
+def test_involute_teeth_lead_by_their_pitch_deviations() -> None:
+    """Where a tooth pair is alone in the middle of its engagement, the gear is as far ahead as its two flanks: at every meeting of
+    16 and 32 teeth. So the total single-flank deviation is their range; between them the gear is nowhere behind either."""
+    design = design_of(*SPUR)
+    pair = pair_of(design)
+    random = np.random.default_rng(5)
+    radii = 24.0, 48.0
+    index = [2e-3 * random.uniform(-1.0, 1.0, teeth) for teeth in (16, 32)]
+    first, second = (own / radius for own, radius in zip(index, radii, strict=True))
+    both = PitchShifts(*(dict.fromkeys(Side, own) for own in (first, second)))
+    turns = pitch_turns(pair, both)
+    assert turns.pitches == 32
+    number = np.arange(32)
+    s1, s2 = (int(mount.sign) for mount in pair.mounts)
+    # at phi1 = k pitches tooth k of the pinion, counted backwards as it turns forwards, is where tooth 0 was
+    lead = (
+        pair.ratio * s1 * first[(-s1 * number) % 16]
+        - s2 * second[(-s2 * np.sign(pair.ratio).astype(int) * number) % 32]
+    )
+    te = turns.te.reshape(32, -1)
+    alone = [j for j in range(te.shape[1]) if np.unique(turns.carrier.reshape(32, -1)[:, j] - number).size == 1]
+    assert alone
+    for j in alone:
+        k = turns.carrier.reshape(32, -1)[:, j]
+        assert te[:, j] - te[0, j] == pytest.approx(lead[k % 32] - lead[k[0] % 32], abs=1e-10)
+    assert turns.peak_to_peak == pytest.approx(np.ptp(lead), rel=1e-6)
+    with pytest.raises(DesignError, match="must be 16, one a tooth"):
+        pitch_turns(pair, PitchShifts({pair.flanks[0]: first[:-1]}))
+    eccentric = pair_of(design_of(*SPUR, "assembly.gear_eccentricity=0.01"))
+    with pytest.raises(DesignError, match="cannot have eccentricities too"):
+        pitch_turns(eccentric, both)
+
+
+def eccentric_shifts(member: Member, size: float, phase: float) -> dict[Side, Array]:
+    """What a pitch gauge reads of a member whose teeth are off their axis: its flanks' middles, displaced, as angles."""
+    shifts = {}
+    angle = 2.0 * np.pi * np.arange(member.tooth.teeth) / member.tooth.teeth
+    for side in Side:
+        grid = member.tooth.flank_grid(side, [0.5], [0.5])
+        (x, y, _), (n_x, n_y, _) = grid.points[0, 0], grid.normals[0, 0]
+        along = n_x * np.cos(phase - angle) + n_y * np.sin(phase - angle)
+        shifts[side] = size * along / (x * n_y - y * n_x)
+    return shifts
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize(
+    ("sample", "name"), [(SPUR, "gear"), (("spiral_bevel_geometry1",), "pinion")], ids=("spur", "bevel")
+)
+def test_pitch_deviations_of_an_eccentric_member_make_its_wave(sample: tuple[str, ...], name: str) -> None:
+    """To half a pitch, by which teeth take over one from the next, and to what of an eccentricity is no pitch deviation."""
+    pair = pair_of(design_of(*sample))
+    member = pair.members[name]
+    shifts = PitchShifts(**{name: eccentric_shifts(member, 0.03, math.radians(50.0))})
+    eccentric = pair_of(design_of(*sample, f"assembly.{name}_eccentricity=0.03", f"assembly.{name}_phase=50"))
+    own, real = pitch_turns(pair, shifts), full_turns(eccentric)
+    assert own.peak_to_peak == pytest.approx(real.peak_to_peak, rel=0.03)
+    # errors of the one against the other, over the turns: much less than either; the wrong sign or sense doubles it
+    apart = np.ptp((own.te - own.te.mean()) - (real.te - real.te.mean())[: own.te.size])
+    assert apart < 0.25 * real.peak_to_peak
+    assert own.peak_to_peak > 100.0 * ARCSEC
+
+
+@pytest.mark.sweep
+def test_tight_centre_distances_are_those_of_thicker_involute_teeth() -> None:
+    design = design_of("internal")
+    pair, mesh = pair_of(design), proportions(complete_design(design).in_mm()).mesh
+    teeth = pair.pinion.tooth.teeth
+    # thicker by 4 um in the normal section, half on either side; and uneven by nothing that shows
+    half = 2e-3 / mesh.pinion.radius / math.cos(mesh.pinion.beta)
+    tilt = 1e-12 * np.arange(teeth)
+    tight = tight_mesh(pair, PitchShifts({Side.RIGHT: -half + tilt, Side.LEFT: half + tilt}))
+    assert tight.nominal == pytest.approx(tight_distance(mesh), abs=1e-6)
+    thick = replace(mesh, pinion=replace(mesh.pinion, allowance=mesh.pinion.allowance + 4e-3))
+    grown = tight_distance(thick) - tight_distance(mesh)
+    assert tight.distance - tight.nominal == pytest.approx(grown, rel=1e-3)
+    assert tight.total < 1e-8
+
+
+@pytest.mark.sweep
+def test_composite_deviations_of_a_pair() -> None:
+    """Deviations alike on both sides turn the gear by the arcs of the pinion's circle, less what the neighbours of the lowest tooth
+    lead it by, and hardly move the axes."""
+    design = design_of(*SPUR)
+    index = 1e-3 * np.cos(2.0 * np.pi * np.arange(16) / 16)
+    answer = composite_test(
+        design, gm.build(design).train, {"pinion": MeasuredTeeth(pitch={side: PitchDeviations(index) for side in Side})}
+    )
+    own = answer.figures
+    neighbour = 1.0 - np.cos(2.0 * np.pi / 16)
+    assert 2.0 - neighbour - 1e-6 < own.single_flank_total < 2.0 + 1e-6
+    assert own.double_flank_tooth < own.double_flank_total < own.single_flank_total
+    assert own.turns_pinion == 1.0
+    assert "F_i''" in answer.headline
+    with pytest.raises(DesignError, match="must be one of pinion, gear"):
+        composite_test(design, gm.build(design).train, {"ring": MeasuredTeeth()})
