@@ -205,7 +205,7 @@ def _figure(
     if (turns := contact.turns) is not None:
         what = f"{title}:\ntransmission error over whole turns"
         return Diagram(what, lambda file: plot_turns(file, turns, what, unit, size, dpi))
-    what = f"{title}: contact on the flanks"
+    what = f"{title}: {'sliding' if view == 'sliding' else 'contact'} on the flanks"
     return Diagram(
         what, lambda file: plot_flanks(file, pictures.flank_rows(contact, names, view == "sliding"), what, size, dpi)
     )

@@ -279,10 +279,20 @@ def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
             LEAST_EASE_OFF,
             continued=1e3 * ease_off.continued,
             beyond=ease_off.beyond,
+            unit="µm",
         )
     velocity = AT_1000_RPM * side.sliding_velocity
     speed, arrows = np.linalg.norm(velocity, axis=-1), plane.frame.directions(ease_off.points, velocity)
-    return FieldPanel(f"{name}: sliding velocity at 1000 rpm (m/s)", plane, places, speed, LEAST_SPEED, arrows)
+    return FieldPanel(
+        f"{name}: sliding velocity at 1000 rpm (m/s)",
+        plane,
+        places,
+        speed,
+        LEAST_SPEED,
+        arrows,
+        unit="m/s",
+        sense=f"velocity of the {name}'s flank relative to the {side.pair.gear.name}'s",
+    )
 
 
 def in_mesh(gears: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath) -> dict[str, TriangleMesh]:

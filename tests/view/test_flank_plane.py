@@ -5,16 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.path import Path as Polygon
+from matplotlib.quiver import Quiver
 
 import gearmesh as gm
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import dot, unit
-from gearmesh.view.diagrams.flank_diagrams import ContactPanel, plot_flanks
+from gearmesh.view.diagrams import flank_diagrams
+from gearmesh.view.diagrams.flank_diagrams import ContactPanel, FieldPanel, plot_flanks
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.pictures import flank_rows
 from gearmesh.view.scene import contact_on
@@ -99,6 +102,39 @@ def test_sliding_grows_with_the_distance_from_the_pitch_point() -> None:
     pinion = solver_pair(pair).pinion
     grid = pinion.grid
     assert np.abs(dot(velocity, pinion.surface.jet(grid[..., 0], grid[..., 1]).n))[known].max() < 0.02
+
+
+def test_arrows_of_sliding_stay_on_the_flank_and_say_what_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept: list[Any] = []
+    monkeypatch.setattr(flank_diagrams, "save_figure", lambda figure, file: kept.append(figure))
+    rows = flank_rows(contact("spiral_bevel_basic"), ("pinion",), sliding=True)
+    plot_flanks("sliding.png", rows, "")
+    words = [text.get_text() for text in kept[0].legends[0].get_texts()]
+    assert "velocity of the pinion's flank relative to the gear's" in words
+    panels = [panel for row in rows for panel in row if isinstance(panel, FieldPanel)]
+    drawn = [(axes, arrows) for axes in kept[0].axes for arrows in axes.collections if isinstance(arrows, Quiver)]
+    for panel, (_, arrows) in zip(panels, drawn, strict=True):
+        half = np.stack((arrows.U, arrows.V), axis=-1).reshape(-1, 2) / arrows.scale / 2.0
+        known = np.isfinite(half[:, 0])
+        assert np.linalg.norm(half[known], axis=1).max() > 0.2  # mm
+        outline = Polygon(panel.plane.frame.outline)
+        for way in (1.0, -1.0):
+            assert outline.contains_points((arrows.XY + way * half)[known]).all()
+
+
+def test_fields_that_are_uniform_have_no_scale(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor teeth where the flanks of pinion and gear end together, at toe and heel, but for rounding."""
+    kept: list[Any] = []
+    monkeypatch.setattr(flank_diagrams, "save_figure", lambda figure, file: kept.append(figure))
+    rows = flank_rows(contact("double_helical"), ("pinion",))
+    plot_flanks("flank.png", rows, "")
+    assert len(kept[0].axes) == 4
+    assert sum("uniform within 1 µm" in axes.get_title() for axes in kept[0].axes) == 2
+    (panel, *_) = (panel for row in rows for panel in row if isinstance(panel, FieldPanel))
+    assert panel.beyond is not None
+    past = flank_diagrams._past_edges(panel.beyond)
+    # one line along the root
+    assert (np.ptp((past > 0.0).sum(axis=0)), (past[0] > 0.0).all(), (past[1:] > 0.0).any()) == (0, True, False)
 
 
 @pytest.mark.sweep

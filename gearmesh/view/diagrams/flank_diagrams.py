@@ -22,13 +22,15 @@ from gearmesh.view.palette import COMPOUND, EDGE, GROUND, INK, LINES, OUTLINE, P
 from gearmesh.view.scene import MemberContact
 
 #: arrows of a field, up the profile and along the face
-ARROWS = (5, 11)
+ARROWS = (4, 11)
 #: ellipses and contact lines that are drawn
 ELLIPSES, SHOWN_LINES = 11, 25
 #: lengths to a height up to which a panel shows a flank as it is, and up to which it is drawn to scale at all
 LONG, LONGEST = 6.0, 7.0
 #: width (inches) of a figure with one column, and with several of them; inches that a panel needs beside what it shows
 WIDTH, BESIDE, ABOVE = 10.5, 0.8, 0.85
+#: part of the room about an arrow that it takes; mm within which the edges of two flanks are one
+STAYS, TOGETHER = 0.9, 1e-6
 #: inches between a flank and the edges of its panel, in which the words stand
 ROOM = (0.5, 0.25)
 
@@ -74,7 +76,7 @@ class ContactPanel:
 class FieldPanel:
     """A quantity over a flank: `values` (I, J) at `places` (I, J, 2), mm, NaN where there is none, and `arrows` (I, J, 2) of it.
 
-    `least` is the range below which differences mean nothing. `continued` (I, J): the values gone on where there are none, and how
+    `sense` says what the arrows are; `least` is the range below which differences mean nothing. `continued` (I, J): the values gone on where there are none, and how
     far, mm, a place is `beyond` (I, J) where they end; without them cells without a value are left out.
     """
 
@@ -86,6 +88,14 @@ class FieldPanel:
     arrows: Array | None = None
     continued: Array | None = None
     beyond: Array | None = None
+    unit: str = ""
+    sense: str = ""
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether all values are one, but for differences that mean nothing."""
+        known = self.values[np.isfinite(self.values)]
+        return bool(known.size) and float(np.ptp(known)) < self.least
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -211,6 +221,8 @@ def _draw(axes: Any, panel: Panel, window: Window) -> None:
     draw_outline(axes, plane, window)
     (left, right), _, magnified = window
     notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
+    if isinstance(panel, FieldPanel) and panel.is_flat:
+        notes.insert(0, f"uniform within {panel.least:g} {panel.unit}")
     low, high = plane.frame.outline[:, 0].min(), plane.frame.outline[:, 0].max()
     if left > low or right < high:
         notes.append(f"cut off: flank from {low:.4g} to {high:.4g} mm")
@@ -317,18 +329,45 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
     shown = known if panel.continued is None else np.ma.masked_invalid(np.clip(panel.continued, levels[0], levels[-1]))
     drawn = axes.contourf(x, y, shown, levels=levels, cmap="cividis_r", zorder=1)
     rings = axes.contour(x, y, shown, levels=levels, colors=[INK], linewidths=0.6, zorder=2)
-    if panel.beyond is not None and np.nanmax(panel.beyond, initial=-np.inf) > 0.0:
+    past = None if panel.beyond is None else np.ma.masked_invalid(_past_edges(panel.beyond))
+    if past is not None and past.max() > 0.0:
         # cells are cut where the values end
-        past = np.ma.masked_invalid(panel.beyond)
         axes.contourf(x, y, past, levels=[0.0, float(past.max())], colors=[GROUND], zorder=2.5)
     if panel.arrows is None:
         axes.clabel(rings, fontsize=7, fmt="%g")
     else:
-        i, j = (slice(n // (2 * count), None, max(n // count, 1)) for n, count in zip(x.shape, ARROWS, strict=True))
-        reach = np.ptp(panel.plane.frame.outline[:, 1]) / ARROWS[0]
-        axes.quiver(
-            x[i, j], y[i, j], panel.arrows[i, j, 0], panel.arrows[i, j, 1], color=PATH, zorder=7, width=0.0025,
-            angles="xy", scale_units="xy", scale=max(high, panel.least) / reach, pivot="middle",
-        )  # fmt: skip
+        _draw_arrows(axes, panel, max(high, panel.least))
+    if panel.is_flat:
+        return
     bar = axes.figure.colorbar(drawn, cax=axes.inset_axes((1.015, 0.0, 0.02, 1.0)))
     bar.ax.tick_params(labelsize=8)
+
+
+def _draw_arrows(axes: Any, panel: FieldPanel, greatest: float) -> None:
+    """The arrows of a field: one of the `greatest` amount is as long as stays inside of the flank."""
+    from matplotlib.patheffects import withStroke
+
+    assert panel.arrows is not None
+    x, y = panel.places[..., 0], panel.places[..., 1]
+    rows, columns = ARROWS
+    # rows evenly over the height, which those of the grid are not
+    height = ((y - y[0]) / (y[-1] - y[0])).mean(axis=1)
+    i = np.unique(np.abs(height - (np.arange(rows)[:, None] + 0.5) / rows).argmin(axis=1))
+    j = slice(x.shape[1] // (2 * columns), None, max(x.shape[1] // columns, 1))
+    shown = y[i]
+    room = min(np.abs(y[[0, -1]] - shown[[0, -1]]).min(), 0.5 * np.abs(np.diff(shown, axis=0)).min())
+    # arrows are about their places
+    axes.quiver(
+        x[i, j], y[i, j], panel.arrows[i, j, 0], panel.arrows[i, j, 1], color=PATH, zorder=7, width=0.0025,
+        angles="xy", scale_units="xy", scale=greatest / (2.0 * STAYS * room), pivot="middle", headlength=3.0, headaxislength=3.0,
+        path_effects=[withStroke(linewidth=1.6, foreground="white")],
+    )  # fmt: skip
+    if panel.sense:
+        axes.plot([], [], ls="", marker=r"$\rightarrow$", ms=12, color=PATH, label=panel.sense)
+
+
+def _past_edges(beyond: Array) -> Array:
+    """How far (I, J) places are past the end of the values, less rounding: where both flanks end together, neighbours decide."""
+    padded = np.pad(beyond, 1, constant_values=np.nan)
+    around = np.fmin.reduce([padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]])
+    return np.where(np.abs(beyond) < TOGETHER, around, beyond)
