@@ -6,11 +6,34 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import gearmesh as gm
 from gearmesh.view.diagrams import plots
 
 RACK = Path(__file__).parents[2] / "samples" / "rack.toml"
+
+
+def test_curves_of_tooth_pairs_and_of_the_gears_are_one_where_a_pair_is_ahead(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of reliefs, whose curve bends sharply; and no word is cut off by the edge of the figure or stands on a curve."""
+    kept = []
+    monkeypatch.setattr(plots, "save_figure", lambda figure, file: kept.append(figure))
+    contact = gm.build(gm.load(RACK.with_name("spur_relieved.toml"))).contact()
+    plots.plot_transmission_error("te.png", contact.path, contact.cycle, "error", size=(1000, 600))
+    figure, (errors, _) = kept[0], kept[0].axes
+    drawn = {line.get_label(): line.get_xydata() for line in errors.lines}
+    pitch, envelope = np.degrees(contact.pair.pitch), drawn["envelope"]
+    inside = (envelope[:, 0] >= 0.0) & (envelope[:, 0] <= pitch)
+    pairs = [
+        np.interp(envelope[inside, 0] - k * pitch, *drawn["tooth pair"].T, left=-np.inf, right=-np.inf)
+        for k in (-1, 0, 1, 2)
+    ]
+    np.testing.assert_allclose(np.max(pairs, axis=0), envelope[inside, 1], atol=1e-6)  # arcsec
+    FigureCanvasAgg(figure).draw()
+    texts = [text for axes in figure.axes for text in (axes.xaxis.label, axes.yaxis.label, *axes.texts)]
+    boxes = [text.get_window_extent() for text in (*texts, *figure.legends[0].get_texts())]
+    assert all(box.x0 >= 0 and box.y0 >= 0 and box.x1 <= 1000 and box.y1 <= 600 for box in boxes)
+    assert errors.get_legend() is None
 
 
 def test_roots_join_three_pairs_and_bars_are_the_harmonics(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -93,9 +93,13 @@ def mesh_cycle(
             engagement=_touching(curve),
             curve=curve,
         )
-    own, te, envelope = _sample(curve, pitch)
+    te, envelope = _sample(curve, pitch)
     reference = _reference(followed)
     phase = np.unique(np.concatenate((np.linspace(0.0, pitch, 4 * PER_PITCH + 1), np.clip(curve.marks[0], 0.0, pitch))))
+    # the same places of pair 0, so that its curve and that of the gears are one where it is ahead
+    turns = np.arange(np.floor(curve.phi1[0] / pitch), np.ceil(curve.phi1[-1] / pitch))
+    every = np.unique(np.concatenate((curve.phi1[[0, -1]], (turns[:, None] * pitch + phase).ravel())))
+    own = every[(every >= curve.phi1[0]) & (every <= curve.phi1[-1])]
     return Cycle(
         phi1=np.arange(PER_PITCH) * pitch / PER_PITCH,
         te=te - reference,
@@ -110,7 +114,7 @@ def mesh_cycle(
         engagement=_whole(curve),
         handovers=tuple(curve.handovers().tolist()),
         curve=curve,
-        pair=own - [[0.0], [reference]],
+        pair=np.stack((own, pair.drive * curve.of_pair.at(own)[0] - reference)),
         gears=np.stack((phase, pair.drive * curve.advance(phase) - reference)),
     )
 
@@ -139,8 +143,8 @@ def _reference(engagement: Engagement) -> float:
     return float(at_zero[0] if at_zero.size and np.isfinite(at_zero[0]) else te[np.isfinite(te)][0])
 
 
-def _sample(curve: MeshCurve, pitch: float) -> tuple[Array, Array, Array]:
-    """phi1 and transmission error (2, N) of pair 0, those (K, Q) of the tooth pairs, and of the gears (Q,), over one pitch."""
+def _sample(curve: MeshCurve, pitch: float) -> tuple[Array, Array]:
+    """Transmission errors of the tooth pairs (K, Q) and of the gears (Q,), over one pitch."""
     first, last = (round(float(curve.phi1[k] / pitch * PER_PITCH)) for k in (0, -1))
     steps = np.arange(first, last + 1)
     phi1 = steps * pitch / PER_PITCH
@@ -151,7 +155,6 @@ def _sample(curve: MeshCurve, pitch: float) -> tuple[Array, Array, Array]:
     table[rows - rows[0], steps - rows * PER_PITCH] = te
     envelope = drive * np.max(np.where(np.isnan(table), -np.inf, drive * table), axis=0)
     return (
-        np.stack((phi1, te)),
         table[~np.isnan(table).all(axis=1)],
         np.where(np.isfinite(envelope), envelope, np.nan),
     )

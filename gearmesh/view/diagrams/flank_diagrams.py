@@ -76,8 +76,9 @@ class ContactPanel:
 class FieldPanel:
     """A quantity over a flank: `values` (I, J) at `places` (I, J, 2), mm, NaN where there is none, and `arrows` (I, J, 2) of it.
 
-    `sense` says what the arrows are; `least` is the range below which differences mean nothing. `continued` (I, J): the values gone on where there are none, and how
-    far, mm, a place is `beyond` (I, J) where they end; without them cells without a value are left out.
+    `sense` says what the arrows are; `least` is the range below which differences mean nothing. `continued` (I, J): the values
+    gone on where there are none, and how far, mm, a place is `beyond` (I, J) where they end; without them cells without a value are
+    left out.
     """
 
     name: str

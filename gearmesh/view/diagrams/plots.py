@@ -69,6 +69,8 @@ def plot_transmission_error(
     _draw_errors(axes, path, cycle, rad, name)
     if others:
         _draw_harmonics(others[0], heard, name)
+    # beside the plot, where it hides no curve
+    figure.legend(*axes.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=4, frameon=False)
     for plot in (axes, *others):
         plot.grid(True, color=GRID_LINES, lw=0.8)
         plot.set_axisbelow(True)
@@ -91,7 +93,8 @@ def _draw_errors(axes: Any, path: ContactPath, cycle: Cycle | None, rad: float, 
         axes.plot([], [], color=FAINT, lw=1.2, label="neighbouring tooth pairs")
         axes.plot(phi1, cycle.envelope / rad, color=CURVES[0], lw=4.0, alpha=0.45, label="envelope")
     phi1, te = np.degrees(path.phi1), path.te / rad
-    axes.plot(phi1, te, color=INK, lw=1.4, label="tooth pair")
+    if cycle is None or cycle.pair is None:
+        axes.plot(phi1, te, color=INK, lw=1.4, label="tooth pair")
     size = float(np.clip(200.0 / len(phi1), 2.0, 4.5))
     for kind, colour in (("point", PATH), ("line", LINES), ("edge", EDGE)):
         here = path.kind == kind
@@ -106,7 +109,6 @@ def _draw_errors(axes: Any, path: ContactPath, cycle: Cycle | None, rad: float, 
     room = max(0.7 * (high - low), _LEAST / 2)
     axes.set_ylim(low - room, high + room)
     axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"transmission error ({unit})")
-    axes.legend(fontsize=9, loc="upper right", framealpha=0.85)
 
 
 def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) -> None:
@@ -116,8 +118,8 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
     first, last = (float(end) for end in (pair[0, known].min(), pair[0, known].max()))
     low, high = first - _BEYOND * pitch, last + _BEYOND * pitch
     for k in (-1, 0, 1):
-        label = {"label": "neighbouring tooth pairs"} if k == 1 else {}
-        axes.plot(np.degrees(pair[0] + k * pitch), pair[1] / rad, color=INK if k == 0 else FAINT, lw=1.2, **label)
+        label = {0: {"label": "tooth pair"}, 1: {"label": "neighbouring tooth pairs"}}.get(k, {})
+        axes.plot(np.degrees(pair[0] + k * pitch), pair[1] / rad, color=FAINT if k else INK, lw=1.2 if k else 1.4, **label)
     turns = np.arange(np.floor(low / pitch), np.ceil(high / pitch))
     phi1 = (gears[0] + pitch * turns[:, None]).ravel()
     axes.plot(
@@ -147,11 +149,11 @@ def _draw_harmonics(axes: Any, heard: Array, unit: str) -> None:
     axes.bar(order, heard, color=CURVES[0], width=0.7)
     for k, value in zip(order, heard, strict=True):
         axes.annotate(
-            f"{value:.2g}", (k, value), (0, 2), textcoords="offset points", ha="center", va="bottom", fontsize=8
+            f"{value:.2g}", (k, value), (0, 3), textcoords="offset points", ha="center", va="bottom", fontsize=8, rotation=90
         )
     axes.set_xticks(order)
-    axes.set(xlabel="harmonic of the mesh frequency", ylabel=f"amplitude ({unit})")
-    axes.margins(y=0.12)
+    axes.set(xlabel="harmonic of the\nmesh frequency", ylabel=f"amplitude ({unit})")
+    axes.margins(y=0.2)
 
 
 def plot_cost(file: Path | str, runs: Mapping[str, CostRun], title: str = "Cost of accuracy") -> None:
