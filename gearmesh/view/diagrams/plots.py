@@ -119,7 +119,9 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
     low, high = first - _BEYOND * pitch, last + _BEYOND * pitch
     for k in (-1, 0, 1):
         label = {0: {"label": "tooth pair"}, 1: {"label": "neighbouring tooth pairs"}}.get(k, {})
-        axes.plot(np.degrees(pair[0] + k * pitch), pair[1] / rad, color=FAINT if k else INK, lw=1.2 if k else 1.4, **label)
+        axes.plot(
+            np.degrees(pair[0] + k * pitch), pair[1] / rad, color=FAINT if k else INK, lw=1.2 if k else 1.4, **label
+        )
     turns = np.arange(np.floor(low / pitch), np.ceil(high / pitch))
     phi1 = (gears[0] + pitch * turns[:, None]).ravel()
     axes.plot(
@@ -149,7 +151,14 @@ def _draw_harmonics(axes: Any, heard: Array, unit: str) -> None:
     axes.bar(order, heard, color=CURVES[0], width=0.7)
     for k, value in zip(order, heard, strict=True):
         axes.annotate(
-            f"{value:.2g}", (k, value), (0, 3), textcoords="offset points", ha="center", va="bottom", fontsize=8, rotation=90
+            f"{value:.2g}",
+            (k, value),
+            (0, 3),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize=8,
+            rotation=90,
         )
     axes.set_xticks(order)
     axes.set(xlabel="harmonic of the\nmesh frequency", ylabel=f"amplitude ({unit})")
