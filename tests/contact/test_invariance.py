@@ -42,10 +42,11 @@ def path_of(mapping: dict[str, Any], phi1: Any = PHI1) -> ContactPath:
     return analyse(pair_of(parse(mapping)), np.asarray(phi1))
 
 
-def same(one: ContactPath, other: ContactPath, scale: float = 1.0) -> None:
+def same(one: ContactPath, other: ContactPath, scale: float = 1.0, sense: float = 1.0) -> None:
+    """Alike but for `scale`, and for the `sense` in which rotations count."""
     assert one.kind.tolist() == other.kind.tolist()
     touching = one.touching
-    np.testing.assert_allclose(one.te[touching], other.te[touching], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(one.te[touching], sense * other.te[touching], rtol=0, atol=1e-11)
     for name in ("semi_major", "semi_minor"):
         np.testing.assert_allclose(getattr(one, name), scale * getattr(other, name), rtol=1e-6)
 
@@ -82,7 +83,7 @@ def test_the_mirror_image_of_a_pair_touches_in_the_mirror(cone: float, helix: fl
     mirrored = design(cone, -helix)
     mirrored["contact"] = {**mirrored["contact"], "flank": "left"}
     other = path_of(mirrored, -PHI1)
-    same(one, other)
+    same(one, other, sense=-1.0)
     np.testing.assert_allclose(one.point * [1.0, -1.0, 1.0], other.point, rtol=0, atol=1e-8)
 
 

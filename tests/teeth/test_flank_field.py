@@ -8,20 +8,23 @@ import pytest
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.grid_spline import GridSpline
 from gearmesh.kernel.surface.levels import ConeLevel, Level, PlaneLevel
-from gearmesh.teeth.micro_geometry.flank_field import Fade, LevelField, Quadrangle, QuadrangleSpline
+from gearmesh.teeth.micro_geometry.flank_field import Band, BandSpline, Fade, LevelField
 
 pytestmark = pytest.mark.quick
 
-CORNERS = np.array([[-9.0, 20.0], [11.0, 22.5], [10.5, 27.0], [-10.0, 25.0]])
+#: a band between two curves, with a row between them that is nearer to the first
+COLUMNS = np.linspace(-10.0, 11.0, 9)
+LOW, HIGH = 20.0 + 0.1 * COLUMNS + 0.01 * COLUMNS**2, 26.0 + 0.05 * COLUMNS - 0.004 * COLUMNS**2
+POINTS = np.stack([np.stack((COLUMNS, y), axis=-1) for y in (LOW, LOW + (0.45 + 0.004 * COLUMNS) * (HIGH - LOW), HIGH)])
 #: stations across the axis, on cones, and on cylinders
 STATIONS = {"planes": PlaneLevel(0.0), "cones": ConeLevel(0.45, 60.0), "cylinders": ConeLevel(0.5 * np.pi, 30.0)}
 X = np.linspace(-12.0, 12.0, 17)
 
 
-def spline() -> QuadrangleSpline:
+def spline() -> BandSpline:
     a, b = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 5)
     values = 0.05 * np.sin(4.0 * a[:, None] + 3.0 * b) + 0.01 * np.random.default_rng(3).normal(size=(9, 5))
-    return QuadrangleSpline(Quadrangle(CORNERS), GridSpline.through(a, b, values))
+    return BandSpline(Band.of(POINTS), GridSpline.through(a, b, values))
 
 
 def fade() -> Fade:
@@ -57,15 +60,16 @@ def test_gradient_and_hessian(name: str) -> None:
     assert np.ptp(exact.value) > 0.01
 
 
-def test_the_coordinates_of_a_quadrangle_are_even_between_its_sides() -> None:
-    """Of one with no parallel sides, of a trapezium and of a parallelogram."""
-    trapezium = np.array([[-9.0, 20.0], [11.0, 22.5], [11.0, 27.0], [-9.0, 25.0]])
-    for corners in (CORNERS, trapezium, np.array([[1.0, 2.0], [4.0, 2.5], [4.5, 0.5], [1.5, 0.0]])):
-        a, b = np.meshgrid(np.linspace(-0.4, 1.4, 7), np.linspace(-0.5, 1.5, 7))
-        first, second, third, fourth = ((weight[..., None] * corner) for weight, corner in zip(
-            ((1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b), corners, strict=True))  # fmt: skip
-        found = Quadrangle(corners).jets(*np.moveaxis(first + second + third + fourth, -1, 0))
-        np.testing.assert_allclose([each.f for each in found], [a, b], atol=1e-12)
+def test_rows_and_columns_of_a_band_have_constant_coordinates() -> None:
+    """Up and down, and with columns in either order; between its rows the second coordinate grows."""
+    for sense in (1.0, -1.0):
+        for points in (POINTS, POINTS[:, ::-1]):
+            turned = points * np.array([1.0, sense])
+            a, b = (jet.f for jet in Band.of(turned).jets(turned[..., 0], turned[..., 1]))
+            np.testing.assert_allclose(a, np.broadcast_to(np.linspace(0.0, 1.0, 9), a.shape), atol=1e-12)
+            np.testing.assert_allclose(b[[0, 2]], [[0.0] * 9, [1.0] * 9], atol=1e-12)
+            np.testing.assert_allclose(b[1], b[1].mean(), atol=1e-12)
+            assert 0.4 < b[1].mean() < 0.5
 
 
 def test_the_fade_is_whole_at_one_curve_and_nothing_at_the_other() -> None:

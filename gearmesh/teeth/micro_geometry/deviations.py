@@ -1,7 +1,7 @@
 """Flanks of any kind with deviations along their normals, known at the points of a grid and smooth between them.
 
-The grid's rows run along the tooth, its columns from root to tip. Laid into the axial half plane it is nearly a quadrangle, whose
-own coordinates make it a square; over that a bicubic spline goes through all deviations, at the places to which they move the
+The grid's rows run along the tooth, its columns from root to tip. Laid into the axial half plane it is a band between two curves,
+whose own coordinates make it a square; over that a bicubic spline goes through all deviations, at the places to which they move the
 points, for `Offset` asks for the amount there. So the points are moved by exactly what the grid says, along the exact normals.
 Beyond the outermost rows and columns the deviations go on straight, as the spline leaves them.
 
@@ -38,7 +38,7 @@ from gearmesh.kernel.surface.offset import Offset
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import area_normal
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.micro_geometry.flank_field import Fade, LevelField, Quadrangle, QuadrangleSpline
+from gearmesh.teeth.micro_geometry.flank_field import Band, BandSpline, Fade, LevelField
 from gearmesh.teeth.micro_geometry.modification import STEEPEST
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
 from gearmesh.teeth.tooth import Tooth
@@ -89,25 +89,25 @@ class DeviationGrid:
         grid = tooth.flank_grid(which, *places)
         return DeviationGrid(grid.points, grid.normals, values)
 
-    def spline(self, levels: tuple[Level, Level]) -> QuadrangleSpline:
+    def spline(self, levels: tuple[Level, Level]) -> BandSpline:
         """The deviations over the flank coordinates that two levels are. Raises DesignError where the points are no grid."""
 
         def places(points: Array) -> Array:
             return np.stack([level.value(points) for level in levels], axis=-1)
 
         nominal, moved = places(self.points), places(self.points + self.values[..., None] * self.normals)
-        # the first coordinate from toe to heel, the second from root to tip
-        quadrangle = Quadrangle(nominal[[0, 0, -1, -1], [0, -1, -1, 0]])
-        at, wanted = (
-            np.stack([jet.f for jet in quadrangle.jets(place[..., 0], place[..., 1])], axis=-1)
-            for place in (nominal, moved)
-        )
-        columns, rows = at[..., 0].mean(axis=0), at[..., 1].mean(axis=1)
         try:
+            # the first coordinate from toe to heel, the second from root to tip
+            band = Band.of(nominal)
+            at, wanted = (
+                np.stack([jet.f for jet in band.jets(place[..., 0], place[..., 1])], axis=-1)
+                for place in (nominal, moved)
+            )
+            columns, rows = at[..., 0].mean(axis=0), at[..., 1].mean(axis=1)
             spline = GridSpline.near(columns, rows, np.swapaxes(wanted, 0, 1), self.values.T)
         except ValueError as error:
             raise ArgumentError(KEY, reason=f"their points are no grid on the flank: {error}") from error
-        return QuadrangleSpline(quadrangle, spline)
+        return BandSpline(band, spline)
 
 
 def with_deviations(member: Member, grids: Mapping[Side, DeviationGrid]) -> Member:
@@ -204,6 +204,15 @@ def _fade(tooth: Tooth, which: Side, levels: tuple[Level, Level]) -> Fade:
     root = levels[1].value(along(side.fillet, np.full_like(stations, side.root), stations, levels[0])[1].r)
     up = np.sign(tip - form)
     return Fade.between(stations, root + up * np.maximum(up * (form - root), SHORTEST * np.abs(tip - form)), root)
+
+
+def lowest_share(tooth: Tooth, which: Side) -> float:
+    """The share of the way from form point to tip from which on deviations are whole, to a hundredth: 0, but where they have to
+    begin to fade on the flank."""
+    levels, s = (tooth.blank.axial, tooth.blank.across), np.linspace(0.0, MARGIN, round(100 * MARGIN) + 1)
+    r = tooth.flank_grid(which, s, np.linspace(0.0, 1.0, STATIONS)).points
+    whole = (_fade(tooth, which, levels).jet(*(level.value(r) for level in levels)).f >= 1.0 - FADED).all(axis=1)
+    return float(s[whole.argmax()]) if whole.any() else MARGIN
 
 
 def _prove(tooth: Tooth, which: Side, before: ToothSide) -> None:

@@ -7,14 +7,14 @@ gradients and Hessians the derivatives in space follow by the chain rule, for pl
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, reduce
-from typing import Protocol
+from functools import reduce
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from gearmesh.kernel.numeric.algebra import Array, components, dot, plane_cross
-from gearmesh.kernel.numeric.grid_spline import GridSpline, PlaneJet, polynomial
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.grid_spline import CUBIC, GridSpline, PlaneJet, polynomial
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.offset import FieldJet
 
@@ -22,6 +22,11 @@ from gearmesh.kernel.surface.offset import FieldJet
 DEGREE = 6
 #: share of the way between them at whose end nothing is left
 LEFT_FREE = 0.05
+#: bend of b between the first row and the last at which it no longer grows all the way
+MOST_BULGE = 1.0
+
+#: values (...,) of a function and of its first two derivatives
+Curve: TypeAlias = tuple[Array, Array, Array]
 
 
 class PlaneFunction(Protocol):
@@ -69,56 +74,104 @@ def _product(f: PlaneJet, g: PlaneJet) -> PlaneJet:
     )
 
 
+class Curves:
+    """Several functions of x with two derivatives, by splines through points, that go straight on beyond the first and the last."""
+
+    def __init__(self, x: Array, values: Array) -> None:
+        """Through values (X, K) at x (X,), in any order."""
+        from scipy.interpolate import make_interp_spline
+
+        order = np.argsort(x)
+        self.extent = float(x.min()), float(x.max())
+        spline = make_interp_spline(x[order], values[order], k=min(CUBIC, len(x) - 1))
+        self._orders = [spline] + [
+            spline.derivative(k) if k <= spline.k else lambda at: np.zeros((*at.shape, values.shape[1])) for k in (1, 2)
+        ]
+
+    def jets(self, x: Array) -> tuple[tuple[Array, Array, Array], ...]:
+        """Values (...,) and two derivatives of each of them at x (...,)."""
+        at = np.clip(x, *self.extent)
+        value, slope, bend = (order(at) for order in self._orders)
+        value = value + slope * (x - at)[..., None]
+        bend = np.where((at == x)[..., None], bend, 0.0)
+        return tuple((value[..., k], slope[..., k], bend[..., k]) for k in range(value.shape[-1]))
+
+
+def share_between(y: Array, begins: Curve, ends: Curve) -> PlaneJet:
+    """Share (...,) of the way from one curve of x to another at y, with its partials; a curve: its values and two derivatives."""
+    (e, e_x, e_xx), (b, b_x, b_xx) = begins, ends
+    over = 1.0 / (b - e)
+    q = (y - e) * over
+    q_x = -(e_x + q * (b_x - e_x)) * over
+    q_xx = -(e_xx + q * (b_xx - e_xx) + 2.0 * q_x * (b_x - e_x)) * over
+    return PlaneJet(q, q_x, over, q_xx, -(b_x - e_x) * over**2, np.zeros_like(q))
+
+
 @dataclass(frozen=True)
-class Quadrangle:
-    """Coordinates a, b in the plane, 0 and 1 on opposite sides of a quadrangle and even between them.
+class Band:
+    """Coordinates a, b in the plane of a grid's points (x, y) (I, J, 2): a runs evenly from its first column to its last, and
 
-    Its `corners` (4, 2), mm, are where (a, b) = (0, 0), (1, 0), (1, 1) and (0, 1), and with r = (x, y)
+        b = u + c u (1 - u)
 
-        r = c_0 + c_1 a + c_2 b + c_3 a b
-
-    which is of second degree in a: of its roots that which is finite where opposite sides are parallel. NaN far off, where
-    there is none.
+    u from 0 on its first row to 1 on its last. Both rows are curves of x, and c (x) makes b constant on the row in the middle.
     """
 
-    corners: Array
+    ends: tuple[float, float]
+    curves: Curves
 
-    @cached_property
-    def _bilinear(self) -> Array:
-        """c_0 to c_3, (4, 2)."""
-        first, second, third, fourth = self.corners
-        return np.stack((first, second - first, fourth - first, first - second + third - fourth))
+    @staticmethod
+    def of(points: Array) -> Band:
+        """Of points (I, J, 2) whose columns are of constant x, nearly. Raises ValueError where columns follow on each other in no order."""
+        x, y = points[..., 0], points[..., 1]
+        columns = x.mean(axis=0)
+        if not (np.diff(columns) * np.sign(columns[-1] - columns[0]) > 0.0).all():
+            raise ValueError("columns cross each other")
+        first, last, middle = (
+            _at_columns(x[k], y[k], columns) for k in (0, len(y) - 1, len(y) // 2)
+        )
+        share = (middle - first) / (last - first)
+        wanted = share.mean()
+        bulge = (wanted - share) / (share * (1.0 - share)) if len(y) > 2 else np.zeros_like(share)
+        if not (np.isfinite(bulge).all() and np.abs(bulge).max() < MOST_BULGE):
+            raise ValueError("rows are not between the first and the last")
+        return Band((float(columns[0]), float(columns[-1])), Curves(columns, np.stack((first, last, bulge), axis=-1)))
 
     def jets(self, x: Array, y: Array) -> tuple[PlaneJet, PlaneJet]:
         """Both coordinates with their partials at x, y (...,)."""
-        c0, c1, c2, c3 = self._bilinear
-        r = components(x, y) - c0
-        square, linear, rest = -plane_cross(c1, c3), plane_cross(r, c3) - plane_cross(c1, c2), plane_cross(r, c2)
-        with np.errstate(invalid="ignore"):
-            root = np.copysign(np.sqrt(linear**2 - 4.0 * square * rest), -plane_cross(c1, c2))
-        a = -2.0 * rest / (linear + root)
-        way = c2 + a[..., None] * c3
-        b = ((r - a[..., None] * c1) * way).sum(axis=-1) / (way**2).sum(axis=-1)
-        by_a, area = c1 + b[..., None] * c3, plane_cross(c1 + b[..., None] * c3, way)
-        # the inverse of the Jacobian (by_a, way), and its change
-        a_x, a_y, b_x, b_y = (partial / area for partial in (way[..., 1], -way[..., 0], -by_a[..., 1], by_a[..., 0]))
-        bent_a, bent_b = (-(way_rate[0] * c3[0] + way_rate[1] * c3[1]) for way_rate in ((a_x, a_y), (b_x, b_y)))
-        twice = 2.0 * a_x * b_x, a_x * b_y + a_y * b_x, 2.0 * a_y * b_y
+        x, y = np.broadcast_arrays(x, y)
+        first, last, (c, c_x, c_xx) = self.curves.jets(x)
+        u, none = share_between(y, first, last), np.zeros_like(c)
+        over = 1.0 / (self.ends[1] - self.ends[0])
+        bow, turn = u.f * (1.0 - u.f), 1.0 - 2.0 * u.f
+        by_u, twice = 1.0 + c * turn, -2.0 * c
         return (
-            PlaneJet(a, a_x, a_y, *(bent_a * second for second in twice)),
-            PlaneJet(b, b_x, b_y, *(bent_b * second for second in twice)),
+            PlaneJet((x - self.ends[0]) * over, none + over, none, none, none, none),
+            PlaneJet(
+                u.f + c * bow,
+                c_x * bow + by_u * u.x,
+                by_u * u.y,
+                c_xx * bow + 2.0 * c_x * turn * u.x + twice * u.x**2 + by_u * u.xx,
+                c_x * turn * u.y + twice * u.x * u.y + by_u * u.xy,
+                twice * u.y**2,
+            ),
         )
 
 
-@dataclass(frozen=True)
-class QuadrangleSpline:
-    """A spline over the coordinates that a quadrangle gives the plane."""
+def _at_columns(x: Array, y: Array, columns: Array) -> Array:
+    """y (J,) of a row of points x, y (J,) where it crosses the columns."""
+    row = Curves(x, y[:, None]).jets(columns)[0][0]
+    return row
 
-    quadrangle: Quadrangle
+
+@dataclass(frozen=True)
+class BandSpline:
+    """A spline over the coordinates that a band gives the plane."""
+
+    band: Band
     spline: GridSpline
 
     def jet(self, x: Array, y: Array) -> PlaneJet:
-        a, b = self.quadrangle.jets(x, y)
+        a, b = self.band.jets(x, y)
         f = self.spline.jet(a.f, b.f)
         return PlaneJet(
             f.f,
@@ -155,21 +208,16 @@ class Fade:
         return Fade(first, last + short * (first - last), extent)
 
     def jet(self, x: Array, y: Array) -> PlaneJet:
-        (b, b_x, b_xx), (e, e_x, e_xx) = (self._curve(curve, x) for curve in (self.begins, self.ends))
-        over = 1.0 / (b - e)
-        q = (y - e) * over
-        q_x = -(e_x + q * (b_x - e_x)) * over
-        q_xx = -(e_xx + q * (b_xx - e_xx) + 2.0 * q_x * (b_x - e_x)) * over
-        q_xy = -(b_x - e_x) * over**2
-        on = np.clip(q, 0.0, 1.0)
+        q = share_between(y, *(self._curve(curve, x) for curve in (self.ends, self.begins)))
+        on = np.clip(q.f, 0.0, 1.0)
         f_q, f_qq = 30.0 * (on * (1.0 - on)) ** 2, 60.0 * on * (1.0 - on) * (1.0 - 2.0 * on)
         return PlaneJet(
             on**3 * (10.0 - 15.0 * on + 6.0 * on**2),
-            f_q * q_x,
-            f_q * over,
-            f_q * q_xx + f_qq * q_x**2,
-            f_q * q_xy + f_qq * q_x * over,
-            f_qq * over**2,
+            f_q * q.x,
+            f_q * q.y,
+            f_q * q.xx + f_qq * q.x**2,
+            f_q * q.xy + f_qq * q.x * q.y,
+            f_qq * q.y**2,
         )
 
     def _curve(self, curve: Array, x: Array) -> tuple[Array, Array, Array]:

@@ -1,0 +1,119 @@
+"""Measured points laid on the flanks that they are of, with the freedoms that the machine leaves: rotation about the axis, and the
+axial position where the datum is free.
+
+A small rotation w and shift h change the distance of a point r along the normal n by w (z x r) . n + h n_z: least squares over all
+points give both, and a few rounds with new foot points the exact place. Teeth are alike, so that points of any of them are turned back
+by whole pitches. Points of both flanks of a tooth are laid together: its thickness stays what was measured.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.errors import ArgumentError
+from gearmesh.kernel.numeric.algebra import Array, components
+from gearmesh.metrology.projection import FlankProjection, FootPoints, turned
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+
+#: rotations in a pitch from which a search begins, and points that take part in it at most
+STARTS, SAMPLE = 90, 400
+#: rounds at most, and the largest move (mm) of the last
+ROUNDS, SMALLEST_MOVE = 12, 1e-9
+#: distances (mm) of another flank's or hand's points, and over those of the right one, from which on it is not this flank
+FAR, CLEARLY = 0.02, 5.0
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """How measured points were moved, by `rotation` (rad) and `shift` (mm), and their foot points by sides; `rms` (mm) is that of
+    the distances then."""
+
+    rotation: float
+    shift: float
+    feet: Mapping[Side, FootPoints]
+
+    @property
+    def rms(self) -> float:
+        return _rms(self.feet)
+
+
+def align(tooth: Tooth, points: Mapping[Side, Array], *, axial: bool) -> Alignment:
+    """Points (N, 3), mm, of one flank of a tooth or of both, moved to where they fit best; the `axial` position is free, or given.
+
+    Raises DesignError where they fit the other flank, or the flank of a gear of the other hand, and not these.
+    """
+    projections = {side: FlankProjection(tooth, side) for side in Side}
+    made = _fit(tooth, projections, points, axial)
+    if made.rms > FAR:
+        _refuse_mixed_up(tooth, projections, points, axial, made.rms)
+    return made
+
+
+def _fit(
+    tooth: Tooth, projections: Mapping[Side, FlankProjection], points: Mapping[Side, Array], axial: bool
+) -> Alignment:
+    rotation, shift = _start(tooth, projections, points), 0.0
+    for _ in range(ROUNDS):
+        feet = {side: projections[side].foot_points(turned(own, rotation, shift)) for side, own in points.items()}
+        r, n = (
+            np.concatenate([getattr(foot, name) for foot in feet.values()]) for name in ("points", "normals")
+        )
+        d = np.concatenate([foot.distances for foot in feet.values()])
+        arms = r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0]
+        rates = components(arms, n[:, 2])[:, : 2 if axial else 1]
+        kept = np.isfinite(d)
+        step = -np.linalg.lstsq(rates[kept], d[kept], rcond=None)[0]
+        rotation += float(step[0])
+        shift += float(step[1]) if axial else 0.0
+        if np.abs(rates[kept] @ step).max(initial=0.0) < SMALLEST_MOVE:
+            break
+    feet = {side: projections[side].foot_points(turned(own, rotation, shift)) for side, own in points.items()}
+    return Alignment(rotation, shift, feet)
+
+
+def _start(tooth: Tooth, projections: Mapping[Side, FlankProjection], points: Mapping[Side, Array]) -> float:
+    """The rotation (rad), of those that turn points to the tooth, from which they are nearest to their flanks."""
+    few = {side: own[:: max(1, len(own) // SAMPLE)] for side, own in points.items()}
+    polar = np.concatenate([np.arctan2(own[:, 1], own[:, 0]) for own in few.values()])
+    middle = float(np.angle(np.exp(1j * polar).mean()))
+    pitch = tooth.pitch_angle
+    whole = -pitch * np.round(middle / pitch)
+    tried = whole + pitch * np.linspace(-1.0, 1.0, 2 * STARTS, endpoint=False)
+    tried = np.concatenate(([0.0], tried))
+    far = [
+        sum(projections[side].near_distance(turned(own, angle, 0.0)) for side, own in few.items()) for angle in tried
+    ]
+    return float(tried[int(np.argmin(far))])
+
+
+def _rms(feet: Mapping[Side, FootPoints]) -> float:
+    d = np.concatenate([foot.distances for foot in feet.values()])
+    return float(np.sqrt(np.nanmean(d**2)))
+
+
+def _refuse_mixed_up(
+    tooth: Tooth,
+    projections: Mapping[Side, FlankProjection],
+    points: Mapping[Side, Array],
+    axial: bool,
+    rms: float,
+) -> None:
+    """Raise where the points fit better as those of other flanks, or mirrored."""
+    names = " and ".join(points)
+    mirrored = {side: own * np.array([1.0, -1.0, 1.0]) for side, own in points.items()}
+    others = {
+        f"the {' and '.join(side.other for side in points)} flank": {side.other: own for side, own in points.items()},
+        f"the {names} flank of the mirror image, a gear of the other hand": mirrored,
+    }
+    for words, tried in others.items():
+        other = _fit(tooth, projections, tried, axial)
+        if other.rms * CLEARLY < rms:
+            raise ArgumentError(
+                "points",
+                reason=f"they fit {words} within {1e3 * other.rms:.3g} um, and the {names} flank within {1e3 * rms:.3g} um",
+                allowed=f"points of the {names} flank",
+            )

@@ -1,0 +1,185 @@
+"""Files of points on flanks: what measuring machines get, and what they give back. Columns are named in the first line that is no
+comment; comments begin with #. Files are comma-separated (.csv) or, with another suffix, separated by blanks (.txt).
+
+    flank,surface,row,column,s,t,x_mm,y_mm,z_mm,nx,ny,nz,...,deviation_um
+    right,flank,1,1,0.1,0.1,23.14,-3.52,71.2,0.0934,-0.7704,-0.6307,...,-3.5
+
+Points are in the member's own frame. Deviations are along the outward normals, positive where there is more material than nominal. Of
+the columns a measured file needs s, t and a deviation, or x, y, z, which are nominal points if there is a deviation, and measured points
+if there is none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gearmesh.design.shown import value_text
+from gearmesh.errors import FileError
+from gearmesh.files.csv_table import csv_rows, csv_text
+from gearmesh.files.reading import MIB, file_text
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.metrology.measuring_grid import MeasuringGrid
+from gearmesh.teeth.region import Side
+
+#: largest file, bytes: some 10^6 points
+LARGEST = 128 * MIB
+PLACES, POINTS, NORMALS = ("s", "t"), ("x_mm", "y_mm", "z_mm"), ("nx", "ny", "nz")
+LINES = ("row", "column")
+#: columns of deviations, and mm in their unit
+DEVIATIONS = {"deviation_um": 1e-3, "deviation_mm": 1.0}
+#: columns of texts, and what may stand there
+WORDS: Mapping[str, tuple[str, ...]] = {"flank": tuple(Side), "surface": ("flank", "fillet")}
+#: columns that are written for the operator and not read
+ASIDE = ("diameter_mm", "roll_length_mm", "ball_x_mm", "ball_y_mm", "ball_z_mm")
+COLUMNS = (*WORDS, *LINES, *PLACES, *POINTS, *NORMALS, *DEVIATIONS, *ASIDE)
+#: longest coordinate, mm
+FARTHEST = 1e5
+
+
+@dataclass(frozen=True)
+class PointTable:
+    """The columns (N,) of a file by their names, NaN where a cell is empty; `words`: those of texts; `lines`: line numbers (N,)."""
+
+    path: str
+    columns: Mapping[str, Array]
+    words: Mapping[str, Sequence[str]]
+    lines: Array
+
+    def of_flank(self, side: Side) -> PointTable:
+        """The rows of one side's flank; all, where the file has no columns that tell."""
+        kept = np.ones(len(self.lines), dtype=bool)
+        for name, wanted in (("flank", str(side)), ("surface", "flank")):
+            if name in self.words:
+                kept &= np.array([word == wanted for word in self.words[name]], dtype=bool)
+        if not kept.any():
+            raise FileError(self.path, reason=f"has no points of a {side} flank in its columns flank and surface")
+        return PointTable(
+            self.path,
+            {name: values[kept] for name, values in self.columns.items()},
+            {name: [word for word, keep in zip(words, kept, strict=True) if keep] for name, words in self.words.items()},
+            self.lines[kept],
+        )
+
+    @property
+    def deviations(self) -> Array | None:
+        """Deviations (N,), mm; NaN where a point has none. None of a file of measured points."""
+        name = next((name for name in DEVIATIONS if name in self.columns), None)
+        return None if name is None else DEVIATIONS[name] * self.columns[name]
+
+    def stacked(self, names: Sequence[str]) -> Array | None:
+        """Columns side by side, (N, K); None where one is missing."""
+        if not all(name in self.columns for name in names):
+            return None
+        return np.stack([self.columns[name] for name in names], axis=-1)
+
+
+def point_text(grids: Iterable[MeasuringGrid], comments: Sequence[str], ball: float | None, suffix: str) -> str:
+    """The file of grids with a probe's `ball` of that radius (mm); it reads back to the same points to the last digit."""
+    grids = list(grids)
+    head = [*WORDS, *LINES, *PLACES, *POINTS, *NORMALS]
+    optional = {
+        "diameter_mm": [grid.diameters for grid in grids],
+        "roll_length_mm": [grid.roll_lengths for grid in grids],
+    }
+    head += [name for name, values in optional.items() if any(value is not None for value in values)]
+    head += [] if ball is None else [name for name in ASIDE if name.startswith("ball")]
+    rows = [dict(zip(head, row, strict=False)) | extra for grid in grids for row, extra in _rows(grid, ball)]
+    cells = [[row.get(name) for name in head] for row in rows]
+    note = "".join(f"# {line}\n" for line in comments)
+    if suffix == ".csv":
+        return note + csv_text(head, cells)
+    lines = [head, *([_cell(value) for value in row] for row in cells)]
+    return note + "".join(f"{' '.join(line)}\n" for line in lines)
+
+
+def _rows(grid: MeasuringGrid, ball: float | None) -> Iterable[tuple[list[object], dict[str, object]]]:
+    centres = grid.points if ball is None else grid.probe_centres(ball)
+    words = [str(grid.side), "fillet" if grid.fillet else "flank"]
+    for i, s in enumerate(grid.s.tolist()):
+        for j, t in enumerate(grid.t.tolist()):
+            point, normal = (values[i, j].tolist() for values in (grid.points, grid.normals))
+            extra: dict[str, object] = dict(zip(ASIDE[2:], centres[i, j].tolist(), strict=True))
+            for name, values in (("diameter_mm", grid.diameters), ("roll_length_mm", grid.roll_lengths)):
+                if values is not None:
+                    extra[name] = float(values[i, j])
+            yield [*words, i + 1, j + 1, s, t, *point, *normal], extra
+
+
+def _cell(value: object) -> str:
+    return "nan" if value is None else str(value)
+
+
+def read_points(path: Path) -> PointTable:
+    """The points in a file. Raises FileError naming file, line and what is wanted."""
+    text = file_text(path, LARGEST, "file of points")
+    lines = [
+        (number, row)
+        for number, row in (csv_rows(text, path) if path.suffix.lower() == ".csv" else _blank_rows(text))
+        if not row[0].lstrip().startswith("#")
+    ]
+    if not lines:
+        raise FileError(path, reason="has no line with the names of columns")
+    (_, head), rows = lines[0], lines[1:]
+    head = [name.strip() for name in head]
+    _refuse_head(path, head)
+    for number, row in rows:
+        if len(row) != len(head):
+            raise FileError(path, reason=f"line {number}: {len(row)} cells, must be {len(head)}, as many as columns")
+    if not rows:
+        raise FileError(path, reason="has no points")
+    numbers = np.array([number for number, _ in rows])
+    cells = {name: [row[k] for _, row in rows] for k, name in enumerate(head)}
+    words = {name: [cell.strip() for cell in cells[name]] for name in WORDS if name in cells}
+    for name, column in words.items():
+        for number, word in zip(numbers, column, strict=True):
+            if word not in WORDS[name]:
+                raise FileError(
+                    path, reason=f"line {number}: {name} = {value_text(word)}: must be {' or '.join(WORDS[name])}"
+                )
+    columns = {name: _numbers(path, name, numbers, cells[name]) for name in head if name not in (*WORDS, *ASIDE)}
+    return PointTable(str(path), columns, words, numbers)
+
+
+def _blank_rows(text: str) -> Iterable[tuple[int, list[str]]]:
+    return ((number, line.split()) for number, line in enumerate(text.splitlines(), 1) if line.strip())
+
+
+def _refuse_head(path: Path, head: Sequence[str]) -> None:
+    unknown = next((name for name in head if name not in COLUMNS), None)
+    if unknown is not None or len(set(head)) < len(head):
+        raise FileError(
+            path, reason=f"column {value_text(unknown or max(head, key=head.count))}: allowed, each once: {', '.join(COLUMNS)}"
+        )
+    with_deviation = [name for name in DEVIATIONS if name in head]
+    if len(with_deviation) == 2:
+        raise FileError(path, reason=f"allowed is one of the columns {' and '.join(with_deviation)}")
+    places, points = (all(name in head for name in names) for names in (PLACES, POINTS))
+    if not (points or (places and with_deviation)):
+        raise FileError(path, reason="needs the columns x_mm, y_mm, z_mm, or s, t and deviation_um")
+
+
+def _numbers(path: Path, name: str, lines: Array, cells: Sequence[str]) -> Array:
+    """A column of numbers; deviations may be missing."""
+    optional = name in DEVIATIONS
+    try:
+        values = np.array([float(cell) if cell.strip() else math.nan for cell in cells])
+    except ValueError:
+        values = np.array([_number(cell) for cell in cells])
+        optional = False
+    wrong = np.isinf(values) | (np.abs(values) > FARTHEST) if optional else ~(np.abs(values) <= FARTHEST)
+    if wrong.any():
+        k = int(wrong.argmax())
+        raise FileError(path, reason=f"line {lines[k]}: {name} = {value_text(cells[k])}: must be a finite number")
+    return values
+
+
+def _number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return math.inf
