@@ -32,6 +32,7 @@ MAY_IMPORT: dict[str, str] = {
     "contact": "kernel teeth",
     "metrology": "kernel teeth",
     "design": "files",
+    "metrology": "kernel teeth design files",
     "systems": "kernel tools teeth contact metrology design",  # and never another system
     "mesh": "kernel teeth",
     "toolpath": "kernel teeth",

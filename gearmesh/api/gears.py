@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.bodies.cad import Cad
     from gearmesh.answers.bodies.finite_element_model import UnloadedFiniteElements
     from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
+    from gearmesh.answers.bodies.measuring_grid import MeasuringGrids
     from gearmesh.answers.bodies.section import Section
     from gearmesh.answers.bodies.solid import Solid, Solids
     from gearmesh.answers.bodies.toolpath import ToolPathAnswer
@@ -300,6 +301,51 @@ class Gears(SolvedGears):
 
         within = self.within(tolerance, TOLERANCE)
         return flank_topography(self.design, self.member(member), flank, within)
+
+    def measuring_grid(
+        self,
+        member: str,
+        flank: str = "both",
+        *,
+        grid: tuple[int, int] | str = (5, 9),
+        margins: tuple[float, float] | str = (0.1, 0.1),
+        surface: str = "flank",
+        ball: Length | None = None,
+    ) -> MeasuringGrids:
+        """Nominal points and unit normals of the exact flanks of a member, for measuring machines.
+
+        Parameters
+        ----------
+        flank : "right", "left" or "both"
+        grid : (rows, columns) or "5x9"
+            Points from root to tip and from toe to heel; one row or column lies in the middle.
+        margins : (profile, face) or "0.1,0.1"
+            Shares of either beside its edges that have no points.
+        surface : "flank", "fillet" or "all"
+        ball : mm
+            Diameter of the probe's ball, whose centres are written too.
+
+        Returns
+        -------
+        MeasuringGrids
+            `save("pinion.csv")` writes a .csv or .txt file, which with a column `deviation_um` added is one that the table
+            `measured` of a design reads.
+
+        Raises
+        ------
+        DesignError
+            For a member, flank, surface, grid, margins or ball that cannot be.
+
+        Examples
+        --------
+        >>> gears.measuring_grid("pinion", ball="2mm").save("pinion.csv")
+        """
+        from gearmesh.answers.bodies.measuring_grid import measuring_grid_of, numbers_of
+
+        shape = numbers_of("grid", grid, "x", int)
+        shares = numbers_of("margins", margins, ",", float)
+        size = None if ball is None else in_mm("ball", ball)
+        return measuring_grid_of(self.design, self.member(member), flank, shape, shares, surface, size)
 
     def toolpath(
         self,

@@ -35,6 +35,7 @@ COMMANDS = {
     "fe": "outputs",
     "limits": "contact",
     "topography": "outputs",
+    "grid": "outputs",
     "drawing": "outputs",
     "freecad": "outputs",
     "toolpath": "outputs",

@@ -17,6 +17,7 @@ from gearmesh.design.changes import unknown_version
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import explain
 from gearmesh.design.keys import DERIVED, MM_PER, Key, KeyLine, Table, conflict, key_lines
+from gearmesh.design.measured import PairMeasured
 
 #: Thickness of the marking compound that is not given, mm [LT02 5], and at most, in modules: no ellipse outgrows small teeth.
 DELTA, DELTA_SHARE = 0.00635, 0.01
@@ -763,6 +764,7 @@ class PairDesign(Design):
 
     pinion: GearBody
     gear: GearBody
+    measured: PairMeasured = PairMeasured()
 
 
 def _positive_definite(rows: Sequence[Any]) -> bool:

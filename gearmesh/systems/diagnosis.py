@@ -27,7 +27,7 @@ D = TypeVar("D", bound=Design)
 Build = Callable[[Any], object]
 
 #: tables whose keys have no part in the geometry
-ASIDE = ("fe.", "mesh.", "material.", "contact.phi1.")
+ASIDE = ("fe.", "mesh.", "material.", "contact.phi1.", "measured.")
 #: steps away from a value, as parts of it
 STEPS = (0.05, 0.25, 0.8)
 #: where an interval between a value that is allowed and one that is refused is parted first, from the latter, and then

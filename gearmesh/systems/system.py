@@ -240,7 +240,17 @@ def _fill(design: D) -> D:
 def _train(design: Design) -> GearTrain:
     own = _fill(design).in_mm()
     train: GearTrain = system_of(own).build(own)
-    return _eccentric(own, train)
+    return _eccentric(own, _measured(own, train))
+
+
+def _measured(design: Design, train: GearTrain) -> GearTrain:
+    """A gear set with the flanks that were measured, as the table `measured` of a design in mm says."""
+    from gearmesh.systems.common.measured import MeasuredMembers
+
+    real = MeasuredMembers(design)
+    if not real.any:
+        return train
+    return replace(made := train.with_members(real.measured), warnings=(*made.warnings, *real.warnings))
 
 
 def _eccentric(design: Design, train: GearTrain) -> GearTrain:
@@ -275,7 +285,11 @@ def member(design: Design, name: str) -> ToolPart:
     make = system_of(design).members[name]
 
     def alone(design: Design) -> ToolPart:
-        return make(design.in_mm())
+        from gearmesh.systems.common.measured import MeasuredMembers
+
+        own = design.in_mm()
+        part, real = make(own), MeasuredMembers(own)
+        return replace(part, member=real.measured(part.member), warnings=(*part.warnings, *real.warnings))
 
     return _refused_by_name(design, alone, alone)
 

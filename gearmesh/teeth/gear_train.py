@@ -124,9 +124,13 @@ class Member:
         """The member with other teeth of these numbers. Raises DesignError as a member does."""
         return replace(self, others={**self.others, **teeth})
 
+    def with_tooth(self, tooth: Tooth) -> Member:
+        """The member with all teeth as another one."""
+        return replace(self, tooth=tooth, others={})
+
     def with_teeth_like(self, number: int) -> Member:
         """The member with all teeth as its tooth of that number. Raises DesignError where none has it."""
-        return replace(self, tooth=self.tooth_at(number), others={})
+        return self.with_tooth(self.tooth_at(number))
 
     def is_shaped_as(self, other: Member) -> bool:
         """Whether both are the same but for name and mounting, as the planets of a set are."""
@@ -379,13 +383,14 @@ class GearTrain:
     def with_member(self, member: Member) -> GearTrain:
         """The same gear set with another member of that name in all its pairs. Of pairs that were alike those with it stay so."""
 
-        def instead(old: Member) -> Member:
-            return member if old.name == member.name else old
+        made = self.with_members(lambda old: member if old.name == member.name else old)
+        kinds = [(kind, member.name in pair.members) for kind, pair in zip(self.alike, made.pairs, strict=False)]
+        return replace(made, alike=tuple(kinds.index(kind) for kind in kinds))
 
-        pairs = tuple(replace(pair, pinion=instead(pair.pinion), gear=instead(pair.gear)) for pair in self.pairs)
-        kinds = [(kind, member.name in pair.members) for kind, pair in zip(self.alike, pairs, strict=False)]
-        alike = tuple(kinds.index(kind) for kind in kinds)
-        return replace(self, pairs=pairs, alike=alike, unpaired=tuple(instead(old) for old in self.unpaired))
+    def with_members(self, change: Callable[[Member], Member]) -> GearTrain:
+        """The same gear set with every member as `change` makes it; pairs that were alike have to stay so."""
+        pairs = tuple(replace(pair, pinion=change(pair.pinion), gear=change(pair.gear)) for pair in self.pairs)
+        return replace(self, pairs=pairs, unpaired=tuple(map(change, self.unpaired)))
 
     def like(self, which: int | str) -> int:
         """How many pairs mesh as one of them does, itself counted: the planets of a set. Raises DesignError as `pair`."""

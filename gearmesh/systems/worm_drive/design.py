@@ -10,6 +10,7 @@ from pydantic import model_validator
 
 from gearmesh.design.core import Design, FlankContact, MemberBody, MemberTable
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
+from gearmesh.design.measured import WormDriveMeasured
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.systems.worm_drive.thread import ThreadForm
 
@@ -243,6 +244,7 @@ class WormDriveDesign(Design):
     wheel: WheelTable
     hob: HobTable = HobTable()
     assembly: WormDriveAssembly = WormDriveAssembly()
+    measured: WormDriveMeasured = WormDriveMeasured()
     contact: FlankContact = FlankContact()
 
     @property

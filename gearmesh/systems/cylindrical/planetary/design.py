@@ -10,6 +10,7 @@ from pydantic import model_validator
 
 from gearmesh.design.core import FlankContact
 from gearmesh.design.keys import Key, conflict
+from gearmesh.design.measured import PlanetaryMeasured
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
@@ -75,6 +76,7 @@ class PlanetaryDesign(HalvesKeys):
         str, Key("choice", "the fixed member, for speeds and ratio", choices=("ring", "carrier", "sun"))
     ] = "ring"
     assembly: PlanetaryAssembly = PlanetaryAssembly()
+    measured: PlanetaryMeasured = PlanetaryMeasured()
     contact: FlankContact = FlankContact()
 
     @model_validator(mode="after")

@@ -18,6 +18,7 @@ from gearmesh.design.core import (
     refuse_both_edges,
 )
 from gearmesh.design.keys import DERIVED, Key, conflict
+from gearmesh.design.measured import RackMeasured
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PinionRunout
 from gearmesh.systems.common.bounds import at_least
@@ -130,6 +131,7 @@ class RackKeys(ToothingKeys):
 
     pinion: CylindricalMember | None = None
     rack: RackTable
+    measured: RackMeasured = RackMeasured()
 
     @model_validator(mode="after")
     def _long_enough(self) -> Self:

@@ -9,6 +9,7 @@ from pydantic import model_validator
 
 from gearmesh.design.core import UnloadedElementTable
 from gearmesh.design.keys import Key, conflict
+from gearmesh.design.measured import PairMeasured
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
 
 #: tables of a pair, one of which is the gear
@@ -36,6 +37,7 @@ class SingleGearDesign(HalvesKeys):
     fe: UnloadedElementTable = UnloadedElementTable()
     pinion: CylindricalMember | None = None
     gear: CylindricalMember | None = None
+    measured: PairMeasured = PairMeasured()
 
     @model_validator(mode="after")
     def _one_gear(self) -> Self:

@@ -1,0 +1,196 @@
+"""Nominal data for measuring machines: points and normals of the flanks of a member, as a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from gearmesh import __version__
+from gearmesh.answers.result import Result, header
+from gearmesh.answers.tables import Listing
+from gearmesh.design.core import Design
+from gearmesh.errors import ArgumentError
+from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.metrology.measuring_grid import MeasuringGrid, thickness_angle
+from gearmesh.metrology.point_file import point_text
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import Side
+
+#: flanks that are asked for by one word, and what is measured of them
+BOTH, SURFACES = "both", ("flank", "fillet", "all")
+
+
+def measuring_grid_of(
+    design: Design,
+    member: Member,
+    flank: str,
+    shape: tuple[int, int],
+    margins: tuple[float, float],
+    surface: str,
+    ball: float | None,
+) -> MeasuringGrids:
+    """Of the "right" or "left" flank of a member, or "both", with a probe's `ball` of that radius (mm).
+
+    Raises DesignError for another flank or surface and a ball of no size, and as `MeasuringGrid.of`.
+    """
+    if flank not in (*Side, BOTH):
+        raise ArgumentError("flank", flank, must_be=f"one of {', '.join((*Side, BOTH))}")
+    if surface not in SURFACES:
+        raise ArgumentError("surface", surface, must_be=f"one of {', '.join(SURFACES)}")
+    if ball is not None and not 0.0 < ball < np.inf:
+        raise ArgumentError("ball", ball, unit="mm", allowed="a diameter above 0")
+    sides = tuple(Side) if flank == BOTH else (Side(flank),)
+    fillets = {"flank": (False,), "fillet": (True,), "all": (False, True)}[surface]
+    grids = tuple(
+        MeasuringGrid.of(member, side, shape, margins, fillet=fillet) for side in sides for fillet in fillets
+    )
+    return MeasuringGrids(design, member, grids, None if ball is None else 0.5 * ball)
+
+
+Number = TypeVar("Number", int, float)
+
+
+def numbers_of(
+    name: str, given: tuple[Number, Number] | str, between: str, number: Callable[[str], Number]
+) -> tuple[Number, Number]:
+    """Two numbers that are given as such, or as a text with a mark `between` them. Raises DesignError for another text."""
+    if not isinstance(given, str):
+        return given
+    try:
+        first, second = map(number, given.lower().split(between))
+    except ValueError:
+        example = {"x": "5x9", ",": "0.1,0.1"}[between]
+        raise ArgumentError(name, given, must_be=f"two numbers, as {example}") from None
+    return first, second
+
+
+@dataclass(frozen=True)
+class PointColumns(Figures):
+    """Points of the grids, flank by flank, row by row."""
+
+    flank: list[str] = figure("flank")
+    surface: list[str] = figure("flank or fillet")
+    row: list[int] = figure("row, from root to tip", whole=True)
+    column: list[int] = figure("column, from toe to heel", whole=True)
+    x: list[float] = figure("points, in the member's own frame", "mm", "x")
+    y: list[float] = figure("points, in the member's own frame", "mm", "y")
+    z: list[float] = figure("points, in the member's own frame", "mm", "z")
+    nx: list[float] = figure("unit normals, out of the material", "", "n_x")
+    ny: list[float] = figure("unit normals, out of the material", "", "n_y")
+    nz: list[float] = figure("unit normals, out of the material", "", "n_z")
+
+
+@dataclass(frozen=True)
+class MeasuringGridFigures(Figures):
+    """Nominal data of the flanks of a member."""
+
+    member: str = figure("name of the member")
+    rows: int = figure("rows, from root to tip", whole=True)
+    columns: int = figure("columns, from toe to heel", whole=True)
+    thickness_angle: float | None = figure(
+        "theoretical tooth thickness angle: between the centre points of both flanks", "deg", optional=True
+    )
+    toe_end: float = figure("least z of the body: an end face that can be the datum", "mm")
+    heel_end: float = figure("greatest z of the body", "mm")
+    probe_radius: float | None = figure("radius of the probe's ball", "mm", optional=True)
+    points: PointColumns = figure("points and normals")
+
+
+@dataclass(frozen=True, repr=False)
+class MeasuringGrids(Result):
+    """Points and unit normals of the flanks of one tooth of a member, in its own frame (mm)."""
+
+    design: Design
+    member: Member
+    grids: tuple[MeasuringGrid, ...]
+    probe_radius: float | None = None
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".csv", ".txt", ".json")
+
+    @property
+    def headline(self) -> str:
+        rows, columns = self.grids[0].shape
+        flanks = ", ".join(f"{grid.side} {'fillet' if grid.fillet else 'flank'}" for grid in self.grids)
+        return f"{self.member.name}: {rows} x {columns} points of each: {flanks}"
+
+    @property
+    def listings(self) -> list[Listing]:
+        """The figures of all, and of every flank the points in the middle and at the corners."""
+        of_all = Summary(self.measured)
+        shown = [entry for entry in of_all.entries if entry.figure.key != "points"]
+        rows = []
+        for grid in self.grids:
+            last_row, last_column = (count - 1 for count in grid.shape)
+            for i, j in dict.fromkeys(
+                [(last_row // 2, last_column // 2), (0, 0), (0, last_column), (last_row, 0), (last_row, last_column)]
+            ):
+                point, normal = (values[i, j].round(6).tolist() for values in (grid.points, grid.normals))
+                rows.append([str(grid.side), "fillet" if grid.fillet else "flank", i + 1, j + 1, *point, *normal])
+        heads = ("flank", "surface", "row", "column", "x mm", "y mm", "z mm", "n_x", "n_y", "n_z")
+        return [
+            Listing(f"Measuring grid of the {self.member.name}", ("", ""), [(e.figure.key, e.known) for e in shown]),
+            Listing("Points in the middle and at the corners", heads, rows),
+        ]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return self.measured.points.row
+
+    @property
+    def measured(self) -> MeasuringGridFigures:
+        """All points, and what they refer to."""
+        angle, z = thickness_angle(self.grids), [z for _, z in self.member.body.profile]
+        rows, columns = self.grids[0].shape
+        indices = [np.indices(grid.shape).reshape(2, -1) + 1 for grid in self.grids]
+        points, normals = (
+            np.concatenate([getattr(grid, name).reshape(-1, 3) for grid in self.grids]) for name in ("points", "normals")
+        )
+        count = rows * columns
+        return MeasuringGridFigures(
+            self.member.name,
+            rows,
+            columns,
+            None if angle is None else float(np.degrees(angle)),
+            float(min(z)),
+            float(max(z)),
+            self.probe_radius,
+            PointColumns(
+                [str(grid.side) for grid in self.grids for _ in range(count)],
+                ["fillet" if grid.fillet else "flank" for grid in self.grids for _ in range(count)],
+                *(np.concatenate([index[k] for index in indices]).tolist() for k in (0, 1)),
+                *(column.tolist() for column in (*points.T, *normals.T)),
+            ),
+        )
+
+    @property
+    def comments(self) -> list[str]:
+        """What the head of a file says."""
+        of_all = self.measured
+        lines = [
+            f"measuring grid of gearmesh {__version__}: {self.design.name or self.design.kind}, {self.member.name}",
+            "frame: z is the gear's axis, x through the middle of a tooth at mid face; origin as in the design's drawings",
+            f"datum: axis z; end faces of the body from z = {of_all.toe_end:.9g} mm (toe) to {of_all.heel_end:.9g} mm (heel)",
+            "rows from root to tip, columns from toe to heel; right flank: y < 0; normals point out of the material",
+            "units: mm; deviations to add in a column deviation_um, along the normal, positive = more material",
+        ]
+        if of_all.thickness_angle is not None:
+            lines.append(f"theoretical tooth thickness angle at the centre points: {of_all.thickness_angle:.9g} deg")
+        if self.probe_radius is not None:
+            lines.append(f"ball: centres of a probe of radius {self.probe_radius:.9g} mm")
+        return lines
+
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), **Summary(self.measured)}
+
+    def _write(self, target: Path) -> None:
+        """As the file that the table `measured` reads, with the column of deviations added."""
+        from gearmesh.io.atomic import whole_text
+
+        whole_text(target, point_text(self.grids, self.comments, self.probe_radius, target.suffix.lower()))

@@ -1,0 +1,60 @@
+"""The command `grid`: points and normals of the flanks of a member, for measuring machines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Json, Set, load_gears
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+
+
+def grid(
+    design_file: DesignFile,
+    member: Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)],
+    flank: Annotated[str, typer.Option("--flank", metavar="right|left|both", help="Which flanks.")] = "both",
+    surface: Annotated[
+        str, typer.Option("--surface", metavar="flank|fillet|all", help="Flanks, fillets under them, or both.")
+    ] = "flank",
+    shape: Annotated[
+        str,
+        typer.Option("--grid", metavar="ROWSxCOLUMNS", help="Points from root to tip and from toe to heel."),
+    ] = "5x9",
+    margins: Annotated[
+        str,
+        typer.Option(
+            "--margins", metavar="P,F", help="Shares of profile and face beside the edges that have no points."
+        ),
+    ] = "0.1,0.1",
+    ball: Annotated[
+        str | None,
+        typer.Option(
+            "--ball", metavar="LEN", help="Diameter of the probe's ball: its centres are written too.", show_default=False
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write a .csv or .txt file.", show_default=False)
+    ] = None,
+    json_file: Json = None,
+    settings: Set = None,
+) -> None:
+    """Nominal points and unit normals of the exact flanks, for measuring machines.
+
+    The file, with a column deviation_um added, is one that a design reads: [measured] pinion_right = "FILE.csv".
+    1xN is a helix line at mid height, Nx1 a profile line at mid face.
+    """
+    if output is not None:
+        refuse_suffix(output, ".csv", ".txt")
+    for file in (output, json_file):
+        refuse_unwritable(file)
+    gears = load_gears(design_file, settings)
+    with working("measuring grid"):
+        points = gears.measuring_grid(member, flank, grid=shape, margins=margins, surface=surface, ball=ball)
+    if output is not None:
+        points.save(output)
+    write_text(json_file, points.json)
+    if json_file != "-":
+        show(points.listings)
+    warn(gears.warnings)
