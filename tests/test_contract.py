@@ -30,7 +30,6 @@ MAY_IMPORT: dict[str, str] = {
     "tools": "kernel",
     "teeth": "kernel tools",
     "contact": "kernel teeth",
-    "metrology": "kernel teeth",
     "design": "files",
     "metrology": "kernel teeth design files",
     "systems": "kernel tools teeth contact metrology design",  # and never another system

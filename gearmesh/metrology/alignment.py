@@ -92,7 +92,8 @@ def _start(tooth: Tooth, projections: Mapping[Side, FlankProjection], points: Ma
 
 def _rms(feet: Mapping[Side, FootPoints]) -> float:
     d = np.concatenate([foot.distances for foot in feet.values()])
-    return float(np.sqrt(np.nanmean(d**2)))
+    kept = d[np.isfinite(d)]
+    return float(np.sqrt((kept**2).mean())) if kept.size else np.inf
 
 
 def _refuse_mixed_up(

@@ -272,6 +272,7 @@ ASKED = {
     "section": lambda gears, length, folder: gears.section("pinion", None, length),
     "section_z": lambda gears, length, folder: gears.section("pinion", length),
     "topography": lambda gears, length, folder: gears.topography("pinion", "right", length),
+    "measuring_grid": lambda gears, length, folder: gears.measuring_grid("pinion", ball=length),
     "check": lambda gears, length, folder: gears.check(length),
     "report": lambda gears, length, folder: gears.report(length),
     "run": lambda gears, length, folder: gears.run(folder, length),

@@ -195,6 +195,7 @@ COMMANDS = {
         "--set",
         "gear.modifications_left.helix_slope=9um",
     ],
+    "grid": ["grid", SPUR, "--member", "gear", "--surface", "all", "--ball", "2mm"],
     "settings": ["settings", SAMPLES / "spiral_bevel_basic.toml"],
     "compensate": ["settings", SAMPLES / "circular_arc.toml", "--set", "assembly.dC=0.02"],
     "check": ["check", CROSSED, "--tol", "50um", "--set", "contact.phi1.count=3"],

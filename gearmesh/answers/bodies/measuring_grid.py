@@ -74,8 +74,8 @@ class PointColumns(Figures):
 
     flank: list[str] = figure("flank")
     surface: list[str] = figure("flank or fillet")
-    row: list[int] = figure("row, from root to tip", whole=True)
-    column: list[int] = figure("column, from toe to heel", whole=True)
+    grid_row: list[int] = figure("row, from root to tip", key="row", whole=True)
+    grid_column: list[int] = figure("column, from toe to heel", key="column", whole=True)
     x: list[float] = figure("points, in the member's own frame", "mm", "x")
     y: list[float] = figure("points, in the member's own frame", "mm", "y")
     z: list[float] = figure("points, in the member's own frame", "mm", "z")
@@ -131,9 +131,10 @@ class MeasuringGrids(Result):
             for i, j in dict.fromkeys(
                 [(last_row // 2, last_column // 2), (0, 0), (0, last_column), (last_row, 0), (last_row, last_column)]
             ):
-                point, normal = (values[i, j].round(6).tolist() for values in (grid.points, grid.normals))
-                rows.append([str(grid.side), "fillet" if grid.fillet else "flank", i + 1, j + 1, *point, *normal])
-        heads = ("flank", "surface", "row", "column", "x mm", "y mm", "z mm", "n_x", "n_y", "n_z")
+                point, normal = (values[i, j].round(5).tolist() for values in (grid.points, grid.normals))
+                surface = "fillet" if grid.fillet else "flank"
+                rows.append([f"{grid.side} {surface} {i + 1},{j + 1}", *point, *normal])
+        heads = ("row, column", "x mm", "y mm", "z mm", "n_x", "n_y", "n_z")
         return [
             Listing(f"Measuring grid of the {self.member.name}", ("", ""), [(e.figure.key, e.known) for e in shown]),
             Listing("Points in the middle and at the corners", heads, rows),
