@@ -1,5 +1,5 @@
-"""Measuring grids and measured flanks: files read back exactly, real flanks go through what was measured, of every kind of gear, and
-wrong files are refused in one line."""
+"""Measuring grids and measured flanks: files read back exactly, real flanks go through what was measured, of every kind of gear,
+and wrong files are refused in one line."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.errors import GearmeshError
 from gearmesh.kernel.numeric.algebra import Array, dot
-from gearmesh.metrology.measuring_grid import MeasuringGrid
-from gearmesh.metrology.point_file import point_text, read_points
-from gearmesh.metrology.projection import FlankProjection, turned
-from gearmesh.metrology.smoothing import smooth_deviations
+from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
+from gearmesh.metrology.flanks.point_file import point_text, read_points
+from gearmesh.metrology.flanks.projection import FlankProjection, turned
+from gearmesh.metrology.flanks.smoothing import smooth_deviations
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 
@@ -165,7 +165,10 @@ WRONG: dict[str, tuple[str | Callable[[Array], Array], str]] = {
     "nothing": ("", "has no line with the names of columns"),
     "head alone": (HEAD, "has no points"),
     "unknown column": ("x_mm,y_mm,height\n1,2,3\n", 'column "height": allowed'),
-    "both units": ("s,t,deviation_um,deviation_mm\n0,0,1,1\n", "allowed is one of the columns deviation_um and deviation_mm"),
+    "both units": (
+        "s,t,deviation_um,deviation_mm\n0,0,1,1\n",
+        "allowed is one of the columns deviation_um and deviation_mm",
+    ),
     "no places": ("row,column,deviation_um\n1,1,2\n", "needs the columns x_mm, y_mm, z_mm, or s, t and deviation_um"),
     "short row": (HEAD + "right,1,1\n", "line 2: 3 cells, must be 10"),
     "no number": (HEAD + f"right,{POINT}abc\n", 'line 2: deviation_um = "abc": must be a finite number'),
@@ -184,7 +187,9 @@ def test_wrong_files_are_refused_in_one_line(spur: gm.Gears, what: str, tmp_path
     content, expected = WRONG[what]
     path = tmp_path / "wrong.csv"
     if callable(content):
-        write_points(path, content(spur.members["pinion"].tooth.flank_grid("right", [0.1, 0.5, 0.9], [0.1, 0.4, 0.9]).points))
+        write_points(
+            path, content(spur.members["pinion"].tooth.flank_grid("right", [0.1, 0.5, 0.9], [0.1, 0.4, 0.9]).points)
+        )
     else:
         path.write_text(content)
     with pytest.raises(GearmeshError) as refusal:

@@ -15,8 +15,8 @@ from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
-from gearmesh.metrology.measuring_grid import MeasuringGrid, thickness_angle
-from gearmesh.metrology.point_file import point_text
+from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid, thickness_angle
+from gearmesh.metrology.flanks.point_file import point_text
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 
@@ -45,9 +45,7 @@ def measuring_grid_of(
         raise ArgumentError("ball", ball, unit="mm", allowed="a diameter above 0")
     sides = tuple(Side) if flank == BOTH else (Side(flank),)
     fillets = {"flank": (False,), "fillet": (True,), "all": (False, True)}[surface]
-    grids = tuple(
-        MeasuringGrid.of(member, side, shape, margins, fillet=fillet) for side in sides for fillet in fillets
-    )
+    grids = tuple(MeasuringGrid.of(member, side, shape, margins, fillet=fillet) for side in sides for fillet in fillets)
     return MeasuringGrids(design, member, grids, None if ball is None else 0.5 * ball)
 
 
@@ -150,7 +148,8 @@ class MeasuringGrids(Result):
         rows, columns = self.grids[0].shape
         indices = [np.indices(grid.shape).reshape(2, -1) + 1 for grid in self.grids]
         points, normals = (
-            np.concatenate([getattr(grid, name).reshape(-1, 3) for grid in self.grids]) for name in ("points", "normals")
+            np.concatenate([getattr(grid, name).reshape(-1, 3) for grid in self.grids])
+            for name in ("points", "normals")
         )
         count = rows * columns
         return MeasuringGridFigures(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from gearmesh.design.core import Design
-from gearmesh.metrology.measured_flank import MeasuringMode, with_measured_flanks
+from gearmesh.metrology.flanks.measured_flank import MeasuringMode, with_measured_flanks
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 

@@ -121,14 +121,12 @@ class Band:
 
     @staticmethod
     def of(points: Array) -> Band:
-        """Of points (I, J, 2) whose columns are of constant x, nearly. Raises ValueError where columns follow on each other in no order."""
+        """Of points (I, J, 2) whose columns are of constant x, nearly. Raises ValueError where they cross."""
         x, y = points[..., 0], points[..., 1]
         columns = x.mean(axis=0)
         if not (np.diff(columns) * np.sign(columns[-1] - columns[0]) > 0.0).all():
             raise ValueError("columns cross each other")
-        first, last, middle = (
-            _at_columns(x[k], y[k], columns) for k in (0, len(y) - 1, len(y) // 2)
-        )
+        first, last, middle = (_at_columns(x[k], y[k], columns) for k in (0, len(y) - 1, len(y) // 2))
         share = (middle - first) / (last - first)
         wanted = share.mean()
         bulge = (wanted - share) / (share * (1.0 - share)) if len(y) > 2 else np.zeros_like(share)

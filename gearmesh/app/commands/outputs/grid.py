@@ -31,11 +31,15 @@ def grid(
     ball: Annotated[
         str | None,
         typer.Option(
-            "--ball", metavar="LEN", help="Diameter of the probe's ball: its centres are written too.", show_default=False
+            "--ball",
+            metavar="LEN",
+            help="Diameter of the probe's ball: its centres are written too.",
+            show_default=False,
         ),
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write a .csv or .txt file.", show_default=False)
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE", help="Write a .csv or .txt file.", show_default=False),
     ] = None,
     json_file: Json = None,
     settings: Set = None,

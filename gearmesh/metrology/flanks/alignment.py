@@ -2,8 +2,8 @@
 axial position where the datum is free.
 
 A small rotation w and shift h change the distance of a point r along the normal n by w (z x r) . n + h n_z: least squares over all
-points give both, and a few rounds with new foot points the exact place. Teeth are alike, so that points of any of them are turned back
-by whole pitches. Points of both flanks of a tooth are laid together: its thickness stays what was measured.
+points give both, and a few rounds with new foot points the exact place. Teeth are alike, so that points of any of them are turned
+back by whole pitches. Points of both flanks of a tooth are laid together: its thickness stays what was measured.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array, components
-from gearmesh.metrology.projection import FlankProjection, FootPoints, turned
+from gearmesh.metrology.flanks.projection import FlankProjection, FootPoints, turned
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
@@ -59,9 +59,7 @@ def _fit(
     rotation, shift = _start(tooth, projections, points), 0.0
     for _ in range(ROUNDS):
         feet = {side: projections[side].foot_points(turned(own, rotation, shift)) for side, own in points.items()}
-        r, n = (
-            np.concatenate([getattr(foot, name) for foot in feet.values()]) for name in ("points", "normals")
-        )
+        r, n = (np.concatenate([getattr(foot, name) for foot in feet.values()]) for name in ("points", "normals"))
         d = np.concatenate([foot.distances for foot in feet.values()])
         arms = r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0]
         rates = components(arms, n[:, 2])[:, : 2 if axial else 1]

@@ -10,10 +10,10 @@ import numpy as np
 
 from gearmesh.errors import DesignError, FileError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.metrology.alignment import align
-from gearmesh.metrology.point_file import DEVIATIONS, LINES, NORMALS, PLACES, POINTS, PointTable, read_points
-from gearmesh.metrology.projection import FlankProjection, FootPoints
-from gearmesh.metrology.smoothing import SmoothDeviations, smooth_deviations
+from gearmesh.metrology.flanks.alignment import align
+from gearmesh.metrology.flanks.point_file import DEVIATIONS, LINES, NORMALS, PLACES, POINTS, PointTable, read_points
+from gearmesh.metrology.flanks.projection import FlankProjection, FootPoints
+from gearmesh.metrology.flanks.smoothing import SmoothDeviations, smooth_deviations
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, deviating_tooth, lowest_share
 from gearmesh.teeth.region import Side
@@ -190,7 +190,8 @@ def _refuse_large(table: PointTable, d: Array) -> None:
         unit = next((name for name in DEVIATIONS if name in table.columns), None)
         meant = " (deviation_um counts micrometres)" if unit == "deviation_um" else ""
         raise FileError(
-            table.path, reason=f"line {table.lines[k]}: {1e3 * d[k]:.4g} um from the flank, at most {1e3 * MOST:g}{meant}"
+            table.path,
+            reason=f"line {table.lines[k]}: {1e3 * d[k]:.4g} um from the flank, at most {1e3 * MOST:g}{meant}",
         )
 
 

@@ -4,9 +4,9 @@ comment; comments begin with #. Files are comma-separated (.csv) or, with anothe
     flank,surface,row,column,s,t,x_mm,y_mm,z_mm,nx,ny,nz,...,deviation_um
     right,flank,1,1,0.1,0.1,23.14,-3.52,71.2,0.0934,-0.7704,-0.6307,...,-3.5
 
-Points are in the member's own frame. Deviations are along the outward normals, positive where there is more material than nominal. Of
-the columns a measured file needs s, t and a deviation, or x, y, z, which are nominal points if there is a deviation, and measured points
-if there is none.
+Points are in the member's own frame. Deviations are along the outward normals, positive where there is more material than nominal.
+Of the columns a measured file needs s, t and a deviation, or x, y, z, which are nominal points if there is a deviation, and measured
+points if there is none.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from gearmesh.errors import FileError
 from gearmesh.files.csv_table import csv_rows, csv_text
 from gearmesh.files.reading import MIB, file_text
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.metrology.measuring_grid import MeasuringGrid
+from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
 from gearmesh.teeth.region import Side
 
 #: largest file, bytes: some 10^6 points
@@ -61,7 +61,10 @@ class PointTable:
         return PointTable(
             self.path,
             {name: values[kept] for name, values in self.columns.items()},
-            {name: [word for word, keep in zip(words, kept, strict=True) if keep] for name, words in self.words.items()},
+            {
+                name: [word for word, keep in zip(words, kept, strict=True) if keep]
+                for name, words in self.words.items()
+            },
             self.lines[kept],
         )
 
@@ -153,7 +156,8 @@ def _refuse_head(path: Path, head: Sequence[str]) -> None:
     unknown = next((name for name in head if name not in COLUMNS), None)
     if unknown is not None or len(set(head)) < len(head):
         raise FileError(
-            path, reason=f"column {value_text(unknown or max(head, key=head.count))}: allowed, each once: {', '.join(COLUMNS)}"
+            path,
+            reason=f"column {value_text(unknown or max(head, key=head.count))}: allowed, each once: {', '.join(COLUMNS)}",
         )
     with_deviation = [name for name in DEVIATIONS if name in head]
     if len(with_deviation) == 2:

@@ -105,8 +105,6 @@ def thickness_angle(grids: Sequence[MeasuringGrid]) -> float | None:
     return angles[Side.LEFT] - angles[Side.RIGHT] if len(angles) == len(Side) else None
 
 
-
-
 def _roll_lengths(flank: Surface, grid: Grid) -> Array | None:
     """Roll lengths (I, J), mm, of points on an involute: those whose normals all touch one base cylinder."""
     if isinstance(flank, ScrewInvolute):

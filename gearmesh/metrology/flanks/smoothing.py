@@ -16,6 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -57,10 +58,10 @@ class SmoothDeviations:
         return first, second
 
     @property
-    def outliers(self) -> Array:
+    def outliers(self) -> NDArray[np.bool_]:
         """Whether (N,) a point is far from where its neighbours would have it."""
         scale = float(np.median(np.abs(self.residuals))) / MEDIAN
-        far: Array = np.abs(self.residuals) > max(OUTLIER * scale, LEAST_OUTLIER)
+        far: NDArray[np.bool_] = np.abs(self.residuals) > max(OUTLIER * scale, LEAST_OUTLIER)
         return far
 
 
@@ -85,7 +86,7 @@ def smooth_deviations(s: Array, t: Array, d: Array, stiffness: float | None) -> 
     coefficients = np.linalg.solve(normal + amount * bending, right)
     grid = coefficients.reshape(bases[0].size, bases[1].size)
     fit = [((bases[0].at(s[some]) @ grid) * bases[1].at(t[some])).sum(axis=1) for some in batches]
-    return SmoothDeviations((bases[0], bases[1]), grid, d - np.concatenate(fit), chosen)
+    return SmoothDeviations((bases[0], bases[1]), np.asarray(grid, dtype=float), d - np.concatenate(fit), chosen)
 
 
 def _least_gcv(normal: Array, right: Array, bending: Array, d: Array) -> float:
