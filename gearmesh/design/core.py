@@ -764,7 +764,7 @@ class PairDesign(Design):
 
     pinion: GearBody
     gear: GearBody
-    measured: PairMeasured = PairMeasured()
+    measured: PairMeasured | None = None
 
 
 def _positive_definite(rows: Sequence[Any]) -> bool:

@@ -5,7 +5,7 @@ comment; comments begin with #. Files are comma-separated (.csv) or, with anothe
     right,flank,1,1,0.1,0.1,23.14,-3.52,71.2,0.0934,-0.7704,-0.6307,...,-3.5
 
 Points are in the member's own frame. Deviations are along the outward normals, positive where there is more material than nominal.
-Of the columns a measured file needs s, t and a deviation, or x, y, z, which are nominal points if there is a deviation, and measured
+Of the columns a measured file needs s, t and a deviation, or x, y, z: nominal points if there is a deviation, and measured
 points if there is none.
 """
 

@@ -244,7 +244,7 @@ class WormDriveDesign(Design):
     wheel: WheelTable
     hob: HobTable = HobTable()
     assembly: WormDriveAssembly = WormDriveAssembly()
-    measured: WormDriveMeasured = WormDriveMeasured()
+    measured: WormDriveMeasured | None = None
     contact: FlankContact = FlankContact()
 
     @property

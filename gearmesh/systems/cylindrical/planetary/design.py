@@ -76,7 +76,7 @@ class PlanetaryDesign(HalvesKeys):
         str, Key("choice", "the fixed member, for speeds and ratio", choices=("ring", "carrier", "sun"))
     ] = "ring"
     assembly: PlanetaryAssembly = PlanetaryAssembly()
-    measured: PlanetaryMeasured = PlanetaryMeasured()
+    measured: PlanetaryMeasured | None = None
     contact: FlankContact = FlankContact()
 
     @model_validator(mode="after")

@@ -131,7 +131,7 @@ class RackKeys(ToothingKeys):
 
     pinion: CylindricalMember | None = None
     rack: RackTable
-    measured: RackMeasured = RackMeasured()
+    measured: RackMeasured | None = None
 
     @model_validator(mode="after")
     def _long_enough(self) -> Self:

@@ -37,7 +37,7 @@ class SingleGearDesign(HalvesKeys):
     fe: UnloadedElementTable = UnloadedElementTable()
     pinion: CylindricalMember | None = None
     gear: CylindricalMember | None = None
-    measured: PairMeasured = PairMeasured()
+    measured: PairMeasured | None = None
 
     @model_validator(mode="after")
     def _one_gear(self) -> Self:
