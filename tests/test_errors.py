@@ -144,7 +144,7 @@ REFUSED: list[tuple[Callable[[gm.Gears], Any], str, Any, str, str]] = [
     (lambda g: g.measuring_grid("gear", grid="5"), "grid", "5", "two numbers, as 5x9", ""),
     (lambda g: g.measuring_grid("gear", grid=(0, 9)), "grid", "0x9", "rows and columns from 1 to 2001", ""),
     (lambda g: g.measuring_grid("gear", margins=(0.1, 0.6)), "margins", "0.1,0.6", "from 0 to 0.45", ""),
-    (lambda g: g.measuring_grid("gear", ball=-1), "ball", "-1", "a diameter above 0", ""),
+    (lambda g: g.measuring_grid("gear", ball=-1), "ball", -1.0, "a diameter above 0", ""),
     (lambda g: g.toolpath("pinion", "ball:1", "10um", order="both"), "order", "both", "one of zigzag, one-way", ""),
     (lambda g: g.topography("pinion", "upper"), "flank", "upper", "one of right, left", ""),
     (lambda g: g.loaded_contact(-3.0), "torque", "-3", "one or more finite numbers above 0", ""),

@@ -245,12 +245,12 @@ def _train(design: Design) -> GearTrain:
 
 def _measured(design: Design, train: GearTrain) -> GearTrain:
     """A gear set with the flanks that were measured, as the table `measured` of a design in mm says."""
-    from gearmesh.systems.common.measured import MeasuredMembers
+    from gearmesh.metrology.flanks.measured_members import MeasuredMembers
 
     real = MeasuredMembers(design)
     if not real.any:
         return train
-    return replace(made := train.with_members(real.measured), warnings=(*made.warnings, *real.warnings))
+    return replace(made := train.with_members(real.of_member), warnings=(*made.warnings, *real.warnings))
 
 
 def _eccentric(design: Design, train: GearTrain) -> GearTrain:
@@ -285,11 +285,11 @@ def member(design: Design, name: str) -> ToolPart:
     make = system_of(design).members[name]
 
     def alone(design: Design) -> ToolPart:
-        from gearmesh.systems.common.measured import MeasuredMembers
+        from gearmesh.metrology.flanks.measured_members import MeasuredMembers
 
         own = design.in_mm()
         part, real = make(own), MeasuredMembers(own)
-        return replace(part, member=real.measured(part.member), warnings=(*part.warnings, *real.warnings))
+        return replace(part, member=real.of_member(part.member), warnings=(*part.warnings, *real.warnings))
 
     return _refused_by_name(design, alone, alone)
 

@@ -286,7 +286,7 @@ ASKED = {
 @pytest.mark.parametrize("length", ["1 parsec", "", "nan", float("inf"), True, [1.0]], ids=str)
 def test_what_is_no_length_is_one_line(name: str, length: Any, gears: gm.Gears, tmp_path: Path) -> None:
     with pytest.raises(
-        gm.DesignError, match=r"^(tolerance|z|center_distance|module) = .*: must be a length as "
+        gm.DesignError, match=r"^(tolerance|z|center_distance|module|ball) = .*: must be a length as "
     ) as failure:
         ASKED[name](gears, length, tmp_path)
     assert "\n" not in str(failure.value)

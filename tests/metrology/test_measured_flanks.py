@@ -15,7 +15,7 @@ from gearmesh.errors import GearmeshError
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
 from gearmesh.metrology.flanks.point_file import point_text, read_points
-from gearmesh.metrology.flanks.projection import FlankProjection, turned
+from gearmesh.metrology.flanks.projection import FlankProjection, turn_about_axis
 from gearmesh.metrology.flanks.smoothing import smooth_deviations
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
@@ -58,7 +58,7 @@ def test_a_grid_reads_back_to_the_last_digit(spur: gm.Gears, suffix: str, tmp_pa
     path = made.save(tmp_path / f"grid{suffix}")
     table = read_points(path).of_flank(Side.LEFT)
     grid = next(grid for grid in made.grids if grid.side is Side.LEFT and not grid.fillet)
-    points, normals = table.stacked(("x_mm", "y_mm", "z_mm")), table.stacked(("nx", "ny", "nz"))
+    points, normals = table.side_by_side(("x_mm", "y_mm", "z_mm")), table.side_by_side(("nx", "ny", "nz"))
     assert points is not None
     assert normals is not None
     assert np.array_equal(points.reshape(grid.points.shape), grid.points)
@@ -89,7 +89,7 @@ def test_real_flanks_go_through_what_was_measured(sample: str, member: str, tmp_
     np.testing.assert_allclose(feet.distances, 0.0, atol=1e-11)
 
     cloud = real.tooth.flank_grid(Side.RIGHT, np.linspace(0.05, 0.95, 40), np.linspace(0.05, 0.95, 90))
-    away = turned(cloud.points.reshape(-1, 3), 2.0 * nominal.tooth.pitch_angle + 1e-3, 0.0)
+    away = turn_about_axis(cloud.points.reshape(-1, 3), 2.0 * nominal.tooth.pitch_angle + 1e-3, 0.0)
     write_points(tmp_path / "cloud.csv", away)
     again = gm.build(design.with_values({f"measured.{member}_right": str(tmp_path / "cloud.csv")})).members[member]
     # up to the rotation that the fit takes away

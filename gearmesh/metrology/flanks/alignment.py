@@ -15,7 +15,7 @@ import numpy as np
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array, components
-from gearmesh.metrology.flanks.projection import FlankProjection, FootPoints, turned
+from gearmesh.metrology.flanks.projection import FlankProjection, FootPoints, turn_about_axis
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
@@ -58,7 +58,7 @@ def _fit(
 ) -> Alignment:
     rotation, shift = _start(tooth, projections, points), 0.0
     for _ in range(ROUNDS):
-        feet = {side: projections[side].foot_points(turned(own, rotation, shift)) for side, own in points.items()}
+        feet = {side: projections[side].foot_points(turn_about_axis(own, rotation, shift)) for side, own in points.items()}
         r, n = (np.concatenate([getattr(foot, name) for foot in feet.values()]) for name in ("points", "normals"))
         d = np.concatenate([foot.distances for foot in feet.values()])
         arms = r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0]
@@ -69,7 +69,7 @@ def _fit(
         shift += float(step[1]) if axial else 0.0
         if np.abs(rates[kept] @ step).max(initial=0.0) < SMALLEST_MOVE:
             break
-    feet = {side: projections[side].foot_points(turned(own, rotation, shift)) for side, own in points.items()}
+    feet = {side: projections[side].foot_points(turn_about_axis(own, rotation, shift)) for side, own in points.items()}
     return Alignment(rotation, shift, feet)
 
 
@@ -83,7 +83,7 @@ def _start(tooth: Tooth, projections: Mapping[Side, FlankProjection], points: Ma
     tried = whole + pitch * np.linspace(-1.0, 1.0, 2 * STARTS, endpoint=False)
     tried = np.concatenate(([0.0], tried))
     far = [
-        sum(projections[side].near_distance(turned(own, angle, 0.0)) for side, own in few.items()) for angle in tried
+        sum(projections[side].near_distance(turn_about_axis(own, angle, 0.0)) for side, own in few.items()) for angle in tried
     ]
     return float(tried[int(np.argmin(far))])
 

@@ -90,7 +90,7 @@ def _in_space(table: PointTable) -> bool:
 def _of_points(
     tooth: Tooth, tables: Mapping[Side, PointTable], mode: MeasuringMode, keys: Mapping[Side, str]
 ) -> dict[Side, MeasuredFlank]:
-    points = {side: table.stacked(POINTS) for side, table in tables.items()}
+    points = {side: table.side_by_side(POINTS) for side, table in tables.items()}
     try:
         fit = align(tooth, {side: own for side, own in points.items() if own is not None}, axial=mode.axial)
     except DesignError as failure:
@@ -103,14 +103,14 @@ def _of_points(
 
 
 def _of_deviations(tooth: Tooth, side: Side, table: PointTable, mode: MeasuringMode) -> MeasuredFlank:
-    d, points, normals = table.deviations, table.stacked(POINTS), table.stacked(NORMALS)
+    d, points, normals = table.deviations, table.side_by_side(POINTS), table.side_by_side(NORMALS)
     assert d is not None
     given = np.isfinite(d)
     if given.sum() < FEWEST:
         raise FileError(table.path, reason=f"{int(given.sum())} deviations of the {side} flank, at least {FEWEST}")
     _refuse_large(table, d)
     if points is None:
-        places = table.stacked(PLACES)
+        places = table.side_by_side(PLACES)
         assert places is not None
         _refuse_off(table, places)
         feet = _at_shares(tooth, side, places)
@@ -169,9 +169,9 @@ def _flank(
 
 def _whole_grid(table: PointTable, feet: FootPoints, d: Array, on: Array) -> DeviationGrid | None:
     """The points as a grid, where the file numbers its rows and columns and none is missing."""
-    lines = table.stacked(LINES)
-    if lines is None and table.stacked(PLACES) is not None:
-        lines = table.stacked(PLACES)
+    lines = table.side_by_side(LINES)
+    if lines is None and table.side_by_side(PLACES) is not None:
+        lines = table.side_by_side(PLACES)
     if lines is None or not on.all():
         return None
     (rows, i), (columns, j) = (np.unique(lines[:, k], return_inverse=True) for k in (0, 1))

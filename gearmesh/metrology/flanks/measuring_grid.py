@@ -69,7 +69,8 @@ class MeasuringGrid:
             grid = tooth.grid(FILLETS[side], upward, tooth.sections(t))
         else:
             grid = tooth.flank_grid(side, s, t)
-        joint, radius = tooth.joint, np.hypot(grid.points[..., 0], grid.points[..., 1])
+        joint = tooth.joint
+        diameters = joint.diameter(np.asarray(joint.radius(grid.points)))
         flank = tooth.side(side).flank
         return MeasuringGrid(
             side=side,
@@ -79,8 +80,8 @@ class MeasuringGrid:
             points=grid.points,
             normals=grid.normals,
             angles=np.asarray(joint.running(joint.angle(grid.points))),
-            diameters=joint.diameter(radius),
-            roll_lengths=None if fillet or joint.travel is not None else _roll_lengths(flank, grid),
+            diameters=diameters,
+            roll_lengths=None if fillet or diameters is None else _roll_lengths(flank, grid),
         )
 
     @property

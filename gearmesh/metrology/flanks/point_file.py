@@ -74,7 +74,7 @@ class PointTable:
         name = next((name for name in DEVIATIONS if name in self.columns), None)
         return None if name is None else DEVIATIONS[name] * self.columns[name]
 
-    def stacked(self, names: Sequence[str]) -> Array | None:
+    def side_by_side(self, names: Sequence[str]) -> Array | None:
         """Columns side by side, (N, K); None where one is missing."""
         if not all(name in self.columns for name in names):
             return None

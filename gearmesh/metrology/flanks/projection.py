@@ -71,7 +71,7 @@ class FlankProjection:
         return FootPoints(s, t, jet.r, jet.n, distances)
 
 
-def turned(points: Array, angle: float, shift: float) -> Array:
+def turn_about_axis(points: Array, angle: float, shift: float) -> Array:
     """Points (..., 3) turned about z by an angle (rad) and shifted along it by so many mm."""
     c, s = np.cos(angle), np.sin(angle)
     x, y, z = np.moveaxis(points, -1, 0)

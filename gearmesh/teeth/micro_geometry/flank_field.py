@@ -74,7 +74,7 @@ def _product(f: PlaneJet, g: PlaneJet) -> PlaneJet:
     )
 
 
-class Curves:
+class SplineCurves:
     """Several functions of x with two derivatives, by splines through points, that go straight on beyond the first and the last."""
 
     def __init__(self, x: Array, values: Array) -> None:
@@ -109,7 +109,7 @@ def share_between(y: Array, begins: Curve, ends: Curve) -> PlaneJet:
 
 @dataclass(frozen=True)
 class Band:
-    """Coordinates a, b in the plane of a grid's points (x, y) (I, J, 2): a runs evenly from its first column to its last, and
+    """Coordinates a, b in the plane of a grid's points (x, y) (I, J, 2): a grows in proportion to x from its first column to its last, and
 
         b = u + c u (1 - u)
 
@@ -117,7 +117,7 @@ class Band:
     """
 
     ends: tuple[float, float]
-    curves: Curves
+    curves: SplineCurves
 
     @staticmethod
     def of(points: Array) -> Band:
@@ -132,7 +132,7 @@ class Band:
         bulge = (wanted - share) / (share * (1.0 - share)) if len(y) > 2 else np.zeros_like(share)
         if not (np.isfinite(bulge).all() and np.abs(bulge).max() < MOST_BULGE):
             raise ValueError("rows are not between the first and the last")
-        return Band((float(columns[0]), float(columns[-1])), Curves(columns, np.stack((first, last, bulge), axis=-1)))
+        return Band((float(columns[0]), float(columns[-1])), SplineCurves(columns, np.stack((first, last, bulge), axis=-1)))
 
     def jets(self, x: Array, y: Array) -> tuple[PlaneJet, PlaneJet]:
         """Both coordinates with their partials at x, y (...,)."""
@@ -157,7 +157,7 @@ class Band:
 
 def _at_columns(x: Array, y: Array, columns: Array) -> Array:
     """y (J,) of a row of points x, y (J,) where it crosses the columns."""
-    row = Curves(x, y[:, None]).jets(columns)[0][0]
+    row = SplineCurves(x, y[:, None]).jets(columns)[0][0]
     return row
 
 

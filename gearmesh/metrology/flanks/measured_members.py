@@ -24,7 +24,7 @@ class MeasuredMembers:
         """Whether the design has files of measured flanks."""
         return any(name.endswith(tuple(Side)) for name in getattr(self._table, "model_fields_set", ()))
 
-    def measured(self, member: Member) -> Member:
+    def of_member(self, member: Member) -> Member:
         """The member as measured; itself, where no file is about it. Raises FileError and DesignError naming the key."""
         own = self._named(member.name)
         keys = {side: f"{own}_{side}" for side in Side}
