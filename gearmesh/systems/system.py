@@ -240,10 +240,10 @@ def _fill(design: D) -> D:
 def _train(design: Design) -> GearTrain:
     own = _fill(design).in_mm()
     train: GearTrain = system_of(own).build(own)
-    return _eccentric(own, _measured(own, train))
+    return _eccentric(own, _with_measured_flanks(own, train))
 
 
-def _measured(design: Design, train: GearTrain) -> GearTrain:
+def _with_measured_flanks(design: Design, train: GearTrain) -> GearTrain:
     """A gear set with the flanks that were measured, as the table `measured` of a design in mm says."""
     from gearmesh.metrology.flanks.measured_members import MeasuredMembers
 

@@ -58,7 +58,9 @@ def _fit(
 ) -> Alignment:
     rotation, shift = _start(tooth, projections, points), 0.0
     for _ in range(ROUNDS):
-        feet = {side: projections[side].foot_points(turn_about_axis(own, rotation, shift)) for side, own in points.items()}
+        feet = {
+            side: projections[side].foot_points(turn_about_axis(own, rotation, shift)) for side, own in points.items()
+        }
         r, n = (np.concatenate([getattr(foot, name) for foot in feet.values()]) for name in ("points", "normals"))
         d = np.concatenate([foot.distances for foot in feet.values()])
         arms = r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0]
@@ -83,7 +85,8 @@ def _start(tooth: Tooth, projections: Mapping[Side, FlankProjection], points: Ma
     tried = whole + pitch * np.linspace(-1.0, 1.0, 2 * STARTS, endpoint=False)
     tried = np.concatenate(([0.0], tried))
     far = [
-        sum(projections[side].near_distance(turn_about_axis(own, angle, 0.0)) for side, own in few.items()) for angle in tried
+        sum(projections[side].near_distance(turn_about_axis(own, angle, 0.0)) for side, own in few.items())
+        for angle in tried
     ]
     return float(tried[int(np.argmin(far))])
 

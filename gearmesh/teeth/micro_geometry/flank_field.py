@@ -109,7 +109,7 @@ def share_between(y: Array, begins: Curve, ends: Curve) -> PlaneJet:
 
 @dataclass(frozen=True)
 class Band:
-    """Coordinates a, b in the plane of a grid's points (x, y) (I, J, 2): a grows in proportion to x from its first column to its last, and
+    """Coordinates a, b in the plane of a grid's points (x, y) (I, J, 2): a grows with x from first to last column, and
 
         b = u + c u (1 - u)
 
@@ -132,7 +132,9 @@ class Band:
         bulge = (wanted - share) / (share * (1.0 - share)) if len(y) > 2 else np.zeros_like(share)
         if not (np.isfinite(bulge).all() and np.abs(bulge).max() < MOST_BULGE):
             raise ValueError("rows are not between the first and the last")
-        return Band((float(columns[0]), float(columns[-1])), SplineCurves(columns, np.stack((first, last, bulge), axis=-1)))
+        return Band(
+            (float(columns[0]), float(columns[-1])), SplineCurves(columns, np.stack((first, last, bulge), axis=-1))
+        )
 
     def jets(self, x: Array, y: Array) -> tuple[PlaneJet, PlaneJet]:
         """Both coordinates with their partials at x, y (...,)."""
