@@ -661,7 +661,8 @@ class Gears(SolvedGears):
         to be sampled evenly. `tolerance`: by key a text as "normal:0:20um", or a TOML file of them, for `sample` rows by `method`
         (lhs, sobol, random; saltelli, which has N (keys + 2) rows and finds Sobol indices) and `seed`. `record`: groups of figures
         (path, cycle, fit; load, which needs `torque`: one or several, Nm, on the pinion) or names of figures. `limits`: what a
-        good row keeps, as "contact_ratio>1". With a `folder` finished rows are kept there, and the same call goes on where it was
+        good row keeps, as "contact_ratio>1". A `tolerance` of "class:6", or of the key class, is that of flanks in this class of
+        ISO 1328-1. With a `folder` finished rows are kept there, and the same call goes on where it was
         stopped. Work is done in this process, on so many `workers` of this machine (None: as many as are worth it; a script that
         calls this must be importable, with `if __name__ == "__main__"`), or by those of a Dask `scheduler`.
 
@@ -670,7 +671,7 @@ class Gears(SolvedGears):
         """
         from gearmesh.study.study import plan_of, run_study, work_and_nominal
 
-        plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed)
+        plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed, pair)
         torques = None if torque is None else np.atleast_1d(np.asarray(torque, dtype=float)).tolist()
         work, nominal = work_and_nominal(self.design, plan.keys, pair, record, torques)
         return run_study(self.design, plan, work, nominal, limits, folder, workers, scheduler, progress)

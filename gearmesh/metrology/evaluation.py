@@ -34,6 +34,8 @@ from gearmesh.kernel.numeric.algebra import Array
 PROFILE_SHARE, HELIX_SHARE = 0.95, 0.05
 #: points within the range without which there is no parabola
 FEWEST = 3
+#: part of the range by which what is beyond its ends still belongs to it
+ROOM = 1e-9
 
 
 @dataclass(frozen=True)
@@ -94,8 +96,8 @@ def evaluate_trace(positions: ArrayLike, deviations: ArrayLike, trace_range: Tra
     x, d = np.asarray(positions, dtype=float), np.asarray(deviations, dtype=float)
     x, d = x[np.isfinite(d)], d[np.isfinite(d)]
     first, last = trace_range.evaluated
-    share, room = (x - first) / (last - first), 1e-12
-    inside = (share >= -room) & (share <= 1.0 + room)
+    share = (x - first) / (last - first)
+    inside = (share >= -ROOM) & (share <= 1.0 + ROOM)
     if np.unique(share[inside]).size < FEWEST:
         raise ArgumentError(
             "trace",

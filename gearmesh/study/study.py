@@ -39,6 +39,7 @@ from gearmesh.study.spreads import Spread, read_spreads, spread_of
 from gearmesh.study.statistics import LINEAR, PERCENTILES, Effect, Limit, effects, limit_of, percentiles
 from gearmesh.study.store import StudyStore
 from gearmesh.study.summary import StudySummary
+from gearmesh.study.tolerance_class import CLASS, class_spreads
 from gearmesh.study.variance import FEWEST_ROWS, HALF, VarianceShare, variance_shares
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
@@ -268,8 +269,12 @@ def plan_of(
     sample: int | None,
     method: str,
     seed: int,
+    pair: int | str = 0,
 ) -> Plan:
-    """The rows of a study. Raises DesignError naming key, value and what is allowed."""
+    """The rows of a study; `pair`: the one whose flanks a tolerance class is of.
+
+    Raises DesignError naming key, value and what is allowed.
+    """
     read = KeyReader(design)
     if sample is None:
         if tolerance is not None:
@@ -285,7 +290,7 @@ def plan_of(
         plan = grid(lists)
     else:
         spreads = {key: _range(read, key, values) for key, values in vary.items()}
-        for key, spread in _tolerances(read, tolerance).items():
+        for key, spread in _tolerances(read, tolerance, pair).items():
             if key in spreads:
                 raise ArgumentError("tolerance", entry=key, reason="vary gives it already")
             spreads[key] = spread
@@ -302,11 +307,17 @@ def _range(read: KeyReader, key: str, values: str | Sequence[Value]) -> Spread:
     return read.range(key, values)
 
 
-def _tolerances(read: KeyReader, tolerance: Mapping[str, str] | str | PathLike[str] | None) -> dict[str, Spread]:
+def _tolerances(
+    read: KeyReader, tolerance: Mapping[str, str] | str | PathLike[str] | None, pair: int | str
+) -> dict[str, Spread]:
     if tolerance is None:
         return {}
+    if isinstance(tolerance, str) and tolerance.startswith(f"{CLASS}:"):
+        tolerance = {CLASS: tolerance.removeprefix(f"{CLASS}:")}
     if isinstance(tolerance, Mapping):
-        spreads = {key: spread_of(key, list(text.split(":")), read.number) for key, text in tolerance.items()}
+        spreads = class_spreads(read.design, pair, tolerance[CLASS]) if CLASS in tolerance else {}
+        keys = {key: text for key, text in tolerance.items() if key != CLASS}
+        spreads |= {key: spread_of(key, list(text.split(":")), read.number) for key, text in keys.items()}
     else:
         spreads = read_spreads(os.fspath(tolerance), read.number)
     for key in spreads:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -65,28 +66,49 @@ class MeasuredTrace:
 
 
 def profile_trace(tooth: Tooth, side: Side, measured: FlankDeviations, basis: InvoluteFlank) -> MeasuredTrace:
-    """In the middle of the face, at even roll lengths from form point to tip."""
-    dense = np.linspace(0.0, 1.0, DENSE)
-    rolls = basis.roll_length(_radii(tooth, side, dense))
-    even = np.linspace(rolls[0], rolls[-1], TRACE)
-    s = np.interp(even, rolls, dense) if rolls[-1] > rolls[0] else np.interp(-even, -rolls, dense)
+    """In the middle of the face, at even roll lengths from form point to tip and at the ends of the range of evaluation."""
+    s = _shares(tooth, side, basis, _even(_form_lengths(tooth, side, basis), basis.profile.evaluated))
     lengths = basis.roll_length(_radii(tooth, side, s))
     deviations = in_transverse_plane(measured.at(s, np.full_like(s, 0.5)), basis.base_helix)
     return MeasuredTrace(lengths, deviations, evaluate_trace(lengths, deviations, basis.profile))
 
 
 def helix_trace(tooth: Tooth, side: Side, measured: FlankDeviations, basis: InvoluteFlank) -> MeasuredTrace:
-    """In the middle of the profile's range of evaluation, at even places along the face."""
-    dense = np.linspace(0.0, 1.0, DENSE)
-    rolls = basis.roll_length(_radii(tooth, side, dense))
-    middle = 0.5 * sum(basis.profile.evaluated)
-    order = np.argsort(rolls)
-    s = np.full(TRACE, np.interp(middle, rolls[order], dense[order]))
-    t = np.linspace(0.0, 1.0, TRACE)
-    z = tooth.flank_grid(side, [s[0]], t).points[0, :, 2]
-    deviations = in_transverse_plane(measured.at(s, t), basis.base_helix)
+    """In the middle of the profile's range of evaluation, at even places along the face and at the ends of their range."""
+    s = float(_shares(tooth, side, basis, np.array([0.5 * sum(basis.profile.evaluated)]))[0])
+    toe, heel = tooth.flank_grid(side, [s], [0.0, 1.0]).points[0, :, 2]
+    t = (_even((toe, heel), basis.helix_trace.evaluated) - toe) / (heel - toe)
+    z = tooth.flank_grid(side, [s], t).points[0, :, 2]
+    deviations = in_transverse_plane(measured.at(np.full_like(t, s), t), basis.base_helix)
     sign = helix_sign(side.sign, basis.helix)
     return MeasuredTrace(z, deviations, evaluate_trace(z, deviations, basis.helix_trace), sign)
+
+
+def _even(ends: tuple[float, float], evaluated: tuple[float, float]) -> Array:
+    """Places (N,) from one end to the other, even over a range between them, and beside it."""
+    low, high = sorted(ends)
+    breaks = [low, *sorted(place for place in evaluated if low < place < high), high]
+    counts = [max(2, round(TRACE * (last - first) / (high - low))) for first, last in pairwise(breaks)]
+    parts = [np.linspace(*both, count)[:-1] for both, count in zip(pairwise(breaks), counts, strict=True)]
+    places = np.append(np.concatenate(parts), high)
+    return places if ends[0] < ends[1] else places[::-1]
+
+
+def _form_lengths(tooth: Tooth, side: Side, basis: InvoluteFlank) -> tuple[float, float]:
+    """Roll lengths (mm) of form point and tip."""
+    first, last = basis.roll_length(_radii(tooth, side, np.array([0.0, 1.0])))
+    return float(first), float(last)
+
+
+def _shares(tooth: Tooth, side: Side, basis: InvoluteFlank, lengths: Array) -> Array:
+    """Shares (N,) of the flank at roll lengths (N,), mm."""
+    dense = np.linspace(0.0, 1.0, DENSE)
+    rolls = basis.roll_length(_radii(tooth, side, dense))
+    sense = float(np.sign(rolls[-1] - rolls[0]))
+    s = np.interp(sense * lengths, sense * rolls, dense)
+    # what the straight line between two of them leaves
+    rest = lengths - basis.roll_length(_radii(tooth, side, s))
+    return np.clip(s + rest / np.interp(s, dense, np.gradient(rolls, dense)), 0.0, 1.0)
 
 
 def _radii(tooth: Tooth, side: Side, s: Array) -> Array:
