@@ -12,7 +12,7 @@ from gearmesh.answers.bodies.solid import member_solid, solids_of
 from gearmesh.answers.bodies.toolpath import ToolPathAnswer
 from gearmesh.answers.check import roll_test
 from gearmesh.answers.contact.contact import Contact
-from gearmesh.answers.contact.rolling import rolling_contact
+from gearmesh.answers.contact.rolling import RollingContact, rolling_contact
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.answers.questions import SolvedGears
 from gearmesh.api.study_pictures import study_pictures
@@ -30,7 +30,7 @@ from gearmesh.view.diagrams.plots import plot_transmission_error
 from gearmesh.view.diagrams.turns_plot import plot_turns
 from gearmesh.view.load.fe_views import solution_picture
 from gearmesh.view.load.loaded_pictures import LoadedPictures
-from gearmesh.view.mesh_section import FRAMES, mesh_section
+from gearmesh.view.mesh_section import FRAMES, MeshSection, facet, mesh_section
 from gearmesh.view.picture import FIGURES, VIEWS, Animation, Diagram, Picture
 from gearmesh.view.tools.path_scene import path_scene
 
@@ -96,10 +96,9 @@ def picture(
     if view == "pair" and len(gears.pairs) > 1:
         placed = {name: part.mesh for name, part in solids_of(gears, gears.within(None)).parts.items()}
         return Picture(pictures.set_picture(mesh, placed, size, title))
-    meshes = _meshes(gears, mesh)
     if view == "section":
-        section = mesh_section(rolling_contact(mesh, path), meshes, size, f"{title}: section")
-        return Picture(section.scenes()[0])
+        return Picture(_section(gears, mesh, rolling_contact(mesh, path), size, title).scenes()[0])
+    meshes = _meshes(gears, mesh)
     return Picture(pictures.pair_picture(mesh, meshes, path, size, title))
 
 
@@ -139,7 +138,7 @@ def animation(
     path = gears.contact(phi1, cycle=False, pair=pair).path
     title = gears.title + (f", {note}" if note else "")
     rolling = rolling_contact(mesh, path, np.arange(FRAMES) / FRAMES)
-    return Animation(tuple(mesh_section(rolling, _meshes(gears, mesh), size, title).scenes()))
+    return Animation(tuple(_section(gears, mesh, rolling, size, title).scenes()))
 
 
 def _refuse_position(view: str, phi1: ArrayLike | None) -> None:
@@ -185,9 +184,19 @@ def _tool_picture(
     return Picture(pictures.tool_picture(member, side, tool, part, size, title))
 
 
-def _meshes(gears: SolvedGears, mesh: GearPair) -> dict[str, TriangleMesh]:
-    """Both members of a pair within the design's tolerance, own frames."""
-    return {name: member_solid(gears.design, member, gears.within(None)).mesh for name, member in mesh.members.items()}
+def _section(
+    gears: SolvedGears, mesh: GearPair, rolling: RollingContact, size: tuple[int, int], title: str
+) -> MeshSection:
+    """The section through a mesh, of a set with its name, so fine that no facets are seen."""
+    what = f"section of the mesh {mesh.name}" if len(gears.pairs) > 1 else "section"
+    finest = min(gears.within(None), facet(mesh, size))
+    return mesh_section(rolling, _meshes(gears, mesh, finest), size, f"{title}: {what}")
+
+
+def _meshes(gears: SolvedGears, mesh: GearPair, tolerance: float | None = None) -> dict[str, TriangleMesh]:
+    """Both members of a pair within a tolerance (mm), by default the design's, own frames."""
+    within = gears.within(tolerance)
+    return {name: member_solid(gears.design, member, within).mesh for name, member in mesh.members.items()}
 
 
 def _figure(

@@ -18,11 +18,12 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.flank_frame import FlankFrame
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view.render import render
 from gearmesh.view.scene import BLUE_STEEL, BRASS, Camera, Dots, Scene, SceneBody
 
-#: heights of a tooth that the picture is high
-SEEN = 4.2
+#: heights of a tooth that the picture is high, and parts of a pixel by which facets may be off
+SEEN, PIXEL = 4.2, 0.35
 #: pictures to a pitch, and how long (ms) each stands
 FRAMES, STANDS = 24, 70
 #: what of a point leads to the axis
@@ -90,11 +91,21 @@ def mesh_section(
     own, blank = path.point1[k], pair.pinion.tooth.blank
     back = unit(to_fixed.vector(blank.axial.gradient(own)))
     up = to_fixed.vector(unit(TO_AXIS * own))
-    height = SEEN * float(np.ptp(FlankFrame.of(pair.pinion, pair.flanks[0]).extent[:, 1]))
+    height = _seen(pair)
     focus = path.point[k]
     camera = Camera(focus + 4.0 * height * back, focus, up, height, front=0.0)
     first, second = (meshes[name] for name in pair.members)
     return MeshSection(rolling, (first, second), camera, title, size)
+
+
+def facet(pair: GearPair, size: tuple[int, int]) -> float:
+    """Distance (mm) of facets from a surface that is not seen in a picture of a `size` in pixels."""
+    return PIXEL * _seen(pair) / size[1]
+
+
+def _seen(pair: GearPair) -> float:
+    """Height (mm) of what a picture shows."""
+    return SEEN * float(np.ptp(FlankFrame.of(pair.pinion, pair.flanks[0]).extent[:, 1]))
 
 
 def write_animation(file: Path, scenes: list[Scene], size: tuple[int, int] | None = None) -> None:

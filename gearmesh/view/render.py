@@ -18,8 +18,9 @@ from gearmesh.errors import OutputError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.opengl import missing_opengl_message
+from gearmesh.view.lettering import fitted
 from gearmesh.view.palette import COLOUR_MAP, CURVES, INK
-from gearmesh.view.scene import Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
+from gearmesh.view.scene import BESIDE_BAR, Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap, beside_bar
 
 Image = NDArray[np.uint8]
 
@@ -54,7 +55,11 @@ def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] |
     if path is not None and Path(path).suffix.lower() not in _KINDS:
         raise OutputError("cannot write", path, reason=f"the suffix of a picture must be {', '.join(_KINDS)}")
     size = size or scene.size
-    image = _letter(_photograph(scene, size), scene, size)
+    inner = beside_bar(size) if scene.maps else size
+    photograph = _photograph(scene, inner)
+    # a colour bar stands on white, not on the teeth
+    image = np.pad(photograph, ((0, 0), (0, size[0] - inner[0]), (0, 0)), constant_values=255)
+    image = _letter(image, scene, size, inner)
     if path is not None:
         from matplotlib.image import imsave
 
@@ -339,15 +344,20 @@ def _quiet_vtk() -> Iterator[None]:
 
 # --- lettering ---
 
-_TOP, _SIDE = 0.925, 0.885
+_TOP = 0.925
 # Entries of the legend in a row, and the height of a row as a part of the picture's.
 _COLUMNS, _ROW = 4, 0.031
 #: nearest that a word may come to the picture's edges, as parts of it
 _MARGIN = (0.035, 0.03)
+#: how far a word stays from what it names and from the edges, as a part of the picture's height
+_CLEAR = 0.009
 
 
-def _letter(image: Image, scene: Scene, size: tuple[int, int]) -> Image:
-    """The picture with title and legend on top, a colour bar at the side, axes, scale and words; nothing of it is boxed."""
+def _letter(image: Image, scene: Scene, size: tuple[int, int], inner: tuple[int, int]) -> Image:
+    """The picture with title and legend on top, a colour bar at the side, axes, scale and words; nothing of it is boxed.
+
+    The camera sees what is `inner`.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -359,10 +369,10 @@ def _letter(image: Image, scene: Scene, size: tuple[int, int]) -> Image:
     if scene.maps:
         _draw_colour_bar(figure, scene.maps[0])
     _draw_heading(figure, scene)
-    _draw_words(figure, scene, size)
+    _draw_words(figure, scene, size, inner)
     _draw_axes(figure, scene.camera, size)
     if scene.camera.parallel:
-        _draw_scale(figure, scene.camera, size, _SIDE if scene.maps else 1.0)
+        _draw_scale(figure, scene.camera, size, inner[0] / size[0])
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
@@ -374,25 +384,37 @@ def _halo(width: float = 3.0) -> list[Any]:
     return [withStroke(linewidth=width, foreground="white")]
 
 
-def _draw_words(figure: Any, scene: Scene, size: tuple[int, int]) -> None:
-    """Words beyond their points; those whose points are not in the picture are at its edge."""
+def _draw_words(figure: Any, scene: Scene, size: tuple[int, int], inner: tuple[int, int]) -> None:
+    """Words beyond their points, all of a word; those whose points are not in the picture are at its edge."""
     for word in scene.words:
         at, inside = (
-            scene.camera.pixels(point, size)[:2] / size * [1.0, -1.0] + [0.0, 1.0]
+            scene.camera.pixels(point, inner)[:2] / size * [1.0, -1.0] + [0.0, 1.0]
             for point in (word.point, word.inside)
         )
         way = (at - inside) * size
         way = way / max(float(np.hypot(*way)), 1e-9)
         place = at + 0.028 * way * size[1] / np.array(size)
-        # a scale stands at the right
-        right = _SIDE if scene.maps else 1.0 - _MARGIN[0]
+        right = inner[0] / size[0] - _MARGIN[0]
         kept = np.clip(place, _MARGIN, (right, _TOP - 0.05))
         cut = word.beyond or np.abs(kept - place).max() > 0.03
         leftwards = at[0] < 0.5 if word.beyond else way[0] < 0.0
         arrow = ("\N{LEFTWARDS ARROW} ", "") if leftwards else ("", " \N{RIGHTWARDS ARROW}")
         text = f"{arrow[0]}{word.text}{arrow[1]}" if cut else word.text
         across = "left" if cut and leftwards else "right" if cut else "center"
-        figure.text(*kept, text, ha=across, va="center", fontsize=12, color=INK, path_effects=_halo())
+        drawn = figure.text(*kept, text, ha=across, va="center", fontsize=12, color=INK, path_effects=_halo())
+        if not cut:
+            _move_clear(drawn, at, way, inner[0] / size[0])
+
+
+def _move_clear(drawn: Any, at: Array, way: Array, right: float) -> None:
+    """Move a word on its `way` (2,) from what it names `at` (2,) until its box covers neither that nor an edge of the picture, whose
+    `right` one may be that of a colour bar."""
+    size = np.array(drawn.figure.bbox.size)
+    box = drawn.get_window_extent()
+    half = 0.5 * np.array([box.width, box.height])
+    far = max(float((half / np.maximum(np.abs(way), 1e-9)).min()) + _CLEAR * size[1], 0.028 * size[1])
+    low, high = _CLEAR * size[1] + half, np.array([right, _TOP - 0.03]) * size - half
+    drawn.set_position(np.clip(at * size + far * way, low, np.maximum(high, low)) / size)
 
 
 def _line(x: tuple[float, float], y: tuple[float, float], colour: str, width: float) -> Any:
@@ -410,10 +432,12 @@ def _draw_heading(figure: Any, scene: Scene) -> None:
     handles += [Line2D([], [], color=d.colour, marker="o", ls="", label=d.label) for d in scene.dots if d.label]
     if not handles and not scene.title:
         return
-    figure.text(0.5, 0.985, scene.title, ha="center", va="top", fontsize=13, color=INK, path_effects=_halo(), wrap=True)
+    title = figure.text(0.5, 0.985, fitted(scene.title, figure, 13), ha="center", va="top", fontsize=13, color=INK)
+    title.set_path_effects(_halo())
     if handles:
-        # further rows stand below the first, not on the title
-        middle = _TOP + 0.02 - 0.5 * _ROW * ((len(handles) - 1) // _COLUMNS)
+        # further rows stand below the first, and all of them below the title
+        below = max(0.0, _TOP + 0.02 + 0.5 * _ROW - title.get_window_extent().y0 / figure.bbox.height)
+        middle = _TOP + 0.02 - below - 0.5 * _ROW * ((len(handles) - 1) // _COLUMNS)
         legend = figure.legend(
             handles=handles, loc="center", bbox_to_anchor=(0.5, middle), ncols=_COLUMNS, frameon=False, fontsize=10.5
         )
@@ -460,7 +484,7 @@ def _draw_colour_bar(figure: Any, value_map: ValueMap) -> None:
     from matplotlib.colors import Normalize
 
     scale = ScalarMappable(Normalize(0.0, value_map.limit), COLOUR_MAP)
-    bar = figure.colorbar(scale, cax=figure.add_axes((_SIDE + 0.02, 0.15, 0.022, 0.65)))
+    bar = figure.colorbar(scale, cax=figure.add_axes((BESIDE_BAR + 0.02, 0.15, 0.022, 0.65)))
     bar.set_label(value_map.label, fontsize=11, color=INK)
     bar.ax.tick_params(labelsize=10)
     for text in (bar.ax.yaxis.label, *bar.ax.get_yticklabels()):

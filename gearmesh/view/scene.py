@@ -140,9 +140,18 @@ class Word:
     beyond: bool = False
 
 
+#: part of a picture's width that its bodies take where a colour bar stands beside them
+BESIDE_BAR = 0.885
+
+
+def beside_bar(size: tuple[int, int]) -> tuple[int, int]:
+    """Width and height, pixels, of what is left of a picture beside a colour bar."""
+    return round(BESIDE_BAR * size[0]), size[1]
+
+
 @dataclass(frozen=True)
 class Scene:
-    """All that a picture shows; `size` in pixels, width by height."""
+    """All that a picture shows; `size` in pixels, width by height. With `maps` the camera sees what is beside their colour bar."""
 
     bodies: tuple[SceneBody, ...]
     camera: Camera

@@ -36,6 +36,7 @@ from gearmesh.view.scene import (
     ToothView,
     ValueMap,
     Word,
+    beside_bar,
 )
 
 
@@ -94,13 +95,14 @@ def gap_scene(
     value_map = ValueMap(
         lift_grid(grid, contact, view.lift), 1e3 * gap, 1e3 * limit, "smallest gap in the roll test (µm)"
     )
-    camera = camera or flank_camera(view, contact)
+    seen = replace(view, size=beside_bar(view.size))
+    camera = camera or flank_camera(seen, contact)
     return Scene(
         bodies=view.bodies,
         camera=camera,
         maps=(value_map,),
         curves=path_on_surface(view, contact),
-        words=edge_words(view, camera),
+        words=edge_words(seen, camera),
         title=view.title,
         size=view.size,
     )

@@ -9,6 +9,8 @@ import pytest
 
 import gearmesh as gm
 from gearmesh.answers.contact.rolling import rolling_contact
+from gearmesh.api import pictures as api_pictures
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view import opengl
 from gearmesh.view.mesh_section import mesh_section, write_animation
 
@@ -43,6 +45,21 @@ def test_contact_of_spur_gears_moves_along_the_line_of_action() -> None:
     teeth = pair.gear.tooth.teeth
     angle = np.arccos(0.5 * (np.trace(turned[0].rotation.T @ turned[1].rotation) - 1.0))
     assert angle == pytest.approx(2.0 * np.pi / teeth, abs=1e-9)
+
+
+def test_sections_of_a_set_name_their_mesh_and_have_no_facets(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Meshed within less than half a pixel."""
+    asked = []
+
+    def meshes(gears: gm.Gears, mesh: GearPair, tolerance: float) -> dict[str, None]:
+        asked.append(tolerance)
+        return dict.fromkeys(mesh.members, None)
+
+    monkeypatch.setattr(api_pictures, "_meshes", meshes)
+    gears = gm.build(gm.load(SAMPLES / "planetary.toml", ["mesh.tolerance=0.05"]))
+    scene = gears.picture("section", pair="planet_1-ring", size=(1600, 1200)).scene
+    assert scene.title.endswith("section of the mesh planet_1-ring")
+    assert asked[0] < 0.5 * scene.camera.height / 1200
 
 
 @pytest.mark.skipif(opengl.missing_opengl_message() is not None, reason="needs OpenGL")

@@ -10,6 +10,8 @@ from dataclasses import replace
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ContactPath
@@ -21,7 +23,9 @@ from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.view import opengl
+from gearmesh.view import render as lettering
 from gearmesh.view.diagrams import plots
+from gearmesh.view.lettering import fitted
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
 from gearmesh.view.palette import COLOUR_MAP, COMPOUND, LINES, PATH
 from gearmesh.view.render import corner_normals, region_edges, render
@@ -34,6 +38,8 @@ from gearmesh.view.scene import (
     Scene,
     SceneBody,
     ToothView,
+    Word,
+    beside_bar,
     contact_on,
 )
 from gearmesh.view.views import frame, gap_scene, member_scene, pair_scene, pattern_scene
@@ -321,6 +327,31 @@ def test_cameras_hold_what_they_show():
 
 
 @pytest.mark.quick
+def test_words_are_beyond_what_they_name():
+    """A long name of a line that goes level: its box begins where the line ends, and is inside of the picture."""
+    camera = frame(np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), np.array([[-10.0, -8.0, 0.0], [10.0, 8.0, 0.0]]), SIZE)
+    middle, end = np.zeros(3), np.array([4.0, 0.2, 0.0])
+    scene = Scene((), camera, words=(Word("axis of a head cutter", end, middle),))
+    figure = Figure(figsize=(10.0, 7.5), dpi=SIZE[1] / 7.5)
+    FigureCanvasAgg(figure)
+    lettering._draw_words(figure, scene, SIZE, SIZE)
+    (box,) = (text.get_window_extent() for text in figure.texts)
+    assert camera.pixels(end, SIZE)[0] < box.x0 < box.x1 < SIZE[0]
+
+
+@pytest.mark.quick
+def test_titles_are_broken_where_they_do_not_fit():
+    figure, title = Figure(figsize=(4.0, 3.0)), "A pair of gears with a long name: pinion, largest pressure over a mesh cycle"
+    lines = fitted(title, figure, 12.0).split("\n")
+    assert " ".join(lines) == title
+    assert len(lines) > 1
+    FigureCanvasAgg(figure)
+    widths = [figure.text(0.5, 0.5, line, fontsize=12.0).get_window_extent().width for line in lines]
+    assert max(widths) < figure.bbox.width
+    assert fitted("short", figure, 12.0) == "short"
+
+
+@pytest.mark.quick
 def test_scene_without_contact_is_refused():
     nowhere = contact([0.0, 1.0])
     nowhere = replace(nowhere, point=nowhere.point * np.nan, normal=nowhere.normal * np.nan)
@@ -461,8 +492,8 @@ def test_value_map_has_the_colours_of_its_bar():
     here, grid, limit = contact([-6.0, 6.0], semi=(1.0, 1.0)), flank_grid(), 0.006
     gap = 0.004 + 0.001 * grid[..., 2] / 2.0
     scene = gap_scene(view(), here, grid, [(grid, gap)], limit)
-    image = render(scene)
-    angle = 0.05
+    whole, inner = render(scene), beside_bar(SIZE)[0]
+    image, angle = whole[:, :inner], 0.05
     for z in (-6.0, -3.0, 0.0, 3.0):
         um = 1e3 * (0.004 + 0.001 * z / 2.0)
         expected = 255 * np.array(matplotlib.colormaps[COLOUR_MAP](um / 6.0)[:3])
@@ -470,6 +501,10 @@ def test_value_map_has_the_colours_of_its_bar():
         assert np.abs(found - expected).max() < 8
     # Beyond the limit the steel shows.
     assert np.ptp(colour_at(image, scene.camera, flank_point(np.array(angle), np.array(5.5)))) < 30
+    # The bar stands on white, however near the camera is.
+    near = render(replace(scene, camera=replace(scene.camera, height=scene.camera.height / 5.0)))
+    assert near[20, inner - 3].min() < 255
+    assert (near[330:, inner:] == 255).all()
 
 
 @pytest.mark.quick

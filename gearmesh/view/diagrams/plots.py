@@ -19,6 +19,7 @@ from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import OutputError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.view.lettering import fitted
 from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, INK, LINES, PATH
 
 _MARKERS = "osD^v*"
@@ -26,6 +27,10 @@ _MARKERS = "osD^v*"
 _LEAST = 0.01
 #: least harmonic (arcsec, um) of a cycle whose harmonics are shown
 _LEAST_HARMONIC = 1e-3
+#: inches that an entry of a legend takes
+_ENTRY = 1.9
+#: size (points) of titles
+TITLE = 12.0
 #: pitches that are shown beyond the engagement of a pair
 _BEYOND = 0.6
 # The dates that matplotlib would write into the file, switched off.
@@ -70,7 +75,8 @@ def plot_transmission_error(
     if others:
         _draw_harmonics(others[0], heard, name)
     # beside the plot, where it hides no curve
-    figure.legend(*axes.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=4, frameon=False)
+    columns = max(1, int(inches[0] / _ENTRY))
+    figure.legend(*axes.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=columns, frameon=False)
     for plot in (axes, *others):
         plot.grid(True, color=GRID_LINES, lw=0.8)
         plot.set_axisbelow(True)
@@ -232,6 +238,8 @@ def save_figure(figure: Any, file: Path | str) -> None:
     kind = Path(file).suffix.lower()
     if kind not in _KINDS:
         raise OutputError("cannot write", file, reason=f"the suffix of a plot must be {', '.join(_KINDS)}")
+    if title := figure.get_suptitle():
+        figure.suptitle(fitted(title, figure, TITLE), fontsize=TITLE)
     with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
         figure.savefig(unfinished, metadata=_KINDS[kind])
         if kind == ".svg":

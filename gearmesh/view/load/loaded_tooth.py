@@ -10,7 +10,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.view.load.loaded_diagrams import FAINTEST, PRESSURE, LoadedPanel, LoadedPattern
 from gearmesh.view.on_tooth import lift_grid
 from gearmesh.view.palette import EDGE
-from gearmesh.view.scene import Camera, Dots, MemberContact, Scene, ToothView, ValueMap
+from gearmesh.view.scene import Camera, Dots, MemberContact, Scene, ToothView, ValueMap, beside_bar
 from gearmesh.view.views import edge_words, flank_camera
 
 #: size of the marks of edge contact, in pixels
@@ -19,9 +19,8 @@ MARK = 5.0
 GRID = (121, 241)
 #: what is drawn ends below the scale's end
 BELOW = 0.999
-#: how much more is seen than of a tooth alone, at least and most; the part of the width that what is pressed takes, and how far
-#: aside it stands: a scale is at the right
-WIDER, SEEN, ASIDE = (1.05, 1.6), 0.8, 0.055
+#: how much more is seen than of a tooth alone, at least and most; the part of the width that what is pressed takes
+WIDER, SEEN = (1.05, 1.6), 0.8
 
 
 def loaded_scene(view: ToothView, pattern: LoadedPattern, name: str, torque: int) -> Scene:
@@ -43,13 +42,14 @@ def loaded_scene(view: ToothView, pattern: LoadedPattern, name: str, torque: int
     edges = prints.own(member, prints.on_edges)[pressed]
     lifted = (edges + 2.0 * view.lift * out[:, None]).reshape(-1, 3)
     marks = lifted[np.isfinite(lifted).all(axis=1)]
-    camera = _beside_bar(flank_camera(view, contact), view, grid)
+    seen = replace(view, size=beside_bar(view.size))
+    camera = _holding(flank_camera(seen, contact), seen, grid)
     return Scene(
         bodies=view.bodies,
         camera=camera,
         maps=(ValueMap(lift_grid(grid, contact, view.lift), shown, limit, PRESSURE),),
         dots=(Dots(marks, "edge contact, or contact longer than its grid", EDGE, MARK),) if len(marks) else (),
-        words=edge_words(view, camera),
+        words=edge_words(seen, camera),
         title=view.title,
         size=view.size,
     )
@@ -67,11 +67,11 @@ def _pressed_part(panel: LoadedPanel, grid: Array) -> Array:
     return plane.member.tooth.flank_grid(plane.side, np.linspace(0.0, 1.0, GRID[0]), t).points
 
 
-def _beside_bar(camera: Camera, view: ToothView, grid: Array) -> Camera:
-    """A camera that leaves room for the scale and goes back as far as it may to see all of a grid."""
+def _holding(camera: Camera, view: ToothView, grid: Array) -> Camera:
+    """A camera that goes back as far as it may to see all of a grid."""
     right, shape = camera.axes[0], view.size[0] / view.size[1]
     lengths = (grid - camera.focus) @ right
     low, high = float(np.nanmin(lengths)), float(np.nanmax(lengths))
     height = float(np.clip((high - low) / (SEEN * shape), WIDER[0] * camera.height, WIDER[1] * camera.height))
-    shift = (0.5 * (low + high) + ASIDE * height * shape) * right
+    shift = 0.5 * (low + high) * right
     return replace(camera, position=camera.position + shift, focus=camera.focus + shift, height=height)
