@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from gearmesh.errors import OutputError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.view.opengl import missing_opengl_message
 from gearmesh.view.lettering import fitted
+from gearmesh.view.opengl import missing_opengl_message
 from gearmesh.view.palette import COLOUR_MAP, CURVES, INK
 from gearmesh.view.scene import BESIDE_BAR, Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap, beside_bar
 

@@ -329,7 +329,9 @@ def test_cameras_hold_what_they_show():
 @pytest.mark.quick
 def test_words_are_beyond_what_they_name():
     """A long name of a line that goes level: its box begins where the line ends, and is inside of the picture."""
-    camera = frame(np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), np.array([[-10.0, -8.0, 0.0], [10.0, 8.0, 0.0]]), SIZE)
+    camera = frame(
+        np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), np.array([[-10.0, -8.0, 0.0], [10.0, 8.0, 0.0]]), SIZE
+    )
     middle, end = np.zeros(3), np.array([4.0, 0.2, 0.0])
     scene = Scene((), camera, words=(Word("axis of a head cutter", end, middle),))
     figure = Figure(figsize=(10.0, 7.5), dpi=SIZE[1] / 7.5)
@@ -341,7 +343,10 @@ def test_words_are_beyond_what_they_name():
 
 @pytest.mark.quick
 def test_titles_are_broken_where_they_do_not_fit():
-    figure, title = Figure(figsize=(4.0, 3.0)), "A pair of gears with a long name: pinion, largest pressure over a mesh cycle"
+    figure, title = (
+        Figure(figsize=(4.0, 3.0)),
+        "A pair of gears with a long name: pinion, largest pressure over a mesh cycle",
+    )
     lines = fitted(title, figure, 12.0).split("\n")
     assert " ".join(lines) == title
     assert len(lines) > 1

@@ -76,7 +76,9 @@ def plot_transmission_error(
         _draw_harmonics(others[0], heard, name)
     # beside the plot, where it hides no curve
     columns = max(1, int(inches[0] / _ENTRY))
-    figure.legend(*axes.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=columns, frameon=False)
+    figure.legend(
+        *axes.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=columns, frameon=False
+    )
     for plot in (axes, *others):
         plot.grid(True, color=GRID_LINES, lw=0.8)
         plot.set_axisbelow(True)
