@@ -8,7 +8,7 @@ from typing import Any
 WIDEST = 0.96
 
 
-def fitted(title: str, figure: Any, size: float) -> str:
+def fit_title(title: str, figure: Any, size: float) -> str:
     """A title in letters of a `size` (points) with line breaks between words where it is wider than its figure."""
     lines = []
     for line in title.split("\n"):

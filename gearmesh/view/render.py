@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import OutputError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.view.lettering import fitted
+from gearmesh.view.lettering import fit_title
 from gearmesh.view.opengl import missing_opengl_message
 from gearmesh.view.palette import COLOUR_MAP, CURVES, INK
 from gearmesh.view.scene import BESIDE_BAR, Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap, beside_bar
@@ -407,7 +407,7 @@ def _draw_words(figure: Any, scene: Scene, size: tuple[int, int], inner: tuple[i
 
 
 def _move_clear(drawn: Any, at: Array, way: Array, right: float) -> None:
-    """Move a word on its `way` (2,) from what it names `at` (2,) until its box covers neither that nor an edge of the picture, whose
+    """Move a word on its `way` (2,) from what it names `at` (2,) until its box covers neither that nor an edge of the picture; the
     `right` one may be that of a colour bar."""
     size = np.array(drawn.figure.bbox.size)
     box = drawn.get_window_extent()
@@ -432,7 +432,7 @@ def _draw_heading(figure: Any, scene: Scene) -> None:
     handles += [Line2D([], [], color=d.colour, marker="o", ls="", label=d.label) for d in scene.dots if d.label]
     if not handles and not scene.title:
         return
-    title = figure.text(0.5, 0.985, fitted(scene.title, figure, 13), ha="center", va="top", fontsize=13, color=INK)
+    title = figure.text(0.5, 0.985, fit_title(scene.title, figure, 13), ha="center", va="top", fontsize=13, color=INK)
     title.set_path_effects(_halo())
     if handles:
         # further rows stand below the first, and all of them below the title

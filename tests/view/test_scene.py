@@ -25,7 +25,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.view import opengl
 from gearmesh.view import render as lettering
 from gearmesh.view.diagrams import plots
-from gearmesh.view.lettering import fitted
+from gearmesh.view.lettering import fit_title
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
 from gearmesh.view.palette import COLOUR_MAP, COMPOUND, LINES, PATH
 from gearmesh.view.render import corner_normals, region_edges, render
@@ -347,13 +347,13 @@ def test_titles_are_broken_where_they_do_not_fit():
         Figure(figsize=(4.0, 3.0)),
         "A pair of gears with a long name: pinion, largest pressure over a mesh cycle",
     )
-    lines = fitted(title, figure, 12.0).split("\n")
+    lines = fit_title(title, figure, 12.0).split("\n")
     assert " ".join(lines) == title
     assert len(lines) > 1
     FigureCanvasAgg(figure)
     widths = [figure.text(0.5, 0.5, line, fontsize=12.0).get_window_extent().width for line in lines]
     assert max(widths) < figure.bbox.width
-    assert fitted("short", figure, 12.0) == "short"
+    assert fit_title("short", figure, 12.0) == "short"
 
 
 @pytest.mark.quick

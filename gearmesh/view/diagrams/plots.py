@@ -19,7 +19,7 @@ from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import OutputError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
-from gearmesh.view.lettering import fitted
+from gearmesh.view.lettering import fit_title
 from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, INK, LINES, PATH
 
 _MARKERS = "osD^v*"
@@ -241,7 +241,7 @@ def save_figure(figure: Any, file: Path | str) -> None:
     if kind not in _KINDS:
         raise OutputError("cannot write", file, reason=f"the suffix of a plot must be {', '.join(_KINDS)}")
     if title := figure.get_suptitle():
-        figure.suptitle(fitted(title, figure, TITLE), fontsize=TITLE)
+        figure.suptitle(fit_title(title, figure, TITLE), fontsize=TITLE)
     with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
         figure.savefig(unfinished, metadata=_KINDS[kind])
         if kind == ".svg":
