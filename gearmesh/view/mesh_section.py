@@ -91,7 +91,7 @@ def mesh_section(
     own, blank = path.point1[k], pair.pinion.tooth.blank
     back = unit(to_fixed.vector(blank.axial.gradient(own)))
     up = to_fixed.vector(unit(TO_AXIS * own))
-    height = _seen(pair)
+    height = _picture_height(pair)
     focus = path.point[k]
     camera = Camera(focus + 4.0 * height * back, focus, up, height, front=0.0)
     first, second = (meshes[name] for name in pair.members)
@@ -100,10 +100,10 @@ def mesh_section(
 
 def facet(pair: GearPair, size: tuple[int, int]) -> float:
     """Distance (mm) of facets from a surface that is not seen in a picture of a `size` in pixels."""
-    return PIXEL * _seen(pair) / size[1]
+    return PIXEL * _picture_height(pair) / size[1]
 
 
-def _seen(pair: GearPair) -> float:
+def _picture_height(pair: GearPair) -> float:
     """Height (mm) of what a picture shows."""
     return SEEN * float(np.ptp(FlankFrame.of(pair.pinion, pair.flanks[0]).extent[:, 1]))
 
