@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.contact.contact import Contact
     from gearmesh.answers.contact.ease_off import EaseOffMap
     from gearmesh.answers.contact.vh import VHCheck
+    from gearmesh.answers.inspection.inspection import Inspection
     from gearmesh.answers.limits import Limits
     from gearmesh.answers.load.loaded import LoadedContact
     from gearmesh.answers.pinned import Pinned
@@ -290,6 +291,33 @@ class Gears(SolvedGears):
         from gearmesh.drawing.drawing import drawing_of
 
         return drawing_of(self, member)
+
+    def evaluate(
+        self,
+        member: str,
+        measured: str | PathLike[str] | None = None,
+        *,
+        flank: str = "both",
+        pitch: str | PathLike[str] | None = None,
+    ) -> Inspection:
+        """What was measured of a member, evaluated against its nominal teeth, with the tolerance classes that it has.
+
+        `measured` is a file of deviations or points of the "right" or "left" `flank`, or of "both", as its column flank says;
+        by default those of the table `measured` of the design. `pitch`: a CSV file with columns tooth, right_um and left_um (index
+        deviations). `inspection_chart` draws it. Raises DesignError and FileError naming what cannot be used.
+        """
+        from gearmesh.answers.inspection.measured_files import inspect_files
+
+        files = (None if file is None else Path(file) for file in (measured, pitch))
+        flanks, pitches = files
+        return inspect_files(self.design, member, flanks, flank, pitches)
+
+    def inspection_chart(self, inspection: Inspection) -> Diagram:
+        """The chart of a measured gear: traces with tolerances, deviations over the flanks, pitch deviations."""
+        from gearmesh.view.diagrams.inspection_chart import plot_inspection
+        from gearmesh.view.picture import Diagram
+
+        return Diagram(inspection.headline, lambda file: plot_inspection(file, inspection))
 
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
         """All that modifications remove of a "right" or "left" flank, as a grid of amounts.

@@ -36,6 +36,7 @@ COMMANDS = {
     "limits": "contact",
     "topography": "outputs",
     "grid": "outputs",
+    "evaluate": "outputs",
     "drawing": "outputs",
     "freecad": "outputs",
     "toolpath": "outputs",

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 from oracles.built import built_sample
+from oracles.command_line import refused, run
+from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.inspection.inspection import Inspection, inspect
+from gearmesh.answers.inspection.measured_files import pitch_text
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.metrology.evaluation import helix_sign
+from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
+from gearmesh.metrology.flanks.point_file import point_text
 from gearmesh.metrology.measured_teeth import GridDeviations, MeasuredTeeth
 from gearmesh.metrology.pitch import PitchDeviations
 from gearmesh.teeth.gear_train import Member
@@ -93,6 +100,56 @@ def test_a_gear_cut_with_a_larger_pressure_angle_has_a_negative_profile_slope() 
         assert flank.profile.slope_deviation < 0.0
         assert flank.second_order.pressure_angle_error * ARCSEC == pytest.approx(np.radians(0.02), rel=0.05)
     assert answer.deviations["f_Ha"] < 0.0
+
+
+def test_files_are_evaluated(tmp_path: Path) -> None:
+    """Deviations that rise by 8 um from toe to heel on a grid, and index deviations of a gear of 24 teeth."""
+    gears = built_sample("helical")
+    member = gears.train.members["pinion"]
+    t = np.linspace(0.1, 0.9, 9)
+    grids = [MeasuringGrid.of(member, side, (5, 9)) for side in Side]
+    head, *lines = [line for line in point_text(grids, [], None, ".csv").splitlines() if line[0] != "#"]
+    flanks, pitch = tmp_path / "flanks.csv", tmp_path / "pitch.csv"
+    done = [f"{line},{8.0 * t[k % 9]}" for k, line in enumerate(lines)]
+    flanks.write_text("\n".join([f"{head},deviation_um", *done]) + "\n")
+    index = {Side.LEFT: PitchDeviations(np.array([0.003, *np.zeros(23)]))}
+    pitch.write_text(pitch_text(index))
+    status, out, warnings = run(
+        "evaluate",
+        SAMPLES / "helical.toml",
+        "--member",
+        "pinion",
+        "--measured",
+        flanks,
+        "--pitch",
+        pitch,
+        "--json",
+        "-",
+    )
+    assert status == 0
+    document = json.loads(out)
+    involute = inspect(gears.design, gears.train, "pinion", MeasuredTeeth()).basis.involute  # type: ignore[union-attr]
+    for side in Side:
+        rise = document["flanks"][side]["helix"]["slope_deviation_um"]
+        wanted = 8.0 / np.cos(involute.base_helix) * helix_sign(side.sign, involute.helix)  # type: ignore[union-attr]
+        assert rise == pytest.approx(wanted, rel=1e-4)
+    assert document["flanks"]["left"]["pitch"]["single_pitch_um"] == pytest.approx(3.0)
+    assert "pitch" not in document["flanks"]["right"]
+    assert "the helix trace of the right flank was measured over 89 %" in warnings
+    # the flanks of a design that has them are held against its nominal teeth
+    own = built_sample("helical", f"measured.pinion_left={flanks}")
+    assert (
+        own.evaluate("pinion").figures.flanks["left"].row
+        == own.evaluate("pinion", flanks, flank="left").figures.flanks["left"].row
+    )
+    for text, message in (
+        ("tooth,right\n0,1\n", "line 1: allowed is tooth, and right_um or left_um or both"),
+        ("tooth,right_um\n24,1\n", "line 2: must be a tooth from 0 to 23 and 1 numbers, um"),
+        ("tooth,right_um\n0,1\n", "has no tooth 1; the gear has 24, counted from 0"),
+    ):
+        pitch.write_text(text)
+        assert message in refused("evaluate", SAMPLES / "helical.toml", "--member", "pinion", "--pitch", pitch)
+    assert "--measured: missing" in refused("evaluate", SAMPLES / "helical.toml", "--member", "pinion")
 
 
 @pytest.mark.sweep

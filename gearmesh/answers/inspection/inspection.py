@@ -36,12 +36,14 @@ DIGITS = 2
 
 @dataclass(frozen=True, repr=False)
 class Inspection(Result):
-    """What was `measured` of a nominal member of a design; `basis`: what it is inspected by, None without tolerances."""
+    """What was `measured` of a nominal member of a design; `basis`: what it is inspected by, None without tolerances; `notes` of
+    the measurement."""
 
     design: Design
     member: Member
     measured: MeasuredTeeth
     basis: InspectionBasis | None
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def maps(self) -> dict[Side, DeviationMap]:
@@ -146,14 +148,15 @@ class Inspection(Result):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Ranges of evaluation that were not measured from end to end."""
-        return tuple(
+        """The notes, and ranges of evaluation that were not measured from end to end."""
+        lines = (
             f"the {what} trace of the {side} flank was measured over {100.0 * (1.0 - own.missing_share):.0f} % of its range of "
             "evaluation: its form and total deviations are those of that part"
             for what, traces in (("profile", self.profiles), ("helix", self.helices))
             for side, own in traces.items()
             if own.missing_share
         )
+        return (*self.notes, *lines)
 
     @cached_property
     def figures(self) -> InspectionFigures:

@@ -1,0 +1,61 @@
+"""The command `evaluate`: what was measured of a member, its deviations and tolerance classes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Json, Set, load_gears
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+
+
+def evaluate(
+    design_file: DesignFile,
+    member: Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)],
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            "--measured",
+            metavar="FILE",
+            help="Deviations or points of its flanks, as the table measured of a design reads them; by default that table's.",
+            show_default=False,
+        ),
+    ] = None,
+    flank: Annotated[
+        str, typer.Option("--flank", metavar="right|left|both", help="Which flanks the file is of.")
+    ] = "both",
+    pitch: Annotated[
+        Path | None,
+        typer.Option(
+            "--pitch",
+            metavar="FILE.csv",
+            help="Index deviations of all teeth: columns tooth, right_um, left_um.",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE", help="Draw the chart: .png, .svg or .pdf.", show_default=False),
+    ] = None,
+    json_file: Json = None,
+    settings: Set = None,
+) -> None:
+    """Deviations of a measured gear and its tolerance classes: ISO 1328-1 for cylindrical gears, ISO 17485 for bevel gears.
+
+    Profile and helix slope, form and crowning; pressure and spiral angle, crownings and twist of flanks of any kind; pitch, runout.
+    """
+    if output is not None:
+        refuse_suffix(output, ".png", ".svg", ".pdf")
+    for file in (output, json_file):
+        refuse_unwritable(file)
+    gears = load_gears(design_file, settings)
+    with working("evaluation"):
+        answer = gears.evaluate(member, measured, flank=flank, pitch=pitch)
+        if output is not None:
+            gears.inspection_chart(answer).save(output)
+    write_text(json_file, answer.json)
+    if json_file != "-":
+        show(answer.listings)
+    warn([*answer.warnings, *answer.complaints])
