@@ -52,6 +52,10 @@ COMMANDS = {
 }
 
 
+#: exit status after Ctrl-C, and files that are named then
+INTERRUPTED, NAMED = 130, 8
+
+
 def command_line(names: Iterable[str] = COMMANDS) -> typer.Typer:
     """The program with the commands of some names, whose modules are loaded."""
     app = typer.Typer(
@@ -77,14 +81,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         status = _group(names).main(args=given, prog_name="gearmesh", standalone_mode=False)
         sys.stdout.flush()
+        if status == INTERRUPTED:
+            return _fail(_stopped(), INTERRUPTED)
     except GearmeshError as error:
         return _fail(str(error), error.exit_status)
     except _UsageError as error:
         where = error.ctx.command_path if error.ctx else "gearmesh"
         said = error.format_message().rstrip(".").replace("Value error, ", "")
         return _fail(f"{said} (see {where} --help)", 2)
-    except typer.Abort:
-        return _fail("stopped", 130)
+    except (typer.Abort, KeyboardInterrupt):
+        return _fail(_stopped(), INTERRUPTED)
     except BrokenPipeError:
         _drop_output()
         return 1
@@ -94,6 +100,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _fail("out of memory: choose a larger --tol, fewer positions or a smaller picture", 2)
     return status if isinstance(status, int) else 0
+
+
+def _stopped() -> str:
+    """What of an interrupted command is kept: files are whole, or not there."""
+    from pathlib import Path
+
+    from gearmesh.io.atomic import written_whole
+
+    kept = written_whole()
+    if not kept:
+        return "stopped: no file was written"
+    names = ", ".join(path.name for path in kept[:NAMED]) + (f" and {len(kept) - NAMED} more" if len(kept) > NAMED else "")
+    folder = kept[0].parent
+    where = f" in {folder}" if folder != Path() and all(path.parent == folder for path in kept) else ""
+    return f"stopped: kept{where}, each of them whole: {names}"
 
 
 def _group(names: Iterable[str]) -> Any:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], None]
 
 _LARGEST_PICTURE = 16384
+#: seconds over which the speed of work is averaged
+_EVER = 1e9
 #: characters in a line of a window that is wide enough for anything
 _ENDLESS = 100_000
 
@@ -91,15 +93,18 @@ def output_folder(path: Path) -> Iterator[None]:
 
 @contextmanager
 def working(what: str) -> Iterator[Progress]:
-    """A progress bar on a terminal, one line per stage elsewhere; the bar pulses until the progress is known."""
+    """A progress bar on a terminal, with the time that it took and, once the progress is known, that which remains; until then the
+    bar pulses. Elsewhere one line per stage."""
     if not sys.stderr.isatty():
         yield lambda fraction, doing: print(f"gearmesh: {doing}", file=sys.stderr)
         return
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    words = TextColumn("{task.description}", markup=False)
+    columns = (words, BarColumn(), TimeElapsedColumn(), TextColumn("remaining"), TimeRemainingColumn())
+    # the speed is that since the beginning: stages are few
+    with Progress(*columns, console=Console(stderr=True), transient=True, speed_estimate_period=_EVER) as bar:
         task = bar.add_task(what, total=None)
         yield lambda fraction, doing: bar.update(task, total=1.0, completed=fraction, description=doing)
 

@@ -31,6 +31,15 @@ PathLike = str | os.PathLike[str]
 _TEMPORARY = re.compile(r"\.gearmesh-([0-9a-f]{8})-([0-9]{1,10})-[0-9a-f]{12}(?:-was-(.+)|\..*)?", re.DOTALL)
 
 
+#: files and folders that this process has written whole, in their order
+_written: list[Path] = []
+
+
+def written_whole() -> tuple[Path, ...]:
+    """The files and folders that this process has written and that are there, as their paths were given."""
+    return tuple(path for path in dict.fromkeys(_written) if path.exists())
+
+
 @contextmanager
 def whole_file(path: PathLike) -> Iterator[Path]:
     """Context giving a temporary path, beside `path` and with its suffix, that becomes `path` on success.
@@ -51,6 +60,7 @@ def whole_file(path: PathLike) -> Iterator[Path]:
                 raise OutputError("cannot write", path, reason="the writer produced nothing")
             _flush_to_disk(temporary)
             os.replace(temporary, target)
+            _written.append(Path(path))
     finally:
         with suppress(OSError):  # it may never have existed, and the reason is on its way already
             temporary.unlink()
@@ -74,6 +84,7 @@ def whole_folder(path: PathLike, suffix: str) -> Iterator[Path]:
             for file in temporary.iterdir():
                 _flush_to_disk(file)
             _exchange(temporary, target, retired)
+            _written.append(Path(path))
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
         shutil.rmtree(retired, ignore_errors=True)

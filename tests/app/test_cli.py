@@ -10,7 +10,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
-from contextlib import redirect_stdout
+from contextlib import nullcontext, redirect_stdout, suppress
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -32,11 +32,13 @@ from gearmesh.answers.contact.figures import PathSummary
 from gearmesh.answers.sheet import Compensation
 from gearmesh.answers.tables import Listing
 from gearmesh.api.run import Report
+from gearmesh.app import cli
 from gearmesh.app.terminal import show
 from gearmesh.contact.path import ContactPath
 from gearmesh.design import files
 from gearmesh.errors import NoSolutionError, OutputError, Status
 from gearmesh.figures import Summary
+from gearmesh.io import atomic
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
@@ -620,3 +622,26 @@ def test_solid_of_the_first_sample(here: Path) -> None:
     found = dict(line.split() for line in out.splitlines())
     assert (found["watertight"], float(found["tolerance_um"])) == ("true", 50)
     assert (here / "p.stl").stat().st_size == 84 + 50 * int(found["triangles"])
+
+
+@pytest.mark.parametrize("aborts", [True, False])
+def test_interrupted_commands_say_what_is_kept(aborts: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether the command line ends by itself with the status of an interrupted program, or by the exception."""
+    monkeypatch.setattr(atomic, "_written", [])
+
+    def stopped_after(*files: str) -> SimpleNamespace:
+        def main(**_: object) -> int:
+            for name in files:
+                atomic.whole_text(tmp_path / name, "whole")
+            with suppress(KeyboardInterrupt) if not aborts else nullcontext(), atomic.whole_file(tmp_path / "half") as half:
+                half.write_bytes(b"half of it")
+                raise KeyboardInterrupt
+            return cli.INTERRUPTED
+
+        return SimpleNamespace(main=main)
+
+    monkeypatch.setattr(cli, "_group", lambda names: stopped_after())
+    assert refused("tca", status=130) == "stopped: no file was written"
+    monkeypatch.setattr(cli, "_group", lambda names: stopped_after("a.csv", "b.stl"))
+    assert refused("tca", status=130) == f"stopped: kept in {tmp_path}, each of them whole: a.csv, b.stl"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "b.stl"]
