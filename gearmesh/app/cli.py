@@ -111,7 +111,9 @@ def _stopped() -> str:
     kept = written_whole()
     if not kept:
         return "stopped: no file was written"
-    names = ", ".join(path.name for path in kept[:NAMED]) + (f" and {len(kept) - NAMED} more" if len(kept) > NAMED else "")
+    names = ", ".join(path.name for path in kept[:NAMED]) + (
+        f" and {len(kept) - NAMED} more" if len(kept) > NAMED else ""
+    )
     folder = kept[0].parent
     where = f" in {folder}" if folder != Path() and all(path.parent == folder for path in kept) else ""
     return f"stopped: kept{where}, each of them whole: {names}"

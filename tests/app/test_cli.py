@@ -633,7 +633,10 @@ def test_interrupted_commands_say_what_is_kept(aborts: bool, tmp_path: Path, mon
         def main(**_: object) -> int:
             for name in files:
                 atomic.whole_text(tmp_path / name, "whole")
-            with suppress(KeyboardInterrupt) if not aborts else nullcontext(), atomic.whole_file(tmp_path / "half") as half:
+            with (
+                suppress(KeyboardInterrupt) if not aborts else nullcontext(),
+                atomic.whole_file(tmp_path / "half") as half,
+            ):
                 half.write_bytes(b"half of it")
                 raise KeyboardInterrupt
             return cli.INTERRUPTED
