@@ -1,6 +1,6 @@
 """The command line. Commands load what they need when they run, so that `--help` and `describe` answer at once.
 
-Exit statuses: 0 done, 2 bad input or output, 3 no solution; failures are one line on standard error.
+Exit statuses: 0 done, 2 bad input or output, 3 no solution, 130 stopped by Ctrl-C; failures are one line on standard error.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         status = _group(names).main(args=given, prog_name="gearmesh", standalone_mode=False)
         sys.stdout.flush()
         if status == INTERRUPTED:
-            return _fail(_stopped(), INTERRUPTED)
+            return _fail(_interruption(), INTERRUPTED)
     except GearmeshError as error:
         return _fail(str(error), error.exit_status)
     except _UsageError as error:
@@ -90,7 +90,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         said = error.format_message().rstrip(".").replace("Value error, ", "")
         return _fail(f"{said} (see {where} --help)", 2)
     except (typer.Abort, KeyboardInterrupt):
-        return _fail(_stopped(), INTERRUPTED)
+        return _fail(_interruption(), INTERRUPTED)
     except BrokenPipeError:
         _drop_output()
         return 1
@@ -102,7 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status if isinstance(status, int) else 0
 
 
-def _stopped() -> str:
+def _interruption() -> str:
     """What of an interrupted command is kept: files are whole, or not there."""
     from pathlib import Path
 
