@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.errors import ArgumentError
+from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array
 
 #: coefficients
@@ -76,16 +77,17 @@ def flank_coordinates(points: Array) -> tuple[Array, Array]:
     return np.moveaxis(length, 0, 1), height
 
 
-def spiral_angle_error(points: Array, normals: Array, lengthwise_angle: float) -> float:
+def spiral_angle_error(points: Array, normals: Array, lengthwise_angle: float, joint: Joint) -> float:
     """By how much (rad) the amount of the spiral or helix angle is larger where material rises to the heel by the
-    `lengthwise_angle`; of points and outward normals (I, J, 3), mm, of a flank of 3 x 3 or more, at its middle.
+    `lengthwise_angle`; of points and outward normals (I, J, 3), mm, of a flank of 3 x 3 or more, at its middle;
+    `joint` of its member.
 
     The trace of the flank in the pitch surface moves by d / (n . e), e across the trace in that surface. Of straight teeth it is
     positive where the heel leans to rising angles about the axis.
     """
     i, j = (size // 2 for size in points.shape[:2])
-    x, y, _ = points[i, j]
-    around = np.array([-y, x, 0.0]) / np.hypot(x, y)
+    around = joint.angle_gradient(points[i, j])
+    around = around / np.linalg.norm(around)
     trace = points[i, j + 1] - points[i, j - 1]
     trace = trace / np.linalg.norm(trace)
     lean = float(trace @ around)

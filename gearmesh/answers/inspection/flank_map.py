@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.metrology.evaluation import EvaluatedTrace, evaluate_trace, helix_sign, in_transverse_plane
 from gearmesh.metrology.measured_teeth import FlankDeviations, InvoluteFlank
@@ -41,9 +42,9 @@ class DeviationMap:
         """To second order."""
         return second_order(*flank_coordinates(self.points), self.deviations)
 
-    def spiral_error(self, order: SecondOrder) -> float:
-        """Error of the spiral angle, rad."""
-        return spiral_angle_error(self.points, self.normals, order.lengthwise_angle)
+    def spiral_error(self, order: SecondOrder, joint: Joint) -> float:
+        """Error of the spiral angle, rad, of a member with a joint."""
+        return spiral_angle_error(self.points, self.normals, order.lengthwise_angle, joint)
 
 
 @dataclass(frozen=True)

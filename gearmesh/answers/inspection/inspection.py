@@ -181,7 +181,9 @@ class Inspection(Result):
         order = self.maps[side].order if side in self.maps else None
         profile, helix, pitch = self.profiles.get(side), self.helices.get(side), self.measured.pitch.get(side)
         return FlankInspectionFigures(
-            None if order is None else FlankOrderFigures.of(order, self.maps[side].spiral_error(order)),
+            None
+            if order is None
+            else FlankOrderFigures.of(order, self.maps[side].spiral_error(order, self.member.tooth.joint)),
             None if profile is None else TraceFigures.of(profile.trace, profile.sign),
             None if helix is None else TraceFigures.of(helix.trace, helix.sign),
             None if pitch is None else PitchFigures.of(pitch),
