@@ -39,7 +39,8 @@ def test_the_flank_fills_the_picture(sample: str) -> None:
     words = {word.text: camera.pixels(word.point, (800, 600))[:2] for word in scene.words}
     assert set(words) == {"toe", "heel", "tip", "root"}
     assert words["tip"][1] < words["root"][1]
-    assert abs(words["toe"][0] - words["heel"][0]) > 0.8 * 800
+    # at half its height a curved flank is shorter than its corners are apart
+    assert abs(words["toe"][0] - words["heel"][0]) > 0.75 * 800
     assert str(gears.design.name) in scene.title
 
 
