@@ -96,10 +96,14 @@ def _fit(contact: Contact) -> Iterator[CardFigure]:
     yield CardFigure("Tip clearance", distances[0] if alike else ", ".join(named), note)
 
 
+#: units that are signs behind a number
+SIGNS = {"deg": "°"}
+
+
 def _turn(contact: Contact, angle: float) -> str:
     """The least backlash (rad) as rotation or travel of the gear."""
     rad, unit = contact.pair.output.reading.motion
-    return f"at least {number(angle / rad)}{'°' if unit == 'deg' else f' {unit}'} of the {contact.pair.gear.name}"
+    return f"at least {number(angle / rad)}{SIGNS.get(unit, f' {unit}')} of the {contact.pair.gear.name}"
 
 
 def _pressure(contact: Contact, loaded: LoadedContact | None) -> Iterator[CardFigure]:
