@@ -68,8 +68,15 @@ def contact_picture(
 
     `view`, of `tooth_view`, saves meshing the tooth again, here and in the other pictures of a tooth.
     """
-    view = replace(view or tooth_view(pair, name), title=_title(title, f"{name}, path of contact"), size=size)
-    return member_scene(view, contact_on(pair.index(name), path, pair.mounts, whole))
+    contact = contact_on(pair.index(name), path, pair.mounts, whole)
+    shown = _contact_words(path, len(contact.along_lines))
+    view = replace(view or tooth_view(pair, name), title=_title(title, f"{name}, {shown}"), size=size)
+    return member_scene(view, contact)
+
+
+def _contact_words(path: ContactPath, lines: int) -> str:
+    """What a picture shows of contact that is along lines at so many of its positions."""
+    return "lines of contact" if 2 * lines > np.count_nonzero(path.touching) else "path of contact"
 
 
 def pattern_picture(

@@ -82,3 +82,12 @@ def test_files_hold_the_map(tmp_path: Path) -> None:
     np.testing.assert_allclose(mesh.point_data["ease_off_um"], um, rtol=1e-9, atol=1e-9)
     assert np.nanmin(um) == 0.0
     assert mesh.cells_dict["quad"].shape == ((found.map.distance.shape[0] - 1) * (found.map.distance.shape[1] - 1), 4)
+
+
+@pytest.mark.parametrize("hob", [{}, {"hob.reference_diameter": 63.0}])
+def test_ease_off_of_worm_drives_is_known_on_half_of_their_field(hob: dict[str, float]) -> None:
+    """The gear's flank passes the threads again where it comes from behind; the first meeting counts."""
+    gears = gm.build(gm.load(SAMPLES / "worm_drive.toml").with_values(hob))
+    distance = gears.ease_off().map.distance
+    assert np.isfinite(distance).sum() > 0.4 * distance.size
+    assert -1e-6 < np.nanmin(distance) < 1e-4

@@ -53,8 +53,10 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
     with np.errstate(all="ignore"):
         field = advances(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
         past = field.beyond.max(axis=0)
-        nearest = _Nearest.of(phi1, np.where(past <= 0.0, field.advance, -np.inf))
-        any_nearest = _Nearest.of(phi1, np.where(np.isnan(field.advance), -np.inf, field.advance))
+        # of threads the gear's flank also passes where it comes from behind: no advance there
+        advance = np.where(np.isnan(field.advance), -np.inf, field.advance)
+        nearest = _Nearest.of(phi1, np.where(past <= 0.0, advance, -np.inf))
+        any_nearest = _Nearest.of(phi1, advance)
         # NaN where no point is most advanced in the middle of the positions
         top = np.fmax.reduce(nearest.advance)
         distance, continued = (

@@ -59,12 +59,13 @@ class TransmissionAdvance:
         NaN where none or this one itself does not touch."""
         counts = np.arange(1.0, np.ptp(self.phi1) / pitch + 1.0)
         shifts = np.concatenate((-counts, counts)) * pitch
-        touching = np.isfinite(self.advance)
+        touching, ahead = np.isfinite(self.advance), np.full(len(phi1), np.nan)
+        if not touching.any():
+            return ahead
         # the nodes show which neighbour is ahead, and only that one is evaluated
         rough = np.stack(
             [np.interp(phi1 + s, self.phi1[touching], self.advance[touching], -np.inf, -np.inf) for s in shifts]
         )
-        ahead = np.full(len(phi1), np.nan)
         own = np.flatnonzero(np.isfinite(rough.max(axis=0)))
         there = phi1[own] + shifts[rough.argmax(axis=0)[own]]
         itself, other = self.at(np.concatenate((phi1[own], there)))[0].reshape(2, -1)
