@@ -29,7 +29,7 @@ from gearmesh.view.load.fe_views import STRESS_SHARE, pressure_scene, stress_sce
 from gearmesh.view.opengl import missing_opengl_message
 from gearmesh.view.palette import COLOUR_MAP
 from gearmesh.view.render import render
-from gearmesh.view.scene import Camera
+from gearmesh.view.scene import Camera, beside_bar
 
 CROSSED = SAMPLES / "beveloid_crossed.toml"
 COARSE = ["--set", "fe.flank=5", "--set", "fe.fillet=4", "--set", "fe.thickness=2", "--set", "fe.face=6"]
@@ -286,6 +286,6 @@ def test_pictures_show_what_was_solved() -> None:
 
 
 def pixel(image: Array, camera: Camera, point: Array) -> Array:
-    """Colour (3,) where a point appears."""
-    x, y, _ = camera.pixels(point, (image.shape[1], image.shape[0]))
+    """Colour (3,) where a point appears, beside the colour bar."""
+    x, y, _ = camera.pixels(point, beside_bar((image.shape[1], image.shape[0])))
     return image[round(float(y)), round(float(x))].astype(float)

@@ -21,8 +21,10 @@ from gearmesh.teeth.tooth import Tooth
 
 #: rotations in a pitch from which a search begins, and points that take part in it at most
 STARTS, SAMPLE = 90, 400
+#: points of a flank, about, that find the place before all do
+FIRST = 2000
 #: rounds at most, and the largest move (mm) of the last
-ROUNDS, SMALLEST_MOVE = 12, 1e-9
+ROUNDS, SMALLEST_MOVE = 12, 1e-8
 #: distances (mm) of another flank's or hand's points, and over those of the right one, from which on it is not this flank
 FAR, CLEARLY = 0.02, 5.0
 
@@ -56,23 +58,42 @@ def align(tooth: Tooth, points: Mapping[Side, Array], *, axial: bool) -> Alignme
 def _fit(
     tooth: Tooth, projections: Mapping[Side, FlankProjection], points: Mapping[Side, Array], axial: bool
 ) -> Alignment:
-    rotation, shift = _start(tooth, projections, points), 0.0
-    for _ in range(ROUNDS):
-        feet = {
-            side: projections[side].foot_points(turn_about_axis(own, rotation, shift)) for side, own in points.items()
-        }
-        r, n = (np.concatenate([getattr(foot, name) for foot in feet.values()]) for name in ("points", "normals"))
-        d = np.concatenate([foot.distances for foot in feet.values()])
-        arms = r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0]
-        rates = components(arms, n[:, 2])[:, : 2 if axial else 1]
+    place = _start(tooth, projections, points), 0.0
+    few = {side: own[:: max(1, len(own) // FIRST)] for side, own in points.items()}
+    # a few points find the place, all of them where it is exactly
+    for own, rounds in ((few, ROUNDS), (points, ROUNDS)):
+        place = _refine(projections, own, place, axial, rounds)
+    return Alignment(*place, _feet(projections, points, place))
+
+
+def _refine(
+    projections: Mapping[Side, FlankProjection],
+    points: Mapping[Side, Array],
+    place: tuple[float, float],
+    axial: bool,
+    rounds: int,
+) -> tuple[float, float]:
+    """Rotation (rad) and shift (mm) after so many steps of least squares at most, from a place near."""
+    rotation, shift = place
+    for _ in range(rounds):
+        feet = _feet(projections, points, (rotation, shift))
+        r, n, d = (
+            np.concatenate([getattr(foot, name) for foot in feet.values()])
+            for name in ("points", "normals", "distances")
+        )
+        rates = components(r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0], n[:, 2])[:, : 2 if axial else 1]
         kept = np.isfinite(d)
         step = -np.linalg.lstsq(rates[kept], d[kept], rcond=None)[0]
-        rotation += float(step[0])
-        shift += float(step[1]) if axial else 0.0
+        rotation, shift = rotation + float(step[0]), shift + (float(step[1]) if axial else 0.0)
         if np.abs(rates[kept] @ step).max(initial=0.0) < SMALLEST_MOVE:
             break
-    feet = {side: projections[side].foot_points(turn_about_axis(own, rotation, shift)) for side, own in points.items()}
-    return Alignment(rotation, shift, feet)
+    return rotation, shift
+
+
+def _feet(
+    projections: Mapping[Side, FlankProjection], points: Mapping[Side, Array], place: tuple[float, float]
+) -> dict[Side, FootPoints]:
+    return {side: projections[side].foot_points(turn_about_axis(own, *place)) for side, own in points.items()}
 
 
 def _start(tooth: Tooth, projections: Mapping[Side, FlankProjection], points: Mapping[Side, Array]) -> float:
