@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.contact.contact import Contact
     from gearmesh.answers.contact.ease_off import EaseOffMap
     from gearmesh.answers.contact.vh import VHCheck
+    from gearmesh.answers.inspection.correction import Correction
     from gearmesh.answers.inspection.inspection import Inspection
     from gearmesh.answers.limits import Limits
     from gearmesh.answers.load.loaded import LoadedContact
@@ -311,6 +312,26 @@ class Gears(SolvedGears):
         files = (None if file is None else Path(file) for file in (measured, pitch))
         flanks, pitches = files
         return inspect_files(self.design, member, flanks, flank, pitches)
+
+    def correct(
+        self,
+        member: str,
+        measured: str | PathLike[str] | None = None,
+        *,
+        flank: str = "both",
+        settings: Sequence[str] = (),
+        noise: float | None = None,
+    ) -> Correction:
+        """Machine settings of a bevel or hypoid gear that take measured deviations away; `save("new.toml")` writes the design.
+
+        `measured`, `flank` are as in `evaluate`. `settings` names those that may move, as "radial", of one side "concave.radial",
+        of a motion "helical_motion.2"; by default the usual ones. `noise` (um) is the standard deviation of a measured deviation,
+        by default what no setting takes away. Raises DesignError and FileError naming what cannot be used.
+        """
+        from gearmesh.answers.inspection.correction import correct_settings
+
+        file = None if measured is None else Path(measured)
+        return correct_settings(self.design, member, file, flank, settings, noise)
 
     def inspection_chart(self, inspection: Inspection) -> Diagram:
         """The chart of a measured gear: traces with tolerances, deviations over the flanks, pitch deviations."""

@@ -37,6 +37,7 @@ COMMANDS = {
     "topography": "outputs",
     "grid": "outputs",
     "evaluate": "outputs",
+    "correct": "outputs",
     "drawing": "outputs",
     "freecad": "outputs",
     "toolpath": "outputs",

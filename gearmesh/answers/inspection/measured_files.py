@@ -19,11 +19,12 @@ from gearmesh.errors import ArgumentError, FileError
 from gearmesh.files.csv_table import csv_rows
 from gearmesh.files.reading import MIB, file_text
 from gearmesh.metrology.flanks.measured_field import MeasuredField
-from gearmesh.metrology.flanks.measured_flank import MeasuringMode, measured_flanks
+from gearmesh.metrology.flanks.measured_flank import MeasuredFlank, MeasuringMode, measured_flanks
 from gearmesh.metrology.flanks.point_file import read_points
 from gearmesh.metrology.measured_teeth import MeasuredTeeth
 from gearmesh.metrology.pitch import PitchDeviations
 from gearmesh.systems import system as systems
+from gearmesh.teeth.gear_train import GearTrain
 from gearmesh.teeth.region import Side
 
 #: both flanks
@@ -39,6 +40,22 @@ def inspect_files(
 
     Raises DesignError for a member or flank that there is not and where nothing is given, FileError for what cannot be read.
     """
+    nominal, train, made = flanks_of_files(design, name, flanks, flank, needed=pitch is None)
+    tooth = train.members[name].one_tooth
+    fields = {side: MeasuredField.of(tooth, side, own_flank) for side, own_flank in made.items()}
+    answer = inspect(
+        nominal, train, name, MeasuredTeeth(fields, {} if pitch is None else read_pitch(pitch, tooth.teeth))
+    )
+    return replace(answer, notes=tuple(f"{side} flank: {note}" for side in made for note in made[side].notes))
+
+
+def flanks_of_files(
+    design: Design, name: str, flanks: Path | None, flank: str = BOTH, *, needed: bool = True
+) -> tuple[Design, GearTrain, dict[Side, MeasuredFlank]]:
+    """The design without measured flanks, its gear set, and what a file, or the design's own, says of the flanks of a member.
+
+    Raises as `inspect_files`; where files are `needed`, also where there are none.
+    """
     table: MeasuredTable | None = getattr(design, "measured", None)
     nominal = design if table is None else design.model_copy(update={"measured": None})
     train = systems.build(nominal)
@@ -46,21 +63,16 @@ def inspect_files(
         raise ArgumentError("member", name, must_be=f"one of {', '.join(train.members)}")
     own = design.table_named(name)
     files = _of_table(design, own) if flanks is None else dict.fromkeys(_sides(flanks, flank), flanks)
-    if not files and pitch is None:
+    if not files and needed:
         raise ArgumentError(
             "measured",
             reason="missing",
             allowed=f"a file, or measured.{own}_right and measured.{own}_left of the design",
         )
     mode = MeasuringMode() if table is None else MeasuringMode(table.axial_position == "free", table.stiffness)
-    tooth = train.members[name].one_tooth
     keys = {side: "measured" if flanks else f"measured.{own}_{side}" for side in Side}
-    made = measured_flanks(tooth, files, mode, keys) if files else {}
-    fields = {side: MeasuredField.of(tooth, side, own_flank) for side, own_flank in made.items()}
-    answer = inspect(
-        nominal, train, name, MeasuredTeeth(fields, {} if pitch is None else read_pitch(pitch, tooth.teeth))
-    )
-    return replace(answer, notes=tuple(f"{side} flank: {note}" for side in made for note in made[side].notes))
+    made = measured_flanks(train.members[name].one_tooth, files, mode, keys) if files else {}
+    return nominal, train, made
 
 
 def _of_table(design: Design, own: str) -> dict[Side, Path]:

@@ -1,0 +1,382 @@
+"""Machine settings that take away what was measured, what is left of the deviations, and the contact before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.answers.inspection.figures import UM
+from gearmesh.answers.inspection.machine_settings import (
+    INDEX,
+    CutFlanks,
+    MovableSetting,
+    movable_settings,
+    usable_settings,
+)
+from gearmesh.answers.inspection.measured_files import BOTH, flanks_of_files
+from gearmesh.answers.questions import SolvedGears
+from gearmesh.answers.result import Result, header
+from gearmesh.answers.tables import Listing
+from gearmesh.design.core import Design
+from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
+from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.files.csv_table import csv_text
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.metrology.correction import SettingChanges, setting_changes
+from gearmesh.metrology.flanks.projection import FlankProjection
+from gearmesh.metrology.flanks.smoothing import smooth_deviations
+from gearmesh.metrology.second_order import flank_coordinates, second_order
+from gearmesh.systems import system as systems
+from gearmesh.teeth.gear_train import GearTrain
+from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, deviating_tooth, lowest_share
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+
+#: Newton's steps at most, and the largest move of the flank, mm, that counts as none
+MOST_STEPS, ENOUGH = 10, 1e-9
+#: changes for which effects are stated: of a length (mm), an angle (deg), and of what has no unit
+OF_LENGTH, OF_ANGLE, OF_NUMBER = 0.01, 1.0 / 60.0, 1e-4
+
+
+@dataclass(frozen=True)
+class SettingFigures(Figures):
+    """A setting that a correction moves."""
+
+    setting: str = figure("name of the setting")
+    before: float = figure("value in the design, which cut the measured flank")
+    after: float = figure("value that takes the deviations away")
+    change: float = figure("change of the value")
+    uncertainty: float = figure("standard deviation of the change by the noise of the measurement")
+    unit: str = figure("unit of the values")
+
+
+@dataclass(frozen=True)
+class EffectFigures(Figures):
+    """How a flank follows a change of one setting, to second order over the measured grid."""
+
+    setting: str = figure("name of the setting")
+    flank: str = figure("flank, right or left")
+    by: float = figure("change of the setting: 0.01 mm, 1 arcmin or 0.0001, in its unit")
+    thickness: float = figure("displacement along the normal in the middle", "um")
+    pressure_angle: float = figure("increase of the pressure angle", "arcsec")
+    lengthwise_angle: float = figure("rise of the material to the heel", "arcsec")
+    profile_crowning: float = figure("increase of profile crowning", "um")
+    length_crowning: float = figure("increase of lengthwise crowning", "um")
+    twist: float = figure("increase of the rise to the tip at the heel less that at the toe", "um")
+
+
+@dataclass(frozen=True)
+class ResidualFigures(Figures):
+    """Deviations of a flank before and after a correction."""
+
+    rms_before: float = figure("root mean square of the measured deviations", "um")
+    max_before: float = figure("largest of them", "um")
+    rms_after: float = figure("root mean square of what the correction leaves", "um")
+    max_after: float = figure("largest of it", "um")
+
+
+@dataclass(frozen=True)
+class PrognosisFigures(Figures):
+    """Contact of the real flank with the other member's nominal one."""
+
+    contact_ratio: float | None = figure("contact ratio without load", symbol="eps")
+    mesh_te_peak_to_peak: float | None = figure("transmission error over the mesh cycle", "arcsec")
+
+
+@dataclass(frozen=True)
+class CorrectionFigures(Figures):
+    """A correction of machine settings."""
+
+    member: str = figure("name of the member")
+    settings: list[SettingFigures] = figure("settings that are moved")
+    rotation: float | None = figure("rotation of the measured teeth against the design's", "arcsec", optional=True)
+    noise: float = figure("standard deviation of a measured deviation, as given or by what no setting takes away", "um")
+    directions: int = figure("combinations of settings that the deviations show", whole=True)
+    singular_values: list[float] = figure("singular values of the sensitivity, each setting over its root mean square")
+    effects: list[EffectFigures] = figure("sensitivity of the flanks to each setting")
+    residuals: Mapping[str, ResidualFigures] = figure("deviations of right and left flanks")
+    contact_nominal: PrognosisFigures = figure("contact of the design")
+    contact_before: PrognosisFigures = figure("contact of the measured flanks")
+    contact_after: PrognosisFigures = figure("contact of the corrected flanks")
+
+
+@dataclass(frozen=True, repr=False)
+class Correction(Result):
+    """Changes of settings (M,) of a member, in the design's units: `corrected` is the design with the settings that are to be put
+    into the machine. `measured`, `residual`: deviations of each flank before and after, on the same points.
+
+    As ".toml" the design with the new settings is saved, as ".csv" what is left of the deviations, as `[measured]` reads it.
+    """
+
+    design: Design
+    train: GearTrain
+    member: str
+    settings: tuple[MovableSetting, ...]
+    flanks: CutFlanks
+    sensitivity: Array
+    solution: SettingChanges
+    rotation: float | None
+    residual: Mapping[Side, DeviationGrid]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".toml", ".csv")
+
+    @cached_property
+    def corrected(self) -> Design:
+        """The design with the corrected settings, all others stated. Its own flanks are off by the opposite of the deviations."""
+        return self.flanks.design.with_values(self.flanks.values(self.settings, self.solution.changes.tolist()))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is to be noted of the files and of the outcome."""
+        return list(self.notes)
+
+    @cached_property
+    def figures(self) -> CorrectionFigures:
+        """All of it; the contact is solved for it."""
+        flanks = {side: self.flanks.grids[side] for side in self.residual}
+        return CorrectionFigures(
+            member=self.member,
+            settings=self._settings,
+            rotation=None if self.rotation is None else self.rotation / ARCSEC,
+            noise=UM * self.solution.noise,
+            directions=self.solution.directions,
+            singular_values=self.solution.singular_values.tolist(),
+            effects=self._effects,
+            residuals={str(side): _residual(flanks[side].values, own.values) for side, own in self.residual.items()},
+            contact_nominal=self._prognosis({}),
+            contact_before=self._prognosis(flanks),
+            contact_after=self._prognosis(self.residual),
+        )
+
+    @property
+    def headline(self) -> str:
+        parts = [
+            f"{side} {UM * _rms(self.flanks.grids[side].values):.3g} -> {UM * _rms(own.values):.3g} um"
+            for side, own in self.residual.items()
+        ]
+        return f"{self.member}: {len(self.settings)} settings; root mean square {', '.join(parts)}"
+
+    @property
+    def listings(self) -> list[Listing]:
+        own = self.figures
+        settings = [[s.setting, s.before, s.after, s.change, s.uncertainty, s.unit] for s in own.settings]
+        effects = [
+            [f"{e.setting}, {e.flank}", *(round(value, 4) for value in list(e.row.values())[2:])] for e in own.effects
+        ]
+        left = [[side, *r.row.values()] for side, r in own.residuals.items()]
+        contact = [
+            [name, c.contact_ratio, c.mesh_te_peak_to_peak]
+            for name, c in (
+                ("design", own.contact_nominal),
+                ("as measured", own.contact_before),
+                ("corrected", own.contact_after),
+            )
+        ]
+        of_fit = [("noise, um", own.noise), ("combinations that show", own.directions)]
+        if own.rotation is not None:
+            of_fit.append(("rotation, arcsec", own.rotation))
+        return [
+            Listing(
+                f"Corrected settings of the {self.member}",
+                ("setting", "before", "after", "change", "uncertainty", "unit"),
+                settings,
+            ),
+            Listing("Fit", ("", ""), of_fit),
+            Listing(
+                "Sensitivity, to second order: um, angles in arcsec",
+                ("setting, flank", "by", "thickness", "pressure", "to heel", "profile cr.", "length cr.", "twist"),
+                effects,
+            ),
+            Listing("Singular values", ("", ""), list(enumerate(own.singular_values, 1))),
+            Listing("Deviations, um", ("flank", "rms before", "max before", "rms after", "max after"), left),
+            Listing("Contact", ("flanks", "contact ratio", "TE of the mesh, arcsec"), contact),
+        ]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        rows = [setting.row for setting in self._settings]
+        return {key: [row[key] for row in rows] for key in SettingFigures.__dataclass_fields__}
+
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), **Summary(self.figures)}
+
+    @property
+    def _settings(self) -> list[SettingFigures]:
+        rows = zip(self.settings, self.solution.changes.tolist(), self.solution.uncertainties.tolist(), strict=False)
+        values = [(s, self.flanks.value(s), change, spread) for s, change, spread in rows]
+        return [SettingFigures(s.name, v, v + c, c, spread, self.flanks.unit(s)) for s, v, c, spread in values]
+
+    @property
+    def _effects(self) -> list[EffectFigures]:
+        made = []
+        for setting, column in zip(self.settings, self.sensitivity.T, strict=True):
+            unit = self.flanks.unit(setting)
+            by = OF_ANGLE if unit == "deg" else OF_LENGTH / self.design.mm_per_unit if unit else OF_NUMBER
+            for side, moves in _by_side(self.flanks.grids, by * column).items():
+                if not moves.values.any():
+                    continue
+                order = second_order(*flank_coordinates(moves.points), moves.values)
+                made.append(
+                    EffectFigures(
+                        setting.name,
+                        str(side),
+                        by,
+                        UM * order.thickness,
+                        order.profile_angle / ARCSEC,
+                        order.lengthwise_angle / ARCSEC,
+                        UM * order.profile_crowning,
+                        UM * order.length_crowning,
+                        UM * order.twist,
+                    )
+                )
+        return made
+
+    def _prognosis(self, grids: Mapping[Side, DeviationGrid]) -> PrognosisFigures:
+        """Contact of the gear set with deviations of the member's flanks, less their noise; nothing where they do not meet."""
+        own = self.train.members[self.member]
+        try:
+            smooth = {side: _smooth(own.one_tooth, side, grid) for side, grid in grids.items()}
+            made = replace(own, tooth=deviating_tooth(own.one_tooth, smooth)) if grids else own
+            document = SolvedGears(self.design, self.train.with_member(made)).contact().document()
+        except (DesignError, NoSolutionError):
+            return PrognosisFigures(None, None)
+        return PrognosisFigures(_entry(document, "contact_ratio"), _entry(document, "mesh_te_peak_to_peak_arcsec"))
+
+    def _write(self, target: Path) -> None:
+        from gearmesh.design.files import design_text
+        from gearmesh.io.atomic import whole_text
+
+        toml = target.suffix.lower() == ".toml"
+        whole_text(target, design_text(self.corrected, target.parent) if toml else residual_text(self.residual))
+
+
+def correct_settings(
+    design: Design,
+    name: str,
+    file: Path | None = None,
+    flank: str = BOTH,
+    settings: Sequence[str] = (),
+    noise: float | None = None,
+) -> Correction:
+    """Settings of the machine that cuts a member, with which the deviations that a `file` says of its `flank` would go away.
+
+    `file`, `flank`: as `inspect_files` has them. `settings`: names of those that may move ("radial", of one side
+    "concave.radial", "helical_motion.2"), by default the usual ones of the machine. `noise`: standard deviation (um) of a measured
+    deviation. Where the blank's index is not among the settings, the rotation of the measured teeth is free.
+
+    Raises DesignError for kinds without machine settings, for settings that there are not and where nothing was measured,
+    FileError for what cannot be read.
+    """
+    if noise is not None and not (np.isfinite(noise) and noise > 0.0):
+        raise ArgumentError("noise", noise, must_be="above 0, um")
+    nominal, train, made = flanks_of_files(design, name, file, flank)
+    movable_settings(nominal, name)
+    flanks = CutFlanks(systems.pin(nominal, train), name, {side: own.grid for side, own in made.items()})
+    moving = usable_settings(flanks, settings)
+    if not moving:
+        raise ArgumentError(
+            "settings", reason="none moves the flanks that were measured", allowed="settings of their machine"
+        )
+    columns = list(moving.values())
+    turning = not any(INDEX in setting.name for setting in moving)
+    if turning:
+        columns.append(flanks.rotation)
+    sensitivity = np.stack(columns, axis=-1)
+    solution, left = _solve(flanks, tuple(moving), sensitivity, None if noise is None else noise / UM)
+    residual = _by_side(flanks.grids, left)
+    notes = tuple(f"{side} flank: {note}" for side in made for note in made[side].notes)
+    count = len(moving)
+    return Correction(
+        nominal,
+        train,
+        name,
+        tuple(moving),
+        flanks,
+        sensitivity[:, :count],
+        replace(solution, changes=solution.changes[:count], uncertainties=solution.uncertainties[:count]),
+        float(solution.changes[count]) if turning else None,
+        residual,
+        notes,
+    )
+
+
+def _solve(
+    flanks: CutFlanks, settings: tuple[MovableSetting, ...], sensitivity: Array, noise: float | None
+) -> tuple[SettingChanges, Array]:
+    """All changes (of settings, and the rotation where that has a column), and what they leave (N,), mm, of the exact flanks."""
+    deviations = np.concatenate([grid.values.ravel() for grid in flanks.grids.values()])
+    start, total, left = flanks.displacements({}), np.zeros(sensitivity.shape[1]), deviations
+    first = solution = setting_changes(left, sensitivity, noise)
+    for _ in range(MOST_STEPS):
+        if not solution.directions:
+            break
+        trial = total + solution.changes
+        cut = flanks.displacements(flanks.values(settings, trial[: len(settings)].tolist())) - start
+        after = deviations + cut + sensitivity[:, len(settings) :] @ trial[len(settings) :]
+        if not _rms(after) < _rms(left):
+            break
+        total, left = trial, after
+        if np.abs(sensitivity @ solution.changes).max() < ENOUGH:
+            break
+        solution = setting_changes(left, sensitivity, noise)
+    return replace(solution, changes=total, directions=first.directions), left
+
+
+def residual_text(grids: Mapping[Side, DeviationGrid]) -> str:
+    """A file of deviations on nominal points, as the table `measured` reads it."""
+    head = ["flank", "row", "column", "x_mm", "y_mm", "z_mm", "nx", "ny", "nz", "deviation_um"]
+    rows = [
+        [str(side), i + 1, j + 1, *grid.points[i, j].tolist(), *grid.normals[i, j].tolist(), UM * float(value)]
+        for side, grid in grids.items()
+        for (i, j), value in np.ndenumerate(grid.values)
+    ]
+    return csv_text(head, rows)
+
+
+def _by_side(grids: Mapping[Side, DeviationGrid], values: Array) -> dict[Side, DeviationGrid]:
+    """Values (N,) of all flanks on the grid of each."""
+    ends = np.cumsum([grid.values.size for grid in grids.values()])[:-1]
+    parts = np.split(values, ends)
+    return {
+        side: replace(grid, values=part.reshape(grid.values.shape))
+        for (side, grid), part in zip(grids.items(), parts, strict=True)
+    }
+
+
+def _smooth(tooth: Tooth, side: Side, grid: DeviationGrid) -> DeviationGrid:
+    """Deviations less their noise, which bends a flank more than a correction does: smoothed by cross-validation."""
+    feet = FlankProjection(tooth, side).foot_points(grid.points.reshape(-1, 3))
+    smooth = smooth_deviations(feet.s, feet.t, grid.values.ravel(), None)
+    s, t = smooth.inside(lowest_share(tooth, side))
+    nominal = tooth.flank_grid(side, s, t)
+    return DeviationGrid(nominal.points, nominal.normals, smooth.at(s, t))
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _residual(before: Array, after: Array) -> ResidualFigures:
+    return ResidualFigures(
+        UM * _rms(before), UM * float(np.abs(before).max()), UM * _rms(after), UM * float(np.abs(after).max())
+    )
+
+
+def _entry(document: Mapping[str, Any], key: str) -> float | None:
+    """A figure of a document, wherever it stands."""
+    if key in document:
+        value = document[key]
+        return None if value is None else float(value)
+    for value in document.values():
+        if isinstance(value, Mapping) and (entry := _entry(value, key)) is not None:
+            return entry
+    return None

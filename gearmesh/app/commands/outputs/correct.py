@@ -1,0 +1,81 @@
+"""The command `correct`: machine settings that take measured deviations away."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Json, Set, load_gears
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+
+
+def correct(
+    design_file: DesignFile,
+    member: Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)],
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            "--measured",
+            metavar="FILE",
+            help="Deviations or points of its flanks, as the table measured of a design reads them; by default that table's.",
+            show_default=False,
+        ),
+    ] = None,
+    flank: Annotated[
+        str, typer.Option("--flank", metavar="right|left|both", help="Which flanks the file is of.")
+    ] = "both",
+    settings: Annotated[
+        str | None,
+        typer.Option(
+            "--settings",
+            metavar="NAME,...",
+            help="Settings that may move, as radial,concave.tilt,helical_motion.2; by default the usual ones.",
+            show_default=False,
+        ),
+    ] = None,
+    noise: Annotated[
+        float | None,
+        typer.Option(
+            "--noise",
+            metavar="UM",
+            help="Standard deviation of a measured deviation; by default by what no setting takes away.",
+            show_default=False,
+        ),
+    ] = None,
+    residual: Annotated[
+        Path | None,
+        typer.Option("--residual", metavar="FILE.csv", help="Write the deviations that are left.", show_default=False),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="FILE.toml", help="Write the design with the new settings.", show_default=False
+        ),
+    ] = None,
+    json_file: Json = None,
+    changes: Set = None,
+) -> None:
+    """Machine settings of bevel and hypoid gears that take measured deviations away, and the contact that they give.
+
+    Least squares on the exact flanks. The new settings are for the machine: the design that they are written to has the deviations
+    with the other sign.
+    """
+    for file, suffix in ((output, ".toml"), (residual, ".csv")):
+        if file is not None:
+            refuse_suffix(file, suffix)
+    for target in (output, residual, json_file):
+        refuse_unwritable(target)
+    gears = load_gears(design_file, changes)
+    names = [] if settings is None else [name.strip() for name in settings.split(",")]
+    with working("correction"):
+        answer = gears.correct(member, measured, flank=flank, settings=names, noise=noise)
+        listings = answer.listings
+    for file in (output, residual):
+        if file is not None:
+            answer.save(file)
+    write_text(json_file, answer.json)
+    if json_file != "-":
+        show(listings)
+    warn([*answer.warnings, *answer.complaints])

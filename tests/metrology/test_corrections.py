@@ -1,0 +1,168 @@
+"""Corrected machine settings: a flank cut with one setting off gives that back, noise moves settings by what is stated, what the
+machine cannot cut is left, and wrong input is refused in one line."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from oracles.places import SAMPLES
+from scipy.optimize import root
+
+import gearmesh as gm
+from gearmesh.answers.inspection.correction import correct_settings, residual_text
+from gearmesh.design.core import Design
+from gearmesh.errors import GearmeshError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems import system as systems
+from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+
+COMMON = ("sliding_base", "machine_root_angle")
+SECONDS = 20.0 / 3600.0
+CHANGES = {
+    "radial": 0.005,
+    "machining_offset": 0.005,
+    "machine_centre_to_back": 0.005,
+    "sliding_base": 0.005,
+    "machine_root_angle": SECONDS,
+    "index_angle": SECONDS,
+}
+
+
+@pytest.fixture(scope="module")
+def hypoid() -> Design:
+    """With every setting stated."""
+    design = gm.load(SAMPLES / "hypoid.toml")
+    return systems.pin(design, systems.build(design))
+
+
+def along_normals(tooth: Tooth, side: Side, nominal: Tooth, shape: tuple[int, int] = (5, 9)) -> DeviationGrid:
+    """How far a flank is from a nominal one on the lines through its points: intersections, found by a library."""
+    s, t = (np.linspace(0.1, 0.9, count) for count in shape)
+    lines = nominal.flank_grid(side, s, t)
+    flank = tooth.side(side).flank
+    values = np.empty(shape)
+    for i, j in np.ndindex(shape):
+        p, n, start = lines.points[i, j], lines.normals[i, j], lines.parameters[i, j]
+
+        def gap(x: Array, p: Array = p, n: Array = n) -> Array:
+            point: Array = flank.jet(*(np.array([value]) for value in x[:2])).r[0]
+            return point - p - 0.01 * x[2] * n
+
+        values[i, j] = 0.01 * root(gap, [*start, 0.0], tol=1e-13).x[2]
+    return DeviationGrid(lines.points, lines.normals, values)
+
+
+def pinion(design: Design, values: dict[str, float] | None = None) -> Tooth:
+    """Of a design with changes of keys of the concave side, and of those that both sides have in common."""
+    plain = design.plain()["pinion"]
+    changes = {
+        f"pinion.{side}.{key}": plain[side][key] + change
+        for key, change in (values or {}).items()
+        for side in ("concave", *(("convex",) if key in COMMON else ()))
+    }
+    return systems.member(design.with_values(changes), "pinion").member.one_tooth
+
+
+def measured(path: Path, design: Design, values: dict[str, float], noise: float = 0.0) -> dict[Side, DeviationGrid]:
+    """Writes the file of both flanks of a pinion cut with settings off."""
+    nominal, off, random = pinion(design), pinion(design, values), np.random.default_rng(3)
+    grids = {side: along_normals(off, side, nominal) for side in Side}
+    noisy = {
+        side: replace(grid, values=grid.values + noise * random.normal(size=grid.values.shape))
+        for side, grid in grids.items()
+    }
+    path.write_text(residual_text(noisy))
+    return noisy
+
+
+@pytest.mark.parametrize("key", CHANGES)
+def test_a_setting_that_was_off_comes_back(hypoid: Design, key: str, tmp_path: Path) -> None:
+    """All usual settings of both sides are free."""
+    path = tmp_path / "pinion.csv"
+    grids = measured(path, hypoid, {key: CHANGES[key]})
+    assert max(np.abs(grid.values).max() for grid in grids.values()) > 1e-4
+    made = correct_settings(hypoid, "pinion", path)
+    changes = {s.name: change for s, change in zip(made.settings, made.solution.changes, strict=True)}
+    assert len(changes) == 12
+    name = key if key in COMMON else f"concave.{key}"
+    assert changes[name] == pytest.approx(-CHANGES[key], rel=0.01)
+    for left in made.residual.values():
+        assert np.abs(left.values).max() < 5e-5
+
+
+def test_noise_moves_settings_by_what_is_stated(hypoid: Design, tmp_path: Path) -> None:
+    """And the noise is found by what no setting takes away; the contact after is that of the design again."""
+    off = {"radial": 0.05, "machine_root_angle": 0.05}
+    path = tmp_path / "pinion.csv"
+    grids = measured(path, hypoid, off, noise=5e-4)
+    made = correct_settings(hypoid, "pinion", path, settings=["concave.radial", "machine_root_angle"])
+    assert made.solution.noise == pytest.approx(5e-4, rel=0.3)
+    rows = zip(made.settings, made.solution.changes, made.solution.uncertainties, strict=True)
+    for setting, change, spread in rows:
+        error = change + off[setting.plain_name]
+        assert abs(error) < 4.0 * spread
+        assert 0.0 < spread < 0.2 * off[setting.plain_name]
+    # what the new settings cut is off by the opposite of the old ones' error, but for the noise
+    cut = systems.member(made.corrected, "pinion").member.one_tooth
+    for side, grid in grids.items():
+        moved = along_normals(cut, side, pinion(hypoid)).values
+        assert np.sqrt(np.mean((moved + grid.values) ** 2)) < 7e-4
+
+
+@pytest.mark.sweep
+def test_the_contact_of_the_corrected_pinion_is_that_of_the_design(hypoid: Design, tmp_path: Path) -> None:
+    """Of a machine that is off so far that the pattern leaves its place; by the command, whose files say the same again."""
+    path = tmp_path / "pinion.csv"
+    measured(path, hypoid, {"radial": 0.05, "machine_root_angle": 0.02})
+    made = gm.build(gm.load(SAMPLES / "hypoid.toml")).correct("pinion", path)
+    own = made.figures
+    assert own.contact_before.contact_ratio != pytest.approx(own.contact_nominal.contact_ratio, rel=0.03)
+    assert own.contact_after.contact_ratio == pytest.approx(own.contact_nominal.contact_ratio, rel=1e-3)
+    assert own.contact_after.mesh_te_peak_to_peak == pytest.approx(own.contact_nominal.mesh_te_peak_to_peak, abs=0.02)
+    made.save(tmp_path / "new.toml")
+    made.save(tmp_path / "left.csv")
+    assert gm.load(tmp_path / "new.toml").plain() == made.corrected.plain()
+    again = correct_settings(made.design, "pinion", tmp_path / "left.csv")
+    for side, grid in again.flanks.grids.items():
+        np.testing.assert_allclose(grid.values, made.residual[side].values, atol=1e-9)
+    assert '"contact_after"' in made.json()
+
+
+def test_what_the_machine_cannot_cut_is_left(hypoid: Design, tmp_path: Path) -> None:
+    """A modified roll of third order, corrected by two settings of each side: as far as their exact flanks can follow."""
+    path = tmp_path / "pinion.csv"
+    grids = measured(path, hypoid, {"modified_roll_c3": 0.02})
+    made = correct_settings(hypoid, "pinion", path, settings=["radial", "index_angle"], noise=0.01)
+    left = np.concatenate([grid.values.ravel() for grid in made.residual.values()])
+    before = np.concatenate([grid.values.ravel() for grid in grids.values()])
+    assert 5e-5 < np.sqrt(np.mean(left**2)) < 0.9 * np.sqrt(np.mean(before**2))
+    cut = systems.member(made.corrected, "pinion").member.one_tooth
+    for side, grid in grids.items():
+        moved = along_normals(cut, side, pinion(hypoid)).values
+        np.testing.assert_allclose(made.residual[side].values, grid.values + moved, atol=1e-8)
+    # no other values of these settings do better
+    columns = made.sensitivity / np.linalg.norm(made.sensitivity, axis=0)
+    assert np.abs(columns.T @ left).max() < 0.02 * np.linalg.norm(before)
+
+
+def test_wrong_input_is_one_line(hypoid: Design, tmp_path: Path) -> None:
+    path = tmp_path / "pinion.csv"
+    sides = measured(path, hypoid, {"radial": 0.005})
+    concave = max(sides, key=lambda side: float(np.abs(sides[side].values).max()))
+    wrong = [("pinion", ["radius"], "radius"), ("pinion", ["convex.radial"], "does not move"), ("wheel", [], "wheel")]
+    for member, settings, word in wrong:
+        with pytest.raises(GearmeshError, match=word) as caught:
+            correct_settings(hypoid, member, path, str(concave), settings=settings)
+        assert "\n" not in str(caught.value)
+    spur = gm.load(SAMPLES / "spur.toml")
+    flank = tmp_path / "spur.csv"
+    flank.write_text(
+        "s,t,deviation_um,flank\n" + "".join(f"{s},{t},1,right\n" for s in (0.1, 0.5, 0.9) for t in (0.1, 0.9))
+    )
+    with pytest.raises(GearmeshError, match="machine settings"):
+        correct_settings(spur, "pinion", flank)
