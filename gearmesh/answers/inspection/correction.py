@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from gearmesh.answers.contact.figures import CycleSummary
 from gearmesh.answers.inspection.figures import UM
 from gearmesh.answers.inspection.machine_settings import (
     INDEX,
@@ -44,7 +45,7 @@ OF_LENGTH, OF_ANGLE, OF_NUMBER = 0.01, 1.0 / 60.0, 1e-4
 
 
 @dataclass(frozen=True)
-class SettingFigures(Figures):
+class CorrectedSettingFigures(Figures):
     """A setting that a correction moves."""
 
     setting: str = figure("name of the setting")
@@ -93,7 +94,7 @@ class CorrectionFigures(Figures):
     """A correction of machine settings."""
 
     member: str = figure("name of the member")
-    settings: list[SettingFigures] = figure("settings that are moved")
+    settings: list[CorrectedSettingFigures] = figure("settings that are moved")
     rotation: float | None = figure("rotation of the measured teeth against the design's", "arcsec", optional=True)
     noise: float = figure("standard deviation of a measured deviation, as given or by what no setting takes away", "um")
     directions: int = figure("combinations of settings that the deviations show", whole=True)
@@ -107,7 +108,7 @@ class CorrectionFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class Correction(Result):
-    """Changes of settings (M,) of a member, in the design's units: `corrected` is the design with the settings that are to be put
+    """Changes of settings (M,) of a member, in the design's units: `new_design` is the design with the settings that are to be put
     into the machine. `measured`, `residual`: deviations of each flank before and after, on the same points.
 
     As ".toml" the design with the new settings is saved, as ".csv" what is left of the deviations, as `[measured]` reads it.
@@ -130,8 +131,8 @@ class Correction(Result):
         return (".json", ".toml", ".csv")
 
     @cached_property
-    def corrected(self) -> Design:
-        """The design with the corrected settings, all others stated. Its own flanks are off by the opposite of the deviations."""
+    def new_design(self) -> Design:
+        """The design with the corrected settings, all others stated. Its own flanks have the opposite of the deviations."""
         return self.flanks.design.with_values(self.flanks.values(self.settings, self.solution.changes.tolist()))
 
     @property
@@ -203,17 +204,17 @@ class Correction(Result):
 
     def to_dict(self) -> dict[str, list[Any]]:
         rows = [setting.row for setting in self._settings]
-        return {key: [row[key] for row in rows] for key in SettingFigures.__dataclass_fields__}
+        return {key: [row[key] for row in rows] for key in CorrectedSettingFigures.__dataclass_fields__}
 
     @property
     def sections(self) -> Mapping[str, Content]:
         return {**header(self.design), **Summary(self.figures)}
 
     @property
-    def _settings(self) -> list[SettingFigures]:
+    def _settings(self) -> list[CorrectedSettingFigures]:
         rows = zip(self.settings, self.solution.changes.tolist(), self.solution.uncertainties.tolist(), strict=False)
         values = [(s, self.flanks.value(s), change, spread) for s, change, spread in rows]
-        return [SettingFigures(s.name, v, v + c, c, spread, self.flanks.unit(s)) for s, v, c, spread in values]
+        return [CorrectedSettingFigures(s.name, v, v + c, c, spread, self.flanks.unit(s)) for s, v, c, spread in values]
 
     @property
     def _effects(self) -> list[EffectFigures]:
@@ -246,17 +247,20 @@ class Correction(Result):
         try:
             smooth = {side: _smooth(own.one_tooth, side, grid) for side, grid in grids.items()}
             made = replace(own, tooth=deviating_tooth(own.one_tooth, smooth)) if grids else own
-            document = SolvedGears(self.design, self.train.with_member(made)).contact().document()
+            cycle = SolvedGears(self.design, self.train.with_member(made)).contact().cycle
         except (DesignError, NoSolutionError):
+            cycle = None
+        if cycle is None:
             return PrognosisFigures(None, None)
-        return PrognosisFigures(_entry(document, "contact_ratio"), _entry(document, "mesh_te_peak_to_peak_arcsec"))
+        own_cycle = CycleSummary.of(cycle)
+        return PrognosisFigures(own_cycle.contact_ratio, own_cycle.mesh_te_peak_to_peak)
 
     def _write(self, target: Path) -> None:
         from gearmesh.design.files import design_text
         from gearmesh.io.atomic import whole_text
 
         toml = target.suffix.lower() == ".toml"
-        whole_text(target, design_text(self.corrected, target.parent) if toml else residual_text(self.residual))
+        whole_text(target, design_text(self.new_design, target.parent) if toml else residual_text(self.residual))
 
 
 def correct_settings(
@@ -369,14 +373,3 @@ def _residual(before: Array, after: Array) -> ResidualFigures:
     return ResidualFigures(
         UM * _rms(before), UM * float(np.abs(before).max()), UM * _rms(after), UM * float(np.abs(after).max())
     )
-
-
-def _entry(document: Mapping[str, Any], key: str) -> float | None:
-    """A figure of a document, wherever it stands."""
-    if key in document:
-        value = document[key]
-        return None if value is None else float(value)
-    for value in document.values():
-        if isinstance(value, Mapping) and (entry := _entry(value, key)) is not None:
-            return entry
-    return None
