@@ -40,8 +40,6 @@ from gearmesh.teeth.tooth import Tooth
 
 #: Newton's steps at most, and the largest move of the flank, mm, that counts as none
 MOST_STEPS, ENOUGH = 10, 1e-9
-#: changes for which effects are stated: of a length (mm), an angle (deg), and of what has no unit
-OF_LENGTH, OF_ANGLE, OF_NUMBER = 0.01, 1.0 / 60.0, 1e-4
 
 
 @dataclass(frozen=True)
@@ -220,8 +218,7 @@ class Correction(Result):
     def _effects(self) -> list[EffectFigures]:
         made = []
         for setting, column in zip(self.settings, self.sensitivity.T, strict=True):
-            unit = self.flanks.unit(setting)
-            by = OF_ANGLE if unit == "deg" else OF_LENGTH / self.design.mm_per_unit if unit else OF_NUMBER
+            by = self.flanks.stated_change(setting)
             for side, moves in _by_side(self.flanks.grids, by * column).items():
                 if not moves.values.any():
                     continue

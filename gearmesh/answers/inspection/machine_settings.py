@@ -45,6 +45,8 @@ ORDERS = range(1, 7)
 #: factor by which the step may change for that, and what counts as none
 STEPS, STEP = {"length": 0.01, "angle": 0.01}, 1e-4
 MOVED, FACTOR, NONE = 2e-3, 1e3, 1e-9
+#: changes for which effects are stated: of a length (mm), an angle (deg), else
+STATED, STATED_NUMBER = {"length": 0.01, "angle": 1.0 / 60.0}, 1e-4
 
 
 @dataclass(frozen=True)
@@ -142,6 +144,10 @@ class CutFlanks:
         unit = self._quantity(setting)
         return self.design.units if unit == "length" else "deg" if unit == "angle" else ""
 
+    def stated_change(self, setting: MovableSetting) -> float:
+        """The change of a setting, in its unit, for which its effect is stated."""
+        return self._change(setting, STATED, STATED_NUMBER)
+
     def sensitivity(self, setting: MovableSetting) -> Array:
         """Displacements (N,), mm per unit of a setting, by central differences of the exact flanks; 0 where it moves none.
 
@@ -151,8 +157,7 @@ class CutFlanks:
             raise ArgumentError(
                 "settings", setting.name, reason="the design has no value of it", allowed="other settings"
             )
-        step = STEPS.get(self._quantity(setting), STEP)
-        step /= self.design.mm_per_unit if self._quantity(setting) == "length" else 1.0
+        step = self._change(setting, STEPS, STEP)
         size = float(np.sqrt(np.mean(self._after(setting, step) ** 2)))
         if not size > NONE:
             return np.zeros_like(self.rotation)
@@ -167,6 +172,11 @@ class CutFlanks:
                 "settings", setting.name, reason="points that were measured are beside the flank that it makes"
             )
         return made
+
+    def _change(self, setting: MovableSetting, by: Mapping[str, float], number: float) -> float:
+        """A change by the quantity that a setting is, in the design's units."""
+        quantity = self._quantity(setting)
+        return by.get(quantity, number) / (self.design.mm_per_unit if quantity == "length" else 1.0)
 
     def _quantity(self, setting: MovableSetting) -> str:
         key = type(self.design).key_at(setting.keys[0])
