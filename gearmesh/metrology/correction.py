@@ -16,6 +16,8 @@ from gearmesh.kernel.numeric.algebra import Array
 
 #: singular values below this part of the largest are rounding
 ROUNDING = 1e-7
+#: part of a setting in combinations that move nothing, from which on it counts
+PART = 0.1
 #: standard deviations of the noise by which a direction must show
 SIGNIFICANT = 2.0
 
@@ -23,13 +25,15 @@ SIGNIFICANT = 2.0
 @dataclass(frozen=True)
 class SettingChanges:
     """Changes (M,) of settings and their standard deviations (M,) by the noise (mm), of all directions that are not rounding;
-    `singular_values` of the scaled sensitivity, and how many `directions` of it the deviations show."""
+    `singular_values` of the scaled sensitivity, and how many `directions` of it the deviations show; `alike`: settings that move
+    the flanks as others do together, so that only the smallest changes are known."""
 
     changes: Array
     uncertainties: Array
     singular_values: Array
     directions: int
     noise: float
+    alike: tuple[int, ...] = ()
 
 
 def setting_changes(deviations: Array, sensitivity: Array, noise: float | None = None) -> SettingChanges:
@@ -40,6 +44,7 @@ def setting_changes(deviations: Array, sensitivity: Array, noise: float | None =
     scale = np.sqrt(np.mean(sensitivity**2, axis=0))
     u, sigma, vt = np.linalg.svd(sensitivity / scale, full_matrices=False)
     real = sigma > ROUNDING * sigma[0]
+    alike = np.flatnonzero(np.linalg.norm(vt[~real], axis=0) > PART)
     u, sigma_real, v = u[:, real], sigma[real], vt[real].T
     parts = -u.T @ deviations
     if noise is None:
@@ -48,4 +53,4 @@ def setting_changes(deviations: Array, sensitivity: Array, noise: float | None =
     shown = np.abs(parts) > SIGNIFICANT * noise
     changes = v @ np.where(shown, parts / sigma_real, 0.0) / scale
     uncertainties = noise * np.sqrt(np.sum((v / sigma_real) ** 2, axis=1)) / scale
-    return SettingChanges(changes, uncertainties, sigma, int(shown.sum()), noise)
+    return SettingChanges(changes, uncertainties, sigma, int(shown.sum()), noise, tuple(alike.tolist()))

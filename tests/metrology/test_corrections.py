@@ -150,6 +150,19 @@ def test_what_the_machine_cannot_cut_is_left(hypoid: Design, tmp_path: Path) -> 
     assert np.abs(columns.T @ left).max() < 0.02 * np.linalg.norm(before)
 
 
+def test_settings_that_act_alike_are_named(hypoid: Design, tmp_path: Path) -> None:
+    """A rotation of the cradle is one of the blank."""
+    path = tmp_path / "pinion.csv"
+    measured(path, hypoid, {"radial": 0.005, "index_angle": SECONDS})
+    names = ["concave.radial", "concave.cradle_angle", "concave.index_angle"]
+    made = correct_settings(hypoid, "pinion", path, settings=names)
+    assert made.solution.changes[0] == pytest.approx(-0.005, rel=0.01)
+    assert made.warnings[-1].startswith(
+        "concave.cradle_angle, concave.index_angle: some move the flanks as others would"
+    )
+    assert correct_settings(hypoid, "pinion", path, settings=names[::2]).warnings == made.warnings[:-1]
+
+
 def test_wrong_input_is_one_line(hypoid: Design, tmp_path: Path) -> None:
     path = tmp_path / "pinion.csv"
     sides = measured(path, hypoid, {"radial": 0.005})

@@ -136,7 +136,15 @@ class Correction(Result):
     @property
     def warnings(self) -> list[str]:
         """What is to be noted of the files and of the outcome."""
-        return list(self.notes)
+        alike = [self.settings[k].name for k in self.solution.alike if k < len(self.settings)]
+        if not alike:
+            return list(self.notes)
+        names, as_rotation = ", ".join(alike), "" if self.rotation is None else " or a rotation of the gear"
+        return [
+            *self.notes,
+            f"{names}: some move the flanks as others{as_rotation} would; the changes are the smallest that do; "
+            "name fewer settings to choose",
+        ]
 
     @cached_property
     def figures(self) -> CorrectionFigures:
