@@ -177,7 +177,8 @@ class Correction(Result):
         own = self.figures
         settings = [[s.setting, s.before, s.after, s.change, s.uncertainty, s.unit] for s in own.settings]
         effects = [
-            [f"{e.setting}, {e.flank}", *(round(value, 4) for value in list(e.row.values())[2:])] for e in own.effects
+            [f"{e.setting}, {e.flank}", *(round(value, 4) + 0.0 for value in list(e.row.values())[2:])]
+            for e in own.effects
         ]
         left = [[side, *r.row.values()] for side, r in own.residuals.items()]
         contact = [
