@@ -550,7 +550,7 @@ def test_describe() -> None:
     # what goes on below a kind is indented
     assert [line.split()[0] for line in out.splitlines()[1:] if line[0] != " "] == list(kinds())
     for kind, sample, fewest in (("beveloid", INTERSECTED, "1"), ("circular_arc", CIRCULAR_ARC, "3")):
-        lines = rows(run("describe", kind)[1].splitlines()[2:])
+        lines = rows(run("describe", kind)[1].splitlines()[1:])
         resolved = full(sample)
         stated = {
             f"{a}.{b}" if isinstance(x, dict) else a
@@ -563,10 +563,36 @@ def test_describe() -> None:
             for table in ("keyway", "hub", "web", "holes", "toe_hub")
         }
         assert stated - tables - {"contact.phi1"} <= lines.keys()
-        assert {"count,", fewest, "..", "10000", "required", "number", "of"} <= {*lines["pinion.teeth"].split()}
+        assert f"pinion.teeth (count, {fewest} .. 10000; required) number of" in lines["pinion.teeth"]
     assert "[LT85] (13)" in lines["gear.a"]
     (rule,) = (line.default for line in system("circular_arc").design.key_lines() if line.key == "gear.a")
     assert rule == "a_F + (rho_P - rho_F) cos(pressure_angle)"
+
+
+def test_describe_has_a_line_for_a_key_where_there_is_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "1000")
+    groups = system("hypoid").design.key_groups()
+    printed = run("describe", "hypoid")[1].splitlines()
+    # titles and blank lines of groups
+    assert len(printed) == sum(map(len, groups.values())) + 2 * len(groups) - 1
+    monkeypatch.setenv("COLUMNS", "60")
+    narrow = run("describe", "hypoid")[1].splitlines()
+    assert max(map(len, narrow)) <= 60
+    assert " ".join(" ".join(narrow).split()) == " ".join(" ".join(printed).split())
+
+
+@pytest.mark.quick
+def test_describe_says_the_same_as_json(tmp_path: Path) -> None:
+    status, text, _ = run("describe", "beveloid", "--json", "-")
+    assert status == 0
+    document = json.loads(text)
+    printed = rows(run("describe", "beveloid", "--json", tmp_path / "keys.json")[1].splitlines())
+    assert json.loads((tmp_path / "keys.json").read_text()) == document
+    lines = [*document["keys"], *(line for table in document["tables"].values() for line in table)]
+    assert {line["key"] for line in lines} <= printed.keys()
+    (teeth,) = (line for line in document["keys"] if line["key"] == "pinion.teeth")
+    assert (teeth["unit"], teeth["range"], teeth["default"]) == ("count", "1 .. 10000", "required")
+    assert set(json.loads(run("describe", "--json", "-")[1])["kinds"]) == set(kinds())
 
 
 @pytest.mark.sweep

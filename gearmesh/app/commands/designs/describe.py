@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import sys
+import textwrap
+from dataclasses import asdict
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import gearmesh as gm
-from gearmesh.answers.tables import Listing
+from gearmesh.answers.tables import WIDTH, Listing
 from gearmesh.app.options import Json, Set, SheetSpeed, SheetTorque, load_alone, load_gears, refuse_speed, refuse_torque
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import ArgumentError
+
+#: characters that keys are padded to, and by which a key's lines below its first are indented
+KEY, INDENT = 28, "    "
 
 if TYPE_CHECKING:
     from gearmesh.answers.sheet import DesignSheet
@@ -53,7 +60,6 @@ def describe(
         warn(sheet.warnings)
         return
     for option, given in (
-        ("--json", json_file),
         ("--torque", torque),
         ("--speed", speed),
         ("--member", member),
@@ -61,7 +67,14 @@ def describe(
     ):
         if given:
             raise ArgumentError(option, reason="needs a design file to describe")
-    show([_kinds()] if what is None else _keys(what))
+    refuse_unwritable(json_file)
+    write_text(json_file, lambda: _document(what))
+    if json_file == "-":
+        return
+    if what is None:
+        show([_kinds()])
+    else:
+        sys.stdout.write(_keys(what, get_terminal_size((WIDTH, 24)).columns))
 
 
 def _figures(word: str, json_file: str | None) -> None:
@@ -93,14 +106,38 @@ def _kinds() -> Listing:
     return Listing("", ("kind", "what"), [(kind, gm.system(kind).design.about) for kind in gm.kinds()])
 
 
-def _keys(kind: str) -> list[Listing]:
-    """Every key of a kind, and of tables that stand in several places of it."""
-    tables = []
+def _document(kind: str | None) -> str:
+    """The kinds, or all keys of one of them and of the tables that stand in several places of it, as JSON."""
+    from gearmesh.answers.tables import json_text
+
+    if kind is None:
+        return json_text(
+            {"gearmesh": gm.__version__, "kinds": {name: gm.system(name).design.about for name in gm.kinds()}}
+        )
+    design = gm.system(kind).design
+    groups = {name: [asdict(line) for line in lines] for name, lines in design.key_groups().items()}
+    return json_text(
+        {
+            "gearmesh": gm.__version__,
+            "kind": kind,
+            "about": design.about,
+            "keys": groups.pop(""),
+            "tables": groups,
+        }
+    )
+
+
+def _keys(kind: str, width: int) -> str:
+    """Every key of a kind, and of tables that stand in several places of it, a line each where the width has room for it."""
+    text = []
     for name, lines in gm.system(kind).design.key_groups().items():
-        rows = []
+        text.append(name or f'kind = "{kind}"')
+        column = min(max(len(line.key) for line in lines), KEY)
         for line in lines:
+            default = line.default if line.default == "required" else f"default {line.default}"
             allowed = ", ".join(part for part in (line.unit, line.range) if part)
-            source = f" {line.source}" if line.source else ""
-            rows.append((line.key, allowed, line.default, line.about + source))
-        tables.append(Listing(name or f'kind = "{kind}"', ("key", "unit, allowed", "default", "what"), rows))
-    return tables
+            source = f" {line.source}" if "[" in line.source else f" [{line.source}]" if line.source else ""
+            said = f"{line.key.ljust(column)}  ({allowed}; {default}) {line.about}{source}"
+            text += textwrap.wrap(said, width, subsequent_indent=INDENT, break_long_words=False, break_on_hyphens=False)
+        text.append("")
+    return "\n".join(text)
