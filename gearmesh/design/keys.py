@@ -242,6 +242,8 @@ class Table(BaseModel):
     replaces: ClassVar[tuple[tuple[str, str], ...]] = ()
     #: Keys that the tables of other designs have and this one does not, and why not.
     absent: ClassVar[Mapping[str, str]] = {}
+    #: keys that a file may give with the other sign, which says something else of the table, as of an internal gear's teeth
+    signed: ClassVar[tuple[str, ...]] = ()
     #: Tables of lower rank stand first in a file.
     rank: ClassVar[int] = 1
     #: What a table that may stand in several places is called where its keys are listed once for all of them; "": with the others.

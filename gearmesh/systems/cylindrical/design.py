@@ -145,6 +145,8 @@ class CylindricalMember(MemberTable, Modified):
         ("root_diameter", "dedendum"),
     )
 
+    signed: ClassVar[tuple[str, ...]] = ("teeth",)
+
     internal: Annotated[
         bool, Key("flag", "internal gear; a negative number of teeth means the same", source="ISO 21771")
     ] = False

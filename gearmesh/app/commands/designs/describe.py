@@ -41,6 +41,9 @@ def describe(
             help="The meaning of every figure in JSON and tables; add a word to list the keys that contain it.",
         ),
     ] = False,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="The JSON Schema of the design files of a kind, for editors.")
+    ] = False,
 ) -> None:
     """The gear systems, every key of one of them, the data sheet of a design, or the meaning of figures."""
     if figures:
@@ -48,6 +51,12 @@ def describe(
             if given:
                 raise ArgumentError(option, must_be="left out with --figures")
         _figures(what or "", json_file)
+        return
+    if schema:
+        if what not in gm.kinds():
+            raise ArgumentError("--schema", reason="needs a kind", allowed=", ".join(gm.kinds()))
+        refuse_unwritable(json_file)
+        write_text(json_file or "-", lambda: _schema(str(what)))
         return
     if what is not None and (what == "-" or Path(what).suffix in (".toml", ".json")):
         refuse_torque(torque)
@@ -104,6 +113,14 @@ def _sheet(
 def _kinds() -> Listing:
     """The kinds of design, one per line."""
     return Listing("", ("kind", "what"), [(kind, gm.system(kind).design.about) for kind in gm.kinds()])
+
+
+def _schema(kind: str) -> str:
+    """The JSON Schema of a kind's files."""
+    from gearmesh.answers.tables import json_text
+    from gearmesh.api.design_schema import design_schema
+
+    return json_text(design_schema(gm.system(kind).design, kind))
 
 
 def _document(kind: str | None) -> str:
