@@ -151,20 +151,20 @@ def refine_candidates(
         good = np.flatnonzero(trial.good)
         advance = advances_of(pair, phi1, trial.x[good], trial.position[good])
         # the greatest of each position last; of equals the one on the fewest edges, of those known before too
-        ahead = _preferred(advance, trial.edges[good])
+        ahead = _rank(advance, trial.edges[good])
         order = np.argsort(ahead, kind="stable")
         position = trial.position[good][order]
         best, last, most = np.full(len(phi1), -np.inf), np.full(len(phi1), -1), np.full(len(phi1), -np.inf)
         best[position], last[position], most[position] = ahead[order], good[order], advance[order]
-        better = np.flatnonzero(best > _preferred(contacts.advance, contacts.edges))
+        better = np.flatnonzero(best > _rank(contacts.advance, contacts.edges))
         contacts.take(better, trial, last[better], number, most[better])
         trial = _next(pair, trial, contacts, tried if edges else None)
 
 
-def _preferred(advance: Array, edges: NDArray[np.intp]) -> Array:
+def _rank(advance: Array, edges: NDArray[np.intp]) -> Array:
     """Advances (N,), rad, that are less by EQUAL for each of their edges (N, 2)."""
-    preferred: Array = advance - EQUAL * (edges >= 0).sum(axis=1)
-    return preferred
+    rank: Array = advance - EQUAL * (edges >= 0).sum(axis=1)
+    return rank
 
 
 def advances_of(pair: Pair, phi1: Array, x: Array, position: NDArray[np.intp]) -> Array:
