@@ -43,25 +43,38 @@ def path_of(mapping: dict[str, Any], phi1: Any = PHI1) -> ContactPath:
 
 
 def same(one: ContactPath, other: ContactPath, scale: float = 1.0, sense: float = 1.0) -> None:
-    """Alike but for `scale`, and for the `sense` in which rotations count."""
-    assert one.kind.tolist() == other.kind.tolist()
+    """Alike but for `scale`, and for the `sense` in which rotations count.
+
+    Flanks whose relative curvature is at the threshold of lines count as touching along one, or on an edge, as rounding falls.
+    """
+    unlike = one.kind != other.kind
+    assert set(one.kind[unlike]) | set(other.kind[unlike]) <= {"edge", "line"}
     touching = one.touching
-    np.testing.assert_allclose(one.te[touching], sense * other.te[touching], rtol=0, atol=1e-11)
+    te_of_line = 1e-8  # rad: FLAT of a curvature of 0.1/mm over half a face of 14 mm, at a radius of 50 mm
+    np.testing.assert_allclose(
+        one.te[touching], sense * other.te[touching], rtol=0, atol=te_of_line if unlike.any() else 1e-11
+    )
     for name in ("semi_major", "semi_minor"):
         np.testing.assert_allclose(getattr(one, name), scale * getattr(other, name), rtol=1e-6)
 
 
 def same_places(
-    one: np.ndarray, other: np.ndarray, path: ContactPath, mapping: dict[str, Any], scale: float = 1.0
+    points: tuple[np.ndarray, np.ndarray], paths: tuple[ContactPath, ContactPath], mapping: dict[str, Any], scale: float
 ) -> None:
-    """Points (N, 3) alike across the contact ellipses of `path`; along them as far as the solver knows the place: normals agree to
-    its tolerance over its length, and over the curvature 2 delta / a^2 that is a distance."""
-    pair = solver_pair(pair_of(parse(mapping)))
-    apart = one - other
-    along = (apart * path.major).sum(axis=1)
-    known = 2.0 * pair.tolerance / pair.length * path.semi_major**2 / (2.0 * pair.delta)
+    """Points (N, 3) of two paths alike, across the ellipses of the first one, which is of `mapping`.
+
+    Along them as far as the solver knows the place: normals agree to its tolerance over its length, and over the curvature
+    2 delta / a^2 that is a distance.
+    """
+    pair, (path, other) = solver_pair(pair_of(parse(mapping))), paths
+    apart = points[0] - points[1]
+    inside = path.kind == "point"
+    along = (apart * path.major).sum(axis=1)[inside]
+    known = 2.0 * pair.tolerance / pair.length * path.semi_major[inside] ** 2 / (2.0 * pair.delta)
     assert (np.abs(along) <= known + 1e-8 * scale).all()
-    np.testing.assert_allclose(apart - along[:, None] * path.major, 0.0, rtol=0, atol=1e-8 * scale)
+    apart[inside] -= along[:, None] * path.major[inside]
+    # of lines any point stands for the whole
+    np.testing.assert_allclose(apart[(path.kind == other.kind) & (path.kind != "line")], 0.0, rtol=0, atol=1e-8 * scale)
 
 
 @pytest.mark.sweep
@@ -79,6 +92,7 @@ def test_inches_are_millimetres(cone: float, helix: float, dx: float, gamma: flo
 @few
 @given(cone=cones, helix=helices, scale=st.floats(0.1, 20.0))
 @example(cone=5.0, helix=-13.609375, scale=9.0)  # an ellipse of 4 m
+@example(cone=5.0, helix=-13.875, scale=0.1015625)  # all but a line
 def test_a_pair_scales(cone: float, helix: float, scale: float) -> None:
     small = design(cone, helix)
     large = design(cone, helix, module=5.0 * scale)
@@ -87,7 +101,7 @@ def test_a_pair_scales(cone: float, helix: float, scale: float) -> None:
     large["contact"] = {**small["contact"], "delta": 0.00635 * scale}
     one, other = path_of(large), path_of(small)
     same(one, other, scale)
-    same_places(one.point, scale * other.point, one, large, scale)
+    same_places((one.point, scale * other.point), (one, other), large, scale)
 
 
 @few
@@ -99,7 +113,7 @@ def test_the_mirror_image_of_a_pair_touches_in_the_mirror(cone: float, helix: fl
     mirrored["contact"] = {**mirrored["contact"], "flank": "left"}
     other = path_of(mirrored, -PHI1)
     same(one, other, sense=-1.0)
-    same_places(other.point, one.point * [1.0, -1.0, 1.0], other, mirrored)
+    same_places((other.point, one.point * [1.0, -1.0, 1.0]), (other, one), mirrored, 1.0)
 
 
 @pytest.mark.sweep
