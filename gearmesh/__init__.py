@@ -79,6 +79,7 @@ __all__ = [
     "gear",
     "kinds",
     "load",
+    "load_rexs",
     "new",
     "parse",
     "register",
@@ -92,6 +93,7 @@ __all__ = [
 _HOMES = {
     "gearmesh.api.gear": ("gear",),
     "gearmesh.api.gears": ("Gears", "build"),
+    "gearmesh.answers.exchange": ("load_rexs",),
     "gearmesh.answers.planetary_sizing": ("size_planetary",),
     "gearmesh.answers.sizing": ("size",),
     "gearmesh.design.core": ("Design",),

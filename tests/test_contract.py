@@ -26,13 +26,14 @@ MAY_IMPORT: dict[str, str] = {
     "progress": "",
     "kernel": "",
     "files": "",
+    "exchange": "files",
     "samples": "io",
     "tools": "kernel",
     "teeth": "kernel tools",
     "contact": "kernel teeth",
     "design": "files",
     "metrology": "kernel teeth design files",
-    "systems": "kernel tools teeth contact metrology design",  # and never another system
+    "systems": "kernel tools teeth contact metrology design exchange",  # and never another system
     "mesh": "kernel teeth",
     "toolpath": "kernel teeth",
     "check": "kernel teeth mesh",  # never the solver that it checks
@@ -40,13 +41,13 @@ MAY_IMPORT: dict[str, str] = {
     "cad": "kernel teeth mesh io",
     "fe": "kernel teeth contact mesh io",
     "loaded": "kernel teeth contact mesh fe",
-    "answers": "kernel tools teeth contact metrology design files systems mesh toolpath check io cad fe loaded",
+    "answers": "kernel tools teeth contact metrology design files exchange systems mesh toolpath check io cad fe loaded",
     "study": "kernel teeth contact metrology design files io systems loaded answers",
     "view": "kernel tools teeth contact mesh check fe loaded io answers",  # and of solvers their results alone
     "drawing": "kernel teeth design systems cad answers view",  # of answers the sheet, of view the writer of figures
     # only app and gearmesh import api
     "api": "kernel tools teeth contact design files systems mesh check io cad fe loaded answers view drawing study",
-    "app": "api answers view samples systems design files io cad fe contact study",  # nobody imports app
+    "app": "api answers view samples systems design files exchange io cad fe contact study",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too
 LIGHT = {"numpy", "scipy", "pydantic", "typer", "rich", "click", "threadpoolctl"}

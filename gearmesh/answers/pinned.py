@@ -11,7 +11,9 @@ from gearmesh.answers.contact.contact import RANGE, positions_of
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
+from gearmesh.design.files import every_key
 from gearmesh.figures import Content
+from gearmesh.systems.designs import parse
 from gearmesh.teeth.gear_train import GearPair
 
 
@@ -65,15 +67,18 @@ def pin(stated: Design, design: Design, pairs: tuple[GearPair, ...]) -> Pinned:
     positions = any(map(stated.sets, RANGE)) or len(pairs) == 1
     if len(pairs) == 1 and (ends := positions_of(stated, pairs[0])) is not None:
         # with all of the table: what it leaves out is not what a design without the table has
-        table = {key: value for key, value in _leaves(design.plain()) if key.startswith("contact.")}
+        table = {key: value for key, value in leaves_of(design.plain()) if key.startswith("contact.")}
         design = design.with_values({**table, **dict(zip(RANGE, ends, strict=True))})
-    every = dict(_leaves(design.plain()))
+    # stated, as in its file: of a default that has only been filled in, a build may choose again
+    design = parse(every_key(design, () if positions else RANGE))
+    every = dict(leaves_of(design.plain()))
     added = {key: value for key, value in every.items() if key not in given and (positions or key not in RANGE)}
     return Pinned(design, added, positions)
 
 
-def _leaves(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+def leaves_of(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+    """Dotted keys of a table and their values."""
     leaves: list[tuple[str, Any]] = []
     for key, value in table.items():
-        leaves += _leaves(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [(prefix + key, value)]
+        leaves += leaves_of(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [(prefix + key, value)]
     return leaves

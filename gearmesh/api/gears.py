@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.contact.contact import Contact
     from gearmesh.answers.contact.ease_off import EaseOffMap
     from gearmesh.answers.contact.vh import VHCheck
+    from gearmesh.answers.exchange import RexsExport
     from gearmesh.answers.inspection.correction import Correction
     from gearmesh.answers.inspection.inspection import Inspection
     from gearmesh.answers.limits import Limits
@@ -583,6 +584,18 @@ class Gears(SolvedGears):
         from gearmesh.answers.pinned import pin
 
         return pin(self.design, systems.pin(self.design, self.train), self.pairs)
+
+    def rexs(self, folder: str | PathLike[str] = ".", *, torque: float | None = None) -> RexsExport:
+        """The REXS model of the gears (version 1.7); `save("gears.rexs")` writes it, as .rexsj or .rexsz too.
+
+        Names of files in the design are counted from `folder`, where the model is to be. With a `torque` (Nm) on the pinion it has
+        a load case with results of loaded contact. A design that was read from a REXS file keeps all that the file has besides.
+        Raises DesignError for kinds that REXS does not have.
+        """
+        from gearmesh.answers.exchange import rexs_of
+
+        results = None if torque is None else self.loaded_contact(torque)
+        return rexs_of(self.pin(), Path(folder), results)
 
     def compensate(self, refinish: str | None = None) -> Compensation:
         """Settings that compensate the assembly errors of the design, of the member to `refinish` where the kind leaves the choice.

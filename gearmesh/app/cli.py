@@ -49,6 +49,7 @@ COMMANDS = {
     "describe": "designs",
     "new": "designs",
     "pin": "designs",
+    "convert": "designs",
     "sample": "designs",
 }
 

@@ -546,6 +546,15 @@ class UnloadedElementTable(FiniteElementTable):
     ] = "even"
 
 
+class RexsSource(Table):
+    """The stage of a REXS file that a design was read from; what the design does not have of it is written again from there."""
+
+    file: Annotated[
+        str, Key("file", "REXS file that the design was read from; written anew, it keeps what the design has not")
+    ]
+    stage: Annotated[str, Key("text", "id of the stage in it")]
+
+
 @dataclass(frozen=True)
 class _Changed:
     """Keys that were put in anew; designs that are alike but for that are equal."""

@@ -109,7 +109,12 @@ def design_text(design: Design, folder: Path, left_out: Sequence[str] = BETTER_L
     Keys of `left_out` that the design leaves to their defaults stay so. Names of other files are counted from `folder`, where the
     file is to be.
     """
-    plain = _relative(design.plain(), type(design), folder)
+    return stated_text(every_key(design, left_out), type(design), folder)
+
+
+def every_key(design: Design, left_out: Sequence[str]) -> dict[str, Any]:
+    """Every key that a design has or that is derived, but those of `left_out` that it leaves to their defaults."""
+    plain = design.plain()
     for dotted in left_out:
         *names, key = dotted.split(".")
         table = plain
@@ -117,7 +122,12 @@ def design_text(design: Design, folder: Path, left_out: Sequence[str] = BETTER_L
             table = table.get(name, {})
         if not design.sets(dotted):
             table.pop(key, None)
-    return with_version(plain)
+    return plain
+
+
+def stated_text(data: Mapping[str, Any], table: type[Table], folder: Path) -> str:
+    """The file of some keys of a design, and the version; names of other files are counted from `folder`."""
+    return with_version(counted_from(data, table, folder))
 
 
 def with_version(data: Mapping[str, Any]) -> str:
@@ -128,7 +138,7 @@ def with_version(data: Mapping[str, Any]) -> str:
     )
 
 
-def _relative(data: Mapping[str, Any], table: type[Table], folder: Path) -> dict[str, Any]:
+def counted_from(data: Mapping[str, Any], table: type[Table], folder: Path) -> dict[str, Any]:
     """`data` of a table with the names of files in it, counted from the working folder, counted from `folder`."""
     return _with_files(data, table, lambda name: Path(os.path.relpath(name, folder)).as_posix())
 

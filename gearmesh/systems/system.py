@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from gearmesh.design.core import Design
+    from gearmesh.exchange.stage_form import StageForm
     from gearmesh.kernel.motion.rigid import Rigid
     from gearmesh.kernel.numeric.algebra import Array
     from gearmesh.metrology.measured_teeth import InspectionBasis
@@ -145,7 +146,7 @@ class System(Generic[D]):
     transmission error in closed form; `displacements` moves the members of many assemblies at once. `single` makes designs of the
     same kind of one member without a mating gear, those whose keys `is_single`.
     `drawn`: what of the sheet a workshop drawing has; without it, all that it says of the member; `inspection`: what the member
-    named, of a design and its gear set, is inspected by.
+    named, of a design and its gear set, is inspected by. `rexs`: how its stages are read from REXS models and written to them.
     """
 
     kind: str
@@ -166,6 +167,7 @@ class System(Generic[D]):
     pinned: Callable[[D, GearTrain], dict[str, Any]] | None = None
     drawn: DrawnRows | None = None
     inspection: Callable[[D, GearTrain, str], InspectionBasis] | None = None
+    rexs: StageForm | None = None
     single: System[Any] | None = None
     is_single: Callable[[Mapping[str, Any]], bool] | None = None
 

@@ -279,3 +279,21 @@ def test_topographies_go_into_files_and_wrong_requests_are_one_line(here: Path) 
         status, out, err = run(*asked, *wrong)
         assert (status, out) == (2, "")
         assert err.splitlines()[-1].startswith(f"gearmesh: error: {message}")
+
+
+def test_convert_reads_and_writes_rexs_files(tmp_path: Path) -> None:
+    rexs, design = tmp_path / "gears.rexsj", tmp_path / "again.toml"
+    assert run("convert", SAMPLES / "spur.toml", "-o", rexs)[0] == 0
+    status, out, _ = run("convert", rexs, "-o", design, "--json", tmp_path / "reading.json")
+    assert status == 0
+    assert "reference_circle_diameter" in out
+    assert json.loads((tmp_path / "reading.json").read_text())["stage"] == "cylindrical_stage 1"
+    for arguments, why in (
+        ((rexs, "-o", tmp_path / "x.stl"), ".toml"),
+        ((SAMPLES / "spur.toml", "-o", tmp_path / "x.toml"), ".rexs"),
+        ((rexs, "-o", design, "--torque", "3"), "--torque = 3: is for designs"),
+        ((rexs, "-o", design, "--stage", "77"), "--stage = 77: the file has no such stage"),
+        ((SAMPLES / "spur.toml", "-o", rexs, "--stage", "1"), "--stage = 1: is for REXS files"),
+        ((SAMPLES / "face_gear.toml", "-o", rexs), "REXS has no such stage"),
+    ):
+        assert why in refused("convert", *arguments)

@@ -7,6 +7,7 @@ from gearmesh.systems.cylindrical.force_tables import pair_forces
 from gearmesh.systems.cylindrical.geometry.proportions import derived_values
 from gearmesh.systems.cylindrical.inspection.basis import pair_inspection
 from gearmesh.systems.cylindrical.pinned import pair_values
+from gearmesh.systems.cylindrical.rexs import PAIR
 from gearmesh.systems.cylindrical.sheet import data_sheet
 from gearmesh.systems.cylindrical.single.drawn import DRAWN
 from gearmesh.systems.system import System
@@ -23,6 +24,7 @@ SYSTEMS = (
         pinned=pair_values,
         drawn=DRAWN,
         inspection=pair_inspection,
+        rexs=PAIR,
         single=single.SYSTEM,
         is_single=single.is_single,
     ),

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, MemberTable, PairDesign, module_key, pitch_key
+from gearmesh.design.core import Design, FlankContact, MemberTable, PairDesign, RexsSource, module_key, pitch_key
 from gearmesh.design.keys import DERIVED, MM_PER, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
@@ -632,6 +632,7 @@ class CylindricalDesign(HalvesKeys, PairDesign):
 
     pinion: CylindricalMember
     gear: CylindricalMember
+    rexs: RexsSource | None = None
     assembly: CylindricalAssembly = CylindricalAssembly()
     contact: FlankContact = FlankContact()
 

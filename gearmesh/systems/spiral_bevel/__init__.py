@@ -11,6 +11,7 @@ from gearmesh.systems.spiral_bevel.errors.first_order import first_order
 from gearmesh.systems.spiral_bevel.errors.vh_check import vh_check
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.pinned import conjugate_values, settings_values
+from gearmesh.systems.spiral_bevel.rexs import BEVEL, HYPOID
 from gearmesh.systems.spiral_bevel.sheet.accuracy import bevel_inspection
 from gearmesh.systems.spiral_bevel.sheet.drawn import DRAWN
 from gearmesh.systems.spiral_bevel.sheet.member_sheet import member_sheet
@@ -37,8 +38,12 @@ SYSTEMS = (
             pinned=settings_values,
             drawn=DRAWN,
             inspection=bevel_inspection,
+            rexs=form,
         )
-        for kind, design in (("spiral_bevel", SpiralBevelDesign), ("hypoid", HypoidDesign))
+        for kind, design, form in (
+            ("spiral_bevel", SpiralBevelDesign, BEVEL),
+            ("hypoid", HypoidDesign, HYPOID),
+        )
     ),
     System(
         "spiral_bevel_conjugate",

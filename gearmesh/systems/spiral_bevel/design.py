@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import ContactTable, GearBody, Holes, PairDesign, Web
+from gearmesh.design.core import ContactTable, GearBody, Holes, PairDesign, RexsSource, Web
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.design.shown import value_text
@@ -654,6 +654,7 @@ class FaceMilledDesign(BevelDesign):
     contact: SpiralBevelContact = SpiralBevelContact()
     pinion: BevelPinion
     gear: BevelGear
+    rexs: RexsSource | None = None
 
     @property
     def apex_base(self) -> float:

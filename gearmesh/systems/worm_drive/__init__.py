@@ -5,6 +5,7 @@ from gearmesh.systems.worm_drive.build import DISPLACEMENTS, build, pinned_value
 from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.systems.worm_drive.drawn import DRAWN
 from gearmesh.systems.worm_drive.force_tables import pair_forces
+from gearmesh.systems.worm_drive.rexs import WORM_DRIVE
 from gearmesh.systems.worm_drive.sheet import data_sheet
 
 SYSTEMS = (
@@ -17,5 +18,6 @@ SYSTEMS = (
         displacements=DISPLACEMENTS,
         pinned=pinned_values,
         drawn=DRAWN,
+        rexs=WORM_DRIVE,
     ),
 )

@@ -38,6 +38,7 @@ from gearmesh.tools.description import Dimension, ToolDescription
 
 if TYPE_CHECKING:
     from gearmesh.design.core import MemberBody
+    from gearmesh.systems.common.pinned import Values
     from gearmesh.systems.worm_drive.design import WormDriveDesign
 
 #: what the tools that make flanks of each form are called
@@ -125,7 +126,9 @@ def _refuse_unused(design: WormDriveDesign) -> None:
         table = getattr(design, name)
         for key in keys:
             value = getattr(table, key)
-            if key in table.model_fields_set and value not in (None, "cylindrical"):
+            # as a design has them in which all is stated
+            needless = value == design.reference_diameter if name == "hob" else not design.wheel.throated
+            if key in table.model_fields_set and value is not None and not needless:
                 raise DesignError(f"{name}.{key}", value, reason="cannot be given together with wheel.form = helical")
 
 
@@ -329,7 +332,11 @@ def _displaced_bases(design: WormDriveDesign, train: GearTrain, errors: Mapping[
 DISPLACEMENTS: Displacements[WormDriveDesign] = Displacements(("da", "dz1", "dz2", "d_sigma"), _displaced_bases)
 
 
-def pinned_values(design: WormDriveDesign, train: GearTrain) -> dict[str, float]:
+def pinned_values(design: WormDriveDesign, train: GearTrain) -> Values:
     """The worm's diameter and the hob's threads of a complete design in mm, which may be left out or given otherwise."""
-    threads = design.worm.threads if design.hob.threads is None else design.hob.threads
-    return {"worm.reference_diameter": design.reference_diameter, "hob.threads": threads}
+    values: Values = {"worm.reference_diameter": design.reference_diameter}
+    values |= dict.fromkeys(("worm.quotient", "worm.lead_angle"))
+    if design.wheel.form == "helical":
+        unused = ("wheel.throat_radius", "hob.reference_diameter", "hob.threads")
+        return {**values, "wheel.tip_form": "cylindrical", **dict.fromkeys(unused)}
+    return {**values, "hob.threads": design.worm.threads if design.hob.threads is None else design.hob.threads}

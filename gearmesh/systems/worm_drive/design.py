@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, MemberBody, MemberTable
+from gearmesh.design.core import Design, FlankContact, MemberBody, MemberTable, RexsSource
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.measured import WormDriveMeasured
 from gearmesh.design.runout import eccentricity, phase
@@ -245,6 +245,7 @@ class WormDriveDesign(Design):
     hob: HobTable = HobTable()
     assembly: WormDriveAssembly = WormDriveAssembly()
     measured: WormDriveMeasured | None = None
+    rexs: RexsSource | None = None
     contact: FlankContact = FlankContact()
 
     @property

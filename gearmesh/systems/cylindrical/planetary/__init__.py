@@ -6,6 +6,7 @@ from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 from gearmesh.systems.cylindrical.planetary.force_tables import set_forces
 from gearmesh.systems.cylindrical.planetary.pinned import planetary_values
 from gearmesh.systems.cylindrical.planetary.sheet import planetary_sheet
+from gearmesh.systems.cylindrical.rexs.planets import PLANETARY
 from gearmesh.systems.cylindrical.single.drawn import DRAWN
 from gearmesh.systems.system import System
 
@@ -20,5 +21,6 @@ SYSTEMS = (
         pinned=planetary_values,
         drawn=DRAWN,
         inspection=planetary_inspection,
+        rexs=PLANETARY,
     ),
 )

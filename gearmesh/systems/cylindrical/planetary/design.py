@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import FlankContact
+from gearmesh.design.core import FlankContact, RexsSource
 from gearmesh.design.keys import Key, conflict
 from gearmesh.design.measured import PlanetaryMeasured
 from gearmesh.design.runout import eccentricity, phase
@@ -77,6 +77,7 @@ class PlanetaryDesign(HalvesKeys):
     ] = "ring"
     assembly: PlanetaryAssembly = PlanetaryAssembly()
     measured: PlanetaryMeasured | None = None
+    rexs: RexsSource | None = None
     contact: FlankContact = FlankContact()
 
     @model_validator(mode="after")

@@ -1,0 +1,295 @@
+"""Designs from REXS models, and REXS models of designs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gearmesh import __version__
+from gearmesh.answers.contact.contact import RANGE
+from gearmesh.answers.load.figures import LoadedPosition
+from gearmesh.answers.load.loaded import LoadedContact
+from gearmesh.answers.pinned import Pinned, leaves_of
+from gearmesh.answers.result import Result, header
+from gearmesh.answers.tables import Listing
+from gearmesh.design.core import Design, RexsSource
+from gearmesh.design.files import anchor, counted_from, every_key, stated_text
+from gearmesh.errors import ArgumentError, DesignError, FileError
+from gearmesh.exchange.model import OWN, WRITTEN, Component, LoadCase, RexsModel
+from gearmesh.exchange.rexs_file import SUFFIXES, read_rexs, rexs_bytes
+from gearmesh.exchange.stage import StageReader
+from gearmesh.exchange.stage_form import StageForm
+from gearmesh.exchange.stage_writer import StageWriter
+from gearmesh.figures import Content, Figures, figure
+from gearmesh.systems.designs import parse_as_stated
+from gearmesh.systems.system import System, complete_design, kinds, system, system_of
+
+#: date of a new model: the same design gives the same file
+UNDATED = "1970-01-01T00:00:00+00:00"
+
+
+@dataclass(frozen=True)
+class UnusedAttributeFigures(Figures):
+    """An attribute of a REXS file that no key of the design stands for."""
+
+    component: str = figure("type and id of the component")
+    attribute: str = figure("name of the attribute")
+
+
+@dataclass(frozen=True)
+class TorqueFigures(Figures):
+    """A torque on the shaft of a gear."""
+
+    gear: str = figure("type and id of the gear")
+    load_case: str = figure("id of the load case, empty where the torque is of none")
+    torque_Nm: float = figure("torque on the gear's shaft", unit="Nm")
+
+
+@dataclass(frozen=True, repr=False)
+class RexsReading(Result):
+    """The `design` of a stage of a REXS file: `keys` as the file states them; what of the file it does not say, and `torques`.
+
+    As ".toml" the design file is saved.
+    """
+
+    design: Design
+    keys: Mapping[str, Any]
+    stage: str
+    unused: tuple[UnusedAttributeFigures, ...]
+    torques: tuple[TorqueFigures, ...]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".toml")
+
+    @property
+    def headline(self) -> str:
+        return f"{self.stage}: {len(self.unused)} attributes of the file not used"
+
+    @property
+    def listings(self) -> list[Listing]:
+        torques = [[one.gear, one.load_case, one.torque_Nm] for one in self.torques]
+        unused: dict[str, list[str]] = {}
+        for one in self.unused:
+            unused.setdefault(one.component, []).append(one.attribute)
+        listings = [Listing("Torques", ("gear", "load case", "torque Nm"), torques)] if torques else []
+        rows = [[component, attribute] for component, attributes in unused.items() for attribute in attributes]
+        return [*listings, Listing("Not used", ("component", "attribute"), rows)]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return {
+            "component": [one.component for one in self.unused],
+            "attribute": [one.attribute for one in self.unused],
+        }
+
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "stage": self.stage, "torques": self.torques, "unused": self.unused}
+
+    def _write(self, target: Path) -> None:
+        from gearmesh.io.atomic import whole_text
+
+        whole_text(target, self.text(target.parent))
+
+    def text(self, folder: Path) -> str:
+        """The design file; names of other files in it are counted from the `folder` where it is to be."""
+        lines = [
+            f"# torque on {one.gear}{f', load case {one.load_case}' if one.load_case else ''}: {one.torque_Nm:.12g} Nm\n"
+            for one in self.torques
+        ]
+        return "".join(lines) + stated_text(self.keys, type(self.design), folder)
+
+
+def load_rexs(file: str | os.PathLike[str], stage: str | None = None) -> RexsReading:
+    """The design of a stage of a REXS file (.rexs, .rexsj, .rexsz; versions 1.0 to 1.7).
+
+    Parameters
+    ----------
+    file : str or os.PathLike
+        The file.
+    stage : str, optional
+        Id of the stage; it may be left out where the file has one.
+
+    Returns
+    -------
+    RexsReading
+        Its `design`, the torques of the file, and all of the file that the design does not say.
+
+    Raises
+    ------
+    DesignError
+        One line: a file that cannot be read, a stage that is not there, gears that are impossible.
+    """
+    path = Path(file)
+    model = read_rexs(path)
+    own, reader = _stage(model, path, stage)
+    assert own.rexs is not None
+    dotted = own.rexs.read(reader)
+    keys: dict[str, Any] = {}
+    for key, value in {**dotted, "rexs.file": path.name, "rexs.stage": reader.stage.id}.items():
+        *tables, last = key.split(".")
+        table = keys
+        for name in tables:
+            table = table.setdefault(name, {})
+            if not isinstance(table, dict):
+                raise FileError(path, reason=f"{reader.stage}: {key}: {name} is not a table of a design")
+        table[last] = value
+    keys = anchor(keys, own.of_keys(keys).design, path.parent)
+    design = complete_design(parse_as_stated(keys))
+    torques = tuple(
+        TorqueFigures(str(gear), case, torque)
+        for gear in _gears(reader)
+        for case, torque in reader.torques(gear).items()
+    )
+    unused = tuple(UnusedAttributeFigures(component, attribute) for component, attribute in reader.unused_attributes())
+    return RexsReading(design, keys, str(reader.stage), unused, torques, tuple(dict.fromkeys(reader.notes)))
+
+
+def _gears(reader: StageReader) -> Iterator[Component]:
+    if next(reader.model.relations_of("stage", "stage", reader.stage.id), None) is not None:
+        yield from reader.gears()
+
+
+def _forms() -> Iterator[tuple[System[Any], StageForm]]:
+    for kind in kinds():
+        own = system(kind)
+        if own.rexs is not None:
+            yield own, own.rexs
+
+
+def _stage(model: RexsModel, path: Path, wanted: str | None) -> tuple[System[Any], StageReader]:
+    """The system of a stage, and its reader."""
+    types = tuple(dict.fromkeys(type for _, form in _forms() for type in form.stages))
+    stages = [one for one in model.components if one.type in types]
+    inside = {
+        relation.in_role("part")
+        for relation in model.relations
+        if relation.type == "assembly" and relation.in_role("assembly") in [one.id for one in stages]
+    }
+    offered = [one for one in stages if one.id not in inside]
+    listed = ", ".join(
+        f'{one.id} ({one.type} "{one.name}")' if one.name else f"{one.id} ({one.type})" for one in offered
+    )
+    if not stages:
+        raise FileError(path, reason=f"has no stage of these types: {', '.join(types)}")
+    if wanted is None and len(offered) > 1:
+        raise ArgumentError("stage", reason=f"the file has {len(offered)} stages; name one", allowed=listed)
+    chosen = [one for one in stages if one.id == wanted or (wanted is None and one in offered)]
+    if not chosen:
+        raise ArgumentError("stage", wanted, reason="the file has no such stage", allowed=listed)
+    reader = StageReader(str(path), model, chosen[0])
+    for own, form in _forms():
+        if chosen[0].type in form.stages and form.is_of(StageReader(str(path), model, chosen[0])):
+            return own, reader
+    raise FileError(path, reason=f"{chosen[0]}: gears of this form are not read")
+
+
+@dataclass(frozen=True, repr=False)
+class RexsExport(Result):
+    """A REXS model of a design: a new one, or that of the file that the design was read from, with the gears as they are now.
+
+    `own_keys`: keys of the design that the format has no attribute for, and that are written as attributes of this program. As
+    ".rexs" it is saved as XML, as ".rexsj" as JSON, as ".rexsz" zipped.
+    """
+
+    design: Design
+    model: RexsModel
+    stage: str
+    own_keys: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", *SUFFIXES)
+
+    @property
+    def headline(self) -> str:
+        return (
+            f"{self.stage}: {len(self.model.components)} components, {len(self.own_keys)} keys without a REXS attribute"
+        )
+
+    @property
+    def listings(self) -> list[Listing]:
+        return [Listing("Written as attributes of this program", ("key",), [[key] for key in self.own_keys])]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return {"key": list(self.own_keys)}
+
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "stage": self.stage, "own_keys": list(self.own_keys)}
+
+    def _write(self, target: Path) -> None:
+        from gearmesh.io.atomic import whole_file
+
+        with whole_file(target) as file:
+            file.write_bytes(rexs_bytes(self.model, target))
+
+
+def rexs_of(pinned: Pinned, folder: Path, loaded: LoadedContact | None = None) -> RexsExport:
+    """The REXS model of a pinned design, for a file in `folder`.
+
+    What is `loaded` is written as load cases, one for each torque. Raises DesignError for kinds that the format does not have, and
+    FileError for the file that the design was read from.
+    """
+    own = system_of(pinned.design)
+    if own.rexs is None:
+        having = ", ".join(f'"{one.kind}"' for one, _ in _forms())
+        raise DesignError("kind", pinned.design.kind, reason="REXS has no such stage", allowed=having)
+    design = pinned.design.in_mm()
+    source: RexsSource | None = getattr(design, "rexs", None)
+    model = RexsModel() if source is None else read_rexs(source.file)
+    known = None if source is None else model.component(source.stage)
+    if source is not None and known is None:
+        raise DesignError("rexs.stage", source.stage, reason=f"{source.file} has no component of this id")
+    model.version, model.application, model.application_version = WRITTEN, "gearmesh", __version__
+    model.date = model.date or UNDATED
+    plain = counted_from(every_key(design, RANGE), type(design), folder)
+    keys = {key: value for key, value in leaves_of(plain) if not key.startswith("rexs.")}
+    writer = StageWriter(model, keys)
+    stage = own.rexs.write(writer, design, known)
+    own_keys = tuple(writer.keys)
+    writer.put_own(stage)
+    if loaded is not None:
+        _put_results(writer, stage, loaded)
+    return RexsExport(pinned.design, model, str(stage), own_keys)
+
+
+def _put_results(writer: StageWriter, stage: Component, loaded: LoadedContact) -> None:
+    """A load case for each torque: the torques on both gears, and of the stage what loaded contact gives over the mesh cycle."""
+    model = writer.model
+    first, second = next(
+        (model.component(one.in_role("gear_1")), model.component(one.in_role("gear_2")))
+        for one in model.relations_of("stage", "stage", stage.id)
+    )
+    model.spectrum = model.spectrum or "1"
+    taken = max((int(one.id) for one in model.load_cases if one.id.isdigit()), default=0)
+    for number, rows in enumerate(_by_torque(loaded.rows), start=taken + 1):
+        own, te = Component(stage.id, stage.type), [row.te for row in rows]
+        for name, value, unit in (
+            ("loaded_transmission_error_peak_to_peak", (max(te) - min(te)) / 3600.0, "deg"),
+            ("largest_contact_pressure", max(row.peak_pressure for row in rows), "N / mm^2"),
+        ):
+            writer.put(own, OWN + name, value, unit)
+        components = [own]
+        for gear, torque in ((first, rows[0].torque), (second, rows[0].gear_torque)):
+            if gear is not None:
+                data = writer.partner(
+                    "stage_gear_data", "gear", gear, "stage_gear_data", f"{stage.type}_gear_data", gear.name
+                )
+                writer.relate("stage_gear_data", {"stage": stage, "gear": gear, "stage_gear_data": data})
+                of_case = Component(data.id, data.type)
+                writer.put(of_case, "torque", torque, "N m")
+                components.append(of_case)
+        model.load_cases.append(LoadCase(str(number), components))
+
+
+def _by_torque(rows: list[LoadedPosition]) -> list[list[LoadedPosition]]:
+    torques = list(dict.fromkeys(row.torque for row in rows))
+    return [[row for row in rows if row.torque == torque] for torque in torques]

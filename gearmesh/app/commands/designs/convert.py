@@ -1,0 +1,83 @@
+"""The command `convert`: designs from REXS files, and REXS files of designs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import Json, Set, load_gears
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.errors import ArgumentError
+
+
+def convert(
+    source: Annotated[
+        Path,
+        typer.Argument(metavar="IN", help="REXS file (.rexs, .rexsj, .rexsz), or a design file.", show_default=False),
+    ],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="OUT",
+            help="Design file (.toml) of a REXS file, or REXS file of a design.",
+            show_default=False,
+        ),
+    ],
+    stage: Annotated[
+        str | None,
+        typer.Option(
+            "--stage", metavar="ID", help="Which stage of a REXS file, where it has several.", show_default=False
+        ),
+    ] = None,
+    torque: Annotated[
+        float | None,
+        typer.Option(
+            "--torque",
+            metavar="NM",
+            help="Of a design: loaded contact under this torque on the pinion too, as results of a load case.",
+            show_default=False,
+        ),
+    ] = None,
+    json_file: Json = None,
+    changes: Set = None,
+) -> None:
+    """Read a stage of a REXS file as a design, or write a design as a REXS file (versions 1.0 to 1.7 are read, 1.7 is written).
+
+    What the file says and the design does not is listed; a design that was read from a file is written with all that the file has.
+    """
+    import gearmesh
+    from gearmesh.exchange.rexs_file import is_rexs
+
+    for file in (output, json_file):
+        refuse_unwritable(file)
+    if is_rexs(source):
+        refuse_suffix(output, ".toml")
+        if torque is not None:
+            raise ArgumentError("torque", torque, reason="is for designs; the torques of a REXS file are read from it")
+        if changes:
+            raise ArgumentError(
+                "overrides", entry=changes[0], reason="is for designs; change the design that is written"
+            )
+        with working("reading"):
+            reading = gearmesh.load_rexs(source, stage)
+        reading.save(output)
+        write_text(json_file, reading.json)
+        if json_file != "-":
+            show(reading.listings)
+        warn(reading.warnings)
+        return
+    refuse_suffix(output, ".rexs", ".rexsj", ".rexsz")
+    if stage is not None:
+        raise ArgumentError("stage", stage, reason="is for REXS files; a design is of one stage")
+    gears = load_gears(source, changes)
+    with working("conversion"):
+        model = gears.rexs(output.parent, torque=torque)
+    model.save(output)
+    write_text(json_file, model.json)
+    if json_file != "-":
+        show(model.listings)
+    warn(gears.warnings, model.warnings)

@@ -1,0 +1,198 @@
+"""REXS models as JSON."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from gearmesh.errors import FileError
+from gearmesh.exchange.model import Attribute, Component, ComponentReference, LoadCase, Relation, RexsModel, Text
+from gearmesh.files.reading import json_value
+
+#: texts of numbers
+_INTEGER = re.compile(r"[+-]?\d{1,18}")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+
+def model_of_json(text: str, path: str) -> RexsModel:
+    """The model in a JSON file, which came from `path`. Raises FileError in one line."""
+    return _Reader(path).model(json_value(text, path))
+
+
+class _Reader:
+    """Tells where a file is not as it should be."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+
+    def model(self, data: Any) -> RexsModel:
+        root = self.table(self.table(data, "the file").get("model"), "model")
+        spectrum = self.table(root.get("load_spectrum") or {}, "load_spectrum")
+        accumulation = self.table(root.get("accumulation") or {}, "accumulation")
+        cases = [
+            LoadCase(self.text(case, "id", "load case"), self.components(case))
+            for case in self.tables(spectrum, "load_cases")
+        ]
+        return RexsModel(
+            self.text(root, "version", "model"),
+            str(root.get("applicationId", "")),
+            str(root.get("applicationVersion", "")),
+            str(root.get("date", "")),
+            [self.relation(one) for one in self.tables(root, "relations")],
+            self.components(root),
+            str(spectrum.get("id", "")),
+            cases + ([LoadCase("", self.components(accumulation))] if accumulation else []),
+        )
+
+    def table(self, value: Any, where: str) -> Mapping[str, Any]:
+        if not isinstance(value, dict):
+            raise FileError(self.path, reason=f"not a REXS file: {where} is not an object")
+        return value
+
+    def tables(self, data: Mapping[str, Any], name: str) -> Iterator[Mapping[str, Any]]:
+        values = data.get(name) or []
+        if not isinstance(values, list):
+            raise FileError(self.path, reason=f"not a REXS file: {name} is not an array")
+        for value in values:
+            yield self.table(value, f"one of {name}")
+
+    def text(self, data: Mapping[str, Any], name: str, where: str) -> str:
+        value = data.get(name)
+        if not isinstance(value, (str, int)) or isinstance(value, bool) or value == "":
+            raise FileError(self.path, reason=f"{where} without {name}")
+        return str(value)
+
+    def relation(self, data: Mapping[str, Any]) -> Relation:
+        references = [
+            ComponentReference(self.text(one, "role", "ref"), self.text(one, "id", "ref"), str(one.get("hint") or ""))
+            for one in self.tables(data, "refs")
+        ]
+        id, type = (self.text(data, name, "relation") for name in ("id", "type"))
+        return Relation(id, type, references, str(data.get("order") or ""))
+
+    def components(self, data: Mapping[str, Any]) -> list[Component]:
+        return [self.component(one) for one in self.tables(data, "components")]
+
+    def component(self, data: Mapping[str, Any]) -> Component:
+        attributes = [self.attribute(one) for one in self.tables(data, "attributes")]
+        id, type, name = self.text(data, "id", "component"), str(data.get("type") or ""), str(data.get("name") or "")
+        return Component(id, type, name, {one.id: one for one in attributes})
+
+    def attribute(self, data: Mapping[str, Any]) -> Attribute:
+        id, unit = self.text(data, "id", "attribute"), str(data.get("unit") or "none")
+        types = [name for name in data if name not in ("id", "unit")]
+        if len(types) != 1:
+            raise FileError(self.path, reason=f"attribute {id} without a value")
+        value = data[types[0]]
+        if isinstance(value, dict):
+            shape = (str(value["rows"]), str(value["columns"])) if "rows" in value and "columns" in value else None
+            return Attribute(id, str(value.get("value", "")), unit, types[0], str(value.get("code", "")), shape)
+        return Attribute(id, _text(value), unit, types[0])
+
+
+def _text(value: Any) -> Text:
+    """A value of JSON as XML has it."""
+    if isinstance(value, list):
+        return [_text(one) for one in value]  # type: ignore[return-value]
+    if value is None:
+        return ""
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def json_of(model: RexsModel) -> str:
+    """The JSON file of a model."""
+    root: dict[str, Any] = {
+        "version": model.version,
+        "applicationId": model.application,
+        "applicationVersion": model.application_version,
+        "date": model.date,
+        "relations": [
+            {
+                "id": _id(one.id),
+                "type": one.type,
+                **({"order": _id(one.order)} if one.order else {}),
+                "refs": [
+                    {"id": _id(ref.id), "role": ref.role, **({"hint": ref.hint} if ref.hint else {})}
+                    for ref in one.references
+                ],
+            }
+            for one in model.relations
+        ],
+        "components": [_component(one) for one in model.components],
+    }
+    cases = [case for case in model.load_cases if case.id]
+    if cases or model.spectrum:
+        root["load_spectrum"] = {
+            "id": _id(model.spectrum or "1"),
+            "load_cases": [
+                {"id": _id(case.id), "components": [_component(one) for one in case.components]} for case in cases
+            ],
+        }
+    for case in model.load_cases:
+        if not case.id:
+            root["accumulation"] = {"components": [_component(one) for one in case.components]}
+    return json.dumps({"model": root}, indent=2, ensure_ascii=False) + "\n"
+
+
+def _id(text: str) -> int | str:
+    return int(text) if _INTEGER.fullmatch(text) else text
+
+
+def _component(one: Component) -> dict[str, Any]:
+    named = {key: value for key, value in (("type", one.type), ("name", one.name)) if value}
+    return {"id": _id(one.id), **named, "attributes": [_attribute(part) for part in one.attributes.values()]}
+
+
+def _attribute(one: Attribute) -> dict[str, Any]:
+    type = one.type if one.type and not one.type.startswith("_") else guessed_type(one)
+    value: Any
+    if one.code:
+        shape = {} if one.shape is None else {"rows": _id(one.shape[0]), "columns": _id(one.shape[1])}
+        value = {"code": one.code, "value": one.text, **shape}
+    else:
+        value = _value(one.text, type)
+    return {"id": one.id, "unit": one.unit, type: value}
+
+
+def _value(text: Text, type: str) -> Any:
+    if isinstance(text, list):
+        return [_value(one, type) for one in text]
+    if text == "" and not type.startswith(("string", "enum", "file_reference")):
+        return None
+    if type.startswith(("integer", "reference_component")):
+        return _id(text)
+    if type.startswith("floating_point"):
+        return float(text) if _NUMBER.fullmatch(text) else text
+    return text.lower() == "true" if type.startswith("boolean") else text
+
+
+def guessed_type(one: Attribute) -> str:
+    """Name of the type of an attribute of an XML file, which does not say it: by its unit, the form of its name and its text."""
+    end = "_coded" if one.code else ""
+    texts = list(_leaves(one.text))
+    if isinstance(one.text, list) or one.code:
+        rows = one.shape is not None or (isinstance(one.text, list) and any(isinstance(row, list) for row in one.text))
+        end = (one.type or ("_matrix" if rows else "_array")) + end
+    if one.code.startswith("int"):
+        return "integer" + end
+    if one.code or (one.unit not in ("none", "") and all(_NUMBER.fullmatch(text) or not text for text in texts)):
+        return "floating_point" + end
+    if texts and all(text in ("true", "false") for text in texts):
+        return "boolean" + end
+    if not end and (one.id.startswith("reference_component") or one.id.endswith("_component_id")):
+        return "reference_component"
+    if texts and all(_INTEGER.fullmatch(text) for text in texts) and one.id.startswith(("number_", "gear_shift")):
+        return "integer" + end
+    if texts and all(_NUMBER.fullmatch(text) for text in texts):
+        return "floating_point" + end
+    return "string" + end
+
+
+def _leaves(text: Text) -> Iterator[str]:
+    if isinstance(text, str):
+        yield text
+    else:
+        for one in text:
+            yield from _leaves(one)

@@ -1,0 +1,98 @@
+"""A REXS model: components with attributes, relations between components, and load cases [REXS 1.7]."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+#: text of a value as a file has it, rows of them, or rows of rows
+Text = str | list[str] | list[list[str]]
+
+#: versions that are read, and the one that is written
+VERSIONS = tuple(f"1.{minor}" for minor in range(8))
+WRITTEN = VERSIONS[-1]
+
+#: what begins the names of attributes that the format does not know and this program writes
+OWN = "custom_gearmesh_"
+
+
+@dataclass
+class Attribute:
+    """A value in a unit; `type`: the name that JSON has for its type, "" if the file does not say.
+
+    `code`: that of encoded numbers, whose `text` is one string; `shape`: rows and columns of a matrix of them.
+    """
+
+    id: str
+    text: Text
+    unit: str = "none"
+    type: str = ""
+    code: str = ""
+    shape: tuple[str, str] | None = None
+
+
+@dataclass
+class Component:
+    """A part, or data of one."""
+
+    id: str
+    type: str
+    name: str = ""
+    attributes: dict[str, Attribute] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        """As messages name it."""
+        return f"{self.type} {self.id}"
+
+
+@dataclass
+class ComponentReference:
+    """A component in a relation; `hint`: its type."""
+
+    role: str
+    id: str
+    hint: str = ""
+
+
+@dataclass
+class Relation:
+    """Components that belong together, each in its role."""
+
+    id: str
+    type: str
+    references: list[ComponentReference]
+    order: str = ""
+
+    def in_role(self, role: str) -> str | None:
+        """Id of the component in a role, None if none is."""
+        return next((one.id for one in self.references if one.role == role), None)
+
+
+@dataclass
+class LoadCase:
+    """Attributes of components under one load; of the id "" those accumulated over all cases."""
+
+    id: str
+    components: list[Component]
+
+
+@dataclass
+class RexsModel:
+    """All that a file says."""
+
+    version: str = WRITTEN
+    application: str = ""
+    application_version: str = ""
+    date: str = ""
+    relations: list[Relation] = field(default_factory=list)
+    components: list[Component] = field(default_factory=list)
+    spectrum: str = ""
+    load_cases: list[LoadCase] = field(default_factory=list)
+
+    def component(self, id: str | None) -> Component | None:
+        """The component that has an id."""
+        return next((one for one in self.components if one.id == id), None)
+
+    def relations_of(self, type: str, role: str, id: str) -> Iterator[Relation]:
+        """Relations of a type in which a component has a role."""
+        return (one for one in self.relations if one.type == type and one.in_role(role) == id)

@@ -1,0 +1,172 @@
+"""REXS models as XML."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from typing import Any
+
+from gearmesh.errors import FileError
+from gearmesh.exchange.model import Attribute, Component, ComponentReference, LoadCase, Relation, RexsModel, Text
+
+#: levels of elements in elements
+DEEPEST = 32
+#: how the type of arrays of arrays ends
+ARRAYS = "_arrays"
+
+
+class _Builder(ET.TreeBuilder):
+    """Refuses what makes a small file large: document types with their entities, and elements nested without end."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.depth = 0
+
+    def doctype(self, name: str, pubid: str | None, system: str | None) -> None:
+        raise ValueError("has a document type; files with entities are not read")
+
+    def start(self, tag: Any, attrs: Any) -> Any:
+        self.depth += 1
+        if self.depth > DEEPEST:
+            raise ValueError("nested too deeply")
+        return super().start(tag, attrs)
+
+    def end(self, tag: Any) -> Any:
+        self.depth -= 1
+        return super().end(tag)
+
+
+def model_of_xml(content: bytes, path: str) -> RexsModel:
+    """The model in an XML file, which came from `path`. Raises FileError in one line."""
+    try:
+        root = ET.fromstring(content, ET.XMLParser(target=_Builder()))
+    except ET.ParseError as failure:
+        raise FileError(path, reason=f"not XML: {failure}") from None
+    except (ValueError, LookupError) as failure:  # LookupError: an encoding that Python does not know
+        raise FileError(path, reason=str(failure)) from None
+    if root.tag != "model":
+        raise FileError(path, reason=f"not a REXS file: its root is <{root.tag}>, not <model>")
+    spectrum = root.find("load_spectrum")
+    return RexsModel(
+        _required_name(root, "version", path),
+        root.get("applicationId", ""),
+        root.get("applicationVersion", ""),
+        root.get("date", ""),
+        [_relation(one, path) for one in root.iterfind("relations/relation")],
+        [_component(one, path) for one in root.iterfind("components/component")],
+        "" if spectrum is None else spectrum.get("id", ""),
+        [] if spectrum is None else list(_load_cases(spectrum, path)),
+    )
+
+
+def _load_cases(spectrum: ET.Element, path: str) -> Iterator[LoadCase]:
+    for tag in ("load_case", "accumulation"):
+        for case in spectrum.iterfind(tag):
+            id = _required_name(case, "id", path) if tag == "load_case" else ""
+            yield LoadCase(id, [_component(one, path) for one in case.iterfind("component")])
+
+
+def _required_name(element: ET.Element, name: str, path: str) -> str:
+    value = element.get(name)
+    if not value:
+        raise FileError(path, reason=f"<{element.tag}> without {name}")
+    return value
+
+
+def _relation(element: ET.Element, path: str) -> Relation:
+    references = [
+        ComponentReference(_required_name(one, "role", path), _required_name(one, "id", path), one.get("hint", ""))
+        for one in element.iterfind("ref")
+    ]
+    return Relation(
+        _required_name(element, "id", path), _required_name(element, "type", path), references, element.get("order", "")
+    )
+
+
+def _component(element: ET.Element, path: str) -> Component:
+    attributes = [_attribute(one, path) for one in element.iterfind("attribute")]
+    return Component(
+        _required_name(element, "id", path),
+        element.get("type", ""),
+        element.get("name", ""),
+        {one.id: one for one in attributes},
+    )
+
+
+def _attribute(element: ET.Element, path: str) -> Attribute:
+    id, unit = _required_name(element, "id", path), element.get("unit", "") or "none"
+    array, matrix, arrays = (element.find(tag) for tag in ("array", "matrix", "array_of_arrays"))
+    coded = next((one for one in (array, matrix) if one is not None and one.get("code")), None)
+    if coded is not None:
+        shape = None if coded is array else (coded.get("rows", ""), coded.get("columns", ""))
+        return Attribute(id, (coded.text or "").strip(), unit, code=coded.get("code", ""), shape=shape)
+    if array is not None:
+        return Attribute(id, _row(array), unit)
+    if matrix is not None:
+        return Attribute(id, [_row(row) for row in matrix.iterfind("r")], unit)
+    if arrays is not None:
+        return Attribute(id, [_row(row) for row in arrays.iterfind("array")], unit, ARRAYS)
+    return Attribute(id, (element.text or "").strip(), unit)
+
+
+def _row(element: ET.Element) -> list[str]:
+    return [(one.text or "").strip() for one in element.iterfind("c")]
+
+
+def xml_of(model: RexsModel) -> str:
+    """The XML file of a model."""
+    root = ET.Element(
+        "model",
+        {
+            "version": model.version,
+            "applicationId": model.application,
+            "applicationVersion": model.application_version,
+            "date": model.date,
+        },
+    )
+    relations = ET.SubElement(root, "relations")
+    for relation in model.relations:
+        order = {"order": relation.order} if relation.order else {}
+        element = ET.SubElement(relations, "relation", {"id": relation.id, "type": relation.type, **order})
+        for one in relation.references:
+            ET.SubElement(element, "ref", {"id": one.id, "role": one.role, **({"hint": one.hint} if one.hint else {})})
+    components = ET.SubElement(root, "components")
+    for component in model.components:
+        _put(components, component)
+    if model.load_cases or model.spectrum:
+        spectrum = ET.SubElement(root, "load_spectrum", {"id": model.spectrum or "1"})
+        for case in model.load_cases:
+            inside = ET.SubElement(spectrum, *(("load_case", {"id": case.id}) if case.id else ("accumulation",)))
+            for component in case.components:
+                _put(inside, component)
+    ET.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _put(parent: ET.Element, component: Component) -> None:
+    named = {key: value for key, value in (("type", component.type), ("name", component.name)) if value}
+    element = ET.SubElement(parent, "component", {"id": component.id, **named})
+    for one in component.attributes.values():
+        _put_value(ET.SubElement(element, "attribute", {"id": one.id, "unit": one.unit}), one)
+
+
+def _put_value(parent: ET.Element, one: Attribute) -> None:
+    if one.code:
+        shape = {} if one.shape is None else dict(zip(("rows", "columns"), one.shape, strict=True))
+        ET.SubElement(parent, "array" if one.shape is None else "matrix", {"code": one.code, **shape}).text = str(
+            one.text
+        )
+    elif isinstance(one.text, str):
+        parent.text = one.text
+    elif not any(isinstance(row, list) for row in one.text):
+        _put_row(ET.SubElement(parent, "array"), one.text)
+    else:
+        outside, inside = ("array_of_arrays", "array") if one.type.endswith(ARRAYS) else ("matrix", "r")
+        whole = ET.SubElement(parent, outside)
+        for row in one.text:
+            _put_row(ET.SubElement(whole, inside), row)
+
+
+def _put_row(parent: ET.Element, row: Text) -> None:
+    for text in row:
+        ET.SubElement(parent, "c").text = str(text)
