@@ -17,6 +17,8 @@ from gearmesh.errors import ArgumentError, OutputError
 
 #: What a sample can be: a design or a script.
 SUFFIXES = (".toml", ".py")
+#: names of other files in a design
+_NAMED = re.compile(r'^\w+ = "([\w-]+\.csv)"', re.MULTILINE)
 
 
 def names() -> list[str]:
@@ -41,18 +43,22 @@ def headline(name: str) -> str:
 
 
 def copy(name: str, folder: str | Path) -> Path:
-    """Write a sample into an existing folder, and say where it is; the scripts want their designs beside them.
+    """Write a sample into an existing folder, with the files that it names, and say where it is; the scripts want their designs
+    beside them.
 
     Raises DesignError for a sample that does not exist, OutputError for a file that is there already or cannot be written.
     """
     from gearmesh.io.atomic import whole_text
 
     sample = _find(name)
-    target = Path(folder) / sample.name
-    if target.exists():
-        raise OutputError("cannot write", target, reason="it exists already")
-    whole_text(target, text(name))
-    return target
+    named = sorted(set(_NAMED.findall(text(name)))) if sample.name.endswith(SUFFIXES[0]) else []
+    targets = {Path(folder) / file: _folder().joinpath(file) for file in (sample.name, *named)}
+    for target in targets:
+        if target.exists():
+            raise OutputError("cannot write", target, reason="it exists already")
+    for target, source in reversed(targets.items()):
+        whole_text(target, source.read_text(encoding="utf-8"))
+    return Path(folder) / sample.name
 
 
 def _find(name: str) -> Traversable:

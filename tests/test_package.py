@@ -60,6 +60,16 @@ def test_a_copy_is_the_sample_and_takes_nothing_s_place(tmp_path: Path) -> None:
         samples.copy("zerol", tmp_path / "nowhere")
 
 
+def test_files_that_a_sample_names_are_copied_with_it(tmp_path: Path) -> None:
+    written = samples.copy("hypoid_measured", tmp_path)
+    points = tmp_path / "hypoid_measured_pinion.csv"
+    assert points.read_bytes() == (SAMPLES / points.name).read_bytes()
+    written.unlink()
+    with pytest.raises(OutputError, match=r"hypoid_measured_pinion\.csv: it exists already"):
+        samples.copy("hypoid_measured", tmp_path)
+    assert not written.exists()
+
+
 def test_an_installed_package_has_them_inside(tmp_path: Path) -> None:
     """Laid out as the wheel is, by the rules of pyproject.toml."""
     wheel = PYPROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]

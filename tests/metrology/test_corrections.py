@@ -179,3 +179,13 @@ def test_wrong_input_is_one_line(hypoid: Design, tmp_path: Path) -> None:
     )
     with pytest.raises(GearmeshError, match="machine settings"):
         correct_settings(spur, "pinion", flank)
+
+
+def test_the_sample_that_was_measured_says_what_was_off() -> None:
+    """Its own text: 0.06 mm of the blank's offset and 1 arcmin of the root angle, with 0.5 um of noise."""
+    made = gm.build(gm.load(SAMPLES / "hypoid_measured.toml")).correct(
+        "pinion", settings=["concave.machining_offset", "machine_root_angle"]
+    )
+    for change, off, spread in zip(made.solution.changes, (0.06, 1.0 / 60.0), made.solution.uncertainties, strict=True):
+        assert abs(change + off) < 3.0 * spread < 0.15 * off
+    assert made.solution.noise == pytest.approx(5e-4, rel=0.2)
