@@ -127,8 +127,10 @@ def _refuse_unused(design: WormDriveDesign) -> None:
         for key in keys:
             value = getattr(table, key)
             # as a design has them in which all is stated
-            needless = value == design.reference_diameter if name == "hob" else not design.wheel.throated
-            if key in table.model_fields_set and value is not None and not needless:
+            stated = (None, "cylindrical") if key == "tip_form" else (None, design.reference_diameter)
+            if key == "throat_radius" and design.wheel.tip_form == "cylindrical":
+                stated = (None, value)
+            if key in table.model_fields_set and value not in stated:
                 raise DesignError(f"{name}.{key}", value, reason="cannot be given together with wheel.form = helical")
 
 
