@@ -37,16 +37,46 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gearmesh.answers.planetary_sizing import size_planetary
-    from gearmesh.answers.sizing import size
+    from gearmesh.answers.bodies.cad import Cad
+    from gearmesh.answers.bodies.finite_element_model import FiniteElementModel, UnloadedFiniteElements
+    from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
+    from gearmesh.answers.bodies.measuring_grid import MeasuringGrids
+    from gearmesh.answers.bodies.section import Section
+    from gearmesh.answers.bodies.solid import Solid, Solids
+    from gearmesh.answers.bodies.toolpath import ToolPathAnswer
+    from gearmesh.answers.bodies.topography import FlankTopography
+    from gearmesh.answers.check import Check, RollTest
+    from gearmesh.answers.contact.contact import Contact
+    from gearmesh.answers.contact.ease_off import EaseOffMap
+    from gearmesh.answers.contact.vh import VHCheck
+    from gearmesh.answers.exchange import RexsExport, RexsReading, load_rexs
+    from gearmesh.answers.inspection.composite import CompositeTest
+    from gearmesh.answers.inspection.correction import Correction
+    from gearmesh.answers.inspection.inspection import Inspection
+    from gearmesh.answers.limits import Limits
+    from gearmesh.answers.load.loaded import LoadedContact
+    from gearmesh.answers.pinned import Pinned
+    from gearmesh.answers.planetary_sizing import PlanetarySizing, size_planetary
+    from gearmesh.answers.result import Result
+    from gearmesh.answers.sheet import Compensation, DesignSheet
+    from gearmesh.answers.sizing import Sizing, size
     from gearmesh.api.gear import gear
     from gearmesh.api.gears import Gears, build
+    from gearmesh.api.report import ReportPage
+    from gearmesh.api.run import Report
     from gearmesh.design.core import Design
     from gearmesh.design.files import toml
+    from gearmesh.drawing.drawing import WorkshopDrawing
     from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
     from gearmesh.loaded.mounts import FlexibleMount as FlexibleMount
+    from gearmesh.study.largest_errors import LargestErrors
+    from gearmesh.study.study import Study
     from gearmesh.systems.beveloid.design import BeveloidDesign
     from gearmesh.systems.circular_arc.design import CircularArcDesign
+    from gearmesh.systems.cylindrical.design import CylindricalDesign
+    from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
+    from gearmesh.systems.cylindrical.rack.design import RackDesign, SingleRackDesign
+    from gearmesh.systems.cylindrical.single.design import SingleGearDesign
     from gearmesh.systems.designs import load, new, parse
     from gearmesh.systems.face_gear.design import FaceGearDesign
     from gearmesh.systems.parabolic_helical.design import ModifiedInvoluteDesign, NovikovDesign
@@ -54,27 +84,73 @@ if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
     from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
     from gearmesh.systems.system import System, kinds, register, system
+    from gearmesh.systems.worm_drive.design import WormDriveDesign
+    from gearmesh.view.picture import Animation, Diagram, Picture
 
 #: said here alone: pyproject.toml has it from here
 __version__ = "0.9.0"
 
 __all__ = [
+    "Animation",
     "BeveloidDesign",
+    "Cad",
+    "Check",
     "CircularArcDesign",
+    "Compensation",
+    "CompositeTest",
     "ConjugateDesign",
+    "Contact",
+    "Correction",
+    "CylindricalDesign",
     "Design",
     "DesignError",
+    "DesignSheet",
+    "Diagram",
+    "EaseOffMap",
     "FaceGearDesign",
+    "FiniteElementDecks",
+    "FiniteElementModel",
+    "FiniteElementSolution",
+    "FiniteElements",
+    "FlankTopography",
     "FlexibleMount",
     "GearmeshError",
     "Gears",
     "HypoidDesign",
+    "Inspection",
+    "LargestErrors",
+    "Limits",
+    "LoadedContact",
+    "MeasuringGrids",
     "ModifiedInvoluteDesign",
     "NoSolutionError",
     "NovikovDesign",
     "OutputError",
+    "Picture",
+    "Pinned",
+    "PlanetaryDesign",
+    "PlanetarySizing",
+    "RackDesign",
+    "Report",
+    "ReportPage",
+    "Result",
+    "RexsExport",
+    "RexsReading",
+    "RollTest",
+    "Section",
+    "SingleGearDesign",
+    "SingleRackDesign",
+    "Sizing",
+    "Solid",
+    "Solids",
     "SpiralBevelDesign",
+    "Study",
     "System",
+    "ToolPathAnswer",
+    "UnloadedFiniteElements",
+    "VHCheck",
+    "WorkshopDrawing",
+    "WormDriveDesign",
     "build",
     "gear",
     "kinds",
@@ -91,24 +167,108 @@ __all__ = [
 
 #: where each name is, to be loaded when it is asked for
 _HOMES = {
+    "gearmesh.answers.bodies.cad": ("Cad",),
+    "gearmesh.answers.bodies.finite_element_model": (
+        "FiniteElementModel",
+        "UnloadedFiniteElements",
+    ),
+    "gearmesh.answers.bodies.finite_elements": (
+        "FiniteElementDecks",
+        "FiniteElementSolution",
+        "FiniteElements",
+    ),
+    "gearmesh.answers.bodies.measuring_grid": ("MeasuringGrids",),
+    "gearmesh.answers.bodies.section": ("Section",),
+    "gearmesh.answers.bodies.solid": (
+        "Solid",
+        "Solids",
+    ),
+    "gearmesh.answers.bodies.toolpath": ("ToolPathAnswer",),
+    "gearmesh.answers.bodies.topography": ("FlankTopography",),
+    "gearmesh.answers.check": (
+        "Check",
+        "RollTest",
+    ),
+    "gearmesh.answers.contact.contact": ("Contact",),
+    "gearmesh.answers.contact.ease_off": ("EaseOffMap",),
+    "gearmesh.answers.contact.vh": ("VHCheck",),
+    "gearmesh.answers.exchange": (
+        "RexsExport",
+        "RexsReading",
+        "load_rexs",
+    ),
+    "gearmesh.answers.inspection.composite": ("CompositeTest",),
+    "gearmesh.answers.inspection.correction": ("Correction",),
+    "gearmesh.answers.inspection.inspection": ("Inspection",),
+    "gearmesh.answers.limits": ("Limits",),
+    "gearmesh.answers.load.loaded": ("LoadedContact",),
+    "gearmesh.answers.pinned": ("Pinned",),
+    "gearmesh.answers.planetary_sizing": (
+        "PlanetarySizing",
+        "size_planetary",
+    ),
+    "gearmesh.answers.result": ("Result",),
+    "gearmesh.answers.sheet": (
+        "Compensation",
+        "DesignSheet",
+    ),
+    "gearmesh.answers.sizing": (
+        "Sizing",
+        "size",
+    ),
     "gearmesh.api.gear": ("gear",),
-    "gearmesh.api.gears": ("Gears", "build"),
-    "gearmesh.answers.exchange": ("load_rexs",),
-    "gearmesh.answers.planetary_sizing": ("size_planetary",),
-    "gearmesh.answers.sizing": ("size",),
+    "gearmesh.api.gears": (
+        "Gears",
+        "build",
+    ),
+    "gearmesh.api.report": ("ReportPage",),
+    "gearmesh.api.run": ("Report",),
     "gearmesh.design.core": ("Design",),
     "gearmesh.design.files": ("toml",),
-    "gearmesh.errors": ("DesignError", "GearmeshError", "NoSolutionError", "OutputError"),
+    "gearmesh.drawing.drawing": ("WorkshopDrawing",),
+    "gearmesh.errors": (
+        "DesignError",
+        "GearmeshError",
+        "NoSolutionError",
+        "OutputError",
+    ),
     "gearmesh.loaded.mounts": ("FlexibleMount",),
+    "gearmesh.study.largest_errors": ("LargestErrors",),
+    "gearmesh.study.study": ("Study",),
     "gearmesh.systems.beveloid.design": ("BeveloidDesign",),
     "gearmesh.systems.circular_arc.design": ("CircularArcDesign",),
-    "gearmesh.systems.designs": ("load", "new", "parse"),
+    "gearmesh.systems.cylindrical.design": ("CylindricalDesign",),
+    "gearmesh.systems.cylindrical.planetary.design": ("PlanetaryDesign",),
+    "gearmesh.systems.cylindrical.rack.design": (
+        "RackDesign",
+        "SingleRackDesign",
+    ),
+    "gearmesh.systems.cylindrical.single.design": ("SingleGearDesign",),
+    "gearmesh.systems.designs": (
+        "load",
+        "new",
+        "parse",
+    ),
     "gearmesh.systems.face_gear.design": ("FaceGearDesign",),
-    "gearmesh.systems.parabolic_helical.design": ("ModifiedInvoluteDesign", "NovikovDesign"),
+    "gearmesh.systems.parabolic_helical.design": (
+        "ModifiedInvoluteDesign",
+        "NovikovDesign",
+    ),
     "gearmesh.systems.spiral_bevel.conjugate.design": ("ConjugateDesign",),
     "gearmesh.systems.spiral_bevel.design": ("SpiralBevelDesign",),
     "gearmesh.systems.spiral_bevel.hypoid_design": ("HypoidDesign",),
-    "gearmesh.systems.system": ("System", "kinds", "register", "system"),
+    "gearmesh.systems.system": (
+        "System",
+        "kinds",
+        "register",
+        "system",
+    ),
+    "gearmesh.systems.worm_drive.design": ("WormDriveDesign",),
+    "gearmesh.view.picture": (
+        "Animation",
+        "Diagram",
+        "Picture",
+    ),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 

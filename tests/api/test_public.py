@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pydoc
+import re
 import shutil
 import subprocess
 import sys
@@ -48,6 +49,26 @@ def test_every_name_is_there_and_no_other_is_shown() -> None:
         assert thing.__doc__, name
     with pytest.raises(AttributeError, match="no attribute 'job'"):
         gm.job  # noqa: B018
+
+
+#: what answers of the program give besides its own types
+OTHERS = {"Any", "Array", "Path", "None", "Compound", "Assembly"}
+
+
+@pytest.mark.quick
+def test_all_that_a_user_gets_back_has_a_public_name() -> None:
+    """Types that the methods of gears and the functions return, and the designs of all kinds."""
+    from gearmesh.answers.questions import SolvedGears
+
+    things = [*vars(gm.Gears).values(), *vars(SolvedGears).values(), *(getattr(gm, name) for name in gm.__all__)]
+    returned = {
+        name
+        for thing in things
+        for name in re.findall(r"[A-Z]\w+", str(getattr(thing, "__annotations__", {}).get("return", "")))
+    }
+    assert len(returned) > 25
+    assert returned - OTHERS <= set(gm.__all__)
+    assert {gm.system(kind).design.__name__ for kind in gm.kinds()} <= set(gm.__all__)
 
 
 @pytest.mark.quick
