@@ -6,14 +6,27 @@ from collections.abc import Iterator, Mapping
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import Length, tolerance_in_mm
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems import system as systems
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
+
+
+def number_list(argument: str, values: ArrayLike, unit: str) -> Array:
+    """Values (N,) of an argument that is a number or several. Raises ArgumentError for what are none, or not finite."""
+    try:
+        numbers = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        raise ArgumentError(argument, values, must_be=f"a number in {unit}, or several") from None
+    if numbers.ndim > 1 or not np.isfinite(numbers).all():
+        raise ArgumentError(argument, values, must_be=f"finite numbers in {unit}, one or several in a row")
+    return numbers
 
 
 class PartsAlone(Mapping[str, systems.ToolPart]):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.gearset import GearSet, number_list
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import Progress, silent
 from gearmesh.systems import system as systems
@@ -60,7 +60,7 @@ class SolvedGears(GearSet):
             self.design,
             mesh,
             self.warnings,
-            phi1=None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
+            phi1=None if phi1 is None else np.radians(number_list("phi1", phi1, "deg")),
             torque=torque,
             shares=shares if load_sharing else None,
             cycle=cycle,
@@ -94,13 +94,13 @@ class SolvedGears(GearSet):
 
         mesh, meshes = self.train.pair(pair), self.train.like(pair)
         one = f"{mesh.name} is one of {meshes} equally loaded meshes: the torque is that of this mesh alone"
-        torques = required_torques(np.atleast_1d(np.asarray(torque, dtype=float)).tolist())
+        torques = required_torques(number_list("torque", torque, "Nm").tolist())
         return loaded_contact_of(
             self.design,
             mesh,
             torques,
             (*self.warnings, one) if meshes > 1 else self.warnings,
-            None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
+            None if phi1 is None else np.radians(number_list("phi1", phi1, "deg")),
             progress,
             cycle=fitted_cycle(mesh)[1] if contact is None else contact.cycle,
             mounts=mounts,
@@ -141,7 +141,7 @@ def loaded_meshes(
 
     Raises DesignError and NoSolutionError as `SolvedGears.loaded_contact`.
     """
-    first, asked = gears.pairs[0], np.atleast_1d(np.asarray(torque, dtype=float))
+    first, asked = gears.pairs[0], number_list("torque", torque, "Nm")
     handed: dict[str, float] = {first.pinion.name: 1.0}
     by_pair: dict[int, LoadedContact] = {}
     for pair in gears.pairs:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearmesh.answers.gearset import number_list
 from gearmesh.answers.questions import SolvedGears
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
@@ -734,7 +735,7 @@ class Gears(SolvedGears):
         from gearmesh.study.study import plan_of, run_study, work_and_nominal
 
         plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed, pair)
-        torques = None if torque is None else np.atleast_1d(np.asarray(torque, dtype=float)).tolist()
+        torques = None if torque is None else number_list("torque", torque, "Nm").tolist()
         work, nominal = work_and_nominal(self.design, plan.keys, pair, record, torques)
         return run_study(self.design, plan, work, nominal, limits, folder, workers, scheduler, progress)
 
@@ -755,7 +756,7 @@ class Gears(SolvedGears):
         """
         from gearmesh.study.largest_errors import largest_errors
 
-        torques = None if torque is None else np.atleast_1d(np.asarray(torque, dtype=float)).tolist()
+        torques = None if torque is None else number_list("torque", torque, "Nm").tolist()
         return largest_errors(self.design, keys, criteria, torque=torques, pair=pair, progress=progress)
 
     def report(

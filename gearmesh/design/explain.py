@@ -71,13 +71,24 @@ def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Tab
     here = nearest(name, table.model_fields)
     if here is not None:
         return f"did you mean {'.'.join([*path, here])}?"
-    everywhere = {dotted.rsplit(".", 1)[-1]: dotted for dotted in _dotted_keys(design)}
+    keys = list(_dotted_keys(design))
+    # what must be given is meant rather than what may be
+    keys.sort(key=lambda dotted: _is_required(design, dotted))
+    everywhere = {dotted.rsplit(".", 1)[-1]: dotted for dotted in keys}
     # what is near the top of the file first
     for deepest in (1, max(dotted.count(".") for dotted in everywhere.values())):
         elsewhere = nearest(name, [leaf for leaf, dotted in everywhere.items() if dotted.count(".") <= deepest])
         if elsewhere is not None:
             return f"did you mean {everywhere[elsewhere]}?"
     return "known here: " + ", ".join(table.names())
+
+
+def _is_required(design: type[Table], dotted: str) -> bool:
+    *tables, name = dotted.split(".")
+    table: type[Table] | None = design
+    for below in tables:
+        table = None if table is None else table.table_of(below)
+    return table is not None and table.model_fields[name].is_required()
 
 
 def _dotted_keys(table: type[Table], prefix: str = "") -> Iterator[str]:

@@ -72,6 +72,29 @@ def test_all_that_a_user_gets_back_has_a_public_name() -> None:
 
 
 @pytest.mark.quick
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda gears: gears.contact(phi1="x"), "phi1 = x: must be a number in deg, or several"),
+        (lambda gears: gears.contact(phi1=[0.0, float("nan")]), "phi1 = 0,nan: must be finite numbers in deg"),
+        (
+            lambda gears: gears.contact(phi1=[[0.0, 1.0]]),
+            "phi1 = 0,1: must be finite numbers in deg, one or several in a row",
+        ),
+        (lambda gears: gears.loaded_contact("a"), "torque = a: must be a number in Nm, or several"),
+        (
+            lambda gears: gm.parse({**SMALL, "kind": "cylindrical", "teeth": 20}),
+            "teeth: unknown key; did you mean pinion.teeth?",
+        ),
+    ],
+)
+def test_wrong_values_are_refused_by_the_argument_s_name(call: Callable[[gm.Gears], object], message: str) -> None:
+    with pytest.raises(gm.DesignError) as refusal:
+        call(gm.build(gm.parse({"kind": "cylindrical", **SMALL})))
+    assert str(refusal.value).startswith(message)
+
+
+@pytest.mark.quick
 def test_help_reads_like_a_page() -> None:
     text = pydoc.plain(pydoc.render_doc(gm))
     for line in ("gears = gm.build(design)", "DesignError", "Lengths are in mm"):
