@@ -325,7 +325,7 @@ def test_the_answer_says_who_carries() -> None:
     [
         ("spur", [5.0, -1.0], "torque = -1 Nm: must be one or more finite numbers above 0"),
         ("spur", [], r"torque = \[\] Nm: must be one or more"),
-        ("spur", np.nan, "torque = nan Nm: must be one or more"),
+        ("spur", np.nan, "torque = nan: must be finite numbers in Nm, one or several in a row"),
     ],
 )
 def test_what_cannot_be_loaded_is_said(sample: str, torque: object, words: str) -> None:
