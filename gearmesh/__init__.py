@@ -62,13 +62,13 @@ if TYPE_CHECKING:
     from gearmesh.answers.sizing import Sizing, size
     from gearmesh.api.gear import gear
     from gearmesh.api.gears import Gears, build
-    from gearmesh.api.report import ReportPage
-    from gearmesh.api.run import Report
     from gearmesh.design.core import Design
     from gearmesh.design.files import toml
     from gearmesh.drawing.drawing import WorkshopDrawing
     from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
     from gearmesh.loaded.mounts import FlexibleMount as FlexibleMount
+    from gearmesh.reports.report import ReportPage
+    from gearmesh.reports.run import Report
     from gearmesh.study.largest_errors import LargestErrors
     from gearmesh.study.study import Study
     from gearmesh.systems.beveloid.design import BeveloidDesign
@@ -221,8 +221,8 @@ _HOMES = {
         "Gears",
         "build",
     ),
-    "gearmesh.api.report": ("ReportPage",),
-    "gearmesh.api.run": ("Report",),
+    "gearmesh.reports.report": ("ReportPage",),
+    "gearmesh.reports.run": ("Report",),
     "gearmesh.design.core": ("Design",),
     "gearmesh.design.files": ("toml",),
     "gearmesh.drawing.drawing": ("WorkshopDrawing",),

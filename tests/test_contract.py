@@ -45,8 +45,9 @@ MAY_IMPORT: dict[str, str] = {
     "study": "kernel teeth contact metrology design files io systems loaded answers",
     "view": "kernel tools teeth contact mesh check fe loaded io answers",  # and of solvers their results alone
     "drawing": "kernel teeth design systems cad answers view",  # of answers the sheet, of view the writer of figures
+    "reports": "kernel teeth design files systems mesh io answers view drawing study",
     # only app and gearmesh import api
-    "api": "kernel tools teeth contact design files systems mesh check io cad fe loaded answers view drawing study",
+    "api": "teeth design systems cad answers view drawing study reports",
     "app": "api answers view samples systems design files exchange io cad fe contact study",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too

@@ -42,9 +42,9 @@ if TYPE_CHECKING:
     from gearmesh.answers.load.loaded import LoadedContact
     from gearmesh.answers.pinned import Pinned
     from gearmesh.answers.sheet import Compensation, DesignSheet
-    from gearmesh.api.report import ReportPage
-    from gearmesh.api.run import Report
     from gearmesh.drawing.drawing import WorkshopDrawing
+    from gearmesh.reports.report import ReportPage
+    from gearmesh.reports.run import Report
     from gearmesh.study.largest_errors import LargestErrors
     from gearmesh.study.study import Study
     from gearmesh.view.picture import Animation, Diagram, Picture
@@ -668,7 +668,7 @@ class Gears(SolvedGears):
         so many `dpi`; `note` is shown beside the design's name.
         Raises DesignError for another view, member or torque, NoSolutionError where there is no contact to show.
         """
-        from gearmesh.api.pictures import picture, picture_of_answer
+        from gearmesh.reports.pictures import picture, picture_of_answer
 
         if of is not None:
             return picture_of_answer(of, view, member, torque, size, dpi, note)
@@ -679,7 +679,7 @@ class Gears(SolvedGears):
 
         Those on teeth only where there is OpenGL. Raises OutputError where one cannot be written.
         """
-        from gearmesh.api.pictures import save_pictures
+        from gearmesh.reports.pictures import save_pictures
 
         return save_pictures(of, Path(folder))
 
@@ -695,7 +695,7 @@ class Gears(SolvedGears):
 
         It goes through the contact in the middle of the positions `phi1` (deg). Raises NoSolutionError where flanks never meet.
         """
-        from gearmesh.api.pictures import animation
+        from gearmesh.reports.pictures import animation
 
         return animation(self, phi1, size, pair, note)
 
@@ -778,7 +778,7 @@ class Gears(SolvedGears):
         folder without a study, DesignError for a torque where there is no mating gear.
         """
         from gearmesh.answers.questions import loaded_meshes
-        from gearmesh.api.report import SHOWN, report_page
+        from gearmesh.reports.report import SHOWN, report_page
         from gearmesh.view.load.loaded_pictures import LoadedPictures
 
         if torque is not None:
@@ -823,7 +823,7 @@ class Gears(SolvedGears):
         the report's key "loaded" and in loaded.json, and in a set of every mesh that differs, under "loaded_meshes". Raises
         NoSolutionError where no position has contact.
         """
-        from gearmesh.api.run import run
+        from gearmesh.reports.run import run
 
         return run(self, Path(folder), self.within(tolerance), progress, timing, page, source, torque)
 

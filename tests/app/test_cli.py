@@ -31,7 +31,6 @@ from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.figures import PathSummary
 from gearmesh.answers.sheet import Compensation
 from gearmesh.answers.tables import Listing
-from gearmesh.api.run import Report
 from gearmesh.app import cli
 from gearmesh.app.terminal import show
 from gearmesh.contact.path import ContactPath
@@ -42,6 +41,7 @@ from gearmesh.io import atomic
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
+from gearmesh.reports.run import Report
 from gearmesh.systems.designs import load
 from gearmesh.systems.system import Setting, kinds, system
 

@@ -154,7 +154,7 @@ def test_a_second_run_leaves_no_stale_file_and_keeps_foreign_ones(here: Path, mo
     (folder / "mine.txt").write_text("mine")
     (folder / "old.png").write_text("nobody's")
     # a renderer that draws nothing: what matters is which files there are
-    monkeypatch.setattr("gearmesh.api.run.render", lambda scene, file: file.write_bytes(b"drawn"))
+    monkeypatch.setattr("gearmesh.reports.run.render", lambda scene, file: file.write_bytes(b"drawn"))
     monkeypatch.setattr(Figure, "savefig", drawn)
     monkeypatch.setattr("gearmesh.answers.check.ROLL_TOLERANCE", 1e-3)
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: None)

@@ -205,7 +205,7 @@ def test_a_design_whose_topography_is_a_fifo_is_one_line(tmp_path: Path) -> None
 
 
 def test_a_folder_with_anything_as_a_study_is_one_line(tmp_path: Path) -> None:
-    from gearmesh.api.report import study_section
+    from gearmesh.reports.report import study_section
 
     file = tmp_path / "study.json"
     for text in ('{"headline": 3}', "[" * 200_000, '{"headline":"","nominal":[],"percentiles":{"a":3}}', "[]"):

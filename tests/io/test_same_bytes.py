@@ -42,7 +42,7 @@ for name, entry in formats().items():
 #: every command that writes files, of one design each, as coarse and as small as may be; @ stands for the folder of the samples
 COMMANDS = """
 from gearmesh.app import cli
-from gearmesh.api import run
+from gearmesh.reports import run
 from gearmesh.answers import check
 check.ROLL_TOLERANCE = 1e-3
 render = run.render

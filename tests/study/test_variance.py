@@ -12,10 +12,10 @@ from oracles.places import SAMPLES
 from scipy.stats import sobol_indices
 
 import gearmesh as gm
-from gearmesh.api.report import study_section
-from gearmesh.api.study_pictures import sensitivity_bars
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.reports.report import study_section
+from gearmesh.reports.study_pictures import sensitivity_bars
 from gearmesh.study.plan import Plan, grid, sample_plan
 from gearmesh.study.spreads import Spread
 from gearmesh.study.statistics import effects

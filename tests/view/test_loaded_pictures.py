@@ -215,10 +215,10 @@ def test_a_run_meshes_the_teeth_of_its_pictures_once(
         "gearmesh.view.pictures.tessellate",
         lambda tooth, tolerance: meshed.append(tolerance) or tessellate(tooth, tolerance),
     )
-    monkeypatch.setattr("gearmesh.api.run._solve", lambda *_: ({0: gears.contact()}, {0: loaded}))
+    monkeypatch.setattr("gearmesh.reports.run._solve", lambda *_: ({0: gears.contact()}, {0: loaded}))
     monkeypatch.setattr("gearmesh.answers.check.ROLL_TOLERANCE", 1e-3)
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: None)
-    for module in ("api.run", "view.render"):
+    for module in ("reports.run", "view.render"):
         monkeypatch.setattr(f"gearmesh.{module}.render", lambda scene, file: file.write_bytes(b"drawn"))
     # no plots
     monkeypatch.setattr("gearmesh.view.pictures.plots", lambda *_: [])

@@ -9,7 +9,7 @@ import pytest
 
 import gearmesh as gm
 from gearmesh.answers.contact.rolling import rolling_contact
-from gearmesh.api import pictures as api_pictures
+from gearmesh.reports import pictures as reports_pictures
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view import opengl
 from gearmesh.view.mesh_section import mesh_section, write_animation
@@ -55,7 +55,7 @@ def test_sections_of_a_set_name_their_mesh_and_have_no_facets(monkeypatch: pytes
         asked.append(tolerance)
         return dict.fromkeys(mesh.members, None)
 
-    monkeypatch.setattr(api_pictures, "_meshes", meshes)
+    monkeypatch.setattr(reports_pictures, "_meshes", meshes)
     gears = gm.build(gm.load(SAMPLES / "planetary.toml", ["mesh.tolerance=0.05"]))
     scene = gears.picture("section", pair="planet_1-ring", size=(1600, 1200)).scene
     assert scene.title.endswith("section of the mesh planet_1-ring")

@@ -94,7 +94,7 @@ class Solid(Result):
     def headline(self) -> str:
         watertight = "" if self.open else ", watertight" if self.measured.watertight else ", not watertight"
         figures = self.measured
-        return f"{self.name}, {figures.triangles} triangles within {figures.max_deviation:.3g} um{watertight}"
+        return f"{self.name}, {figures.triangles} triangles within {figures.max_deviation:.2g} um{watertight}"
 
     @property
     def complaints(self) -> list[str]:

@@ -15,7 +15,7 @@ from oracles.loaded import loaded_contact
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.report import report_page
+from gearmesh.reports.report import report_page
 from gearmesh.view.load.loaded_pictures import LoadedPictures
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium, of the extra [test], is not installed")

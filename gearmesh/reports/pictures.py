@@ -15,10 +15,10 @@ from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.rolling import RollingContact, rolling_contact
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.answers.questions import SolvedGears
-from gearmesh.api.study_pictures import study_pictures
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.reports.study_pictures import study_pictures
 from gearmesh.study.study import Study
 from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.gear_train import GearPair, Member

@@ -19,12 +19,12 @@ from gearmesh.answers.questions import SolvedGears, loaded_meshes
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.sheet import DesignSheet, sheet_of
 from gearmesh.answers.tables import Listing, figures
-from gearmesh.api.report import report_page
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.figures import Content
 from gearmesh.files.reading import MIB, is_file, read_json
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
+from gearmesh.reports.report import report_page
 from gearmesh.systems.system import system_of
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view import opengl, pictures

@@ -10,8 +10,8 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.api import study_pictures
 from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.reports import study_pictures
 from gearmesh.view.diagrams.pattern_matrix import PatternCell
 from gearmesh.view.scene import contact_on
 

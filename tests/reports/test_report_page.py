@@ -17,9 +17,9 @@ from oracles.command_line import refused, run
 from oracles.places import PACKAGE, ROOT, SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.report import plots, report_page, study_section
 from gearmesh.errors import OutputError
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.reports.report import plots, report_page, study_section
 from gearmesh.view.report import card
 from gearmesh.view.report.page import script_json
 from gearmesh.view.report.stage import StagedMember
@@ -61,7 +61,7 @@ def _few(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> Non
     """Few positions, and no plots but in the test of the command: what is here is not about them."""
     monkeypatch.setattr("gearmesh.answers.contact.staging.POSITIONS", 7)
     if "command" not in request.node.name:
-        monkeypatch.setattr("gearmesh.api.report.plots", lambda *_: [("a plot", b"<svg/>")])
+        monkeypatch.setattr("gearmesh.reports.report.plots", lambda *_: [("a plot", b"<svg/>")])
 
 
 def paged(sample: str, *overrides: str) -> tuple[gm.Gears, str]:
