@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 import subprocess
 import sys
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
 from oracles.places import ROOT
+from oracles.scripts import script
 
 #: words that only this program's authors would understand, and what the field says; in backticks and in what is filled in they
 #: are names
@@ -47,16 +46,6 @@ PRIVATE = {
     r"\bpairs? of teeth\b": "tooth pair",
     r"\bhalf ax[ei]s\b": "semi-axis",
 }
-
-
-def script(name: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(f"scripts_{name}", ROOT / "scripts" / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
 
 
 MESSAGES = script("messages")
