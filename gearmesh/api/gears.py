@@ -160,9 +160,7 @@ class Gears(SolvedGears):
         from gearmesh.answers.bodies.extract import Extract
         from gearmesh.answers.bodies.solid import solid_of
 
-        if None not in (teeth, sector):
-            raise ArgumentError("teeth", teeth, must_be="left out with sector")
-        extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector)
+        extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth)
         return solid_of(self, member, self.within(tolerance), teeth, file, extract)
 
     def solids(
@@ -187,14 +185,17 @@ class Gears(SolvedGears):
         member: str | None = None,
         tolerance: Length | None = None,
         *,
-        space: bool = False,
+        teeth: int | None = None,
         sector: int | None = None,
+        flank_only: str | None = None,
+        space: bool = False,
         offset: Length = 0.0,
         phi1: float = 0.0,
     ) -> Cad:
         """One member as a CAD solid in its own frame, or all of them placed as they mesh at `phi1` (deg; fixed frame), with an
         `offset` as of `solid`; or the `space` between two teeth of one, or so many pitches of it, its `sector`, between the faces
-        cut_right and cut_left.
+        cut_right and cut_left; or open shells: `flank_only`, the "right" or "left" flanks or "both", and all surfaces of so many
+        `teeth`.
 
         Its faces are within `tolerance` (mm; 0.0001) of the exact surfaces. Raises OutputError where OpenCASCADE is missing,
         NoSolutionError where the pair has no contact at phi1.
@@ -208,8 +209,8 @@ class Gears(SolvedGears):
         from gearmesh.answers.bodies.extract import Extract
         from gearmesh.cad.brep import TOLERANCE
 
-        extract = Extract.of(offset, space=space, sector=sector)
-        return cad_of(self, member, self.within(tolerance, TOLERANCE), extract, phi1)
+        extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth)
+        return cad_of(self, member, self.within(tolerance, TOLERANCE), extract, phi1, teeth)
 
     def to_build123d(self, tolerance: Length | None = None, *, phi1: float = 0.0) -> build123d.Compound:
         """All members as an assembly for build123d: `cad(tolerance=tolerance, phi1=phi1).to_build123d()`.

@@ -44,7 +44,7 @@ class PartFile:
     @property
     def is_whole(self) -> bool:
         """Whether the format holds whole gears alone."""
-        return self.suffix in (*STEP, *SECTIONS)
+        return self.suffix in SECTIONS
 
     def refuse(self, member: str, others: tuple[str, ...] = ()) -> None:
         """Raise DesignError or OutputError for what can be refused before the design is read; `others`: further suffixes."""
@@ -79,7 +79,7 @@ class PartFile:
     def _refuse_extract(self, member: str) -> None:
         """Raise DesignError for a space, a sector or flanks of what is always made whole."""
         for name, value in (("space", self.space or None), ("flank_only", self.flank_only), ("sector", self.sector)):
-            if value is not None and self.is_whole and not (name != "flank_only" and self.suffix in STEP):
+            if value is not None and self.is_whole:
                 raise ArgumentError(name, value, must_be=f"left out for {self.suffix}, which holds whole gears")
             if value is not None and member in (BOTH, ALL):
                 raise ArgumentError(
@@ -111,8 +111,10 @@ class PartFile:
                 made = gears.cad(
                     None if every else member,
                     tolerance,
-                    space=self.space,
+                    teeth=self.teeth,
                     sector=self.sector,
+                    flank_only=self.flank_only,
+                    space=self.space,
                     offset=away,
                     phi1=self.phi1 or 0.0,
                 )

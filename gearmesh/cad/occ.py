@@ -110,13 +110,19 @@ def frame(origin: Sequence[float], axis: float, angle: float) -> Any:
 
 def location(place: Rigid) -> Any:
     """TopLoc_Location that takes a shape from its own frame to another."""
-    from OCP.gp import gp_Trsf
     from OCP.TopLoc import TopLoc_Location
 
-    transform = gp_Trsf()
+    return TopLoc_Location(transformation(place))
+
+
+def transformation(place: Rigid) -> Any:
+    """gp_Trsf that takes curves and surfaces from their own frame to another."""
+    from OCP.gp import gp_Trsf
+
+    made = gp_Trsf()
     rows = [(*map(float, row), float(x)) for row, x in zip(place.rotation, place.translation, strict=True)]
-    transform.SetValues(*(value for row in rows for value in row))
-    return TopLoc_Location(transform)
+    made.SetValues(*(value for row in rows for value in row))
+    return made
 
 
 def spline_curve(control: Array, knots: Array) -> Any:

@@ -45,12 +45,16 @@ class NamedFace:
 
 @dataclass(frozen=True)
 class Part:
-    """A named TopoDS_Solid with all its faces; `regions` are the regions that share out the colours."""
+    """A named TopoDS_Solid with all its faces; `regions` are the regions that share out the colours.
+
+    One that is not `closed` has a TopoDS_Compound of open shells instead.
+    """
 
     name: str
     solid: Any
     faces: tuple[NamedFace, ...]
     regions: tuple[str, ...]
+    closed: bool = True
 
     def move(self, place: Rigid) -> Part:
         """The same part in another frame; the shapes are shared."""

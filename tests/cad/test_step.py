@@ -728,7 +728,7 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
             "--member both -o a.stl",
             "--member = both: .stl holds one part; for both use .glb, .obj, .3mf, .vtm, .step, .stp",
         ),
-        ("--member gear -o a.step --teeth 3", "--teeth = 3: must be left out for .step"),
+        ("--member gear -o a.svg --teeth 3", "--teeth = 3: must be left out for .svg"),
         ("--member gear -o a.step --tol 0", "--tol = 0: must be a length"),
         ("--member gear -o none/a.stp", "the folder none does not exist"),
         (

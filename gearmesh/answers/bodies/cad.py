@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -19,12 +19,14 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import FLANKS, Side
 
 if TYPE_CHECKING:
     import build123d
     import cadquery
 
     from gearmesh.cad.step import Part, PartAssembly
+    from gearmesh.systems.system import ToolPart
 
 
 @dataclass(frozen=True)
@@ -45,13 +47,30 @@ class CadFigures(Figures):
     )
 
 
+@dataclass(frozen=True)
+class CadSurfaceFigures(Figures):
+    """Flanks, or surfaces of some teeth, of one member as open shells for CAD, as OpenCASCADE measures them."""
+
+    faces: int = figure("faces of the shells", whole=True)
+    area: float = figure("area of all faces", "mm2", "A")
+    max_deviation: float = figure("largest distance between spline faces and the exact tooth surfaces", "um")
+    tolerance: float = figure("largest distance that was allowed", "um")
+    seconds: float = figure("run time", "s", timing=True)
+    offset: float | None = figure(
+        "distance of the tooth surfaces from those of the design, positive away from the material",
+        "mm",
+        optional=True,
+        default=None,
+    )
+
+
 @dataclass(frozen=True, repr=False)
 class Cad(Result):
-    """CAD solids of one part in its own frame, or of several members in mesh; figures by part."""
+    """CAD solids of one part in its own frame, or of several members in mesh, or open shells of one part; figures by part."""
 
     design: Design
     made: Part | PartAssembly
-    measured: dict[str, CadFigures]
+    measured: dict[str, CadFigures] | dict[str, CadSurfaceFigures]
     own: dict[str, Summary]
     warnings: tuple[str, ...] = ()
 
@@ -180,16 +199,62 @@ def cad_space(member: Member, tolerance: float, offset: float | None = None) -> 
     )
 
 
-def cad_of(gears: GearSet, member: str | None, tolerance: float, extract: Extract = WHOLE, phi1: float = 0.0) -> Cad:
+def cad_surfaces(
+    member: Member, tolerance: float, flanks: Sequence[Side], teeth: int | None = None, offset: float | None = None
+) -> tuple[Part, CadSurfaceFigures]:
+    """The flanks of the first `teeth` teeth (None: all) of every row of a member as open shells within `tolerance` (mm) of the
+    exact ones, or, without flanks, all surfaces of these teeth of its first row.
+
+    Raises DesignError where teeth differ and for shells that are not valid, OutputError where OpenCASCADE is missing.
+    """
+    from gearmesh.cad.brep import spline_tooth
+    from gearmesh.cad.extracts.surface_part import area, surface_part
+
+    started, count = time.perf_counter(), member.tooth.teeth if teeth is None else teeth
+    drawn = spline_tooth(member.one_tooth, tolerance)
+    regions = [FLANKS[side] for side in flanks] or None
+    part = surface_part(member, drawn, count, regions, member.halves if flanks else member.halves[:1])
+    own = [miss for link, miss in drawn.deviation.items() if regions is None or link.region in regions]
+    return part, CadSurfaceFigures(
+        faces=len(part.faces),
+        area=area(part),
+        max_deviation=1e3 * max(own),
+        tolerance=1e3 * tolerance,
+        seconds=time.perf_counter() - started,
+        offset=offset,
+    )
+
+
+def cad_of(
+    gears: GearSet,
+    member: str | None,
+    tolerance: float,
+    extract: Extract = WHOLE,
+    phi1: float = 0.0,
+    teeth: int | None = None,
+) -> Cad:
     """One member as a CAD solid, or all of them in mesh, as `Gears.cad` says; `tolerance` in mm, `phi1` in deg."""
     from gearmesh.cad.step import Occurrence, Part, PartAssembly
 
     require_occ()
     if member is not None and phi1:
         raise ArgumentError("phi1", phi1, must_be="left out for one member, which is in its own frame")
-    for name, value in (("space", extract.space or None), ("sector", extract.sector)):
+    alone = (
+        ("space", extract.space or None),
+        ("sector", extract.sector),
+        ("flank_only", "both" if len(extract.flanks) > 1 else next(iter(extract.flanks), None)),
+        ("teeth", teeth),
+    )
+    for name, value in alone:
         if member is None and value is not None:
             raise ArgumentError(name, value, must_be="left out for several members")
+    if member is not None and (extract.flanks or teeth is not None):
+        own = gears.part(member)
+        most = own.member.tooth.teeth
+        if teeth is not None and not 1 <= teeth <= most:
+            raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {most}")
+        if extract.flanks or teeth != most:
+            return _surfaces_of(gears, own, tolerance, extract, teeth)
     make = cad_space if extract.space else partial(cad_solid, pitches=extract.sector)
     places = {} if member is not None else gears.places_at(phi1)
     wanted = [gears.part(name) for name in ([member] if member is not None else places)]
@@ -210,6 +275,14 @@ def cad_of(gears: GearSet, member: str | None, tolerance: float, extract: Extrac
         {part.member.name: Summary(part.figures, *extract.sector_figures(part.member)) for part in wanted},
         (*gears.warnings, *(line for part in wanted for line in part.warnings), *warnings),
     )
+
+
+def _surfaces_of(gears: GearSet, own: ToolPart, tolerance: float, extract: Extract, teeth: int | None) -> Cad:
+    """Open shells of a part's flanks, or of some of its teeth."""
+    shifted = extract.shift(own.member)
+    part, figures = cad_surfaces(shifted, tolerance, extract.flanks, teeth, extract.offset or None)
+    name, warnings = own.member.name, (*gears.warnings, *own.warnings)
+    return Cad(gears.design, part, {name: figures}, {name: Summary(own.figures)}, warnings)
 
 
 def _alike(members: list[Member]) -> list[list[Member]]:

@@ -60,9 +60,18 @@ class Extract:
 
     @staticmethod
     def of(
-        offset: Length = 0.0, *, space: bool = False, flank_only: str | None = None, sector: int | None = None
+        offset: Length = 0.0,
+        *,
+        space: bool = False,
+        flank_only: str | None = None,
+        sector: int | None = None,
+        teeth: int | None = None,
     ) -> Extract:
-        """What arguments of a call ask for. Raises DesignError for another flank and for several of them at once."""
+        """What arguments of a call ask for. Raises DesignError for another flank and for several of them at once; `teeth` are of
+        flanks or the whole."""
+        for name, asked in (("sector", sector is not None), ("space", space)):
+            if teeth is not None and asked:
+                raise ArgumentError("teeth", teeth, must_be=f"left out with {name}")
         for name, value in (("space", space or None), ("flank_only", flank_only)):
             if sector is not None and value is not None:
                 raise ArgumentError(name, value, must_be="left out with sector")

@@ -18,7 +18,8 @@ def require_build123d() -> None:
 
 
 def build123d_shape(made: Part | PartAssembly) -> build123d.Solid | build123d.Compound:
-    """A part as a Solid in its own frame, or an assembly as a Compound of placed Solids; with names and colours.
+    """A part as a Solid in its own frame, open shells as a Compound, or an assembly as a Compound of placed Solids; with names and
+    colours.
 
     What occurs several times has one colour, and one shape in memory. Raises OutputError where build123d is missing.
     """
@@ -26,7 +27,8 @@ def build123d_shape(made: Part | PartAssembly) -> build123d.Solid | build123d.Co
     import build123d
 
     if isinstance(made, Part):
-        return build123d.Solid(made.solid, label=made.name)
+        kind = build123d.Solid if made.closed else build123d.Compound
+        return kind(made.solid, label=made.name)
     solids = [
         build123d.Solid(own.part.solid.Moved(location(own.place)), label=own.name, color=build123d.Color(*colour))
         for own, colour in zip(made.occurrences, made.colours, strict=True)

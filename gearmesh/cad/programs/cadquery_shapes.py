@@ -18,7 +18,8 @@ def require_cadquery() -> None:
 
 
 def cadquery_shape(made: Part | PartAssembly) -> cadquery.Workplane | cadquery.Assembly:
-    """A part as a Workplane with its solid, or an assembly as an Assembly of placed Workplanes, with names and colours.
+    """A part as a Workplane with its solid or open shells, or an assembly as an Assembly of placed Workplanes, with names and
+    colours.
 
     The faces of each region are tagged by its name. Raises OutputError where CadQuery is missing.
     """
@@ -42,7 +43,7 @@ def cadquery_shape(made: Part | PartAssembly) -> cadquery.Workplane | cadquery.A
 def _workplane(part: Part) -> cadquery.Workplane:
     import cadquery
 
-    workplane = cadquery.Workplane(obj=cadquery.Solid(part.solid))
+    workplane = cadquery.Workplane(obj=cadquery.Shape.cast(part.solid))
     regions: dict[str, list[cadquery.Face]] = {}
     for face in part.faces:
         regions.setdefault(str(face.region), []).append(cadquery.Face(face.shape))
