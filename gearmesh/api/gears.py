@@ -368,14 +368,18 @@ class Gears(SolvedGears):
 
         Parameters
         ----------
-        flank : "right", "left" or "both"
-        grid : (rows, columns) or "5x9"
-            Points from root to tip and from toe to heel; one row or column lies in the middle.
-        margins : (profile, face) or "0.1,0.1"
-            Shares of either beside its edges that have no points.
-        surface : "flank", "fillet" or "all"
-        ball : mm
-            Diameter of the probe's ball, whose centres are written too.
+        member : str
+            Name of the member.
+        flank : str
+            "right", "left" or "both".
+        grid : tuple of int, or str
+            Points from root to tip and from toe to heel, (5, 9) or "5x9"; one row or column lies in the middle.
+        margins : tuple of float, or str
+            Shares of profile and face width beside their edges that have no points, (0.1, 0.1) or "0.1,0.1".
+        surface : str
+            "flank", "fillet" or "all".
+        ball : Length
+            Diameter of the probe's ball, mm, whose centres are written too.
 
         Returns
         -------

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import base64
 import json
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from oracles.browser import chromium, needs_chromium, requests
 from oracles.loaded import loaded_contact
 from oracles.places import SAMPLES
 
@@ -18,20 +18,7 @@ import gearmesh as gm
 from gearmesh.reports.report import report_page
 from gearmesh.view.load.loaded_pictures import LoadedPictures
 
-webdriver = pytest.importorskip("selenium.webdriver", reason="selenium, of the extra [test], is not installed")
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs apt-get install chromium chromium-driver")
-OPTIONS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-background-networking",
-    "--no-first-run",
-    "--window-size=1000,900",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-)
+pytestmark = needs_chromium
 NAME = "</script><script>document.title = 'bad'</script>"
 
 
@@ -49,16 +36,8 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    from selenium.webdriver.chrome.service import Service
-
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    for option in (*OPTIONS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(option)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    found = webdriver.Chrome(options=options, service=Service(DRIVER))
-    yield found
-    found.quit()
+    with chromium(tmp_path_factory.mktemp("profile")) as opened:
+        yield opened
 
 
 def state(browser: Any) -> Any:
@@ -164,8 +143,7 @@ def test_browser_draws_rolls_and_picks(page: str, browser: Any, tmp_path: Path) 
     assert moved(cut, pixels(browser, tmp_path / "turned.png")) > 0.01
 
     assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
-    messages = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
-    asked = [each["params"]["request"]["url"] for each in messages if each["method"] == "Network.requestWillBeSent"]
+    asked = requests(browser)
     assert page in asked
     assert [url for url in asked if not url.startswith(("data:", page, "blob:", "about:", "chrome:"))] == []
 

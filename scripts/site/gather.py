@@ -1,0 +1,80 @@
+"""The pages that stand in the checkout, in a scratch folder laid out as it is, so that links between them hold.
+
+Pages of packages and samples keep their paths, those of scripts/site/pages go to the top. Files that pages link to, as pictures,
+sources and designs, are copied with them. The table of all figures, a page of the generated reference, is left out.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+from gearmesh import __version__
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+PAGES = HERE / "pages"
+#: targets of links and pictures in Markdown and in HTML
+LINK = re.compile(r"(?<=\]\()([^)\s#]+)|(?<=src=\")([^\"]+)")
+MARKDOWN_LINK = re.compile(r"\[([^][]*)\]\(([^)\s#]+)\)")
+#: the table of all figures in gearmesh/answers/README.md, which is a page of the reference
+FIGURES = re.compile(r"^<!-- figures -->.*^<!-- /figures -->\n", re.DOTALL | re.MULTILINE)
+#: languages of fenced blocks that are followed by the name of their file
+NAMED = re.compile(r"^```(\w+) (\S+)$", re.MULTILINE)
+
+
+def gather(source: Path) -> None:
+    """Put all pages that exist as files into `source`, with the files that they link to."""
+    shutil.copytree(PAGES, source)
+    cite = source / "citation.md"
+    cite.write_text(cite.read_text(encoding="utf-8").replace("VERSION", __version__), encoding="utf-8")
+    for path in checkout_pages():
+        _stage(path, path.relative_to(ROOT), source)
+    for path in sorted(PAGES.rglob("*.md")):
+        _with_linked(path.read_text(encoding="utf-8"), path.relative_to(PAGES), source)
+    guides = "\n".join(path.stem for path in sorted((ROOT / "samples/guides").glob("*.md")) if path.stem != "README")
+    listing = source / "samples/guides/README.md"
+    listing.write_text(
+        f"{listing.read_text(encoding='utf-8')}\n```{{toctree}}\n:maxdepth: 1\n\n{guides}\n```\n", encoding="utf-8"
+    )
+
+
+def checkout_pages() -> list[Path]:
+    """The pages of packages, samples, guides and scripts, and the changes."""
+    readmes = [path for top in ("gearmesh", "samples", "scripts") for path in (ROOT / top).rglob("*.md")]
+    return sorted(path for path in readmes if not path.is_relative_to(HERE))
+
+
+def _stage(path: Path, place: Path, source: Path) -> None:
+    """Copy a page, as Sphinx reads it, and what it links to."""
+    text = path.read_text(encoding="utf-8")
+    # the page of the checkout itself is the site's first
+    up = "../" * (len(place.parts) - 1)
+    text = re.sub(rf"\]\((?:{re.escape(up)}|\./)README\.md(#\S*?)?\)", f"]({up}index.md)", text) if up else text
+    # folders have no page
+    text = FIGURES.sub(f"All of them: [figures]({up}reference/figures.md).\n", text)
+    text = NAMED.sub(_captioned, text)
+    text = MARKDOWN_LINK.sub(lambda link: link[1] if (path.parent / link[2]).is_dir() else link[0], text)
+    target = source / place
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_text(text, encoding="utf-8")
+    _with_linked(text, place, source)
+
+
+def _captioned(opening: re.Match[str]) -> str:
+    """The opening of a fenced block that is a file, as Sphinx shows its name."""
+    return f"```{{code-block}} {opening[1]}\n:caption: {opening[2]}\n"
+
+
+def _with_linked(text: str, place: Path, source: Path) -> None:
+    """Copy the files of the checkout that a page at a place links to, but for pages."""
+    for match in LINK.finditer(text):
+        named = match[1] or match[2]
+        linked = (ROOT / place.parent / named).resolve()
+        if "://" in named or linked.suffix == ".md" or not linked.is_file() or not linked.is_relative_to(ROOT):
+            continue
+        copy = source / linked.relative_to(ROOT)
+        if not copy.exists():
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(linked, copy)
