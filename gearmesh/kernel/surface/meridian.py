@@ -29,6 +29,9 @@ from gearmesh.kernel.surface.surface import Jet
 DEGREES, EXACT = (10, 20, 40), 1e-10
 #: Newton steps to a place of a parallel curve
 STEPS = 12
+#: of Newton steps outwards from the middle of a cylinder's meridian: 7 where its tangent is 2, 20 where it is 1000; and the part
+#: of a tangent that counts as none
+STEPS_OUT, ROUNDING = 60, 1e-15
 
 #: the station coordinate z
 AXIAL = PlaneLevel(0.0)
@@ -74,6 +77,42 @@ class CircularMeridian:
         with np.errstate(invalid="ignore"):
             height = np.sqrt(self.radius**2 - away**2)
         return self.centre[1] + sign * height, -sign * away / height, -sign * self.radius**2 / height**3
+
+
+@dataclass(frozen=True)
+class CylinderMeridian:
+    """What a cylinder leaves that turns about the axis, which it crosses at `distance` mm, a = z: `radius` in mm, `tilt` (rad) of
+    its own axis out of the plane across.
+
+    A point at the angle psi about the cylinder's axis, from the common perpendicular, has the normal (cos(psi), sin(psi) sin(tilt),
+    -sin(psi) cos(tilt)) out of the body. It is at right angles to the motion where y = x tan(psi) sin(tilt), which gives, with
+    x = distance - radius cos(psi),
+
+        z = radius sin(psi) cos(tilt) + distance tan(psi) sin(tilt)^2 / cos(tilt),   rho = x sqrt(1 + tan(psi)^2 sin(tilt)^2)
+    """
+
+    distance: float
+    radius: float
+    tilt: float
+    corners: tuple[float, ...] = ()
+
+    def at(self, a: Array) -> Values:
+        s, c = np.sin(self.tilt), np.cos(self.tilt)
+        own, along = self.radius * c, self.distance * s**2 / c
+        # z grows with u = tan(psi), ever more slowly: from the middle Newton's steps never go too far
+        u, away = np.zeros_like(a), np.abs(a)
+        for _ in range(STEPS_OUT):
+            root = np.sqrt(1.0 + u**2)
+            step = (own * u / root + along * u - away) / (own / root**3 + along)
+            u = u - step
+            if not (np.abs(step) > ROUNDING * (1.0 + u)).any():
+                break
+        u = np.copysign(u, a)
+        root = np.sqrt(1.0 + u**2)
+        narrower = np.sqrt(1.0 + (u * s) ** 2)
+        slope = u * c / narrower
+        bend = c * root / narrower**3 / (own / root + along * root**2)
+        return (self.distance - self.radius / root) * narrower, slope, bend
 
 
 @dataclass(frozen=True)

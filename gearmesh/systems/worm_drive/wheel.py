@@ -24,7 +24,7 @@ from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel, LandLevel
 from gearmesh.kernel.surface.mapped import MappedSurface, Mapping
-from gearmesh.kernel.surface.meridian import CircularMeridian, Joined, Meridian, Straight
+from gearmesh.kernel.surface.meridian import CircularMeridian, CylinderMeridian, Joined, Meridian, Straight
 from gearmesh.kernel.surface.surface import PlacedSurface, Surface
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.worm_drive.thread import LAND, Rounding, WormThread
@@ -152,8 +152,7 @@ class WormHob:
         return ToolDescription("hob", dimensions=dimensions, tip_radius=self.rounding_radius)
 
     def root(self, half: float) -> LandLevel:
-        """The root that the hob's tips leave on a face of +-`half` mm: nearest to the wheel's axis are points on the common
-        perpendicular's plane, z = r sin(psi) / cos(theta), rho = a - r cos(psi)."""
+        """The root that the hob's tips leave on a face of +-`half` mm. Raises DesignError where they do not reach its ends."""
         r, a, narrower = self.tip_radius, self.distance, math.cos(self.tilt)
         if half * narrower >= r:
             raise DesignError(
@@ -163,9 +162,7 @@ class WormHob:
                 reason="the hob does not reach the end faces",
                 allowed=f"less than {at_most(2.0 * r / narrower)} mm",
             )
-        if self.tilt == 0.0:
-            return Meridian(CircularMeridian((0.0, a), r))
-        return Meridian.through(lambda z: a - np.sqrt(r**2 - (z * narrower) ** 2), (-half, half))
+        return Meridian(CircularMeridian((0.0, a), r) if self.tilt == 0.0 else CylinderMeridian(a, r, self.tilt))
 
 
 @dataclass(frozen=True)
