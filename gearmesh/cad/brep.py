@@ -15,7 +15,6 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
 
 from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, plan, samples
 from gearmesh.errors import NoSolutionError
@@ -96,6 +95,8 @@ class Patch:
 
     def at(self, s: Array, t: Array) -> Array:
         """Points (s.size, t.size, 3) of the spline."""
+        from scipy.interpolate import BSpline
+
         across = BSpline(self.s_knots, self.control, DEGREE, axis=0)(s)
         return np.asarray(BSpline(self.t_knots, across, DEGREE, axis=1)(t))
 
@@ -395,6 +396,8 @@ class _Run:
 
 def _patch(piece: Piece, points: Array, s: Nodes, t: Nodes, span: tuple[float, float]) -> Patch:
     """The spline through points (S, T, 3) at nodes s, t."""
+    from scipy.interpolate import make_interp_spline
+
     across = make_interp_spline(s.y, points, k=DEGREE, axis=0)
     along = make_interp_spline(t.y, across.c, k=DEGREE, axis=1)
     return Patch(piece, np.moveaxis(along.c, 0, 1), s, t, across.t, along.t, span)

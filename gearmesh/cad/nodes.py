@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator, make_interp_spline
 
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -82,6 +81,8 @@ def plan(points: Array, excess: Callable[[Array, Array], Array], degree: int = D
 
     `excess` gives, of drawn and exact points (F, K, 3), the errors as multiples of what is allowed, (F,).
     """
+    from scipy.interpolate import make_interp_spline
+
     curve = make_interp_spline(samples(), points, k=DEGREE, axis=0)
     best: Nodes | None = None
     for bend in BENDS:
@@ -102,6 +103,8 @@ def plan(points: Array, excess: Callable[[Array, Array], Array], degree: int = D
 
 def _spread(nodes: Array, excess: Array, target: float, degree: int, most: int) -> Array:
     """Nodes that give every interval the error `target`: errors go with the spacing to the power of the degree and one."""
+    from scipy.interpolate import PchipInterpolator
+
     # one interval's error is also its neighbours' doing
     around = np.pad(np.log(np.maximum(excess, 1e-12)), 1, mode="edge")
     error = np.exp(0.25 * (around[:-2] + 2.0 * around[1:-1] + around[2:]))

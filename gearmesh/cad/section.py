@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from gearmesh.cad.bar import rounding
 from gearmesh.cad.brep import NARROWEST, ROUNDS, Piece
@@ -237,6 +236,7 @@ def _arc(centre: Array, first: Array, last: Array) -> PlaneArc:
 
 def _fit(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneSpline, float]:
     """A piece of a generated link at one station as a cubic spline through exact points."""
+    from scipy.interpolate import make_interp_spline
 
     allowed = SHARE * tolerance
 

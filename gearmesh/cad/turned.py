@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
 
 from gearmesh.cad.nodes import DEGREE
 from gearmesh.cad.occ import (
@@ -62,6 +61,8 @@ class Trace:
 
         Its spans are cut into more and more until it is `TRACED`.
         """
+        from scipy.interpolate import BSpline, make_interp_spline
+
         curve = BSpline(knots, control, DEGREE)
         spans = np.unique(knots)
         places = np.unique(spans[:-1, None] + np.diff(spans)[:, None] * np.linspace(0.0, 1.0, PLACES + 1))

@@ -15,18 +15,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, Self, TypeAlias
+from typing import TYPE_CHECKING, Protocol, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.spatial import cKDTree
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, plane_cross, polar_angle, unit
 from gearmesh.mesh.triangles import TriangleMesh
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 # Barycentric slack: closes the cracks between neighbouring triangles; rounding is about 1e-12 for the thinnest facets.
 INSIDE = 1e-9
@@ -503,6 +504,8 @@ class GridFlank:
     @cached_property
     def _coefficients(self) -> Array:
         """Polynomials (I - 1, J - 1, 4, 4, 3) of the cells, highest powers first."""
+        from scipy.interpolate import CubicSpline
+
         if self.cells is not None:
             return self.cells
         along_i = CubicSpline(np.arange(self.grid.shape[0]), self.grid, axis=0).c
@@ -556,6 +559,8 @@ class GridField:
     @cached_property
     def _sheets(self) -> list[tuple[cKDTree, NDArray[np.intp]]]:
         """Trees of the grid points of every sheet over the flat coordinates, and which grid points these are."""
+        from scipy.spatial import cKDTree
+
         own, own_i, own_j = self.flank.nodes
         point = self.own_to_chart.point(own)
         flat = self.chart.split(point)[0]

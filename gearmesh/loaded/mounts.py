@@ -30,7 +30,6 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
@@ -87,6 +86,8 @@ class FlexibleMount:
 
     def displace(self, mount: Mount, displacement: Array) -> Mount:
         """The mount after a displacement (6,) of its point."""
+        from scipy.spatial.transform import Rotation
+
         point = Rigid(np.eye(3), np.array([0.0, 0.0, self.z]))
         turn = Rotation.from_rotvec(displacement[3:]).as_matrix()
         return replace(mount, base=mount.base @ point @ Rigid(turn, displacement[:3]) @ point.inverse)

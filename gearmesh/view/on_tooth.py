@@ -15,7 +15,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import map_coordinates
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, spread, unit
 from gearmesh.kernel.numeric.roots import last_true
@@ -155,6 +154,8 @@ def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
 
     Gaps are interpolated bilinearly in the mean plane of the flank, over which a flank is a graph.
     """
+    from scipy.ndimage import map_coordinates
+
     flat = grid.reshape(-1, 3)
     origin = flat.mean(axis=0)
     plane = np.linalg.svd(flat - origin, full_matrices=False)[2][:2]
@@ -177,6 +178,8 @@ def _index_in(lattice: Array, known: NDArray[np.bool_], places: Array) -> Array:
 
     Newton on the bilinear lattice; where it is not `known` (M, N), its best affine map takes its place.
     """
+    from scipy.ndimage import map_coordinates
+
     index = np.stack(np.meshgrid(*map(np.arange, known.shape), indexing="ij"), axis=-1).astype(float)
     affine = np.concatenate((index, np.ones((*known.shape, 1))), axis=-1)
     filled = np.where(known[..., None], lattice, affine @ np.linalg.lstsq(affine[known], lattice[known])[0])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from gearmesh.contact.flanks import contact_flank
 from gearmesh.kernel.numeric.algebra import Array
@@ -20,6 +19,8 @@ BEYOND = 1e-6
 
 def flank_projection(member: Member, side: Side) -> Project:
     """Points (..., 3) near the flank -> closest points of the trimmed exact flank, NaN beyond its edges; own frame, mm."""
+    from scipy.spatial import cKDTree
+
     flank = contact_flank(member, side)
     s, t = (np.linspace(0.0, 1.0, n) for n in STARTS)
     grid = member.tooth.flank_grid(side, s, t)

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneCurve, rotation
@@ -44,6 +43,8 @@ class PlaneSpline:
     @cached_property
     def beziers(self) -> Array:
         """The same curve as Bezier segments, control points (N, 4, 2), mm, neighbours' ends the same."""
+        from scipy.interpolate import BSpline
+
         ends = np.unique(self.knots)
         wide, spline = np.diff(ends)[:, None], BSpline(self.knots, self.control, DEGREE)
         place, slope = spline(ends[:-1]), wide * spline(ends[:-1], 1)
@@ -56,9 +57,13 @@ class PlaneSpline:
         return np.asarray(control)
 
     def at(self, s: Array) -> Array:
+        from scipy.interpolate import BSpline
+
         return np.asarray(BSpline(self.knots, self.control, DEGREE)(s))
 
     def slope(self, s: Array) -> Array:
+        from scipy.interpolate import BSpline
+
         return np.asarray(BSpline(self.knots, self.control, DEGREE)(s, 1))
 
     def between(self, start: Array, end: Array) -> PlaneSpline:

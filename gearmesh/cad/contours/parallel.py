@@ -17,15 +17,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from gearmesh.cad.contours.curves import Contour, PlaneSpline
 from gearmesh.cad.contours.redrawn import Curves, Smooth, redraw
 from gearmesh.kernel.numeric.algebra import Array, plane_cross
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 #: arcs that would join parallels of splines are left out where the path then misses their distance by less than this share of
 #: the tolerance, and always where the curves turn by less (rad): that much their fit is off
@@ -72,6 +74,8 @@ def parallels(contour: Contour, offset: float, kind: Curves, tolerance: float) -
 
     Of a contour that leaves no room for it there are none. `tolerance` (mm) is that of what is not an arc or line.
     """
+    from scipy.spatial import cKDTree
+
     right = offset if contour.material else -offset
     whole = _whole_circle(contour, right)
     if whole is not None:
@@ -233,6 +237,8 @@ def _stretches(
 
 def _crossings(start: Array, end: Array) -> tuple[Array, Array, Array, Array]:
     """Numbers of the chords that cross, of a closed path, and the shares of both at which they do, all (K,)."""
+    from scipy.spatial import cKDTree
+
     along = end - start
     # chords of straight lines may be long: they are looked for in pieces as long as the others
     length = np.linalg.norm(along, axis=-1)

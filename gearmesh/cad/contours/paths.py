@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from gearmesh.cad.contours.curves import Contour
 from gearmesh.cad.contours.parallel import parallels, points_along
@@ -89,6 +88,8 @@ def _refuse(section: MemberSection, contour: Contour, offset: float) -> None:
 
 def _refuse_thin(section: MemberSection, offset: float) -> None:
     """Raise where two contours are nearer to each other than twice an offset into the material between them."""
+    from scipy.spatial import cKDTree
+
     if offset > 0.0 or len(section.contours) < 2:
         return
     points = [points_along(contour.curves, 0.1 * abs(offset)) for contour in section.contours]
@@ -114,6 +115,8 @@ def _floor(value: float) -> float:
 
 def _stock(section: MemberSection, cut: MemberSection, distance: float) -> float:
     """How much farther than `distance` (mm) a place of the section may be from the path of the tool."""
+    from scipy.spatial import cKDTree
+
     points, path = (
         points_along([c for contour in of.contours for c in contour.curves], APART) for of in (section, cut)
     )

@@ -20,7 +20,6 @@ from itertools import pairwise
 from typing import Protocol, TypeAlias
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from gearmesh.cad.contours.curves import DEGREE, PlaneSpline
 from gearmesh.cad.nodes import Nodes
@@ -101,6 +100,8 @@ def _chords(curve: Smooth, y: Array) -> tuple[Callable[[], tuple[PlaneCurve, ...
 
 
 def _spline(curve: Smooth, y: Array) -> tuple[Callable[[], tuple[PlaneCurve, ...]], Array]:
+    from scipy.interpolate import make_interp_spline
+
     spline = make_interp_spline(y, curve.at(y), k=DEGREE)
     s = _between(y)
     miss = np.linalg.norm(spline(s) - _points(curve, s), axis=-1)

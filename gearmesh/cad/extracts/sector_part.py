@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator, make_interp_spline
 
 from gearmesh.cad.brep import SplineTooth
 from gearmesh.cad.nodes import DEGREE
@@ -17,6 +16,9 @@ from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.mesh.extracts.sector import CutSurface
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import CUT_REGIONS, Region
+
+if TYPE_CHECKING:
+    from scipy.interpolate import Akima1DInterpolator
 
 #: how far the surface goes beyond the member, over its largest radius
 BEYOND = 0.2
@@ -56,6 +58,8 @@ def sector_part(whole: Part, member: Member, teeth: SplineTooth, pitches: int) -
 
 def _cut_surface(member: Member, teeth: SplineTooth) -> Any:
     """Geom_BSplineSurface through the middles of the roots before tooth 0, straight from the axis or from inside the bore."""
+    from scipy.interpolate import make_interp_spline
+
     cut, (across, up) = CutSurface.of(member), station_normal(member.tooth.blank.axial)
     base = float(cut.level.value(np.zeros(3)))
     corners = teeth.corners.reshape(-1, 3)
@@ -91,6 +95,8 @@ def _inner(member: Member) -> float:
 
 def _angles(cut: CutSurface, low: float, high: float) -> Akima1DInterpolator:
     """Polar angle (rad) by station coordinate from `low` to `high`, straight on beyond the teeth."""
+    from scipy.interpolate import Akima1DInterpolator
+
     stations, theta = cut.stations, cut.theta
     ends = [
         theta[at] + (theta[at] - theta[beside]) / (stations[at] - stations[beside]) * (np.array(places) - stations[at])

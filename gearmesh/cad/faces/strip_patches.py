@@ -14,9 +14,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
 
 from gearmesh.cad.brep import NARROWEST, ON_LEVEL, SHARE, Piece, SplineTooth, StripPatch
 from gearmesh.cad.nodes import DEGREE, MOST, warp
@@ -24,6 +24,9 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.end_strip import EndStrip, StripPiece
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 #: places in every span of a patch where it is measured, and in every second of which it is drawn first
 PLACES = 6
@@ -79,6 +82,8 @@ class _PieceFit:
 
     @staticmethod
     def of(teeth: SplineTooth, strip: EndStrip, piece: StripPiece, end: int, tolerance: float) -> _PieceFit:
+        from scipy.interpolate import BSpline
+
         low, high = piece.inner
         link = None if low == high else Piece(piece.region, low, high)
         made = _PieceFit(teeth, strip, piece, end, tolerance, link, None, lambda y: y, 1.0)
@@ -106,6 +111,8 @@ class _PieceFit:
 
     def _control_net(self, knots: Array, lines: Array) -> Array:
         """Control net (S, T, 3) of the spline through exact points, on the section through those of the tooth's patch."""
+        from scipy.interpolate import make_interp_spline
+
         s, t = _nodes(knots), _nodes(lines)
         exact = self._at(s, t)
         if self.curve is not None:
@@ -115,6 +122,8 @@ class _PieceFit:
 
     def fit(self, lines: Array) -> tuple[Array, Array, float]:
         """Control net (S, T, 3) from the outline to the section, knots along the chain, and the deviation (mm)."""
+        from scipy.interpolate import BSpline
+
         knots = self._clamped_knots(np.array([0.0, self.last])) if self.curve is None else self.curve.t
         tau = _places(lines)
         for _ in range(ROUNDS):
@@ -146,6 +155,8 @@ class _PieceFit:
 
     def across(self, lines: Array) -> float:
         """How far (mm) curves from outline to section are from exact ones."""
+        from scipy.interpolate import make_interp_spline
+
         y, tau = np.linspace(0.0, self.last, 2 * PLACES), _places(lines)
         nodes = _nodes(lines)
         drawn = make_interp_spline(nodes, self._at(y, nodes), k=_degree(lines), t=lines, axis=1)(tau)

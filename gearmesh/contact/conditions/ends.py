@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import PPoly, make_interp_spline
 
 from gearmesh.contact.first_touch.spline_table import SplineTable
 from gearmesh.kernel.motion.joint import Joint
@@ -15,6 +15,9 @@ from gearmesh.kernel.surface.levels import CurveLevel, Level, ScrewLevel, Shifte
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Grid
 from gearmesh.teeth.tooth import Tooth
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 #: points of a flank's form point, where undercut neither begins nor ends between them
 FORM_POINT_SAMPLES = 25
@@ -125,6 +128,8 @@ def _through(axial: Level, across: Level, r: Array, inside: Array) -> CurveLevel
 
 def _pieces(x: Array, y: Array) -> PPoly:
     """Smooth curves, one through each row of points (K, N), x ascending, that meet where they end."""
+    from scipy.interpolate import PPoly, make_interp_spline
+
     curves = [PPoly.from_spline(make_interp_spline(*row, k=5)) for row in zip(x, y, strict=True)]
     places = np.concatenate([curves[0].x, *(curve.x[1:] for curve in curves[1:])])
     return PPoly(np.concatenate([curve.c for curve in curves], axis=1), places)
@@ -132,6 +137,8 @@ def _pieces(x: Array, y: Array) -> PPoly:
 
 def root_of(axial: Level, grid: Grid, stations: Array, joint: Joint) -> ScrewLevel:
     """What bounds a fillet, given by its grid at `stations` (T,), at its root, where it is tangent to a surface of revolution."""
+    from scipy.interpolate import PPoly, make_interp_spline
+
     angle = joint.running(joint.angle(grid.points[0]))
     order = np.argsort(stations)
     curve = PPoly.from_spline(make_interp_spline(stations[order], angle[order], k=5))

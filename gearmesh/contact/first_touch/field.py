@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter
 
 from gearmesh.contact.first_touch.heights import Circles, FlankHeights, bilinear
 from gearmesh.contact.pair import EDGES, FORM_POINT, NUMBERED, ROOT, WITHIN, along_face, edge_number
@@ -218,6 +217,8 @@ class _Field:
 
 
 def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
+    from scipy.ndimage import maximum_filter
+
     field = _Field.of(pair, nodes, phi1, index, trimmed)
     on, best, gain = field.on, field.best, field.gain
     shape = on.shape

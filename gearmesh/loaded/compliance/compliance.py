@@ -33,12 +33,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from threading import Lock
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse import coo_array, csr_array, hstack
-from scipy.spatial import cKDTree
 
 from gearmesh.contact.hertz import Material
 from gearmesh.errors import DesignError
@@ -55,6 +53,9 @@ from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.teeth.blank.body import Disc
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 Index = NDArray[np.int64]
 
@@ -362,6 +363,8 @@ class Sector:
     @property
     def stresses(self) -> csr_array:
         """Stresses (3 N, 6 F) at the fillet's nodes, the mean of the elements there, as sums over displacements."""
+        from scipy.sparse import coo_array, csr_array
+
         touching = np.isin(self.mesh.elements, self.fillet)
         element, corner = np.nonzero(touching)
         own, where = np.unique(element, return_inverse=True)
@@ -392,6 +395,8 @@ def inside(web: Disc, corners: Array) -> Array:
 
 def assemble(mesh: HexMesh, material: Material, shares: Array | None = None) -> csr_array:
     """Stiffness (3 N, 3 N), N/mm, of a mesh of hexahedra, or of `shares` (E,) of them."""
+    from scipy.sparse import coo_array, csr_array
+
     parts, own = stiffness(mesh.nodes[mesh.elements], material), unknowns(mesh.elements)
     if shares is not None:
         parts *= shares[:, None, None]
@@ -412,6 +417,8 @@ class Condensed:
 
     @staticmethod
     def of(sector: Sector) -> Condensed:
+        from scipy.sparse import csr_array, hstack
+
         right, left, held = (unknowns(nodes[:, None]).ravel() for nodes in (sector.right, sector.left, sector.held))
         cut = np.concatenate((right, left))
         layer = np.repeat(sector.layer, 3)
@@ -447,6 +454,8 @@ class Condensed:
 def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int) -> Array:
     """Displacements (2 N + 1, 2 c, n) of both cuts of the sectors -N .. N, each in its own frame, under loads (2 c, n) on those of
     sector 0; `condensed` (2 c, 2 c) is the stiffness of a sector to its cuts, the right one first."""
+    from scipy.linalg import cho_factor, cho_solve
+
     own, coupling, first, last = _row(condensed, loads, turn)
     half = len(own)
     places = np.arange(-reach, reach + 2)
@@ -464,6 +473,8 @@ def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int) -
 def _held_cuts(condensed: Array, loads: Array, turn: Array, teeth: int) -> Array:
     """As `_cuts`, of a row of K = `teeth` sectors of which the outer cuts are held, with each of them loaded in turn: (K, 2 K - 1,
     2 c, n), of the sectors 1 - K .. K - 1 from the loaded one; 0 where the row has none."""
+    from scipy.linalg import cho_factor, cho_solve
+
     own, coupling, first, last = _row(condensed, loads, turn)
     half, inner = len(own), teeth - 1
     matrix = np.zeros((inner, half, inner, half))
@@ -509,6 +520,8 @@ def _rotate(columns: Array, by: Array) -> Array:
 def _contact_compliance(sector: Sector, depth: int) -> Array:
     """What has to be added (n, n), mm/N, to responses of the gear to remove the local compliance of its elements: - L - u of the
     middle."""
+    from scipy.sparse import csr_array, hstack
+
     mesh, steps = sector.mesh, sector.layers - 1
     outer = [mesh.face_sets[f"{name}_{sector.side}_1"][:, 0] for name in ("flank", "fillet")]
     if "edge" in mesh.face_sets:
@@ -607,6 +620,8 @@ class _Images:
 
 def _node_numbers(nodes: Array, places: Array) -> Index:
     """Numbers (...,) of the nodes (N, 3) at places (..., 3)."""
+    from scipy.spatial import cKDTree
+
     distance, number = cKDTree(nodes).query(places)
     assert distance.max() < SAME, "the mesh has no nodes there"
     return np.asarray(number, dtype=np.int64)
@@ -614,5 +629,7 @@ def _node_numbers(nodes: Array, places: Array) -> Index:
 
 def _columns(rows: Index, values: Array, count: int) -> csr_array:
     """A matrix (count, n) with `values` (n, K) in `rows` (n, K) of its columns."""
+    from scipy.sparse import coo_array, csr_array
+
     columns = np.broadcast_to(np.arange(len(rows))[:, None], rows.shape)
     return csr_array(coo_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(count, len(rows))))

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft
 
 from gearmesh.contact.hertz import Material, contact_modulus
 from gearmesh.kernel.numeric.algebra import Array
@@ -35,6 +34,8 @@ class ContactCompliance:
     ) -> ContactCompliance:
         """Of cells dx by dy (...,), mm, on two bodies; `ends` (2, 2, ...), mm: how far from the least and the greatest x of
         the grid (second index) either body (first) has a free end face, inf or None: nowhere near."""
+        from scipy.fft import next_fast_len
+
         x, y = shape
         padded = next_fast_len(2 * y, real=True)
         place = np.arange(y)
@@ -60,6 +61,8 @@ class ContactCompliance:
 
     def under(self, pressure: Array, which: NDArray[np.intp]) -> Array:
         """Displacements (B, K, X, Y), mm, under pressures (B, K, X, Y), MPa, on grids `which` (B,) of the first axis."""
+        from scipy.fft import irfft, rfft
+
         # most grids near the contact are not pressed at all
         row, column = np.nonzero(pressure.any(axis=(2, 3)))
         waves = np.ascontiguousarray(np.moveaxis(rfft(pressure[row, column], self.padded), -1, -2))

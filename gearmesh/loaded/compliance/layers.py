@@ -11,13 +11,15 @@ F_a^T K^-1 F_b to loads F, and the body's stiffness to unknowns that were left o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
-from scipy.sparse import csr_array
 
 from gearmesh.kernel.numeric.algebra import Array
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 Index = NDArray[np.int64]
 
@@ -33,6 +35,8 @@ class LayeredStiffness:
     @staticmethod
     def of(stiffness: csr_array, layer: Index) -> LayeredStiffness:
         """Factor of a stiffness (N, N), of which unknown k is in layer `layer` (N,); those of layer -1 are left out (held)."""
+        from scipy.linalg import cholesky, solve_triangular
+
         members = tuple(np.flatnonzero(layer == k) for k in range(int(layer.max()) + 1))
         diagonal: list[Array] = []
         lower: list[Array] = []
@@ -48,6 +52,8 @@ class LayeredStiffness:
 
     def forward(self, loads: csr_array) -> Array:
         """L^-1 F (n, M), in the order of the layers, of columns F (N, M) over all unknowns."""
+        from scipy.linalg import solve_triangular
+
         loads = loads.tocsr()
         blocks: list[Array] = []
         # a column begins with its first load

@@ -12,8 +12,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components, depth_first_order
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
@@ -146,6 +144,9 @@ def _along(flank: GeneratedSurface, parameters: Array) -> Array:
 
 def _level_chains(parameters: Array, levels: Array, at: float) -> list[Array]:
     """Parts (K, 2) of the line at which levels (I, J), linear between points with parameters (I, J, 2), are `at`, in order."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components, depth_first_order
+
     values, flat = levels.ravel(), parameters.reshape(-1, 2)
     index = np.arange(values.size).reshape(levels.shape)
     a, b, c, d = (corners.ravel() for corners in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import map_coordinates
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.sharing import LoadedMesh, whole_cycle
@@ -63,6 +62,8 @@ class LoadedPanel:
 
     def at(self, places: Array) -> Array:
         """The largest pressure (...,), MPa, at places (..., 2), mm."""
+        from scipy.ndimage import map_coordinates
+
         low, high = self.bounds
         index = (places - low) / (high - low) * self.pressure.shape[::-1] - 0.5
         interpolated: Array = map_coordinates(self.pressure, index[..., ::-1].reshape(-1, 2).T, order=1)
