@@ -51,8 +51,9 @@ MAY_IMPORT: dict[str, str] = {
     "app": "api answers view samples systems design files exchange io cad fe contact study",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too
-LIGHT = {"numpy", "scipy", "pydantic", "typer", "rich", "click", "threadpoolctl"}
+LIGHT = {"numpy", "pydantic", "typer", "rich", "click", "threadpoolctl"}
 HEAVY = {
+    "scipy",
     "vtk",
     "vtkmodules",
     "pyvista",
@@ -80,6 +81,9 @@ RESULTS = {
 }
 #: packages that are mathematics: numpy and scipy only
 MATHEMATICS = ("kernel", "tools", "teeth", "contact", "metrology", "check")
+
+#: where every gear system says what it offers, by which nothing but the registry is reached
+REGISTERED = "registered"
 
 #: where tools are, and the surfaces and motions that stand for them
 TOOLS = ("gearmesh/tools/", "gearmesh/kernel/envelope/", "gearmesh/kernel/motion/", "gearmesh/kernel/surface/")
@@ -142,8 +146,8 @@ def complaints(file: str, source: str) -> list[str]:
             wrong.append(f"{where}: {own} may import only {MAY_IMPORT[own] or 'errors'}")
         if own == "view" and package in SOLVERS and target[-1] not in RESULTS:
             wrong.append(f"{where}: view draws what it is given, and solves nothing")
-        between = own == package == "systems" and len(parts) > 3 and len(target) > 3
-        if between and target[2] not in (parts[2], "common", "system"):
+        between = own == package == "systems" and len(parts) > 3 and len(target) > 3 and parts[2] != REGISTERED
+        if between and target[2] not in (parts[2], "common", "system", "kinds"):
             wrong.append(f"{where}: a gear system imports no other one; what they share goes to systems/common")
     return wrong
 
@@ -321,6 +325,9 @@ def test_every_class_has_a_name_of_its_own() -> None:
         ("gearmesh/novelty/new.py", "import numpy", "'novelty' is not in MAY_IMPORT"),
         ("gearmesh/systems/beveloid/build.py", "from gearmesh.systems.face_gear.build import x", "no other one"),
         ("gearmesh/systems/beveloid/build.py", "from gearmesh.systems.common.racks.rack_member import x", None),
+        ("gearmesh/systems/beveloid/build.py", "from gearmesh.systems.registered.rack import SYSTEMS", "no other one"),
+        ("gearmesh/systems/registered/rack.py", "from gearmesh.systems.cylindrical.rack.build import build", None),
+        ("gearmesh/kernel/surface/levels.py", "from scipy.interpolate import PPoly", "inside the function"),
     ],
 )
 def test_rules_catch_what_they_should(file: str, source: str, words: str | None) -> None:
@@ -344,6 +351,25 @@ def test_importing_loads_nothing_heavy(modules: list[str]) -> None:
     loaded = set(json.loads(run.stdout))
     assert "gearmesh" in loaded
     assert not loaded & (HEAVY | LIGHT if modules == ["gearmesh"] else HEAVY)
+
+
+def test_kinds_and_keys_need_no_solver() -> None:
+    """The kinds and their lines load no design, the designs' keys no numpy and nothing that makes gears of them."""
+    program = (
+        "import json, sys\n"
+        "from gearmesh.systems.system import about, design_class, kinds\n"
+        "lines = [about(kind) for kind in kinds()]\n"
+        "of_kinds = [*sys.modules]\n"
+        "keys = [design_class(kind).key_groups() for kind in kinds()]\n"
+        "print(json.dumps([of_kinds, [*sys.modules]]))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=PACKAGE.parent
+    )
+    of_kinds, of_keys = json.loads(run.stdout)
+    assert not {name for name in of_kinds if name.endswith("design") and "systems" in name}
+    assert not {"numpy", "scipy"} & {*of_keys}
+    assert not {name for name in of_keys if "build" in name.split(".") or "registered" in name}
 
 
 def test_the_quick_selection_has_something_of_every_package() -> None:

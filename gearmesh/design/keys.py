@@ -236,7 +236,7 @@ def conflict(key: str, value: Any, *, reason: str = "", allowed: str = "", must_
 class Table(BaseModel):
     """A table of a design file: immutable, and nothing in it but the declared keys."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     #: Pairs (first, second): a given `first` replaces `second`, and only one of them may be given.
     replaces: ClassVar[tuple[tuple[str, str], ...]] = ()

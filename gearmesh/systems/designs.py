@@ -11,7 +11,7 @@ from gearmesh.design import files
 from gearmesh.design.core import Design
 from gearmesh.design.template import template
 from gearmesh.errors import DesignError
-from gearmesh.systems.system import complete_design, kinds, one_of_kinds, system
+from gearmesh.systems.system import complete_design, design_class, kinds, one_of_kinds, system
 
 
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complete: bool = True) -> Design:
@@ -48,4 +48,4 @@ def new(kind: str) -> str:
 
     It loads as it stands. Raises DesignError naming the nearest kind.
     """
-    return template(system(kind).design)
+    return template(design_class(kind))

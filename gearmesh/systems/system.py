@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 from gearmesh.errors import ArgumentError, DesignError, FileError, NoSolutionError
 from gearmesh.figures import Summary
+from gearmesh.systems.kinds import KINDS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -176,21 +177,6 @@ class System(Generic[D]):
         return self if self.single is None or self.is_single is None or not self.is_single(keys) else self.single
 
 
-#: kinds of the systems that come with gearmesh, and the folders beside this file that hold them
-_FOLDERS = {
-    "cylindrical": "cylindrical",
-    "planetary": "cylindrical.planetary",
-    "rack": "cylindrical.rack",
-    "beveloid": "beveloid",
-    "circular_arc": "circular_arc",
-    "novikov": "parabolic_helical",
-    "modified_involute": "parabolic_helical",
-    "spiral_bevel": "spiral_bevel",
-    "spiral_bevel_conjugate": "spiral_bevel",
-    "hypoid": "spiral_bevel",
-    "face_gear": "face_gear",
-    "worm_drive": "worm_drive",
-}
 _REGISTERED: dict[str, System[Any]] = {}
 
 
@@ -201,14 +187,14 @@ def register(system: System[Any]) -> None:
 
 def kinds() -> tuple[str, ...]:
     """All kinds of designs."""
-    return (*_FOLDERS, *(kind for kind in _REGISTERED if kind not in _FOLDERS))
+    return (*KINDS, *(kind for kind in _REGISTERED if kind not in KINDS))
 
 
 def system(kind: Any) -> System[Any]:
     """The gear system of a kind. Raises DesignError naming the nearest kind."""
-    if isinstance(kind, str) and kind not in _REGISTERED and kind in _FOLDERS:
-        for registered in import_module(f"gearmesh.systems.{_FOLDERS[kind]}").SYSTEMS:
-            register(registered)
+    if isinstance(kind, str) and kind not in _REGISTERED and kind in KINDS:
+        for registered in import_module(f"gearmesh.systems.registered.{KINDS[kind].registered}").SYSTEMS:
+            _REGISTERED.setdefault(registered.kind, registered)
     if isinstance(kind, str) and kind in _REGISTERED:
         return _REGISTERED[kind]
     from gearmesh.design.shown import nearest, value_text
@@ -216,6 +202,20 @@ def system(kind: Any) -> System[Any]:
     close = nearest(kind, kinds()) if isinstance(kind, str) else None
     hint = f'; did you mean "{close}"?' if close else ""
     raise DesignError("kind", kind, shown=value_text(kind), must_be=f"{one_of_kinds()}{hint}")
+
+
+def about(kind: str) -> str:
+    """One line about a kind. Raises DesignError naming the nearest kind. Nothing of the gear system is loaded for it."""
+    return KINDS[kind].about if kind in KINDS and kind not in _REGISTERED else system(kind).design.about
+
+
+def design_class(kind: str) -> type[Design]:
+    """The class of the designs of a kind. Raises DesignError naming the nearest kind. What is made of them is not loaded for it."""
+    if kind not in KINDS or kind in _REGISTERED:
+        return system(kind).design
+    module, name = KINDS[kind].design
+    own: type[Design] = getattr(import_module(f"gearmesh.systems.{module}"), name)
+    return own
 
 
 def system_of(design: Design) -> System[Any]:

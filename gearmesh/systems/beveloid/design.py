@@ -16,6 +16,7 @@ from gearmesh.design.keys import DERIVED, Key, conflict
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import straight_rounding
+from gearmesh.systems.kinds import KINDS
 
 #: Angles (deg) closer than this to parallel axes are parallel.
 PARALLEL = 1e-9
@@ -106,7 +107,7 @@ class BeveloidDesign(PairDesign):
         "pinion": {"teeth": 18, "face_width": 20},
         "gear": {"teeth": 45, "face_width": 20},
     }
-    about: ClassVar[str] = "involute spur, helical and beveloid (conical involute) gears on any axes [LT02]"
+    about: ClassVar[str] = KINDS["beveloid"].about
 
     pressure_angle: Annotated[
         float, Key("angle", "normal pressure angle of the rack", low=1, high=45, source="[LT02] Table 1")

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, Key, given_or
 from gearmesh.design.runout import PairRunout
+from gearmesh.systems.kinds import KINDS
 
 if TYPE_CHECKING:
     from gearmesh.systems.circular_arc.fillets import ArcRack
@@ -138,7 +139,7 @@ class CircularArcDesign(PairDesign):
         "pinion": {"teeth": 12, "face_width": 60, "lead_angle": 75},
         "gear": {"teeth": 60, "face_width": 60, "lead_angle": 75},
     }
-    about: ClassVar[str] = "circular-arc (Wildhaber-Novikov) helical gears on parallel axes [LT85]"
+    about: ClassVar[str] = KINDS["circular_arc"].about
 
     pressure_angle: Annotated[
         float, Key("angle", "nominal pressure angle theta0", low=5, high=60, source="[LT85] (32)")

@@ -19,6 +19,7 @@ from gearmesh.systems.cylindrical.allowance_keys import (
     ThicknessMade,
 )
 from gearmesh.systems.cylindrical.measure_keys import BallMeasurement, SpanMeasurement
+from gearmesh.systems.kinds import KINDS
 
 #: Basic racks of ISO 53: addendum, dedendum and rounding of the tool's tip, in normal modules.
 PROFILES = {
@@ -626,9 +627,7 @@ class CylindricalDesign(HalvesKeys, PairDesign):
         "pinion": {"teeth": 18, "face_width": 20},
         "gear": {"teeth": 45, "face_width": 20},
     }
-    about: ClassVar[str] = (
-        "spur and helical gears on parallel axes, external and internal, or one gear alone [ISO 21771]"
-    )
+    about: ClassVar[str] = KINDS["cylindrical"].about
 
     pinion: CylindricalMember
     gear: CylindricalMember

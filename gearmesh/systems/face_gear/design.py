@@ -18,6 +18,7 @@ from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import deepest
 from gearmesh.systems.common.worm_keys import WormTool
+from gearmesh.systems.kinds import KINDS
 
 #: Clearance between the pinion's tip and the face gear's root, in modules, where shaper.addendum is not given.
 CLEARANCE = 0.25
@@ -180,9 +181,7 @@ class FaceGearDesign(PairDesign):
         "gear": {"teeth": 120},
         "shaper": {"teeth": 28},
     }
-    about: ClassVar[str] = (
-        "face gear cut by an involute shaper, and a spur pinion, on intersected or crossed axes [LF04 18]"
-    )
+    about: ClassVar[str] = KINDS["face_gear"].about
 
     pressure_angle: Annotated[
         float, Key("angle", "pressure angle alpha_c of pinion and shaper", low=10, high=35, source="[LF04] 18.5")

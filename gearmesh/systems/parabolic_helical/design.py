@@ -18,6 +18,7 @@ from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import ROOM, deepest
 from gearmesh.systems.common.worm_keys import WormTool
+from gearmesh.systems.kinds import KINDS
 
 if TYPE_CHECKING:
     from gearmesh.systems.parabolic_helical.racks import Flanks
@@ -344,7 +345,7 @@ class NovikovDesign(ParabolicHelicalDesign):
         "gear": {"teeth": 77, "face_width": 90, "addendum": 0.6, "parabola": 0.0155},
     }
     gear_parabola_sign: ClassVar[float] = -1.0
-    about: ClassVar[str] = "Novikov-Wildhaber helical gears, parabolic rack cutters in internal tangency [LF04 17]"
+    about: ClassVar[str] = KINDS["novikov"].about
 
     gear: NovikovGear
 
@@ -365,6 +366,6 @@ class ModifiedInvoluteDesign(ParabolicHelicalDesign):
 
     own_kind: ClassVar[str] = "modified_involute"
     example: ClassVar[Mapping[str, Any]] = {**EXAMPLE, "gear": {"teeth": 77, "face_width": 90, "addendum": 0.6}}
-    about: ClassVar[str] = "modified involute helical gears: crowned pinion, involute gear [LF04 17]"
+    about: ClassVar[str] = KINDS["modified_involute"].about
 
     gear: ModifiedInvoluteGear

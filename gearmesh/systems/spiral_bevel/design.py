@@ -15,8 +15,8 @@ from gearmesh.design.core import ContactTable, GearBody, Holes, PairDesign, Rexs
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.design.shown import value_text
-from gearmesh.systems.spiral_bevel.iso23509.tapers import TAPERS
-from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_backlash
+from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.spiral_bevel.iso23509.taper_names import TAPERS
 
 _SYNTHESIS = "derived: see gearmesh settings"
 
@@ -768,6 +768,8 @@ class FaceMilledDesign(BevelDesign):
 
     @property
     def _suggested_backlash(self) -> float:
+        from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_backlash
+
         mm = self.mm_per_unit
         return suggested_backlash(self.given_module * mm, self.accuracy_grade) / mm
 
@@ -856,7 +858,7 @@ class SpiralBevelDesign(FaceMilledDesign):
 
     own_kind: ClassVar[str] = "spiral_bevel"
     example: ClassVar[Mapping[str, Any]] = {"module": 5, "pinion": {"teeth": 13}, "gear": {"teeth": 44}}
-    about: ClassVar[str] = "spiral, zerol and straight bevel gears cut by head cutters on a cradle [AB; ISO 23509]"
+    about: ClassVar[str] = KINDS["spiral_bevel"].about
 
     mean_cone_distance: Annotated[
         float | None,

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 from gearmesh.design.keys import Key
+from gearmesh.systems.kinds import KINDS
 from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 
@@ -19,7 +20,7 @@ class HypoidDesign(FaceMilledDesign):
         "pinion": {"teeth": 12},
         "gear": {"teeth": 41},
     }
-    about: ClassVar[str] = "hypoid gears: bevel gears on offset axes, cut by head cutters on a cradle [ISO 23509; AB]"
+    about: ClassVar[str] = KINDS["hypoid"].about
 
     offset: Annotated[
         float,

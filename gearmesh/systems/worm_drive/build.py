@@ -22,10 +22,11 @@ from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
 from gearmesh.systems.worm_drive.helical_wheel import helical_wheel
-from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, ThreadForm, WormThread
+from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, WormThread
 from gearmesh.systems.worm_drive.wheel import Throat, WormHob, crossed_axes
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body

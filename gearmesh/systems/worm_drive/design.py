@@ -12,7 +12,8 @@ from gearmesh.design.core import Design, FlankContact, MemberBody, MemberTable, 
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.measured import WormDriveMeasured
 from gearmesh.design.runout import eccentricity, phase
-from gearmesh.systems.worm_drive.thread import ThreadForm
+from gearmesh.systems.common.standards.iso10828 import ThreadForm
+from gearmesh.systems.kinds import KINDS
 
 #: Proportions that are not given, in axial modules [DIN 3975]: diameter quotient, clearance, the wheel's outside over its throat.
 QUOTIENT, CLEARANCE, OUTSIDE = 10.0, 0.2, 1.0
@@ -206,7 +207,7 @@ class WormDriveDesign(Design):
 
     own_kind: ClassVar[str] = "worm_drive"
     example: ClassVar[Mapping[str, Any]] = {"module": 4, "worm": {"threads": 2}, "wheel": {"teeth": 40}}
-    about: ClassVar[str] = "worm drives: worms ZA, ZN, ZI, ZK and ZC [ISO 10828], the wheel as its hob generates it"
+    about: ClassVar[str] = KINDS["worm_drive"].about
 
     module_section: Annotated[
         str,

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.systems.worm_drive.build import nominal_thread, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.force_tables import MEMBERS, efficiencies, thread_mesh
 from gearmesh.systems.worm_drive.helical_wheel import wheel_helix
 from gearmesh.systems.worm_drive.load_parameters import contact_rows
-from gearmesh.systems.worm_drive.thread import ThreadForm, WormThread
+from gearmesh.systems.worm_drive.thread import WormThread
 from gearmesh.systems.worm_drive.wires import wire_rows
 
 if TYPE_CHECKING:

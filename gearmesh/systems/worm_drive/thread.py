@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +15,7 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.helicoid import GeneratingCurve, Helicoid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, Line
 from gearmesh.tools.worm_threads import DiskLine, PlaneEdge, TransverseInvolute
@@ -26,16 +26,6 @@ STEPS, ARRIVED = 60, 1e-13
 STEP = 1e-6
 #: profile parameter of a rounding where it touches root or tip cylinder
 LAND = 0.5 * math.pi
-
-
-class ThreadForm(StrEnum):
-    """Flank forms of ISO 10828."""
-
-    ZA = "ZA"
-    ZN = "ZN"
-    ZI = "ZI"
-    ZK = "ZK"
-    ZC = "ZC"
 
 
 @dataclass(frozen=True)

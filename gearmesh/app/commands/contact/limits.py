@@ -9,9 +9,7 @@ import typer
 import gearmesh as gm
 from gearmesh.app.options import DesignFile, Json, Set
 from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
-from gearmesh.design import files
 from gearmesh.errors import ArgumentError, DesignError
-from gearmesh.systems.designs import parse_as_stated
 
 #: normal modules; no tooth is wider at its tip
 _WIDEST = 3.0
@@ -26,6 +24,9 @@ def limits(
     settings: Set = None,
 ) -> None:
     """Limits against undercut and pointing: tool depth, tip and number of teeth. Also for designs beyond these limits."""
+    from gearmesh.design import files
+    from gearmesh.systems.designs import parse_as_stated
+
     if not 0.0 <= land <= _WIDEST:
         raise ArgumentError("land", land, must_be=f"a number of modules from 0 to {_WIDEST:g}")
     refuse_unwritable(json_file)

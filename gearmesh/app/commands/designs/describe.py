@@ -112,26 +112,28 @@ def _sheet(
 
 def _kinds() -> Listing:
     """The kinds of design, one per line."""
-    return Listing("", ("kind", "what"), [(kind, gm.system(kind).design.about) for kind in gm.kinds()])
+    from gearmesh.systems.system import about
+
+    return Listing("", ("kind", "what"), [(kind, about(kind)) for kind in gm.kinds()])
 
 
 def _schema(kind: str) -> str:
     """The JSON Schema of a kind's files."""
     from gearmesh.answers.tables import json_text
     from gearmesh.api.design_schema import design_schema
+    from gearmesh.systems.system import design_class
 
-    return json_text(design_schema(gm.system(kind).design, kind))
+    return json_text(design_schema(design_class(kind), kind))
 
 
 def _document(kind: str | None) -> str:
     """The kinds, or all keys of one of them and of the tables that stand in several places of it, as JSON."""
     from gearmesh.answers.tables import json_text
+    from gearmesh.systems.system import about, design_class
 
     if kind is None:
-        return json_text(
-            {"gearmesh": gm.__version__, "kinds": {name: gm.system(name).design.about for name in gm.kinds()}}
-        )
-    design = gm.system(kind).design
+        return json_text({"gearmesh": gm.__version__, "kinds": {name: about(name) for name in gm.kinds()}})
+    design = design_class(kind)
     groups = {name: [asdict(line) for line in lines] for name, lines in design.key_groups().items()}
     return json_text(
         {
@@ -146,8 +148,10 @@ def _document(kind: str | None) -> str:
 
 def _keys(kind: str, width: int) -> str:
     """Every key of a kind, and of tables that stand in several places of it, a line each where the width has room for it."""
+    from gearmesh.systems.system import design_class
+
     text = []
-    for name, lines in gm.system(kind).design.key_groups().items():
+    for name, lines in design_class(kind).key_groups().items():
         text.append(name or f'kind = "{kind}"')
         column = min(max(len(line.key) for line in lines), KEY)
         for line in lines:

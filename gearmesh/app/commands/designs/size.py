@@ -11,7 +11,6 @@ import typer
 import gearmesh as gm
 from gearmesh.app.options import Json
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, working, write_text
-from gearmesh.design.files import with_version
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.lengths import in_mm
 
@@ -75,6 +74,8 @@ def size(
     All pairs, those without faults first, then by the worst specific sliding. With --planetary sets of sun, planets and ring: those
     without faults first, then those of exactly the ratio, then of the largest module. Strength is not considered.
     """
+    from gearmesh.design.files import with_version
+
     if output is not None:
         refuse_suffix(output, ".toml")
         if output.exists():

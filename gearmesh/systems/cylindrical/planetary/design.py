@@ -14,6 +14,7 @@ from gearmesh.design.measured import PlanetaryMeasured
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
+from gearmesh.systems.kinds import KINDS
 
 #: Members as a design names them.
 SUN, PLANET, RING = "sun", "planet", "ring"
@@ -66,7 +67,7 @@ class PlanetaryDesign(HalvesKeys):
         "planet": {"teeth": 27, "face_width": 20},
         "ring": {"teeth": 72, "face_width": 20},
     }
-    about: ClassVar[str] = "planetary sets: sun, planets and internal gear, spur, helical or double helical [ISO 21771]"
+    about: ClassVar[str] = KINDS["planetary"].about
 
     sun: CylindricalMember
     planet: CylindricalMember

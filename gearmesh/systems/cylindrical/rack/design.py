@@ -24,6 +24,7 @@ from gearmesh.design.runout import PinionRunout
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance, ThicknessMade
 from gearmesh.systems.cylindrical.design import AccuracyClass, CylindricalMember, ToothingKeys
+from gearmesh.systems.kinds import KINDS
 
 #: Members as a design names them.
 PINION, RACK = "pinion", "rack"
@@ -176,7 +177,7 @@ class RackDesign(RackKeys):
         "pinion": {"teeth": 20, "face_width": 20},
         "rack": {"teeth": 40, "face_width": 20},
     }
-    about: ClassVar[str] = "pinion and rack of finite length, or a rack alone, spur or helical [ISO 21771]"
+    about: ClassVar[str] = KINDS["rack"].about
 
     pinion: CylindricalMember
     accuracy_class: AccuracyClass = 6

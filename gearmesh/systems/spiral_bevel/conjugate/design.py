@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import model_validator
 
 from gearmesh.design.keys import Key, conflict
+from gearmesh.systems.kinds import KINDS
 from gearmesh.systems.spiral_bevel.design import BevelBody, BevelContact, BevelDesign, DrivingSide, EdgeRadius
 
 
@@ -43,7 +44,7 @@ class ConjugateDesign(BevelDesign):
         "pinion": {"teeth": 20, "r_d": 74},
         "gear": {"teeth": 40, "r_d": 76},
     }
-    about: ClassVar[str] = "conjugate spiral bevel gears, Geometry I and II [CR3553]"
+    about: ClassVar[str] = KINDS["spiral_bevel_conjugate"].about
 
     beta: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="[CR3553] 2.2")] = 35.0
     psi_c: Annotated[float, Key("angle", "blade angle", low=5, high=40, source="[CR3553] 2.2")] = 20.0

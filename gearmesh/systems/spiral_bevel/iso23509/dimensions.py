@@ -18,7 +18,8 @@ from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.spiral_bevel.iso23509.blank_cones import BlankCones, blank_cones
 from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
-from gearmesh.systems.spiral_bevel.iso23509.tapers import CUTTER_TAPERS, taper_angles
+from gearmesh.systems.spiral_bevel.iso23509.taper_names import CUTTER_TAPERS
+from gearmesh.systems.spiral_bevel.iso23509.tapers import taper_angles
 from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
     NO_BACKLASH,
     Backlash,

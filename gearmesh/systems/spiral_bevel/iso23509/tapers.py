@@ -7,11 +7,8 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
+from gearmesh.systems.spiral_bevel.iso23509.taper_names import TAPERS
 
-#: root lines through the apex; none; the same slot width from toe to heel; that, but not beyond MOST_TILT of the standard one
-TAPERS = ("standard", "uniform", "duplex", "tilted_root_line")
-#: of these, those that follow from the radius of a face-milling cutter
-CUTTER_TAPERS = ("duplex", "tilted_root_line")
 #: sum of the dedendum angles with a tilted root line over that of the standard taper, at most
 MOST_TILT = 1.3
 

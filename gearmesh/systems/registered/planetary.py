@@ -1,0 +1,26 @@
+"""Planetary sets: sun, planets and ring as cylindrical pairs that share the planet, their positions, motions and sheet."""
+
+from gearmesh.systems.cylindrical.inspection.planetary_basis import planetary_inspection
+from gearmesh.systems.cylindrical.planetary.build import build, derived_values
+from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
+from gearmesh.systems.cylindrical.planetary.force_tables import set_forces
+from gearmesh.systems.cylindrical.planetary.pinned import planetary_values
+from gearmesh.systems.cylindrical.planetary.sheet import planetary_sheet
+from gearmesh.systems.cylindrical.rexs.planets import PLANETARY
+from gearmesh.systems.cylindrical.single.drawn import DRAWN
+from gearmesh.systems.system import System
+
+SYSTEMS = (
+    System(
+        "planetary",
+        PlanetaryDesign,
+        build,
+        derive=derived_values,
+        sheet=planetary_sheet,
+        forces=set_forces,
+        pinned=planetary_values,
+        drawn=DRAWN,
+        inspection=planetary_inspection,
+        rexs=PLANETARY,
+    ),
+)

@@ -1,0 +1,35 @@
+"""A pinion and a rack of finite length: their keys, what their mesh says of both, the rack as a member, their data
+sheet; and a rack alone."""
+
+from gearmesh.systems.cylindrical.rack import single
+from gearmesh.systems.cylindrical.rack.build import build
+from gearmesh.systems.cylindrical.rack.design import RackDesign, SingleRackDesign, is_single_rack
+from gearmesh.systems.cylindrical.rack.force_tables import rack_forces
+from gearmesh.systems.cylindrical.rack.pinned import rack_values
+from gearmesh.systems.cylindrical.rack.proportions import derived_values
+from gearmesh.systems.cylindrical.rack.sheet import rack_sheet
+from gearmesh.systems.cylindrical.single.drawn import DRAWN
+from gearmesh.systems.system import System
+
+SYSTEMS = (
+    System(
+        "rack",
+        RackDesign,
+        build,
+        derive=derived_values,
+        sheet=rack_sheet,
+        forces=rack_forces,
+        pinned=rack_values,
+        drawn=DRAWN,
+        single=System(
+            "rack",
+            SingleRackDesign,
+            single.build,
+            derive=single.derived_values,
+            sheet=single.sheet,
+            pinned=single.pinned_values,
+            drawn=DRAWN,
+        ),
+        is_single=is_single_rack,
+    ),
+)

@@ -1,0 +1,60 @@
+"""Spiral, zerol, straight bevel and hypoid gears cut by head cutters [AB; CR3553; ISO 23509], and conjugate geometries."""
+
+from gearmesh.systems.spiral_bevel.build import build, gear_part, left_to_geometry, pinion_part, try_build
+from gearmesh.systems.spiral_bevel.conjugate import build as conjugate_build
+from gearmesh.systems.spiral_bevel.conjugate import compensation as conjugate_compensation
+from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
+from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+from gearmesh.systems.spiral_bevel.errors.compensation import compensate
+from gearmesh.systems.spiral_bevel.errors.displacements import DISPLACEMENTS
+from gearmesh.systems.spiral_bevel.errors.first_order import first_order
+from gearmesh.systems.spiral_bevel.errors.vh_check import vh_check
+from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
+from gearmesh.systems.spiral_bevel.pinned import conjugate_values, settings_values
+from gearmesh.systems.spiral_bevel.rexs import BEVEL, HYPOID
+from gearmesh.systems.spiral_bevel.sheet.accuracy import bevel_inspection
+from gearmesh.systems.spiral_bevel.sheet.drawn import DRAWN
+from gearmesh.systems.spiral_bevel.sheet.member_sheet import member_sheet
+from gearmesh.systems.spiral_bevel.sheet.sheet import settings_sheet, tooth_forces
+from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
+from gearmesh.systems.system import System
+
+SYSTEMS = (
+    *(
+        System(
+            kind,
+            design,
+            build,
+            members={"pinion": pinion_part, "gear": gear_part},
+            tried=try_build,
+            derive=left_to_geometry,
+            sheet=settings_sheet,
+            member_sheet=member_sheet,
+            forces=tooth_forces,
+            compensate=compensate,
+            vh=lambda design, train, moved: vh_check(design, train, bevel_teeth(design).cut.blank.clearance, moved),
+            first_order=lambda design: first_order(design, build),
+            displacements=DISPLACEMENTS,
+            pinned=settings_values,
+            drawn=DRAWN,
+            inspection=bevel_inspection,
+            rexs=form,
+        )
+        for kind, design, form in (
+            ("spiral_bevel", SpiralBevelDesign, BEVEL),
+            ("hypoid", HypoidDesign, HYPOID),
+        )
+    ),
+    System(
+        "spiral_bevel_conjugate",
+        ConjugateDesign,
+        conjugate_build.build,
+        compensate=conjugate_compensation.compensate,
+        vh=lambda design, train, moved: vh_check(
+            design, train, conjugate_build.conjugate_blank(design).clearance, moved
+        ),
+        first_order=lambda design: first_order(design, conjugate_build.build),
+        displacements=DISPLACEMENTS,
+        pinned=conjugate_values,
+    ),
+)

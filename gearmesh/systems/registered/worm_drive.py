@@ -1,0 +1,23 @@
+"""Worm drives: worms of the forms ZA, ZN, ZI, ZK and ZC [ISO 10828], wheels as their hobs generate them."""
+
+from gearmesh.systems.system import System
+from gearmesh.systems.worm_drive.build import DISPLACEMENTS, build, pinned_values
+from gearmesh.systems.worm_drive.design import WormDriveDesign
+from gearmesh.systems.worm_drive.drawn import DRAWN
+from gearmesh.systems.worm_drive.force_tables import pair_forces
+from gearmesh.systems.worm_drive.rexs import WORM_DRIVE
+from gearmesh.systems.worm_drive.sheet import data_sheet
+
+SYSTEMS = (
+    System(
+        "worm_drive",
+        WormDriveDesign,
+        build,
+        sheet=data_sheet,
+        forces=pair_forces,
+        displacements=DISPLACEMENTS,
+        pinned=pinned_values,
+        drawn=DRAWN,
+        rexs=WORM_DRIVE,
+    ),
+)
