@@ -20,6 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array, dot
@@ -28,6 +29,7 @@ from gearmesh.kernel.surface.surface import Jet
 from gearmesh.lengths import in_mm
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections
+from gearmesh.toolpath.corners import InnerCorner
 from gearmesh.toolpath.space import CutSpace
 
 #: length (diameters) of a shank that is not given
@@ -79,16 +81,20 @@ class BallCutter:
 @dataclass(frozen=True)
 class LargestBall:
     """Radius (mm) of the largest ball that touches all that is finished, the region in which it touches where it is narrowest, and
-    what it hits there: another region, or the same one, where the surface is too much curved."""
+    what it hits there: another region, or the same one, where the surface is too much curved; or the regions beside the `corner`
+    in which a larger one would leave too much."""
 
     radius: float
     touched: Region
     hit: Region
+    corner: bool = False
 
     @property
     def why(self) -> str:
         """What limits it, in words."""
         touched, hit = (str(region).replace("_", " ") for region in (self.touched, self.hit))
+        if self.corner:
+            return f"what it may leave in the sharp inner corner between {touched} and {hit}"
         return f"the least radius of the {touched}" if touched == hit else f"the room between {touched} and {hit}"
 
 
@@ -120,11 +126,13 @@ class _Narrowest:
     places: tuple[_Place, _Place]
 
     @staticmethod
-    def of(touched: _Spots, hit: _Spots) -> _Narrowest:
+    def of(touched: _Spots, hit: _Spots, corners: Sequence[InnerCorner]) -> _Narrowest:
+        """Of all pairs of places but those on both sides of a corner."""
         way = hit.jet.r[None] - touched.jet.r[:, None]
         square, height = dot(way, way), dot(way, touched.jet.n[:, None])
         with np.errstate(divide="ignore", invalid="ignore"):
-            radius = np.where((height > 0.0) & (square > SAME**2), square / (2.0 * height), np.inf)
+            apart = (height > 0.0) & (square > SAME**2) & _beside_no_corner(touched, hit, corners)
+            radius = np.where(apart, square / (2.0 * height), np.inf)
             curved = np.where(touched.bend > 0.0, 1.0 / touched.bend, np.inf)
         i, j = np.unravel_index(int(np.argmin(radius)), radius.shape)
         k = int(np.argmin(curved))
@@ -133,20 +141,35 @@ class _Narrowest:
         return _Narrowest(float(radius[i, j]), (touched.places[i], hit.places[j]))
 
 
-def largest_ball(space: CutSpace, walls: Sequence[int], stock: float) -> LargestBall:
-    """The largest ball that finishes some walls of a space, with the rest of it in the way, and leaves `stock` (mm)."""
+def _beside_no_corner(touched: _Spots, hit: _Spots, corners: Sequence[InnerCorner]) -> NDArray[np.bool_]:
+    """Whether places (N,) and places (M,) are not on both sides of a corner, (N, M)."""
+    one, other = (np.array([k for k, _, _ in spots.places]) for spots in (touched, hit))
+    first = np.minimum(one[:, None], other)
+    beside: NDArray[np.bool_] = (np.abs(one[:, None] - other) == 1) & np.isin(first, [own.before for own in corners])
+    return ~beside
+
+
+def largest_ball(
+    space: CutSpace, walls: Sequence[int], stock: float, corners: Sequence[InnerCorner] = (), left: float = 0.0
+) -> LargestBall:
+    """The largest ball that finishes some walls of a space, with the rest of it in the way, and leaves `stock` (mm), and, in sharp
+    inner corners, no more than `left` (mm)."""
     toe, heel = space.tooth.blank.extent
     beside = BESIDE * min(1.0, space.depth / abs(heel - toe))
     stations = np.linspace(0.0, 1.0, STATIONS)
     ways = [(np.array([t]), np.unique(np.clip(t + beside, 0.0, 1.0))) for t in stations]
     lines = ([(k, np.linspace(0.0, 1.0, TOUCHED)) for k in walls], _everywhere(space))
     spots = _at(space, [(line, t) for both in ways for line, t in zip(lines, both, strict=True)])
-    by_station = [_Narrowest.of(touched, hit) for touched, hit in zip(spots[::2], spots[1::2], strict=True)]
+    by_station = [_Narrowest.of(touched, hit, corners) for touched, hit in zip(spots[::2], spots[1::2], strict=True)]
     by_station.sort(key=lambda pair: pair.radius)
     sizes = (1.0 / (TOUCHED - 1), 1.0 / (STATIONS - 1)), (1.0 / (HIT - 1), float(beside[1] - beside[0]))
-    least = min((_refine(space, pair, sizes) for pair in by_station[:PLACES]), key=lambda pair: pair.radius)
-    regions = (space.walls[k].region for k, _, _ in least.places)
-    return LargestBall(least.radius - stock, *regions)
+    least = min((_refine(space, pair, sizes, corners) for pair in by_station[:PLACES]), key=lambda pair: pair.radius)
+    touched, hit = (space.walls[k].region for k, _, _ in least.places)
+    sharpest = max(corners, key=lambda corner: corner.angle, default=None)
+    if sharpest is not None and sharpest.largest(left) < least.radius:
+        touched, hit = (space.walls[k].region for k in (sharpest.before, sharpest.before + 1))
+        return LargestBall(sharpest.largest(left) - stock, touched, hit, corner=True)
+    return LargestBall(least.radius - stock, touched, hit)
 
 
 def _everywhere(space: CutSpace) -> _Lines:
@@ -154,12 +177,17 @@ def _everywhere(space: CutSpace) -> _Lines:
     return [(k, np.linspace(0.0, 1.0, HIT)) for k in range(len(space.walls))]
 
 
-def _refine(space: CutSpace, pair: _Narrowest, sizes: tuple[tuple[float, float], tuple[float, float]]) -> _Narrowest:
+def _refine(
+    space: CutSpace,
+    pair: _Narrowest,
+    sizes: tuple[tuple[float, float], tuple[float, float]],
+    corners: Sequence[InnerCorner],
+) -> _Narrowest:
     """The narrowest ball near one, within windows of `sizes`, shares across the wall and along it, about its places."""
     for k in range(ROUNDS):
         windows = [_window(place, size, SHRINK**k) for place, size in zip(pair.places, sizes, strict=True)]
         touched, hit = _at(space, windows)
-        tried = _Narrowest.of(touched, hit)
+        tried = _Narrowest.of(touched, hit, corners)
         pair = tried if tried.radius < pair.radius else pair
     return pair
 
@@ -182,8 +210,15 @@ def refuse_too_large(ball: BallCutter, largest: LargestBall, stock: float) -> No
         raise ArgumentError(
             "tool",
             f"ball:{ball.diameter:g}",
-            reason=f"no ball reaches all of it: {largest.why} is a sharp inner corner",
+            reason=f"no ball reaches all of it: {largest.why}" + ("" if largest.corner else " is a sharp inner corner"),
             remedy="finish the flanks alone (surfaces: flanks), or round the tip of the tool that generates the teeth",
+        )
+    if largest.corner:
+        raise ArgumentError(
+            "tool",
+            f"ball:{ball.diameter:g}",
+            reason=f"the largest ball has a diameter of {np.floor(1e4 * most) / 1e4:.7g} mm, by {largest.why}",
+            remedy="allow a larger scallop, or finish the flanks alone (surfaces: flanks)",
         )
     raise ArgumentError(
         "tool",

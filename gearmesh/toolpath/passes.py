@@ -16,7 +16,7 @@ to the surface than that path, e . n < 0, both ends are lifted by as much, so th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,8 @@ from gearmesh.kernel.surface.curvature import shape_operator
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.ball import BallCutter
-from gearmesh.toolpath.space import CutSpace, SpaceFrames, SpaceWall
+from gearmesh.toolpath.corners import InnerCorner, Reached, reached
+from gearmesh.toolpath.space import CutSpace, SpaceFrames
 
 #: lines across a wall, and stations, at which the step is asked
 LINES, STATIONS = 65, 33
@@ -53,10 +54,9 @@ class Budget:
 
 @dataclass(frozen=True)
 class Passes:
-    """P passes of N points at the stations of `sections`: contact points on the exact surface, normals, ball centres, (P, N,
-    3) in mm;
-    `side` (P,) -1, 0 or 1 and `wall` (P,), the number of the wall, and `line` (P,), its s; directions of the space at the stations;
-    `reach` (mm) of the ball's centre from the exact surface, where it is not lifted."""
+    """P passes of N points at the stations of `sections`: contact points on the exact surface, normals, ball centres, (P, N, 3) in
+    mm; `side` (P,) -1, 0 or 1 and `wall` (P,), the number of the wall, and `line` (P,), the share of what is `reached` of it;
+    directions of the space at the stations; `reach` (mm) of the ball's centre from the exact surface, where it is not lifted."""
 
     sections: Sections
     frames: SpaceFrames
@@ -67,6 +67,7 @@ class Passes:
     wall: NDArray[np.int64]
     line: Array
     reach: float
+    reached: Reached = field(default_factory=Reached)
 
     @property
     def step_over(self) -> tuple[float, float]:
@@ -81,23 +82,32 @@ class Passes:
 
 
 def plan_passes(
-    space: CutSpace, walls: Sequence[int], ball: BallCutter, stock: float, budget: Budget, denser: Array
+    space: CutSpace,
+    walls: Sequence[int],
+    ball: BallCutter,
+    stock: float,
+    budget: Budget,
+    denser: Array,
+    corners: Sequence[InnerCorner] = (),
 ) -> Passes:
-    """Passes of some walls. `denser` (W,): by what factor the passes of each wall of the space are closer than planned.
+    """Passes of some walls, which end where the ball touches both walls of a corner.
 
-    Raises NoSolutionError where there would be too many.
+    `denser` (W,): by what factor the passes of each wall of the space are closer than planned. Raises NoSolutionError
+    where there would be too many, and as `reached`.
     """
+    within = reached(space, corners, ball.radius + stock)
     sections = space.tooth.sections(np.linspace(0.0, 1.0, STATIONS))
     lines = {}
     for k in walls:
         s = np.linspace(0.0, 1.0, LINES)
-        per_unit = denser[k] * _passes_per_unit(space.walls[k].jet(s, sections, stock), s, ball.radius, budget.scallop)
+        jet = space.walls[k].jet(within.s(k, s, sections), sections, stock)
+        per_unit = denser[k] * _passes_per_unit(jet, s, ball.radius, budget.scallop)
         lines[k] = _evenly(s, per_unit)
     if sum(map(len, lines.values())) > MOST_PASSES:
         raise NoSolutionError(
             reason=f"the scallop takes more than {MOST_PASSES} passes", remedy="allow a larger scallop or a larger ball"
         )
-    return _with_points(space, lines, ball, stock, budget.chord)
+    return _with_points(space, lines, within, ball, stock, budget.chord)
 
 
 def _passes_per_unit(jet: Jet, s: Array, radius: float, scallop: float) -> Array:
@@ -126,7 +136,9 @@ def _evenly(s: Array, per_unit: Array) -> Array:
     return np.interp(np.linspace(0.0, total[-1], count + 1), total, s)
 
 
-def _with_points(space: CutSpace, lines: dict[int, Array], ball: BallCutter, stock: float, chord: float) -> Passes:
+def _with_points(
+    space: CutSpace, lines: dict[int, Array], within: Reached, ball: BallCutter, stock: float, chord: float
+) -> Passes:
     """Stations at which every chord is within its tolerance, and the passes over them."""
     fixed = np.unique(np.concatenate(([0.0, 1.0], space.tooth.breaks)))
     t = np.unique(np.concatenate((np.linspace(0.0, 1.0, CHORDS + 1), fixed)))
@@ -137,7 +149,7 @@ def _with_points(space: CutSpace, lines: dict[int, Array], ball: BallCutter, sto
                 remedy="allow a larger scallop or a larger ball",
             )
         sections = space.tooth.sections(_with_middles(t))
-        contacts, normals = _points(space, lines, sections)
+        contacts, normals = _points(space, lines, within, sections)
         centres = contacts + (ball.radius + stock) * normals
         sag = _sag(centres)
         worst = np.sqrt(dot(sag, sag)).max(axis=0)
@@ -165,6 +177,7 @@ def _with_points(space: CutSpace, lines: dict[int, Array], ball: BallCutter, sto
         number,
         np.concatenate(list(lines.values())),
         ball.radius + stock,
+        within,
     )
     return _without_twins(made)
 
@@ -175,10 +188,9 @@ def _with_middles(t: Array) -> Array:
     return fine
 
 
-def _points(space: CutSpace, lines: dict[int, Array], sections: Sections) -> tuple[Array, Array]:
+def _points(space: CutSpace, lines: dict[int, Array], within: Reached, sections: Sections) -> tuple[Array, Array]:
     """Points and normals (P, T, 3) of the exact surface on lines of several walls."""
-    walls: list[tuple[SpaceWall, Array]] = [(space.walls[k], s) for k, s in lines.items()]
-    jets = [wall.jet(s, sections) for wall, s in walls]
+    jets = [space.walls[k].jet(within.s(k, s, sections), sections) for k, s in lines.items()]
     return np.concatenate([jet.r for jet in jets]), np.concatenate([jet.n for jet in jets])
 
 

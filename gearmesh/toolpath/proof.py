@@ -30,6 +30,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.teeth.region import Region
+from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.motion import ToolMotion
 from gearmesh.toolpath.passes import Passes
@@ -129,9 +130,10 @@ def measure_left(
     sections = space.tooth.sections(_stations(passes.sections.t, chords))
     largest, least, gouge, count = {}, {}, 0.0, 0
     for k, wall in enumerate(space.walls):
-        s = _lines(passes.line[passes.wall == k])
-        jet = wall.jet(s, sections)
-        heights = _heights(jet.r.reshape(-1, 3), jet.n.reshape(-1, 3), ways, reach) - stock
+        shares = _lines(passes.line[passes.wall == k])
+        jets = [wall.jet(s, sections) for s in _places(passes, k, shares, sections)]
+        points, normals = (np.concatenate([getattr(jet, name).reshape(-1, 3) for jet in jets]) for name in ("r", "n"))
+        heights = _heights(points, normals, ways, reach) - stock
         count += heights.size
         gouge = max(gouge, -float(heights.min()) - (0.0 if k in walls else stock))
         if k in walls:
@@ -153,6 +155,15 @@ def _lines(passes: Array) -> Array:
     ends = np.unique(np.concatenate(([0.0], passes, [1.0])))
     even = np.linspace(0.0, 1.0, max(FEWEST, IN_STEP * ends.size + 1))
     return np.unique(np.concatenate((even, ends, 0.5 * (ends[1:] + ends[:-1]))))
+
+
+def _places(passes: Passes, wall: int, shares: Array, sections: Sections) -> list[Array]:
+    """s (S,) or (S, T) at which a wall is measured: shares of what is reached of it, and of what is not, evenly."""
+    s = passes.reached.s(wall, shares, sections)
+    if s.ndim == 1:
+        return [s]
+    even = np.linspace(0.0, 1.0, BESIDE)[:, None]
+    return [s, s[0] * even, s[-1] + (1.0 - s[-1]) * even]
 
 
 def _heights(points: Array, normals: Array, ways: _Ways, reach: float) -> Array:

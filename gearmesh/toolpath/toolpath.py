@@ -11,6 +11,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import Member
 from gearmesh.toolpath.axes import Axes, choose_axes
 from gearmesh.toolpath.ball import BallCutter, LargestBall, largest_ball, refuse_too_large
+from gearmesh.toolpath.corners import inner_corners
 from gearmesh.toolpath.motion import ToolMotion, join, motion_of
 from gearmesh.toolpath.passes import Budget, Passes, plan_passes
 from gearmesh.toolpath.proof import CHORDS, DRAFT, Left, clear_of_teeth, measure_left, shank_clearance
@@ -79,11 +80,11 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
     space = CutSpace(member)
     _refuse_number(space, order.spaces)
     walls = choose_walls(space, order.flank, order.surfaces)
-    largest = largest_ball(space, walls, order.stock)
+    denser, budget, corners = np.ones(len(space.walls)), order.budget, inner_corners(space, walls)
+    largest = largest_ball(space, walls, order.stock, corners, budget.scallop)
     refuse_too_large(ball, largest, order.stock)
-    denser, budget = np.ones(len(space.walls)), order.budget
     for _ in range(ATTEMPTS):
-        passes = plan_passes(space, walls, ball, order.stock, budget, denser)
+        passes = plan_passes(space, walls, ball, order.stock, budget, denser, corners)
         axes = choose_axes(space, passes, ball, order.lead, order.tilt)
         motion = motion_of(passes, axes, ball, space.depth, order.feed, OVERRUN * ball.radius)
         for chords in (DRAFT, CHORDS):
