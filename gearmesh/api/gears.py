@@ -423,7 +423,7 @@ class Gears(SolvedGears):
 
         Parameters
         ----------
-        tool : "ball:D" or "ball:D,L"
+        tool : "ball:D", "ball:D,L" or "ball:D,L,H"
             Diameter of ball and shank, and length of the shank beyond the ball's centre, by default five diameters.
         scallop : mm
             The most that is left over the exact surfaces, chords included.

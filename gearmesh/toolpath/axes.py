@@ -101,10 +101,12 @@ def _choose(
         longest = float(clear[np.isnan(best[0])].min())
         raise NoSolutionError(
             "tool",
-            f"ball:{ball.diameter:g},{ball.length:g}",
-            reason=f"with no tool axis that was tried is a shank of {ball.length:.4g} mm clear of the teeth"
-            + (f", one of {longest:.4g} mm is" if longest > ball.radius else ""),
-            remedy="give a shorter length, or another lead and tilt",
+            ball.text,
+            reason=f"with no tool axis that was tried is a shank of {ball.length:.4g} mm"
+            + ("" if ball.holder is None else f" with its holder of {ball.holder:.4g} mm")
+            + " clear of the teeth"
+            + (f", one of {longest:.4g} mm is" if ball.radius < longest < np.inf else ""),
+            remedy=f"give {'a shorter' if ball.holder is None else 'another'} length, or another lead and tilt",
         )
     return best
 
@@ -122,20 +124,22 @@ def _try(space: CutSpace, passes: Passes, ball: BallCutter, some: Array, leads: 
         clearance = np.minimum(clearance, own)
         clear = np.where(rise > 0.0, clear, 0.0)
         for points, gap in _in_the_way(space, passes, ball, int(j)):
-            beside, up = _shank(centres, axes, points, ball.radius + gap)
-            within = (up > 0.0) & (up < ball.length)
-            clearance = np.minimum(clearance, np.where(within, beside, np.inf).min(axis=-1))
-            clear = np.minimum(clear, np.where((up > 0.0) & (beside < 0.0), up, np.inf).min(axis=-1))
+            away, up = _from_axis(centres, axes, points)
+            for part in ball.cylinders:
+                within = (up > part.low) & (up < part.high)
+                beside = np.where(within, away - part.radius - gap, np.inf).min(axis=-1)
+                clearance = np.minimum(clearance, beside)
+            hit = (up > 0.0) & (away < ball.radius + gap)
+            clear = np.minimum(clear, np.where(hit, up, np.inf).min(axis=-1))
     return _Tried(leads, tilts, clearance, clear)
 
 
-def _shank(centres: Array, axes: Array, points: Array, radius: float) -> tuple[Array, Array]:
-    """Distance (P, K, Q), mm, of points (Q, 3) from infinite shanks with axes (P, K, 3), and their height over the centres
-    (P, 3)."""
+def _from_axis(centres: Array, axes: Array, points: Array) -> tuple[Array, Array]:
+    """Distance (P, K, Q), mm, of points (Q, 3) from axes (P, K, 3), and their height over the centres (P, 3)."""
     way = points - centres[:, None]
     up = np.matmul(axes, np.swapaxes(way, 1, 2))
     away = np.sqrt(np.maximum(dot(way, way)[:, None] - up**2, 0.0))
-    return away - radius, up
+    return away, up
 
 
 def _in_the_way(space: CutSpace, passes: Passes, ball: BallCutter, j: int) -> list[tuple[Array, float]]:
@@ -149,6 +153,7 @@ def _in_the_way(space: CutSpace, passes: Passes, ball: BallCutter, j: int) -> li
     close = np.concatenate((*near, space.beyond(np.linspace(0.0, 1.0, 5), sections), space.beside))
     (far, gap), middle = space.far, passes.centres[:, j].mean(axis=0)
     reach = ball.length + ball.radius + gap + np.sqrt(((passes.centres[:, j] - middle) ** 2).sum(axis=-1)).max()
-    far = far[((far - middle) ** 2).sum(axis=-1) < reach**2]
+    if ball.holder is None:
+        far = far[((far - middle) ** 2).sum(axis=-1) < reach**2]
     clouds = ((close, 0.0), (far, gap))
     return [(points[k : k + BLOCK], own) for points, own in clouds for k in range(0, len(points), BLOCK)]

@@ -1,5 +1,7 @@
 r"""Ball-end cutters, and the largest that fits into a space.
 
+               |     |        holder, if there is one: a cylinder from the end of the shank on, without end
+               '-. .-'
                  | |          shank: a cylinder of the ball's diameter, `length` long beyond the ball's centre
                  | |
         ---.     | |    .---
@@ -52,30 +54,54 @@ ROOM = 1e-6
 
 
 @dataclass(frozen=True)
+class ToolCylinder:
+    """A part of a cutter, mm: radius, and heights over the ball's centre between which it is."""
+
+    radius: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class BallCutter:
-    """Ball-end cutter, mm: diameter of ball and shank, and length of the shank beyond the ball's centre."""
+    """Ball-end cutter, mm: diameter of ball and shank, length of the shank beyond the ball's centre, and diameter of the holder."""
 
     diameter: float
     length: float
+    holder: float | None = None
 
     @property
     def radius(self) -> float:
         return 0.5 * self.diameter
 
+    @property
+    def cylinders(self) -> tuple[ToolCylinder, ...]:
+        """The shank, and the holder."""
+        shank = ToolCylinder(self.radius, 0.0, self.length)
+        return (shank,) if self.holder is None else (shank, ToolCylinder(0.5 * self.holder, self.length, np.inf))
+
+    @property
+    def text(self) -> str:
+        """As it is asked for."""
+        return f"ball:{self.diameter:g},{self.length:g}" + ("" if self.holder is None else f",{self.holder:g}")
+
     @staticmethod
     def of(text: str) -> BallCutter:
-        """The cutter that "ball:D" or "ball:D,L" says. Raises DesignError for another text."""
+        """The cutter that "ball:D", "ball:D,L" or "ball:D,L,H" says. Raises DesignError for another text."""
         kind, _, sizes = text.partition(":")
         parts = sizes.split(",")
-        allowed = "ball:D or ball:D,L, as ball:3mm,40mm, D and L from 0.001 to 10000 mm"
+        allowed = "ball:D, ball:D,L or ball:D,L,H, as ball:3mm,40mm,20mm, each from 0.001 to 10000 mm, H more than D"
         refusal = ArgumentError("tool", text[:60], must_be=allowed)
-        if kind != "ball" or len(parts) > 2:
+        if kind != "ball" or len(parts) > 3:
             raise refusal
         try:
-            diameter, *length = (in_mm("tool", part, *SIZES) for part in parts)
+            diameter, *further = (in_mm("tool", part, *SIZES) for part in parts)
         except ArgumentError:
             raise refusal from None
-        return BallCutter(diameter, length[0] if length else LENGTH * diameter)
+        holder = further[1] if len(further) > 1 else None
+        if holder is not None and holder <= diameter:
+            raise refusal
+        return BallCutter(diameter, further[0] if further else LENGTH * diameter, holder)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ Only ways whose middle is near a point are asked, all of them: those farther off
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, pairwise
 from typing import Any
 
@@ -31,7 +31,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections
-from gearmesh.toolpath.ball import BallCutter
+from gearmesh.toolpath.ball import BallCutter, ToolCylinder
 from gearmesh.toolpath.motion import ToolMotion
 from gearmesh.toolpath.passes import Passes
 from gearmesh.toolpath.space import CutSpace
@@ -216,29 +216,39 @@ def clear_of_teeth(space: CutSpace, motion: ToolMotion, places: Sequence[Rigid])
 
 
 def shank_clearance(space: CutSpace, motion: ToolMotion, ball: BallCutter) -> float:
-    """Least distance (mm) of the shank from the teeth while the ball is at work, infinite from MEASURED radii on.
+    """Least distance (mm) of shank and holder from the teeth while the ball is at work, infinite from MEASURED radii on.
 
     The teeth beside the space are points of exact surfaces not farther from each other than e = SPACING radii; a shank could be
     nearer to the surface between them by e^2 / 4R, which is taken off. Of all other teeth, which are far, as much is taken off as
-    their points may be from any other.
+    their points may be from any other. A holder begins e sooner, as its rim might come between points.
     """
     touching = np.flatnonzero(np.isfinite(motion.contacts[:, 0]))
     at = touching[:: max(1, len(touching) // MOST)]
     centres, axes = motion.centres[at], unit(motion.axes[at])
     near = np.concatenate((_dense(space, SPACING * ball.radius), space.beside))
-    clouds = ((near, 0.25 * SPACING**2 * ball.radius), space.far)
-    return min(_clearance(cloud, centres, axes, ball, gap) for cloud, gap in clouds)
+    spacing = SPACING * ball.radius
+    least = np.inf
+    for part in ball.cylinders:
+        clouds = ((near, 0.25 * spacing**2 / part.radius), space.far)
+        own = replace(part, low=max(0.0, part.low - spacing))
+        least = min(least, *(_clearance(cloud, centres, axes, own, gap) for cloud, gap in clouds))
+    return least
 
 
-def _clearance(teeth: Array, centres: Array, axes: Array, ball: BallCutter, gap: float) -> float:
-    """Least distance (mm), less a gap, of points (K, 3) from shanks over centres along axes (N, 3)."""
+def _clearance(teeth: Array, centres: Array, axes: Array, part: ToolCylinder, gap: float) -> float:
+    """Least distance (mm), less a gap, of points (K, 3) from a cylinder over centres along axes (N, 3)."""
     from scipy.spatial import cKDTree
 
     if not len(teeth):
         return np.inf
-    tree, least, step = cKDTree(teeth), np.inf, 0.5 * ball.radius
-    widest = ball.radius * (1.0 + MEASURED) + gap
-    up_to = np.arange(0.0, ball.length + step, step)
+    tree, least, step = cKDTree(teeth), np.inf, 0.5 * part.radius
+    widest = part.radius * (1.0 + MEASURED) + gap
+    # no tooth is farther than the teeth and the centres are from each other
+    every = np.concatenate((teeth, centres))
+    high = min(part.high, float(np.linalg.norm(np.ptp(every, axis=0))))
+    up_to = np.arange(part.low, high + step, step)
+    if not up_to.size:
+        return np.inf
     for k in range(0, len(centres), CENTRES):
         centre, axis = centres[k : k + CENTRES], axes[k : k + CENTRES]
         samples = (centre[:, None] + up_to[:, None] * axis[:, None]).reshape(-1, 3)
@@ -246,8 +256,8 @@ def _clearance(teeth: Array, centres: Array, axes: Array, ball: BallCutter, gap:
         own = sample // up_to.size
         way = teeth[point] - centre[own]
         up = dot(way, axis[own])
-        beside = np.sqrt(np.maximum(dot(way, way) - up**2, 0.0)) - ball.radius
-        least = min(least, float(beside[(up > 0.0) & (up < ball.length)].min(initial=np.inf)))
+        beside = np.sqrt(np.maximum(dot(way, way) - up**2, 0.0)) - part.radius
+        least = min(least, float(beside[(up > part.low) & (up < part.high)].min(initial=np.inf)))
     return least - gap
 
 

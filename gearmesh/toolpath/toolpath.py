@@ -102,9 +102,11 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
     if clearance < 0.0:
         raise NoSolutionError(
             "tool",
-            f"ball:{ball.diameter:g},{ball.length:g}",
-            reason=f"the shank is {-clearance:.3g} mm within a tooth",
-            remedy="give a shorter length, or another lead and tilt",
+            ball.text,
+            reason=f"the shank is {-clearance:.3g} mm within a tooth"
+            if ball.holder is None
+            else f"shank or holder is {-clearance:.3g} mm within a tooth",
+            remedy=f"give {'a shorter' if ball.holder is None else 'another'} length, or another lead and tilt",
         )
     return ToolPath(
         space,

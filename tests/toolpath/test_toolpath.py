@@ -105,6 +105,29 @@ def test_the_largest_ball() -> None:
     assert within[1] < -3e-4
 
 
+@pytest.mark.sweep
+def test_the_holder_stays_clear_of_the_teeth() -> None:
+    """Both cylinders over every seventh position against points of the exact teeth beside the space."""
+    gears = gm.gear(17, module=2, face=3)
+    tooth, grid = gears.members["gear"].tooth, np.linspace(0.0, 1.0, 33)
+    points = [tooth.grid(region, grid, tooth.sections(grid)).points.reshape(-1, 3) for region in tooth.regions]
+    teeth = np.concatenate(
+        [tooth.joint.to(k * tooth.pitch_angle).point(np.concatenate(points)) for k in (-2, -1, 0, 1)]
+    )
+    path = gears.toolpath("gear", "ball:1.3,3.5,5", "200um").path
+    at = np.flatnonzero(np.isfinite(path.motion.contacts[:, 0]))[::7]
+    way = teeth - path.motion.centres[at][:, None]
+    up = np.einsum("nkj,nj->nk", way, path.motion.axes[at])
+    away = np.sqrt(np.maximum((way**2).sum(axis=-1) - up**2, 0.0))
+    shank = (away[(up > 0.0) & (up < 3.5)] - 0.65).min()
+    holder = (away[up > 3.5] - 2.5).min()
+    assert 0.0 < path.clearance < min(shank, holder)
+    # it is the holder that comes near: its rim is measured an eighth of the ball's radius early
+    assert holder - 0.08 < path.clearance < shank - 0.03
+    with pytest.raises(gm.NoSolutionError, match="shank or holder is 3.95 mm within a tooth"):
+        gears.toolpath("gear", "ball:1.3,3,12", "200um", lead=0.0, tilt=0.0)
+
+
 @pytest.mark.sweep_cases(
     "--tool ball:9-2---tool = ball:9: the largest ball that fits has a diameter of 1.2048 mm, by the least radius of"
 )
@@ -121,8 +144,9 @@ def test_the_largest_ball() -> None:
             marks=pytest.mark.sweep,
         ),
         ("--tool ball:1 --spaces 70", 2, "--spaces = 70: must be all, or from 0 to 69"),
-        ("--tool cone:9", 2, "--tool = cone:9: must be ball:D or ball:D,L"),
-        ("--tool ball:0", 2, "--tool = ball:0: must be ball:D or ball:D,L"),
+        ("--tool cone:9", 2, "--tool = cone:9: must be ball:D, ball:D,L or ball:D,L,H"),
+        ("--tool ball:0", 2, "--tool = ball:0: must be ball:D, ball:D,L or ball:D,L,H"),
+        ("--tool ball:3,9,2", 2, "each from 0.001 to 10000 mm, H more than D"),
         ("--tool ball:1 --stock 9", 2, "--stock = 9 mm: it leaves no room for a ball; allowed is at most 0.59"),
         ("--tool ball:0.001 --scallop 1um", 3, "mm long, more than 600000 radii of the ball"),
         ("--tool ball:1 --flank up", 2, "--flank = up: must be one of right, left, both"),

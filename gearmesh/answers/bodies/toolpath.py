@@ -61,7 +61,7 @@ class ToolPathFigures(Figures):
     largest_by: str = figure("what limits it")
     shank_length: float = figure("length of the shank beyond the ball's centre", "mm", "L")
     shank_clearance: float = figure(
-        "least distance of the shank from the teeth; at most a quarter of the ball's radius", "mm"
+        "least distance of shank and holder from the teeth, where it is less than a quarter of their radii", "mm"
     )
     passes: int = figure("passes in one space", whole=True)
     points: int = figure("positions of the tool in all spaces", whole=True)
@@ -78,6 +78,7 @@ class ToolPathFigures(Figures):
     measured_points: int = figure("points of exact surfaces at which heights and gouges were measured", whole=True)
     angles: PathAngles = figure("angles of the tool axis", key="", parts=PathAngles)
     surfaces: list[SurfaceLeft] = figure("what is left on each surface", shown=False)
+    holder_diameter: float | None = figure("diameter of the holder", "mm", optional=True, default=None)
 
 
 @dataclass(frozen=True, repr=False)
@@ -127,6 +128,7 @@ class ToolPathAnswer(Result):
             measured_points=left.points,
             angles=angles,
             surfaces=self._surfaces,
+            holder_diameter=path.ball.holder,
         )
 
     @property

@@ -97,7 +97,9 @@ def render(
     ] = None,
     tool: Annotated[
         str | None,
-        typer.Option("--tool", metavar="ball:D[,L]", help="Ball-end cutter of the view toolpath, as of the command."),
+        typer.Option(
+            "--tool", metavar="ball:D[,L[,H]]", help="Ball-end cutter of the view toolpath, as of the command."
+        ),
     ] = None,
     scallop: Annotated[
         str | None,

@@ -21,9 +21,9 @@ def toolpath(
         str,
         typer.Option(
             "--tool",
-            metavar="ball:D[,L]",
-            help="Ball-end cutter: diameter of ball and shank, and length of the shank beyond the ball's centre, as "
-            "ball:3mm,40mm; bare = mm. [default length: 5 D]",
+            metavar="ball:D[,L[,H]]",
+            help="Ball-end cutter: diameter of ball and shank, length of the shank beyond the ball's centre, and diameter of the "
+            "holder that follows, as ball:3mm,40mm,20mm; bare = mm. [default: length 5 D, no holder]",
             show_default=False,
         ),
     ],
