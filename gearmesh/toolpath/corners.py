@@ -14,14 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.space import CutSpace
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 #: normals (rad) that are no farther apart are one: a ball that touches one wall there cuts R angle^2 / 2 of the other
 SMOOTH = 1e-3
@@ -66,7 +69,7 @@ def inner_corners(space: CutSpace, walls: Sequence[int]) -> tuple[InnerCorner, .
 
 
 @dataclass(frozen=True)
-class Reached:
+class WallParts:
     """The part of every wall of a space that a ball reaches: s from `first` to `last`, splines over t, by the numbers of walls; all
     of a wall that they do not have."""
 
@@ -84,17 +87,20 @@ class Reached:
         return np.asarray(low + share[:, None] * (high - low))
 
 
-def reached(space: CutSpace, corners: Sequence[InnerCorner], radius: float) -> Reached:
+def wall_parts(space: CutSpace, corners: Sequence[InnerCorner], radius: float) -> WallParts:
     """What a ball whose centre is `radius` (mm) from the walls reaches beside their corners.
 
     Raises NoSolutionError where it does not touch both walls of a corner, or nothing of a wall.
     """
-    first, last = dict[int, CubicSpline](), dict[int, CubicSpline]()
+    from scipy.interpolate import CubicSpline
+
+    first: dict[int, CubicSpline] = {}
+    last: dict[int, CubicSpline] = {}
     for corner in corners:
-        t, s = _touched(space, corner, radius)
+        t, s = _contacts(space, corner, radius)
         for ends, wall, end, own in ((last, corner.before, 1.0, s[0]), (first, corner.before + 1, 0.0, s[1])):
             ends[wall] = CubicSpline(t, end + MARGIN * (own - end))
-    made, sections = Reached(first, last), space.tooth.sections(np.linspace(0.0, 1.0, STATIONS))
+    made, sections = WallParts(first, last), space.tooth.sections(np.linspace(0.0, 1.0, STATIONS))
     for wall in {*first, *last}:
         s = made.s(wall, np.array([0.0, 1.0]), sections)
         if (s[0] >= s[1]).any() or s.min() < 0.0 or s.max() > 1.0:
@@ -102,7 +108,7 @@ def reached(space: CutSpace, corners: Sequence[InnerCorner], radius: float) -> R
     return made
 
 
-def _touched(space: CutSpace, corner: InnerCorner, radius: float) -> tuple[Array, Array]:
+def _contacts(space: CutSpace, corner: InnerCorner, radius: float) -> tuple[Array, Array]:
     """t (T,) and s (2, T) on both walls at which a ball touches both, without stations where it touches one beyond the face."""
     before, after = (space.walls[k] for k in (corner.before, corner.before + 1))
     t = np.linspace(0.0, 1.0, STATIONS)

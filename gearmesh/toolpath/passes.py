@@ -27,7 +27,7 @@ from gearmesh.kernel.surface.curvature import shape_operator
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.ball import BallCutter
-from gearmesh.toolpath.corners import InnerCorner, Reached, reached
+from gearmesh.toolpath.corners import InnerCorner, WallParts, wall_parts
 from gearmesh.toolpath.space import CutSpace, SpaceFrames
 
 #: lines across a wall, and stations, at which the step is asked
@@ -55,7 +55,7 @@ class Budget:
 @dataclass(frozen=True)
 class Passes:
     """P passes of N points at the stations of `sections`: contact points on the exact surface, normals, ball centres, (P, N, 3) in
-    mm; `side` (P,) -1, 0 or 1 and `wall` (P,), the number of the wall, and `line` (P,), the share of what is `reached` of it;
+    mm; `side` (P,) -1, 0 or 1 and `wall` (P,), the number of the wall, and `line` (P,), the share of its wall's `parts`;
     directions of the space at the stations; `reach` (mm) of the ball's centre from the exact surface, where it is not lifted."""
 
     sections: Sections
@@ -67,7 +67,7 @@ class Passes:
     wall: NDArray[np.int64]
     line: Array
     reach: float
-    reached: Reached = field(default_factory=Reached)
+    parts: WallParts = field(default_factory=WallParts)
 
     @property
     def step_over(self) -> tuple[float, float]:
@@ -93,9 +93,9 @@ def plan_passes(
     """Passes of some walls, which end where the ball touches both walls of a corner.
 
     `denser` (W,): by what factor the passes of each wall of the space are closer than planned. Raises NoSolutionError
-    where there would be too many, and as `reached`.
+    where there would be too many, and as `wall_parts`.
     """
-    within = reached(space, corners, ball.radius + stock)
+    within = wall_parts(space, corners, ball.radius + stock)
     sections = space.tooth.sections(np.linspace(0.0, 1.0, STATIONS))
     lines = {}
     for k in walls:
@@ -137,7 +137,7 @@ def _evenly(s: Array, per_unit: Array) -> Array:
 
 
 def _with_points(
-    space: CutSpace, lines: dict[int, Array], within: Reached, ball: BallCutter, stock: float, chord: float
+    space: CutSpace, lines: dict[int, Array], within: WallParts, ball: BallCutter, stock: float, chord: float
 ) -> Passes:
     """Stations at which every chord is within its tolerance, and the passes over them."""
     fixed = np.unique(np.concatenate(([0.0, 1.0], space.tooth.breaks)))
@@ -188,7 +188,7 @@ def _with_middles(t: Array) -> Array:
     return fine
 
 
-def _points(space: CutSpace, lines: dict[int, Array], within: Reached, sections: Sections) -> tuple[Array, Array]:
+def _points(space: CutSpace, lines: dict[int, Array], within: WallParts, sections: Sections) -> tuple[Array, Array]:
     """Points and normals (P, T, 3) of the exact surface on lines of several walls."""
     jets = [space.walls[k].jet(within.s(k, s, sections), sections) for k, s in lines.items()]
     return np.concatenate([jet.r for jet in jets]), np.concatenate([jet.n for jet in jets])

@@ -159,7 +159,7 @@ def _lines(passes: Array) -> Array:
 
 def _places(passes: Passes, wall: int, shares: Array, sections: Sections) -> list[Array]:
     """s (S,) or (S, T) at which a wall is measured: shares of what is reached of it, and of what is not, evenly."""
-    s = passes.reached.s(wall, shares, sections)
+    s = passes.parts.s(wall, shares, sections)
     if s.ndim == 1:
         return [s]
     even = np.linspace(0.0, 1.0, BESIDE)[:, None]

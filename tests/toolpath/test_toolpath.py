@@ -124,7 +124,7 @@ def test_the_holder_stays_clear_of_the_teeth() -> None:
     assert 0.0 < path.clearance < min(shank, holder)
     # it is the holder that comes near: its rim is measured an eighth of the ball's radius early
     assert holder - 0.08 < path.clearance < shank - 0.03
-    with pytest.raises(gm.NoSolutionError, match="shank or holder is 3.95 mm within a tooth"):
+    with pytest.raises(gm.NoSolutionError, match=r"shank or holder is 3\.95 mm within a tooth"):
         gears.toolpath("gear", "ball:1.3,3,12", "200um", lead=0.0, tilt=0.0)
 
 
