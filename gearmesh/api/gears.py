@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.contact.ease_off import EaseOffMap
     from gearmesh.answers.contact.vh import VHCheck
     from gearmesh.answers.exchange import RexsExport
+    from gearmesh.answers.inspection.composite import CompositeTest
     from gearmesh.answers.inspection.correction import Correction
     from gearmesh.answers.inspection.inspection import Inspection
     from gearmesh.answers.limits import Limits
@@ -307,8 +308,9 @@ class Gears(SolvedGears):
         """What was measured of a member, evaluated against its nominal teeth, with the tolerance classes that it has.
 
         `measured` is a file of deviations or points of the "right" or "left" `flank`, or of "both", as its column flank says;
-        by default those of the table `measured` of the design. `pitch`: a CSV file with columns tooth, right_um and left_um (index
-        deviations). `inspection_chart` draws it. Raises DesignError and FileError naming what cannot be used.
+        by default those of the table `measured` of the design. `pitch`: a CSV file with columns tooth, right_um, left_um (index
+        deviations) and runout_um, by default what that table says. `inspection_chart` draws it. Raises DesignError and FileError
+        naming what cannot be used.
         """
         from gearmesh.answers.inspection.measured_files import inspect_files
 
@@ -335,6 +337,24 @@ class Gears(SolvedGears):
 
         file = None if measured is None else Path(measured)
         return correct_settings(self.design, member, file, flank, settings, noise)
+
+    def composite(self, *, pair: int | str = 0) -> CompositeTest:
+        """Single-flank and double-flank test of a pair with the pitch deviations that its design has, over the turns after which
+        the same teeth meet again; `composite_chart` draws it.
+
+        Raises DesignError where turns are too many, and for eccentric members, whose eccentricity pitch deviations have in them;
+        NoSolutionError where the teeth do not meet all the time.
+        """
+        from gearmesh.answers.inspection.composite import composite_test
+
+        return composite_test(self.design, self.train, mesh=self.train.pair(pair))
+
+    def composite_chart(self, test: CompositeTest) -> Diagram:
+        """The charts of a composite test: transmission error and centre distance over whole turns."""
+        from gearmesh.view.diagrams.composite_chart import plot_composite
+        from gearmesh.view.picture import Diagram
+
+        return Diagram(test.headline, lambda file: plot_composite(file, test))
 
     def inspection_chart(self, inspection: Inspection) -> Diagram:
         """The chart of a measured gear: traces with tolerances, deviations over the flanks, pitch deviations."""

@@ -37,6 +37,7 @@ COMMANDS = {
     "topography": "outputs",
     "grid": "outputs",
     "evaluate": "outputs",
+    "composite": "contact",
     "correct": "outputs",
     "drawing": "outputs",
     "freecad": "outputs",

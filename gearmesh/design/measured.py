@@ -1,4 +1,5 @@
-"""Keys of what was measured of a gear set: files of points or deviations of the flanks of its members."""
+"""Keys of what was measured of a gear set: files of points or deviations of the flanks of its members, their pitch deviations and
+runout."""
 
 from __future__ import annotations
 
@@ -6,10 +7,50 @@ from typing import Annotated
 
 from gearmesh.design.keys import Key, Table
 
+#: most teeth of a list, and largest deviation in it, um
+MOST_TEETH, MOST_UM = 1000, 1000.0
+
 
 def measured_file(member: str, flank: str) -> Key:
     """Key of the file of a flank."""
     return Key("file", f"points or deviations measured on the {member}'s {flank} flank", default="as designed")
+
+
+def pitch_file(member: str) -> Key:
+    """Key of the file of a member's pitch deviations."""
+    return Key(
+        "file",
+        f"pitch deviations and runout of all teeth of the {member}: columns tooth, right_um, left_um, runout_um",
+        default="as designed",
+    )
+
+
+def pitch_list(member: str, flank: str) -> Key:
+    """Key of the index deviations of one side."""
+    return Key(
+        "number",
+        f"index deviations of the {flank} flanks of the {member}, um, tooth by tooth from the one on x, arcs of the reference "
+        "circle as angles grow; their mean does not count",
+        low=-MOST_UM,
+        high=MOST_UM,
+        most=MOST_TEETH,
+        default="those of the other side and the runout",
+        source="[ISO 1328-1] 3",
+    )
+
+
+def runout_list(member: str) -> Key:
+    """Key of the runout of all spaces."""
+    return Key(
+        "number",
+        f"how far outwards a ball rests in the spaces of the {member}, um, that before the tooth on x first; their mean does not "
+        "count",
+        low=-MOST_UM,
+        high=MOST_UM,
+        most=MOST_TEETH,
+        default="none",
+        source="[ISO 1328-1] 3",
+    )
 
 
 class MeasuredTable(Table):
@@ -36,34 +77,54 @@ class MeasuredTable(Table):
 
 
 class PairMeasured(MeasuredTable):
-    """Measured flanks of pinion and gear."""
+    """Measured flanks and teeth of pinion and gear."""
 
     pinion_right: Annotated[str | None, measured_file("pinion", "right")] = None
     pinion_left: Annotated[str | None, measured_file("pinion", "left")] = None
     gear_right: Annotated[str | None, measured_file("gear", "right")] = None
     gear_left: Annotated[str | None, measured_file("gear", "left")] = None
+    pinion_pitch: Annotated[str | None, pitch_file("pinion")] = None
+    pinion_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("pinion", "right")] = None
+    pinion_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("pinion", "left")] = None
+    pinion_runout_um: Annotated[tuple[float, ...] | None, runout_list("pinion")] = None
+    gear_pitch: Annotated[str | None, pitch_file("gear")] = None
+    gear_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("gear", "right")] = None
+    gear_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("gear", "left")] = None
+    gear_runout_um: Annotated[tuple[float, ...] | None, runout_list("gear")] = None
 
 
 class WormDriveMeasured(MeasuredTable):
-    """Measured flanks of worm and wheel."""
+    """Measured flanks and teeth of worm and wheel."""
 
     worm_right: Annotated[str | None, measured_file("worm", "right")] = None
     worm_left: Annotated[str | None, measured_file("worm", "left")] = None
     wheel_right: Annotated[str | None, measured_file("wheel", "right")] = None
     wheel_left: Annotated[str | None, measured_file("wheel", "left")] = None
+    worm_pitch: Annotated[str | None, pitch_file("worm")] = None
+    worm_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("worm", "right")] = None
+    worm_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("worm", "left")] = None
+    worm_runout_um: Annotated[tuple[float, ...] | None, runout_list("worm")] = None
+    wheel_pitch: Annotated[str | None, pitch_file("wheel")] = None
+    wheel_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("wheel", "right")] = None
+    wheel_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("wheel", "left")] = None
+    wheel_runout_um: Annotated[tuple[float, ...] | None, runout_list("wheel")] = None
 
 
 class RackMeasured(MeasuredTable):
-    """Measured flanks of pinion and rack."""
+    """Measured flanks of pinion and rack, and teeth of the pinion."""
 
     pinion_right: Annotated[str | None, measured_file("pinion", "right")] = None
     pinion_left: Annotated[str | None, measured_file("pinion", "left")] = None
     rack_right: Annotated[str | None, measured_file("rack", "right")] = None
     rack_left: Annotated[str | None, measured_file("rack", "left")] = None
+    pinion_pitch: Annotated[str | None, pitch_file("pinion")] = None
+    pinion_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("pinion", "right")] = None
+    pinion_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("pinion", "left")] = None
+    pinion_runout_um: Annotated[tuple[float, ...] | None, runout_list("pinion")] = None
 
 
 class PlanetaryMeasured(MeasuredTable):
-    """Measured flanks of the members of a planetary gear set; all planets have the same."""
+    """Measured flanks and teeth of the members of a planetary gear set; all planets have the same."""
 
     sun_right: Annotated[str | None, measured_file("sun", "right")] = None
     sun_left: Annotated[str | None, measured_file("sun", "left")] = None
@@ -71,3 +132,15 @@ class PlanetaryMeasured(MeasuredTable):
     planet_left: Annotated[str | None, measured_file("planet", "left")] = None
     ring_right: Annotated[str | None, measured_file("ring", "right")] = None
     ring_left: Annotated[str | None, measured_file("ring", "left")] = None
+    sun_pitch: Annotated[str | None, pitch_file("sun")] = None
+    sun_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("sun", "right")] = None
+    sun_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("sun", "left")] = None
+    sun_runout_um: Annotated[tuple[float, ...] | None, runout_list("sun")] = None
+    planet_pitch: Annotated[str | None, pitch_file("planet")] = None
+    planet_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("planet", "right")] = None
+    planet_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("planet", "left")] = None
+    planet_runout_um: Annotated[tuple[float, ...] | None, runout_list("planet")] = None
+    ring_pitch: Annotated[str | None, pitch_file("ring")] = None
+    ring_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("ring", "right")] = None
+    ring_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("ring", "left")] = None
+    ring_runout_um: Annotated[tuple[float, ...] | None, runout_list("ring")] = None

@@ -19,12 +19,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.errors import ArgumentError
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.grid_spline import GridSpline
 from gearmesh.metrology.evaluation import TraceRange, helix_range, profile_range
 from gearmesh.metrology.pitch import BallInSpace, PitchDeviations
 from gearmesh.metrology.tolerances import ToleranceSizes
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
 
 #: shares beyond the outermost points of a grid that still count as its own
 EDGE = 1e-9
@@ -132,3 +134,12 @@ class InspectionBasis:
     asked: int
     involute: InvoluteFlank | None = None
     ball: BallInSpace | None = None
+
+
+def pitch_radius(tooth: Tooth, basis: InspectionBasis | None) -> float:
+    """Radius (mm) of the circle on which pitch deviations are arcs: that of the tolerances, or, where a gear has none, through the
+    middle of its flanks; of a rack its travel (mm) per rad."""
+    if basis is not None:
+        return 0.5 * basis.sizes.diameter
+    middle = tooth.flank_grid(Side.RIGHT, [0.5], [0.5]).points[0, 0]
+    return float(np.linalg.norm(tooth.joint.velocity(Rigid.identity(), middle)))

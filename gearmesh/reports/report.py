@@ -289,7 +289,7 @@ def plots(gears: GearSet, contacts: Mapping[int, Contact]) -> list[tuple[str, by
             if rows:
                 plot_flanks(path, rows, "", dpi=DPI)
             drawings.append((f"Contact on the flanks{of}", path.read_bytes()))
-            if (turns := contact.eccentric_turns) is not None:
+            if (turns := contact.unlike_turns) is not None:
                 plot_turns(path, turns, "", contact.pair.output.reading.error, dpi=DPI)
                 drawings.append((f"Transmission error over whole turns{of}", path.read_bytes()))
         for member in gears.members.values():

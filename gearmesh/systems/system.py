@@ -242,7 +242,7 @@ def _fill(design: D) -> D:
 def _train(design: Design) -> GearTrain:
     own = _fill(design).in_mm()
     train: GearTrain = system_of(own).build(own)
-    return _eccentric(own, _with_measured_flanks(own, train))
+    return _eccentric(own, _with_measured_places(own, _with_measured_flanks(own, train)))
 
 
 def _with_measured_flanks(design: Design, train: GearTrain) -> GearTrain:
@@ -253,6 +253,20 @@ def _with_measured_flanks(design: Design, train: GearTrain) -> GearTrain:
     if not real.any:
         return train
     return replace(made := train.with_members(real.of_member), warnings=(*made.warnings, *real.warnings))
+
+
+def _with_measured_places(design: Design, train: GearTrain) -> GearTrain:
+    """A gear set with its teeth at the places that were measured, as the table `measured` of a design in mm says."""
+    from gearmesh.metrology.flanks.measured_members import MeasuredPlaces
+
+    places, inspection = MeasuredPlaces(design), system_of(design).inspection
+    if not any(places.says(name) for name in train.members):
+        return train
+
+    def basis_of(name: str) -> InspectionBasis | None:
+        return None if inspection is None else inspection(design, train, name)
+
+    return train.with_members(lambda member: places.of_member(member, basis_of))
 
 
 def _eccentric(design: Design, train: GearTrain) -> GearTrain:
@@ -287,9 +301,13 @@ def member(design: Design, name: str) -> ToolPart:
     make = system_of(design).members[name]
 
     def alone(design: Design) -> ToolPart:
-        from gearmesh.metrology.flanks.measured_members import MeasuredMembers
+        from gearmesh.metrology.flanks.measured_members import MeasuredMembers, MeasuredPlaces
 
         own = design.in_mm()
+        if MeasuredPlaces(own).says(name):
+            # the circle that pitch deviations are measured on is that of the whole gear set
+            train = _train(design)
+            return ToolPart(train.members[name], warnings=train.warnings)
         part, real = make(own), MeasuredMembers(own)
         return replace(part, member=real.of_member(part.member), warnings=(*part.warnings, *real.warnings))
 

@@ -18,6 +18,7 @@ from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.features import BodyFeatures, Boss, Drilling, Opening, Outline, Slot
 from gearmesh.teeth.blank.halves import SINGLE_ROW, AxialGap, HalfGear, Rows
+from gearmesh.teeth.micro_geometry.index_angles import EVEN, IndexAngles
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import (
     BAR_REGIONS,
@@ -46,9 +47,9 @@ class Member:
     `tool_parameters`: those of the flanks as the tools leave them, where they were modified since; `rows`: how many
     rows of teeth there are, of which `tooth` is of the first; `overhang` (mm): how far a rack goes on beyond its last pitch, at
     either end; `others`: teeth that differ from `tooth`, by their numbers: 0 is on +x, they are counted as the joint's angle
-    grows, in every row alike.
+    grows, in every row alike; `index`: how far their flanks are ahead of their places, counted likewise.
 
-    Raises DesignError for other teeth that do not fit between their neighbours.
+    Raises DesignError for other teeth that do not fit between their neighbours, and for index angles of another number of teeth.
     """
 
     name: str
@@ -60,8 +61,10 @@ class Member:
     rows: Rows = SINGLE_ROW
     overhang: float = 0.0
     others: Mapping[int, Tooth] = field(default_factory=dict, hash=False)
+    index: IndexAngles = EVEN
 
     def __post_init__(self) -> None:
+        self.index.check(self.name, self.tooth.teeth)
         if not self.others:
             return
         self.check_teeth(self.others)
@@ -281,6 +284,11 @@ class GearPair:
     def eccentric(self) -> bool:
         """Whether a member turns about another axis than its own, so that no two tooth pairs are alike."""
         return any(member.mount.eccentricity != (0.0, 0.0) for member in self.both)
+
+    @property
+    def uneven(self) -> bool:
+        """Whether teeth of a member have pitch deviations, so that no two tooth pairs are alike."""
+        return any(member.index.uneven for member in self.both)
 
     @property
     def both(self) -> tuple[Member, Member]:

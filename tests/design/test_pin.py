@@ -39,7 +39,8 @@ ABSENT = {
     *("standard", "topography", "finishing_diameter", "chamfer_diameter", "chamfer_angle", "toprem_angle"),
     *("start_roll_length", "start_diameter", "start_height", "start", "stop", "ratio_derivative", "semi_major_axis"),
     *("stiffness", "z", "thickness", "quotient", "lead_angle", "friction", "wire_diameter"),
-    *("pinion_right", "pinion_left", "gear_right", "gear_left"),
+    *("pinion_right", "pinion_left", "gear_right", "gear_left", "pinion_pitch", "gear_pitch"),
+    *(f"{member}_{what}_um" for member in ("pinion", "gear") for what in ("pitch_right", "pitch_left", "runout")),
     *("end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle", "tip_cone_angle", "tip_throat_radius"),
 }
 #: keys that rules which are not of the kind's file say: "that of the cutter", where there is a disk, axes that are parallel

@@ -12,7 +12,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.inspection.composite import composite_test
-from gearmesh.contact.engagement.pitch_turns import PitchShifts, pitch_turns
+from gearmesh.contact.engagement.pitch_turns import pitch_turns
 from gearmesh.contact.engagement.turns import full_turns
 from gearmesh.contact.fit.tight_mesh import tight_mesh
 from gearmesh.errors import DesignError
@@ -23,7 +23,8 @@ from gearmesh.systems.cylindrical.geometry.line_of_action import tight_distance
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.designs import load
 from gearmesh.systems.system import complete_design
-from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.gear_train import GearPair, Member
+from gearmesh.teeth.micro_geometry.index_angles import IndexAngles
 from gearmesh.teeth.region import Side
 
 SPUR = ("spur", "pinion.teeth=16", "gear.teeth=32", "assembly.center_distance=72")
@@ -31,6 +32,15 @@ SPUR = ("spur", "pinion.teeth=16", "gear.teeth=32", "assembly.center_distance=72
 
 def design_of(sample: str, *keys: str) -> gm.Design:
     return load(SAMPLES / f"{sample}.toml", list(keys))
+
+
+def shifted(pair: GearPair, pinion: dict[Side, Array], gear: dict[Side, Array] | None = None) -> GearPair:
+    """The pair with flanks ahead of their places by angles, rad."""
+    members = [
+        replace(member, index=IndexAngles.of_sides(own or {}))
+        for member, own in zip(pair.both, (pinion, gear), strict=True)
+    ]
+    return replace(pair, pinion=members[0], gear=members[1])
 
 
 @pytest.mark.quick
@@ -43,8 +53,8 @@ def test_involute_teeth_lead_by_their_pitch_deviations() -> None:
     radii = 24.0, 48.0
     index = [2e-3 * random.uniform(-1.0, 1.0, teeth) for teeth in (16, 32)]
     first, second = (own / radius for own, radius in zip(index, radii, strict=True))
-    both = PitchShifts(*(dict.fromkeys(Side, own) for own in (first, second)))
-    turns = pitch_turns(pair, both)
+    both = shifted(pair, *(dict.fromkeys(Side, own) for own in (first, second)))
+    turns = pitch_turns(both)
     assert turns.pitches == 32
     number = np.arange(32)
     s1, s2 = (int(mount.sign) for mount in pair.mounts)
@@ -61,10 +71,10 @@ def test_involute_teeth_lead_by_their_pitch_deviations() -> None:
         assert te[:, j] - te[0, j] == pytest.approx(lead[k % 32] - lead[k[0] % 32], abs=1e-10)
     assert turns.peak_to_peak == pytest.approx(np.ptp(lead), rel=1e-6)
     with pytest.raises(DesignError, match="must be 16, one a tooth"):
-        pitch_turns(pair, PitchShifts({pair.flanks[0]: first[:-1]}))
+        shifted(pair, {pair.flanks[0]: first[:-1]})
     eccentric = pair_of(design_of(*SPUR, "assembly.gear_eccentricity=0.01"))
     with pytest.raises(DesignError, match="cannot have eccentricities too"):
-        pitch_turns(eccentric, both)
+        pitch_turns(shifted(eccentric, dict.fromkeys(Side, first)))
 
 
 def eccentric_shifts(member: Member, size: float, phase: float) -> dict[Side, Array]:
@@ -87,9 +97,10 @@ def test_pitch_deviations_of_an_eccentric_member_make_its_wave(sample: tuple[str
     """To half a pitch, by which teeth take over one from the next, and to what of an eccentricity is no pitch deviation."""
     pair = pair_of(design_of(*sample))
     member = pair.members[name]
-    shifts = PitchShifts(**{name: eccentric_shifts(member, 0.03, math.radians(50.0))})
+    own_shifts = eccentric_shifts(member, 0.03, math.radians(50.0))
+    uneven = shifted(pair, *(own_shifts if name == other else {} for other in pair.members))
     eccentric = pair_of(design_of(*sample, f"assembly.{name}_eccentricity=0.03", f"assembly.{name}_phase=50"))
-    own, real = pitch_turns(pair, shifts), full_turns(eccentric)
+    own, real = pitch_turns(uneven), full_turns(eccentric)
     assert own.peak_to_peak == pytest.approx(real.peak_to_peak, rel=0.03)
     # errors of the one against the other, over the turns: much less than either; the wrong sign or sense doubles it
     apart = np.ptp((own.te - own.te.mean()) - (real.te - real.te.mean())[: own.te.size])
@@ -105,7 +116,7 @@ def test_tight_centre_distances_are_those_of_thicker_involute_teeth() -> None:
     # thicker by 4 um in the normal section, half on either side; and uneven by nothing that shows
     half = 2e-3 / mesh.pinion.radius / math.cos(mesh.pinion.beta)
     tilt = 1e-12 * np.arange(teeth)
-    tight = tight_mesh(pair, PitchShifts({Side.RIGHT: -half + tilt, Side.LEFT: half + tilt}))
+    tight = tight_mesh(shifted(pair, {Side.RIGHT: -half + tilt, Side.LEFT: half + tilt}))
     assert tight.nominal == pytest.approx(tight_distance(mesh), abs=1e-6)
     thick = replace(mesh, pinion=replace(mesh.pinion, allowance=mesh.pinion.allowance + 4e-3))
     grown = tight_distance(thick) - tight_distance(mesh)

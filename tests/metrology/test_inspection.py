@@ -14,7 +14,6 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.inspection.inspection import Inspection, inspect
-from gearmesh.answers.inspection.measured_files import pitch_text
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.metrology.evaluation import helix_sign
@@ -112,8 +111,7 @@ def test_files_are_evaluated(tmp_path: Path) -> None:
     flanks, pitch = tmp_path / "flanks.csv", tmp_path / "pitch.csv"
     done = [f"{line},{8.0 * t[k % 9]}" for k, line in enumerate(lines)]
     flanks.write_text("\n".join([f"{head},deviation_um", *done]) + "\n")
-    index = {Side.LEFT: PitchDeviations(np.array([0.003, *np.zeros(23)]))}
-    pitch.write_text(pitch_text(index))
+    pitch.write_text("tooth,left_um\n0,3\n" + "".join(f"{k},0\n" for k in range(1, 24)))
     status, out, warnings = run(
         "evaluate",
         SAMPLES / "helical.toml",
@@ -143,7 +141,7 @@ def test_files_are_evaluated(tmp_path: Path) -> None:
         == own.evaluate("pinion", flanks, flank="left").figures.flanks["left"].row
     )
     for text, message in (
-        ("tooth,right\n0,1\n", "line 1: allowed is tooth, and right_um or left_um or both"),
+        ("tooth,right\n0,1\n", "line 1: allowed is tooth, and right_um, left_um and runout_um"),
         ("tooth,right_um\n24,1\n", "line 2: must be a tooth from 0 to 23 and 1 numbers, um"),
         ("tooth,right_um\n0,1\n", "has no tooth 1; the gear has 24, counted from 0"),
     ):

@@ -262,6 +262,7 @@ def cad_of(
     for alike in _alike([part.member for part in wanted]):
         body, left_out = extract.repeat(extract.shift(alike[0]))
         warnings += left_out
+        warnings += [f"{own.name}: its teeth are at their nominal places" for own in alike if own.index.uneven]
         part, figures = make(body, tolerance, extract.offset or None)
         # planet_1, planet_2 and planet_3 are three times the part planet
         part = replace(part, name=part.name.rstrip("0123456789").rstrip("_")) if len(alike) > 1 else part

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from gearmesh.errors import ArgumentError
@@ -11,6 +11,7 @@ from gearmesh.figures import Figures, figure
 from gearmesh.lengths import Length, in_mm
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.micro_geometry.index_angles import EVEN
 from gearmesh.teeth.region import Region, Side
 
 if TYPE_CHECKING:
@@ -119,8 +120,14 @@ class Extract:
         from gearmesh.mesh.extracts.space import parts, space_mesh
         from gearmesh.mesh.solid import gear_solid, some_teeth
         from gearmesh.mesh.tessellate import tessellate, tessellate_alike
+        from gearmesh.teeth.micro_geometry.placed_teeth import placed_teeth
         from gearmesh.teeth.space import Space
 
+        if member.index.uneven:
+            if self.space or self.flanks or self.sector is not None:
+                made = self.mesh(replace(member, index=EVEN), tolerance, teeth)
+                return replace(made, warnings=(*made.warnings, f"{member.name}: its teeth are at their nominal places"))
+            member = placed_teeth(member)
         member = self.shift(member)
         if self.space:
             links = tessellate(Space.before(member.one_tooth.sharp_ends), tolerance)

@@ -143,14 +143,16 @@ def section_of(
     from gearmesh.cad.contours.paths import base_tolerance, drawn_section
     from gearmesh.cad.contours.redrawn import Curves
     from gearmesh.cad.section import member_section
+    from gearmesh.teeth.micro_geometry.placed_teeth import placed_teeth
 
     if curves not in tuple(Curves):
         raise ArgumentError("curves", curves, must_be=f"one of {', '.join(Curves)}")
     kind = Curves(curves)
     part = gears.part(member)
+    own = placed_teeth(part.member)
     # of a double helical member the middle of its first half, where there are teeth
-    low, high = part.member.tooth.blank.body.ends
-    exact = member_section(part.member, 0.5 * (low + high) if z is None else z, base_tolerance(kind, offset, tolerance))
+    low, high = own.tooth.blank.body.ends
+    exact = member_section(own, 0.5 * (low + high) if z is None else z, base_tolerance(kind, offset, tolerance))
     section = drawn_section(exact, kind, offset, tolerance)
     warnings = [*gears.warnings, *part.warnings]
     stock = section.stock if section.stock > tolerance else 0.0

@@ -33,8 +33,9 @@ from gearmesh.answers.tables import Listing, csv_text, figures, round_to
 from gearmesh.contact.engagement.cycle import Cycle, engagement_range
 from gearmesh.contact.engagement.ease_off import ease_off
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
+from gearmesh.contact.engagement.pitch_turns import whole_turns
 from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
-from gearmesh.contact.engagement.turns import FullTurns, full_turns
+from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.contact.fit.fit import Fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, solver_pair
 from gearmesh.contact.path import ContactPath
@@ -109,13 +110,13 @@ class Contact(Result):
         return ease_off_of(self.design, self.pair, self.engagement)
 
     @cached_property
-    def eccentric_turns(self) -> FullTurns | None:
-        """The pair over whole turns, asked for or not; None without eccentric members, and where turns are too many or teeth do not
-        meet all the time."""
-        if self.turns is not None or not self.pair.eccentric:
+    def unlike_turns(self) -> FullTurns | None:
+        """The pair over whole turns, asked for or not; None of members that are neither eccentric nor have pitch deviations, and
+        where turns are too many or teeth do not meet all the time."""
+        if self.turns is not None or not (self.pair.eccentric or self.pair.uneven):
             return self.turns
         try:
-            return full_turns(self.pair)
+            return whole_turns(self.pair)
         except (DesignError, NoSolutionError):
             return None
 
@@ -355,10 +356,10 @@ def contact_of(
         peak = hertz.peak_pressure[~np.isnan(hertz.peak_pressure)]
         how = ALONE if shares is None else SHARED
         summary = Summary(summary, TorqueSummary(torque, how, float(peak.max()) if peak.size else None))
-    whole_turns = full_turns(pair) if turns else None
-    if whole_turns is not None:
-        summary = Summary(summary, TurnsSummary.of(pair, whole_turns))
-        warnings = (*warnings, *turns_warnings(whole_turns))
+    all_turns = whole_turns(pair) if turns else None
+    if all_turns is not None:
+        summary = Summary(summary, TurnsSummary.of(pair, all_turns))
+        warnings = (*warnings, *turns_warnings(pair, all_turns))
     return Contact(
         design,
         pair,
@@ -379,7 +380,7 @@ def contact_of(
         None if first_order is None else first_order(path.rotation),
         fits,
         _neighbours(pair, path, followed, whole),
-        whole_turns,
+        all_turns,
     )
 
 
@@ -413,6 +414,11 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
         warnings.append(
             "eccentric members: the transmission error differs from tooth pair to tooth pair; mesh cycle and backlash are for "
             "the tooth pair at phi1 = 0, figures over whole turns for all tooth pairs"
+        )
+    if pair.uneven:
+        warnings.append(
+            "pitch deviations: every tooth pair is ahead or behind by its own; path, mesh cycle and backlash are for teeth at "
+            "their places, figures over whole turns (--turns) for all tooth pairs as they are"
         )
     inside = path.kind == "point"
     if inside.sum() >= 5:

@@ -16,7 +16,7 @@ from gearmesh.teeth.gear_train import GearPair
 
 @dataclass(frozen=True)
 class TurnsSummary(Figures):
-    """Eccentric members over whole turns."""
+    """Members over whole turns, eccentric or with pitch deviations."""
 
     turns_pinion: float = figure("turns of the pinion until the same teeth meet again")
     turns_gear: float = figure("turns of the gear until the same teeth meet again")
@@ -43,7 +43,7 @@ class TurnsSummary(Figures):
 class WaveFigures(Figures):
     """Part of the transmission error that repeats with a member's turns, or with every tooth."""
 
-    of: str = figure("member whose eccentricity makes the wave, or mesh")
+    of: str = figure("member with whose turns the wave repeats, or mesh")
     per_turn: int = figure("periods in a turn of that member", whole=True)
     amplitude: float = figure("amplitude", "arcsec")
     crest_phi1: float = figure("rotation of the pinion at the first crest", "deg")
@@ -105,15 +105,15 @@ def turns_listing(turns: FullTurns) -> Listing:
     return Listing("Transmission error over whole turns", heads, rows)
 
 
-def turns_warnings(turns: FullTurns) -> tuple[str, ...]:
+def turns_warnings(pair: GearPair, turns: FullTurns) -> tuple[str, ...]:
     """Warnings about the pair over whole turns."""
     k = int(turns.backlash.argmin())
     if not turns.backlash[k] < -ARCSEC:
         return ()
+    who, what = ("members with pitch deviations", "these") if pair.uneven else ("eccentric members", "the eccentricity")
     return (
-        f"the eccentric members jam: at phi1 = {np.degrees(turns.phi1[k]):.5g} deg the flanks overlap by "
-        f"{-np.degrees(turns.backlash[k]):.3g} deg of the gear's rotation; increase the backlash by as much, or reduce the "
-        "eccentricity",
+        f"the {who} jam: at phi1 = {np.degrees(turns.phi1[k]):.5g} deg the flanks overlap by "
+        f"{-np.degrees(turns.backlash[k]):.3g} deg of the gear's rotation; increase the backlash by as much, or reduce {what}",
     )
 
 

@@ -3,28 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gearmesh.answers.contact.turns import TurnsDetails, turns_listing
+from gearmesh.answers.contact.turns import TurnsDetails, turns_listing, turns_warnings
 from gearmesh.answers.inspection.figures import UM
 from gearmesh.answers.result import Result, header
-from gearmesh.answers.tables import Listing, figures
-from gearmesh.contact.engagement.pitch_turns import PitchShifts, pitch_turns
+from gearmesh.answers.tables import Listing, csv_text, figures
+from gearmesh.contact.engagement.pitch_turns import pitch_turns
 from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.contact.fit.fit import centre_distance
 from gearmesh.contact.fit.tight_mesh import TightMesh, tight_mesh
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
-from gearmesh.kernel.numeric.algebra import ARCSEC, Array
-from gearmesh.metrology.measured_teeth import InspectionBasis, MeasuredTeeth
+from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.metrology.measured_teeth import MeasuredTeeth, pitch_radius
+from gearmesh.metrology.pitch import index_angles
 from gearmesh.systems.system import system_of
-from gearmesh.teeth.gear_train import GearPair, GearTrain
-from gearmesh.teeth.region import Side
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,18 @@ class CompositeFigures(Figures):
     )
 
 
+@dataclass(frozen=True)
+class TightPositions(Figures):
+    """Gears that roll without backlash, at every position."""
+
+    phi1: list[float] = figure("rotations of the pinion", "deg", "phi_1")
+    center_distance: list[float] = figure("centre distance without backlash", "mm", "a''")
+
+    @staticmethod
+    def of(tight: TightMesh) -> TightPositions:
+        return TightPositions(np.degrees(tight.phi1).round(10).tolist(), tight.distance.tolist())
+
+
 @dataclass(frozen=True, repr=False)
 class CompositeTest(Result):
     """A pair with pitch deviations over whole turns: `single`, on its driving flanks, and `double`, pressed together, on parallel
@@ -57,6 +70,17 @@ class CompositeTest(Result):
     single: FullTurns
     double: TightMesh | None
     radius: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".csv")
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Of the gears, and what is to be noted of the test."""
+        return (*self.notes, *turns_warnings(self.pair, self.single))
 
     @cached_property
     def figures(self) -> CompositeFigures:
@@ -90,37 +114,55 @@ class CompositeTest(Result):
 
     @property
     def sections(self) -> Mapping[str, Content]:
-        return {**header(self.design), **Summary(self.figures), "turns": TurnsDetails.of(self.single)}
+        return {
+            **header(self.design),
+            "warnings": self.warnings,
+            **Summary(self.figures),
+            "turns": TurnsDetails.of(self.single),
+            **({} if self.double is None else {"tight_mesh": TightPositions.of(self.double)}),
+        }
+
+    def csv(self) -> str:
+        """One row per position of the single-flank test."""
+        return csv_text(TurnsDetails.of(self.single).positions.rows)
+
+    def _write(self, target: Path) -> None:
+        from gearmesh.io.atomic import whole_text
+
+        whole_text(target, self.csv())
 
 
 def composite_test(
-    design: Design, train: GearTrain, measured: Mapping[str, MeasuredTeeth], mesh: GearPair | None = None
+    design: Design,
+    train: GearTrain,
+    measured: Mapping[str, MeasuredTeeth] | None = None,
+    mesh: GearPair | None = None,
 ) -> CompositeTest:
-    """Of one `mesh`, by default the first, of a nominal gear set with what was measured of its members, by their names.
+    """Of one `mesh`, by default the first, of a gear set with what was `measured` of its members, by their names; where nothing is
+    given the pitch deviations that the design has.
 
     Sides without pitch deviations have none. Raises DesignError for other members, for other numbers of teeth and where turns are
     too many, NoSolutionError where the teeth do not meet.
     """
     pair = train.pairs[0] if mesh is None else mesh
-    for name in measured:
+    given = measured or {}
+    for name in given:
         if name not in pair.members:
             raise ArgumentError("member", name, must_be=f"one of {', '.join(pair.members)}")
     radii = {name: _radius(design, train, name) for name in pair.members}
-    first, second = (_shifts(measured.get(member.name), radii[member.name]) for member in pair.both)
-    shifts = PitchShifts(first, second)
-    single = pitch_turns(pair, shifts)
-    double = None if centre_distance(pair) is None else tight_mesh(pair, shifts)
-    return CompositeTest(design, pair, single, double, radii[pair.gear.name])
+
+    def at_places(member: Member) -> Member:
+        if member.name not in given:
+            return member
+        return replace(member, index=index_angles(given[member.name].pitch, radii[member.name]))
+
+    pair = replace(pair, pinion=at_places(pair.pinion), gear=at_places(pair.gear))
+    single = pitch_turns(pair)
+    double = None if centre_distance(pair) is None else tight_mesh(pair)
+    return CompositeTest(design, pair, single, double, radii[pair.gear.name], train.warnings)
 
 
 def _radius(design: Design, train: GearTrain, name: str) -> float:
     """Radius (mm) of the circle on which pitch deviations of a member are measured."""
     inspection = system_of(design).inspection
-    if inspection is None:
-        raise ArgumentError("kind", design.kind, reason="its gears have no pitch deviations here")
-    basis: InspectionBasis = inspection(design, train, name)
-    return 0.5 * basis.sizes.diameter
-
-
-def _shifts(measured: MeasuredTeeth | None, radius: float) -> dict[Side, Array]:
-    return {} if measured is None else {side: np.asarray(own.index / radius) for side, own in measured.pitch.items()}
+    return pitch_radius(train.members[name].tooth, None if inspection is None else inspection(design, train, name))

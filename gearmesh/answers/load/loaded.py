@@ -371,6 +371,8 @@ def loaded_contact_of(
     flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
     mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
     unloaded = np.nan if cycle is None else cycle.peak_to_peak
+    if pair.uneven:
+        warnings = (*warnings, "pitch deviations: under load teeth are taken to be at their places")
     return LoadedContact(
         design, pair, mesh, (*warnings, *_warnings(pair, mesh, unloaded)), time.perf_counter() - started, cycle
     )

@@ -11,8 +11,7 @@ and the gears the one that is most advanced, edge contact of flanks that are ahe
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement, follow, whole_engagement
 from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
-from gearmesh.contact.engagement.turns import LEAST, MOST, PER_PITCH, PLENTY, FullTurns, waves_of_turns
+from gearmesh.contact.engagement.turns import LEAST, MOST, PER_PITCH, PLENTY, FullTurns, full_turns, waves_of_turns
 from gearmesh.contact.fit.fit import play, reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
@@ -33,51 +32,28 @@ from gearmesh.teeth.region import Side
 BEYOND = NODES // 2
 
 
-@dataclass(frozen=True)
-class PitchShifts:
-    """Angles (N,), rad, about a member's own z axis by which the flanks of its teeth, by their numbers, are ahead of their places;
-    by sides, none where they have no deviations."""
-
-    pinion: Mapping[Side, Array] = field(default_factory=dict)
-    gear: Mapping[Side, Array] = field(default_factory=dict)
-
-    def of(self, pair: GearPair) -> tuple[Array, Array]:
-        """Those of the touching flanks of a pair, 0 where there are none. Raises DesignError for other numbers of teeth."""
-        return tuple(  # type: ignore[return-value]
-            _of_member(member, own.get(side))
-            for member, own, side in zip(pair.both, (self.pinion, self.gear), pair.flanks, strict=True)
-        )
-
-    def pitches(self, pair: GearPair) -> int:
-        """After how many teeth the same meet again: those of a member without deviations are alike."""
-        uneven = zip(pair.both, (self.pinion, self.gear), strict=True)
-        return math.lcm(
-            1, *(member.tooth.teeth for member, own in uneven if any(np.ptp(x) > 0.0 for x in own.values()))
-        )
+def pitches_until_repeat(pair: GearPair) -> int:
+    """After how many teeth the same meet again: those of a member without deviations are alike."""
+    return math.lcm(1, *(member.tooth.teeth for member in pair.both if member.index.uneven))
 
 
-def _of_member(member: Member, shifts: Array | None) -> Array:
-    teeth = member.tooth.teeth
-    if shifts is None:
-        return np.zeros(teeth)
-    if shifts.shape != (teeth,):
-        raise DesignError(
-            f"{member.name} pitch deviations", shifts.size, must_be=f"{teeth}, one a tooth", topic="pitch deviations"
-        )
-    return shifts
+def whole_turns(pair: GearPair) -> FullTurns:
+    """A pair over the turns after which it repeats, its members eccentric or with pitch deviations. Raises as `full_turns` and
+    `pitch_turns`."""
+    return pitch_turns(pair) if pair.uneven else full_turns(pair)
 
 
-def pitch_turns(pair: GearPair, shifts: PitchShifts) -> FullTurns:
-    """A pair of gears, no rack, whose flanks are shifted, over the turns after which it repeats.
+def pitch_turns(pair: GearPair) -> FullTurns:
+    """A pair of gears, no rack, with the pitch deviations of its members, over the turns after which it repeats.
 
     Raises DesignError where these are too many, and where members are eccentric too, NoSolutionError where the teeth do
     not meet all the time.
     """
-    refuse_too_many(pair, shifts)
-    pitches = shifts.pitches(pair)
+    refuse_too_many(pair)
+    pitches = pitches_until_repeat(pair)
     per_pitch = max(LEAST, min(PER_PITCH, PLENTY // pitches))
-    forwards, carrier = shifted_advance(pair, shifts, pitches, per_pitch)
-    backwards, _ = shifted_advance(reversed_pair(pair), shifts, pitches, per_pitch)
+    forwards, carrier = shifted_advance(pair, pitches, per_pitch)
+    backwards, _ = shifted_advance(reversed_pair(pair), pitches, per_pitch)
     te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
     waves = tuple(
         replace(wave, closed_amplitude=math.nan, closed_crest=math.nan)
@@ -86,7 +62,7 @@ def pitch_turns(pair: GearPair, shifts: PitchShifts) -> FullTurns:
     return FullTurns(pitches, per_pitch, phi1, te - te[0], carrier, play(pair, forwards + backwards), waves)
 
 
-def refuse_too_many(pair: GearPair, shifts: PitchShifts) -> None:
+def refuse_too_many(pair: GearPair) -> None:
     """Raise DesignError as `pitch_turns`."""
     if pair.eccentric:
         raise DesignError(
@@ -94,7 +70,7 @@ def refuse_too_many(pair: GearPair, shifts: PitchShifts) -> None:
             reason="members with pitch deviations cannot have eccentricities too",
             remedy="pitch deviations that were measured about the axis of rotation contain them: leave the eccentricities out",
         )
-    pitches = shifts.pitches(pair)
+    pitches = pitches_until_repeat(pair)
     if pitches > MOST:
         raise DesignError(
             "teeth",
@@ -104,9 +80,7 @@ def refuse_too_many(pair: GearPair, shifts: PitchShifts) -> None:
         )
 
 
-def shifted_advance(
-    pair: GearPair, shifts: PitchShifts, pitches: int, per_pitch: int
-) -> tuple[Array, NDArray[np.intp]]:
+def shifted_advance(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[np.intp]]:
     """Transmission advances (P,), rad, of the gears over so many pitches, and the tooth pairs in contact (P,)."""
     flanks = solver_pair(pair)
     followed = _longer_engagement(flanks, pair.pitch)
@@ -120,8 +94,8 @@ def shifted_advance(
     number = np.arange(pitches)[:, None, None] + away
     place = np.broadcast_to((phase[:, None] - away) * pair.pitch, (pitches, per_pitch, away.size))
     first, second = (
-        mount.sign * own[np.mod(-int(mount.sign) * sense * number, own.size)]
-        for mount, own, sense in zip(pair.mounts, shifts.of(pair), (1, int(np.sign(pair.ratio))), strict=True)
+        _ahead(member, side)[np.mod(-int(member.mount.sign) * sense * number, member.tooth.teeth)]
+        for member, side, sense in zip(pair.both, pair.flanks, (1, int(np.sign(pair.ratio))), strict=True)
     )
     there = (place + first).ravel()
     inside = (there >= followed.phi1[0]) & (there <= followed.phi1[-1])
@@ -135,6 +109,11 @@ def shifted_advance(
     if not np.isfinite(greatest).all():
         raise NoSolutionError(reason="the teeth lose contact, so there is no transmission error over whole turns")
     return greatest, np.repeat(np.arange(pitches), per_pitch) + away[leading]
+
+
+def _ahead(member: Member, side: Side) -> Array:
+    """Angles (N,), rad, by which flanks are ahead as the member's rotation counts."""
+    return member.mount.sign * member.index.of(side, member.tooth.teeth)
 
 
 def _longer_engagement(flanks: Pair, pitch: float) -> Engagement | None:

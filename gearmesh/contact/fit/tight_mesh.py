@@ -10,12 +10,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearmesh.contact.engagement.pitch_turns import PitchShifts, refuse_too_many, shifted_advance
+from gearmesh.contact.engagement.pitch_turns import pitches_until_repeat, refuse_too_many, shifted_advance
 from gearmesh.contact.fit.fit import centre_distance, play, reversed_pair
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair
+from gearmesh.teeth.micro_geometry.index_angles import EVEN
 
 #: positions in a pitch, of the tight mesh and of its search
 PER_PITCH = 12
@@ -48,18 +49,18 @@ class TightMesh:
         return float(np.ptp(windows, axis=1).max())
 
 
-def tight_mesh(pair: GearPair, shifts: PitchShifts) -> TightMesh:
-    """A pair whose flanks are shifted, rolling without backlash over the turns after which it repeats.
+def tight_mesh(pair: GearPair) -> TightMesh:
+    """A pair with the pitch deviations of its members, rolling without backlash over the turns after which it repeats.
 
     Raises DesignError where axes are not parallel or turns too many, NoSolutionError where no centre distance leaves no play.
     """
     distance = centre_distance(pair)
     if distance is None:
         raise DesignError("pair", pair.name, reason="its axes are not parallel", allowed="pairs with a centre distance")
-    refuse_too_many(pair, shifts)
-    moved, slope = _tight(pair, distance)
-    pitches = shifts.pitches(pair)
-    b = _play(_apart(pair, moved), shifts, pitches)
+    refuse_too_many(pair)
+    moved, slope = _tight(_even(pair), distance)
+    pitches = pitches_until_repeat(pair)
+    b = _play(_apart(pair, moved), pitches)
     phi1 = np.arange(pitches * PER_PITCH, dtype=float) * (pair.pitch / PER_PITCH)
     return TightMesh(phi1, np.asarray(distance + moved - b / slope), distance + moved, PER_PITCH)
 
@@ -67,14 +68,13 @@ def tight_mesh(pair: GearPair, shifts: PitchShifts) -> TightMesh:
 def _tight(pair: GearPair, distance: float) -> tuple[float, float]:
     """By how much (mm) the gear has to move away from the pinion for its unshifted teeth to have no play, and the play (rad) that
     it gains there per mm."""
-    none = PitchShifts()
-    before, b_before = 0.0, _least_play(pair, none)
+    before, b_before = 0.0, _least_play(pair)
     # as involutes of 20 degrees: of members inside each other the other way round
     inside = -1.0 if np.dot(pair.mounts[0].spin, pair.mounts[1].spin) > 0.0 else 1.0
     radius = distance * abs(1.0 / pair.ratio) / abs(inside + abs(1.0 / pair.ratio))
     at = -inside * max(FIRST * radius * abs(b_before), SHORTEST) * float(np.sign(b_before) or 1.0)
     for _ in range(STEPS):
-        b = _least_play(_apart(pair, at), none)
+        b = _least_play(_apart(pair, at))
         slope = (b - b_before) / (at - before)
         if abs(b) < NO_PLAY:
             return at, slope
@@ -82,13 +82,18 @@ def _tight(pair: GearPair, distance: float) -> tuple[float, float]:
     raise NoSolutionError(reason="no centre distance was found at which the teeth have no play", topic="tight mesh")
 
 
-def _least_play(pair: GearPair, shifts: PitchShifts) -> float:
-    return float(_play(pair, shifts, 1).min())
+def _even(pair: GearPair) -> GearPair:
+    """The pair with all teeth at their places."""
+    return replace(pair, pinion=replace(pair.pinion, index=EVEN), gear=replace(pair.gear, index=EVEN))
 
 
-def _play(pair: GearPair, shifts: PitchShifts, pitches: int) -> Array:
+def _least_play(pair: GearPair) -> float:
+    return float(_play(pair, 1).min())
+
+
+def _play(pair: GearPair, pitches: int) -> Array:
     """Rotations (P,), rad, of the gear between its first touches on both sides."""
-    forwards, backwards = (shifted_advance(own, shifts, pitches, PER_PITCH)[0] for own in (pair, reversed_pair(pair)))
+    forwards, backwards = (shifted_advance(own, pitches, PER_PITCH)[0] for own in (pair, reversed_pair(pair)))
     return play(pair, forwards + backwards)
 
 

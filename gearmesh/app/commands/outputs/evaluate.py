@@ -31,7 +31,7 @@ def evaluate(
         typer.Option(
             "--pitch",
             metavar="FILE.csv",
-            help="Index deviations of all teeth: columns tooth, right_um, left_um.",
+            help="Index deviations of all teeth: columns tooth, right_um, left_um, runout_um; by default those of that table.",
             show_default=False,
         ),
     ] = None,

@@ -1,0 +1,48 @@
+"""Index deviations of a gear's teeth as angles about its axis: how far its flanks are ahead of their theoretical places."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.region import Side
+
+
+@dataclass(frozen=True)
+class IndexAngles:
+    """Angles, rad, about the member's z axis by which the `right` and `left` flanks of its teeth, by their numbers, are ahead of
+    their places; of a side without deviations there are none."""
+
+    right: tuple[float, ...] = ()
+    left: tuple[float, ...] = ()
+
+    @staticmethod
+    def of_sides(angles: Mapping[Side, Array]) -> IndexAngles:
+        """Of angles (N,), rad, by sides."""
+        return IndexAngles(**{str(side): tuple(np.asarray(own, dtype=float).tolist()) for side, own in angles.items()})
+
+    @property
+    def uneven(self) -> bool:
+        """Whether teeth differ by them."""
+        return any(np.ptp(own) > 0.0 for own in (self.right, self.left) if own)
+
+    def check(self, name: str, teeth: int) -> None:
+        """Raise DesignError where the member of that name has another number of teeth."""
+        for own in (self.right, self.left):
+            if own and len(own) != teeth:
+                raise DesignError(
+                    f"{name} pitch deviations", len(own), must_be=f"{teeth}, one a tooth", topic="pitch deviations"
+                )
+
+    def of(self, side: Side, teeth: int) -> Array:
+        """Those of the flanks of a side (teeth,), rad; 0 without deviations."""
+        own = self.right if side is Side.RIGHT else self.left
+        return np.array(own) if own else np.zeros(teeth)
+
+
+#: of teeth that are all at their places
+EVEN = IndexAngles()

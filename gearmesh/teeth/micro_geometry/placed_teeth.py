@@ -1,0 +1,71 @@
+"""Teeth of a member where its index angles put them, for solids: every flank is turned about the axis, the root stays.
+
+A turned flank is that at its place with deviations along its normals, which end in the fillet: d at a point r of the flank is how
+far along the normal n the turned one is,
+
+    R(angle) S(u, v) = r + d n,    by Newton's steps in (u, v, d)
+
+and a bicubic spline between the points of a grid, at which it is exact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.micro_geometry.deviations import MARGIN, DeviationGrid, deviating_tooth
+from gearmesh.teeth.micro_geometry.index_angles import EVEN
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+
+#: points across and along a flank, Newton's steps, and the change (mm) that ends them
+GRID, STEPS, ENOUGH = (7, 7), 8, 1e-12
+
+
+def placed_teeth(member: Member) -> Member:
+    """The member with teeth that differ by their places, and no index angles; itself where these are all the same.
+
+    Raises DesignError where flanks cannot be moved, as those with corners.
+    """
+    index, teeth = member.index, member.tooth.teeth
+    if not index.uneven:
+        return member
+    angles = np.stack([index.of(side, teeth) for side in Side], axis=-1)
+    kinds, which = np.unique(angles, axis=0, return_inverse=True)
+    try:
+        made = [_turned_tooth(member.one_tooth, dict(zip(Side, kind.tolist(), strict=True))) for kind in kinds]
+    except DesignError as failure:
+        raise DesignError(f"{member.name} pitch deviations", reason=str(failure), topic="pitch deviations") from failure
+    return replace(member, index=EVEN).with_teeth({k: made[kind] for k, kind in enumerate(which.ravel().tolist())})
+
+
+def _turned_tooth(tooth: Tooth, angles: dict[Side, float]) -> Tooth:
+    return deviating_tooth(tooth, {side: turned_grid(tooth, side, angle) for side, angle in angles.items() if angle})
+
+
+def turned_grid(tooth: Tooth, side: Side, angle: float) -> DeviationGrid:
+    """How far a flank that is turned by an angle, rad, about the axis is along the normals of the flank at its place."""
+    s, t = np.linspace(MARGIN, 1.0, GRID[0]), np.linspace(0.0, 1.0, GRID[1])
+    grid = tooth.flank_grid(side, s, t)
+    r, n = grid.points, grid.normals
+    return DeviationGrid(r, n, _distances(tooth, side, grid.parameters, r, n, angle))
+
+
+def _distances(tooth: Tooth, side: Side, parameters: Array, r: Array, n: Array, angle: float) -> Array:
+    """Distances (I, J), mm, along normals n at points r (I, J, 3)."""
+    surface, turn = tooth.side(side).flank, Rigid.about_z(angle)
+    u, v = np.moveaxis(parameters, -1, 0)
+    d = np.zeros(u.shape)
+    for _ in range(STEPS):
+        jet = surface.jet(u, v).move(turn)
+        matrix = np.stack((jet.r_u, jet.r_v, -n), axis=-1)
+        step = np.linalg.solve(matrix, (r + d[..., None] * n - jet.r)[..., None])[..., 0]
+        u, v, d = u + step[..., 0], v + step[..., 1], d + step[..., 2]
+        if np.abs(step[..., 2]).max() < ENOUGH:
+            return np.asarray(d)
+    raise DesignError("index", reason=f"a flank turned by {angle:.3g} rad does not cross the normals of its place")

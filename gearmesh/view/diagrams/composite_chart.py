@@ -1,0 +1,71 @@
+"""Charts of composite tests: transmission error over whole turns, and centre distance of gears pressed together.
+
+Between two thin lines there is what F_i' and F_i'' count; the pitch with the largest change, f_i' and f_i'', is shaded.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.answers.inspection.composite import CompositeTest
+from gearmesh.answers.inspection.figures import UM
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, GROUND, INK
+
+#: size (inches) of the figure: its width, and the height of a chart
+WIDTH, HEIGHT = 10.5, 2.9
+
+
+def plot_composite(file: Path | str, test: CompositeTest) -> None:
+    """The charts of a test. Raises OutputError where the file cannot be written."""
+    from matplotlib.figure import Figure
+
+    own, single, double = test.figures, test.single, test.double
+    charts = [
+        (
+            single.phi1,
+            UM * test.radius * (single.te - single.te.mean()),
+            single.per_pitch,
+            "single flank: transmission error,\narc of the gear (µm)",
+            f"F_i' {own.single_flank_total:.1f}  f_i' {own.single_flank_tooth:.1f} µm",
+        )
+    ]
+    if double is not None:
+        charts.append(
+            (
+                double.phi1,
+                UM * (double.distance - double.nominal),
+                double.per_pitch,
+                "double flank: centre distance\nmore than a'' (µm)",
+                f"F_i'' {own.double_flank_total:.1f}  f_i'' {own.double_flank_tooth:.1f} µm"
+                f"    a'' {own.tight_center_distance:.4f} mm",
+            )
+        )
+    figure = Figure(figsize=(WIDTH, HEIGHT * len(charts) + 0.4), dpi=150, layout="constrained")
+    for axes, chart in zip(figure.subplots(len(charts), 1, squeeze=False)[:, 0], charts, strict=True):
+        _draw(axes, *chart)
+    figure.suptitle(f"{own.pair}: composite deviations", color=INK)
+    save_figure(figure, file)
+
+
+def _draw(axes: Any, phi1: Array, values: Array, per_pitch: int, label: str, title: str) -> None:
+    """Values (P,), um, over rotations phi1 (P,), rad."""
+    turns = phi1 / (2.0 * np.pi)
+    ring = np.concatenate((values, values[:per_pitch]))
+    windows = np.ptp(np.lib.stride_tricks.sliding_window_view(ring, per_pitch + 1), axis=1)
+    begin, step = int(windows.argmax()), float(turns[1] - turns[0])
+    end = turns[begin] + per_pitch * step
+    axes.axvspan(turns[begin], min(end, turns[-1] + step), facecolor=GROUND, edgecolor="none", zorder=0)
+    for level in (values.min(), values.max()):
+        axes.axhline(level, color=INK, lw=0.7, ls="--")
+    axes.axhline(0.0, color=FAINT, lw=0.8)
+    axes.plot(turns, values, color=CURVES[0], lw=1.0)
+    axes.set(xlabel="turns of the pinion, until the same teeth mesh again", ylabel=label)
+    axes.set_title(title, fontsize=10, color=INK)
+    axes.margins(x=0.01)
+    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.set_axisbelow(True)
