@@ -90,7 +90,7 @@ class DesignChoice(Result):
 
         Examples
         --------
-        >>> gm.size(2.5, 63, "2mm").design(2)
+        >>> gm.size(2.5, 63, "2mm").design(1)
         """
         return parse(self.keys(number))
 
@@ -114,7 +114,7 @@ class DesignChoice(Result):
 
         Examples
         --------
-        >>> gm.size(2.5, 63, "2mm").keys(2)
+        >>> gm.size(2.5, 63, "2mm").keys(1)
         """
         if not 1 <= number <= len(self.designs):
             raise ArgumentError("choose", number, must_be=f"a number from 1 to {len(self.designs)}")

@@ -323,7 +323,8 @@ class Gears(SolvedGears):
         Examples
         --------
         >>> gears.cad().save("pair.step")
-        >>> bore = gears.cad("pinion").to_build123d().faces().sort_by(build123d.SortBy.RADIUS)[0]
+        >>> faces = gears.cad("pinion").to_build123d().faces()
+        >>> bore = faces.filter_by(build123d.GeomType.CYLINDER).sort_by(build123d.SortBy.RADIUS)[0]
         """
         from gearmesh.answers.bodies.cad import cad_of
         from gearmesh.answers.bodies.extract import Extract
@@ -1184,7 +1185,7 @@ class Gears(SolvedGears):
         Examples
         --------
         >>> gears.picture("flank").save("flank.svg")
-        >>> gears.picture("pattern", size=(800, 600)).save("pattern.png")
+        >>> gears.picture("contact", size=(800, 600)).save("contact.png")
         """
         from gearmesh.reports.pictures import picture, picture_of_answer
 
@@ -1377,7 +1378,7 @@ class Gears(SolvedGears):
         Examples
         --------
         >>> bevel = gm.build(gm.load("samples/spiral_bevel_basic.toml"))
-        >>> bevel.largest_errors({"assembly.dV": "0.2mm"})
+        >>> bevel.largest_errors({"assembly.dV": "0.1mm"})
         """
         from gearmesh.study.largest_errors import largest_errors
 

@@ -49,7 +49,7 @@ class Picture:
 
         Examples
         --------
-        >>> gears.picture("pattern", size=(400, 300)).save("pattern.png")
+        >>> gears.picture("contact", size=(400, 300)).save("contact.png")
         """
         from gearmesh.view.opengl import missing_opengl_message
         from gearmesh.view.render import render
