@@ -14,15 +14,17 @@ import numpy as np
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.fe.model import STIFFNESS_RATIO, ContactPair, CyclicSymmetry, Model, NodeForces, RigidTie, Support
-from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, neighbours
+from gearmesh.fe.placing import PlacedPair, arc_centre, focus_on, major_axis, neighbours
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, plane_cross, unit
 from gearmesh.mesh.hexahedra.cyclic import pair_cuts
 from gearmesh.mesh.hexahedra.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HexMesh, join
+from gearmesh.mesh.hexahedra.layers import layers
 from gearmesh.mesh.hexahedra.turned_body import CORE, SHAFT_END, whole_mesh
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import CUT_REGIONS, Side
+from gearmesh.teeth.tooth import Tooth
 
 #: overclosure that a model under a torque starts with, over the approach by Hertz. CalculiX makes contact elements only where
 #: faces overlap, so that flanks that just touch at a point have none, and a pinion free to turn is singular. From 0.3 to 1
@@ -161,12 +163,13 @@ def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
     """One member's mesh in its own frame, its lines those of a grid; with the set held: rim or, of a whole body, bore (without one
     the ends of its shafts, or else the core) and cut faces, of a sector without these."""
     tooth = member.one_tooth
-    count = min(request.sector or request.teeth or tooth.teeth, tooth.teeth)
+    whole = tooth.teeth if tooth.screw is None else _threads_in_length(tooth)
+    count = min(request.sector or request.teeth or whole, whole)
     teeth = np.arange(count) - (count - 1) // 2
     if request.whole:
         body = member.turned_body
-        if body is None:
-            why = f"the body of the {member.name} is a bar, or is under two rows of teeth"
+        if body is None or tooth.screw is not None:
+            why = f"the body of the {member.name} is a bar, or is under threads or two rows of teeth"
             raise DesignError("fe.body", "whole", reason=why, allowed='"rim"')
         mesh = whole_mesh(tooth, body, teeth, grid, request.rim, request.size, second_order=request.second_order)
     else:
@@ -177,8 +180,16 @@ def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
         # what follows the first cut face is held with it
         own = np.setdiff1d(mesh.node_sets[inner], mesh.node_sets["cut_left"])
         return replace(mesh, node_sets=mesh.node_sets | {"held": own})
-    held = [mesh.node_sets[key] for key in (inner, "cut_right", "cut_left") if key in mesh.node_sets]
+    # an arc of threads is cut at its ends too
+    cuts = CUT_REGIONS if tooth.screw is None else (*CUT_REGIONS, "toe", "heel")
+    held = [mesh.node_sets[key] for key in (inner, *cuts) if key in mesh.node_sets]
     return replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
+
+
+def _threads_in_length(tooth: Tooth) -> int:
+    """How many threads follow each other along a member, an odd number."""
+    toe, heel = tooth.blank.extent
+    return 2 * int(0.5 * abs((heel - toe) / layers(tooth, [0.5]).step.translation[2])) + 1
 
 
 def cyclic_symmetry(member: Member, request: MeshRequest, own_to_model: Rigid) -> CyclicSymmetry | None:
@@ -194,7 +205,7 @@ def check_sector(member: Member, pitches: int) -> None:
     """Raise DesignError for pitches that do not divide a member, and for one that does not turn."""
     teeth = member.tooth.teeth
     fitting = [k for k in range(1, teeth) if teeth % k == 0]
-    if np.isinf(member.tooth.joint.cycle(teeth)) or not fitting:
+    if np.isinf(member.tooth.joint.cycle(teeth)) or member.one_tooth.screw is not None or not fitting:
         raise ArgumentError("sector", pitches, must_be=f"left out for the {member.name}, which has no sectors")
     if pitches not in fitting:
         allowed = ", ".join(map(str, fitting))
@@ -216,8 +227,11 @@ def unloaded_model(member: Member, request: MeshRequest, material: Material, tit
 
 def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexGrid:
     """Lines of a member, following the loaded ellipse unless they shall be even or there is none."""
+    which = pair.index(name)
+    params = (at.path.params1, at.path.params2)[which][0]
+    centre = arc_centre(pair.both[which].tooth, pair.flanks[which], params)
     if request.even or np.isnan(at.pressure):
-        return plain_grid(request.cells)
+        return replace(plain_grid(request.cells), centre=centre)
     near = neighbours(pair, at, request.torque, request.materials) if request.every_tooth else {}
     focus, beside = focus_on(pair, name, at, request.ellipse), {}
     for places, beside_at in near.items():
@@ -225,7 +239,7 @@ def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexG
         # on an edge the contact under load is about as large as the leading one
         beside[places[pair.index(name)]] = replace(focus, s=own.s, t=own.t) if np.isnan(beside_at.pressure) else own
     wanted = resolving(request.second_order, at.approach) if request.resolved else None
-    return focused_grid(request.cells, focus, beside, wanted)
+    return replace(focused_grid(request.cells, focus, beside, wanted), centre=centre)
 
 
 def resolving(second_order: bool, approach: float) -> CoarsestLines:

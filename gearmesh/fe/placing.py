@@ -14,6 +14,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hexahedra import Focus
+from gearmesh.mesh.hexahedra.layers import layers, running_angle
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
@@ -119,20 +120,23 @@ def focus_on(pair: GearPair, name: str, at: PlacedPair, cells: int = 1) -> Focus
     which = pair.index(name)
     member, side = pair.both[which], pair.flanks[which]
     tooth, own = member.tooth, member.mount.at(at.turns[which]).inverse
-    s, t = flank_place(tooth, side, (at.path.params1, at.path.params2)[which][0])
+    params = (at.path.params1, at.path.params2)[which][0]
+    centre = arc_centre(tooth, side, params)
+    s, t = flank_place(tooth, side, params)
     if np.isnan(at.pressure):
         return Focus(s, t, 0.0, 0.0, 0.0, 0.0, cells)
     # differences inside the flank: its grid ends at 0 and 1
     s_mid, t_mid = (float(np.clip(x, 2.0 * STEP, 1.0 - 2.0 * STEP)) for x in (s, t))
     nodes = STEP * np.array([-1.0, 1.0])
-    points = tooth.flank_grid(side, s_mid + nodes, t_mid + nodes).points
+    points = layers(tooth, t_mid + nodes, centre).flank(side, s_mid + nodes).points
     along_s = (points[1, 0] + points[1, 1] - points[0, 0] - points[0, 1]) / (4.0 * STEP)
     along_t = (points[0, 1] + points[1, 1] - points[0, 0] - points[1, 0]) / (4.0 * STEP)
     axes = own.vector(np.stack((at.semi_major * major_axis(at.path), at.semi_minor * minor_axis(at.path))))
     in_plane = np.linalg.lstsq(np.stack((along_s, along_t), axis=-1), axes.T, rcond=None)[0]
     inverse = in_plane @ in_plane.T
     form = np.linalg.inv(inverse)
-    here, there = (tooth.flank_grid(side, np.array([s_mid]), np.array([t_mid])).points[0, 0] for side in Side)
+    middle = layers(tooth, [t_mid], centre)
+    here, there = (middle.flank(side, np.array([s_mid])).points[0, 0] for side in Side)
     slope, normal = float(-form[0, 1] / form[0, 0]), own.vector(at.path.normal[0])
     return Focus(
         s,
@@ -142,26 +146,33 @@ def focus_on(pair: GearPair, name: str, at: PlacedPair, cells: int = 1) -> Focus
         half_t=float(np.sqrt(inverse[1, 1])),
         half_depth=2.0 * at.semi_minor / abs(float((here - there) @ normal)),
         cells=cells,
-        bow=_bow(tooth, side, (s_mid, t_mid), slope, normal),
+        bow=_bow(tooth, side, (s_mid, t_mid), slope, normal, centre),
     )
 
 
-def _bow(tooth: Tooth, side: Side, place: tuple[float, float], slope: float, normal: Array) -> float:
+def _bow(tooth: Tooth, side: Side, place: tuple[float, float], slope: float, normal: Array, centre: float) -> float:
     """Second derivative (mm) in t of the height over the tangent plane at a place (s, t), along ds/dt = slope."""
     step = min(BOW_STEP, BOW_STEP / max(abs(slope), 1.0))
     s, t = (float(np.clip(x, 2.0 * BOW_STEP, 1.0 - 2.0 * BOW_STEP)) for x in place)
     low, middle, high = (
-        tooth.flank_grid(side, np.array([s + k * step * slope]), np.array([t + k * step])).points[0, 0]
+        layers(tooth, [t + k * step], centre).flank(side, np.array([s + k * step * slope])).points[0, 0]
         for k in (-1.0, 0.0, 1.0)
     )
     return abs(float((low - 2.0 * middle + high) @ normal)) / step**2
 
 
+def arc_centre(tooth: Tooth, side: Side, params: Array) -> float:
+    """Running polar angle (rad) of a point of a flank with surface parameters (2,), the middle of the arc of a thread; of other
+    teeth 0."""
+    return 0.0 if tooth.screw is None else float(running_angle(tooth, tooth.side(side).flank.jet(*params).r))
+
+
 def flank_place(tooth: Tooth, side: Side, params: Array) -> tuple[float, float]:
-    """Coordinates (s, t) on the trimmed flank, s from form point to tip, of a point with surface parameters (2,)."""
+    """Coordinates (s, t) on the trimmed flank, s from form point to tip, of a point with surface parameters (2,); of a thread it is
+    in the middle of the arc."""
     flank = tooth.side(side).flank
     toe, heel = tooth.blank.extent
-    t = float((tooth.blank.axial.value(flank.jet(*params).r) - toe) / (heel - toe))
+    t = float((tooth.blank.axial.value(flank.jet(*params).r) - toe) / (heel - toe)) if tooth.screw is None else 0.5
     ends = tooth.flank_grid(side, np.array([0.0, 1.0]), np.array([np.clip(t, 0.0, 1.0)])).p
     assert ends is not None
     return float((params[0] - ends[0, 0]) / (ends[1, 0] - ends[0, 0])), t

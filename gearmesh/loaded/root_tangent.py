@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
+from gearmesh.mesh.hexahedra.layers import layers
 from gearmesh.teeth.region import FILLETS, Side
 from gearmesh.teeth.tooth import Tooth
 
@@ -25,11 +26,9 @@ SAMPLES = 129
 def tangent_weights(tooth: Tooth, side: Side, t: Array, nodes: Array) -> Array:
     """What (K, F) of values at nodes (F, 3) of a fillet, station by station of t (T,), makes the value at the tangent: one row a
     station, none for those at which no tangent has the angle."""
-    s = np.linspace(0.0, 1.0, SAMPLES)
-    fillet = tooth.grid(FILLETS[side], s if side is Side.RIGHT else s[::-1], tooth.sections(t))
-    ends = 0.5 * (
-        tooth.flank_grid(Side.RIGHT, [0.0, 1.0], t).points + tooth.flank_grid(Side.LEFT, [0.0, 1.0], t).points
-    )
+    s, sections = np.linspace(0.0, 1.0, SAMPLES), layers(tooth, t)
+    fillet = sections.grid(FILLETS[side], s if side is Side.RIGHT else s[::-1])
+    ends = 0.5 * (sections.flank(Side.RIGHT, [0.0, 1.0]).points + sections.flank(Side.LEFT, [0.0, 1.0]).points)
     along = unit(np.gradient(ends[0], axis=0))
     up = ends[1] - ends[0]
     up = unit(up - dot(up, along)[:, None] * along)

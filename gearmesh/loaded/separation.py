@@ -131,6 +131,17 @@ class NearPairs:
         of_half: NDArray[np.bool_] = np.asarray(self.half == k).reshape(-1, *(1,) * (values.ndim - 1))
         return of_half
 
+    def rotation(self, member: int) -> Array:
+        """Angles (M,), rad, of the teeth that touch about a member's own axis, counted from the direction to the other's axis."""
+        own, other = self.mounts[member], self.mounts[1 - member]
+        apart = np.atleast_2d(other.origin - own.origin)
+        both = np.cross(own.axis, other.axis)
+        # parallel or meeting axes: out of the own axis
+        apart = np.where(np.abs(dot(apart, both)) > 0.0, dot(apart, both)[..., None] * both, apart)
+        towards = own.base.inverse.vector(apart)
+        angle = np.arctan2(towards[..., 1], towards[..., 0])
+        return own.sign * (self.turns[member] - own.zero) - angle
+
     def levers(self, member: int, points: Array, normals: Array) -> Array:
         """At which levers (M, ...), mm, above 0, pressures along `normals` at `points` (M, ..., 3) turn a member about its axis."""
         first = np.moveaxis(points, 0, -2)

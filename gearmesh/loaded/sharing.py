@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus
 from gearmesh.errors import ArgumentError, Status
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.complementarity import pressures, tangent_stiffness
 from gearmesh.loaded.compliance.compliance import COARSER, FlankCompliance, flank_compliance, rim_depth
@@ -154,9 +155,11 @@ def compliances(
 
 def reach_of(gears: GearPair) -> int:
     """How many teeth apart pairs may be that are in contact at once: as many as a flank reaches over, and those that contact
-    along the profile adds; 3 at least."""
-    spans = []
+    along the profile adds; 3 at least. Of threads only what the mating gear reaches over is in contact."""
+    spans = [0.0]
     for member, side in zip(gears.both, gears.flanks, strict=True):
+        if member.one_tooth.screw is not None:
+            continue
         joint = member.tooth.joint
         points = member.tooth.flank_grid(side, np.array([0.5]), np.linspace(0.0, 1.0, STATIONS)).points[0]
         spans.append(np.ptp(joint.running(joint.angle(points))) / member.tooth.pitch_angle)
@@ -359,7 +362,13 @@ class _Problem:
         ends = np.stack([[self._slots(distances, np.inf) for distances in of_body] for of_body in grid.ends])
         local = ContactCompliance.of(self._slots(grid.dx, 1.0), self._slots(grid.dy, 1.0), cells, materials, ends)
         self.area = self._slots(grid.dx * grid.dy)
-        self.shares = [body.shares(places) for body, places in zip(bodies, grid.places, strict=True)]
+        # to where the bodies' compliance is known
+        self.to_body = [
+            body.along_helix(near.rotation(member), places)
+            for member, (body, places) in enumerate(zip(bodies, grid.places, strict=True))
+        ]
+        self.places = [_in_frame(to, places) for to, places in zip(self.to_body, grid.places, strict=True)]
+        self.shares = [body.shares(places) for body, places in zip(bodies, self.places, strict=True)]
         smooth = self._smooth()
         full = (count, self.most, *cells)
         on, gap = self._slots(grid.on), self._slots(grid.gap)
@@ -517,15 +526,20 @@ class _Problem:
         for member, body in enumerate(self.bodies):
             pressed = Pressed(
                 self.line,
-                self.grid.places[member],
+                self.places[member],
                 self._teeth(member),
                 self._couples(member),
                 self.materials[member].poisson_ratio,
             )
             own = root_stress(body, body.coarser, pressed)
-            turned = mounts[member].at(self.near.turns[member]).point(own.place)
+            turned = mounts[member].at(self.near.turns[member]).point(self.to_body[member].inverse.point(own.place))
             of_members.append(replace(own, place=self.near.in_place(turned)))
         return RootStress.join(*of_members)
+
+
+def _in_frame(motion: Rigid, points: Array) -> Array:
+    """Points (M, X, 3) moved by a motion, or by one (M,) each."""
+    return motion.point(points) if motion.rotation.ndim == 2 else motion.point(points.swapaxes(0, 1)).swapaxes(0, 1)
 
 
 def alike(grid: Separation) -> NDArray[np.bool_]:

@@ -56,6 +56,11 @@ EVEN_STATIONS = 25
 MOST_HEIGHTS = 64
 #: stations in a turn of a tooth that winds round its axis
 TURN_STATIONS = 24
+#: threads go round so many times as far as along their axis, at the tip; places at which it is asked each way whether flanks are
+#: screw surfaces, and by what share of itself their advance may differ
+STEEP, SCREW_PLACES, SAME_SCREW = 1.8, 3, 1e-6
+#: share of their mean by which the advances of both sides may differ, of threads of two leads
+MOST_APART = 0.5
 #: stations at which a tooth is tried before anything else is made of it
 PROOF_STATIONS = 9
 #: share of a link from its ends within which a break is none of its seams
@@ -292,6 +297,34 @@ class Tooth:
         spin = float(np.linalg.norm(self.joint.spin(Rigid.identity())))
         turning = float((dot(tip.n, along_axis) / dot(tip.n, around))[0])
         return spin * abs((heel - toe) * turning) / (2.0 * np.pi)
+
+    @cached_property
+    def screw(self) -> float | None:
+        """Axial advance (mm/rad, negative of left-hand threads) of a thread; None of other teeth.
+
+        Threads are screw surfaces, as their tools leave them, whose way along the helix is `STEEP` times that along the axis; with
+        a screw parameter for either side it is their mean.
+        """
+        if self.joint.travel is not None or self.windings == 0.0:
+            return None
+        tooth, screws = self.unmodified_tooth, []
+        for side in Side:
+            grid = tooth.flank_grid(side, np.linspace(0.0, 1.0, SCREW_PLACES), np.linspace(0.0, 1.0, SCREW_PLACES))
+            # of a screw surface the motion along the helix is at right angles to all normals
+            around = grid.points[..., 1] * grid.normals[..., 0] - grid.points[..., 0] * grid.normals[..., 1]
+            own = around / grid.normals[..., 2]
+            if not np.ptp(own) <= SAME_SCREW * abs(own.mean()):
+                return None
+            screws.append(float(own.mean()))
+        screw, apart = 0.5 * sum(screws), abs(screws[0] - screws[1])
+        reach = float(self.joint.radius(self._middle_tip.r)[0])
+        # teeth that taper, as beveloids do, wind to either side
+        return screw if reach > STEEP * abs(screw) and apart < MOST_APART * abs(screw) else None
+
+    @property
+    def sharp_tip(self) -> Tooth:
+        """The tooth without what is drawn at its tip: rounding or chamfer."""
+        return self if self.tip_edge is None else replace(self, tip_edge=None)
 
     @cached_property
     def _middle_tip(self) -> Jet:

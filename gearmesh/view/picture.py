@@ -30,26 +30,9 @@ class Picture:
         return f"<Picture: {self.scene.title}, {width} x {height}>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a file, whole or not at all.
+        """Draw into a .png file, whole or not at all.
 
-        Parameters
-        ----------
-        path : str or os.PathLike
-            A .png file.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        OutputError
-            Naming the missing system package where there is no OpenGL, and for another suffix.
-
-        Examples
-        --------
-        >>> gears.picture("contact", size=(400, 300)).save("contact.png")
+        Raises OutputError naming the missing system package where there is no OpenGL, and for another suffix.
         """
         from gearmesh.view.opengl import missing_opengl_message
         from gearmesh.view.render import render
@@ -82,27 +65,7 @@ class Diagram:
         return f"<Diagram: {self.title}>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a file, whole or not at all.
-
-        Parameters
-        ----------
-        path : str or os.PathLike
-            A .png, .svg or .pdf file.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        OutputError
-            For another suffix.
-
-        Examples
-        --------
-        >>> gears.picture("te").save("te.svg")
-        """
+        """Draw into a .png, .svg or .pdf file, whole or not at all. Raises OutputError for another suffix."""
         self.draw(Path(path))
         return Path(path)
 
@@ -124,27 +87,7 @@ class Animation:
         return f"<Animation: {self.scenes[0].title}, {len(self.scenes)} pictures>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a file, whole or not at all.
-
-        Parameters
-        ----------
-        path : str or os.PathLike
-            A .gif file.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        OutputError
-            For another suffix, or where there is no OpenGL.
-
-        Examples
-        --------
-        >>> gears.animation(size=(320, 240)).save("mesh.gif")
-        """
+        """Draw into a .gif file, whole or not at all. Raises OutputError for another suffix, or where there is no OpenGL."""
         from gearmesh.view.mesh_section import write_animation
 
         write_animation(Path(path), list(self.scenes))

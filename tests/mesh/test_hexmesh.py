@@ -24,6 +24,7 @@ from gearmesh.mesh.hexahedra.grading import Spacing
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, rim_of
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh, join
+from gearmesh.mesh.hexahedra.layers import layers
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
 from gearmesh.teeth.gear_train import GearPair, Member
@@ -244,10 +245,10 @@ def test_mid_side_nodes_are_in_the_middle() -> None:
 def test_rim_has_the_thickness_asked_for_and_fits_the_body() -> None:
     member = pair("spiral_bevel_basic").gear
     tooth = member.tooth
-    sections = tooth.sections(np.linspace(0.0, 1.0, 5))
+    sections = layers(tooth, np.linspace(0.0, 1.0, 5))
     mesh = mesh_of(member, 1, rim=2.0)
     on_cut = [np.intersect1d(mesh.face_nodes("cut_right"), mesh.face_nodes(name)) for name in ("root", "rim")]
-    chart = rim_of(tooth, sections, None)[0]
+    chart = rim_of(sections, None)[0]
     heights = []
     for nodes in on_cut:
         points = mesh.nodes[nodes]

@@ -40,6 +40,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.hertz import Material
 from gearmesh.errors import DesignError
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.loaded.compliance.half_space import point_displacements
 from gearmesh.loaded.compliance.incompatible_modes import CORNERS, corner_stresses, stiffness, unknowns
@@ -50,6 +51,7 @@ from gearmesh.loaded.compliance.threads import one_thread
 from gearmesh.loaded.root_tangent import tangent_weights
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, on_breaks, on_stations, usual_rim, whole_rim
 from gearmesh.mesh.hexahedra.hexes import HexMesh
+from gearmesh.mesh.hexahedra.layers import layers, running_angle
 from gearmesh.teeth.blank.body import Disc
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
@@ -118,6 +120,19 @@ class FilletStress:
         """The same where tooth `loaded`, counted the way it moves, is loaded: of a whole gear it is alike for all."""
         return self
 
+    def along_helix(self, turned: Array, places: Array) -> Rigid:
+        """Motions (M,) to the frame in which `points` are from the tooth's own, turned by angles (M,), rad; places (M, X, 3) of it.
+
+        Of threads an arc about the x axis is known, and a thread is the same after a screw motion along its helix.
+        """
+        screw = self.tooth.screw
+        if screw is None:
+            return Rigid.identity()
+        here = running_angle(self.tooth, places).mean(axis=1) + turned
+        angle = turned - 2.0 * np.pi * np.round(np.median(here) / (2.0 * np.pi))
+        about = Rigid.about_z(angle)
+        return Rigid(about.rotation, angle[:, None] * np.array([0.0, 0.0, screw]))
+
     @cached_property
     def ends(self) -> tuple[EndPlane, EndPlane]:
         """Planes of the end faces at toe and heel, at right angles to the flank."""
@@ -148,8 +163,12 @@ class FilletStress:
         return stations[0], heights
 
     def _coordinates(self, places: Array) -> tuple[Array, Array]:
-        """Places (..., 3) along the face, and from form point to tip, mm, both rising."""
+        """Places (..., 3) along the face, and from form point to tip, mm, both rising; of threads round the axis, rad."""
         blank = self.tooth.blank
+        if self.tooth.screw is not None:
+            return np.sign(self.tooth.screw) * np.arctan2(places[..., 1], places[..., 0]), np.hypot(
+                places[..., 0], places[..., 1]
+            )
         (toe, heel), up = (
             blank.extent,
             np.sign(blank.across.value(self.points[-1, 0]) - blank.across.value(self.points[0, 0])),
@@ -212,7 +231,8 @@ def flank_compliance(
     is from convergence, by default none.
     """
     deep = whole_rim(_without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
-    count = int(min(tooth.joint.cycle(tooth.teeth), max(tooth.teeth, BAR)))
+    around = np.inf if tooth.screw is not None else tooth.joint.cycle(tooth.teeth)
+    count = int(min(around, max(tooth.teeth, BAR)))
 
     def of(wanted: Cells, dented: bool) -> tuple[Sector, FilletStress, Array]:
         sector = Sector.of(tooth, side, material, wanted, deep)
@@ -321,8 +341,8 @@ class Sector:
         parts = np.ones(len(mesh.elements)) if web is None else inside(web, mesh.nodes[mesh.elements])
         # nodes without material move with nothing and hold nothing
         bare = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.elements[parts > 0.0])
-        exact = tooth.flank_grid(side, grid.lines.flank, grid.t)
-        step = tooth.joint.to(tooth.pitch_angle)
+        sections = layers(tooth, grid.t)
+        exact, step = sections.flank(side, grid.lines.flank), sections.step
         held = np.union1d(mesh.node_sets["rim"], bare)
         right = np.setdiff1d(mesh.node_sets["cut_right"], held)
         left = np.setdiff1d(mesh.node_sets["cut_left"], held)

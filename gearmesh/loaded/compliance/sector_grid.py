@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearmesh.mesh.hexahedra.hexahedra import Cells, HexGrid, plain_grid
+from gearmesh.mesh.hexahedra.layers import layers
 from gearmesh.teeth.region import FILLETS, Side
 from gearmesh.teeth.tooth import Tooth
 
@@ -31,6 +32,8 @@ SLENDER, MOST_LAYERS = 2.0, 1.75
 #: an eighth of the flank at its lower end over the length of the fillet from which on lines crowd down the flank, and at which they
 #: do by the power of 2: its lowest element is an eighth of that eighth then
 LONG, LONGEST = 0.3, 0.5
+#: how many times as many elements follow each other along the arc of a thread as along a face
+LONGER = 2
 #: elements of the flank that is meant
 EIGHTHS = 8
 #: stations, and places on a fillet, at which it is measured
@@ -49,10 +52,11 @@ class FilletSize:
     @staticmethod
     def of(tooth: Tooth, side: Side) -> FilletSize:
         t, s = np.linspace(0.0, 1.0, STATIONS), np.linspace(0.0, 1.0, PLACES)
-        points = tooth.grid(FILLETS[side], s, tooth.sections(t)).points
+        sections = layers(tooth, t)
+        points = sections.grid(FILLETS[side], s).points
         length = np.linalg.norm(np.diff(points, axis=0), axis=-1).sum(axis=0).mean()
-        low = tooth.flank_grid(side, np.array([0.0, 1.0 / EIGHTHS]), t).points
-        other = tooth.flank_grid(side.other, np.array([0.0]), t).points[0]
+        low = sections.flank(side, np.array([0.0, 1.0 / EIGHTHS])).points
+        other = sections.flank(side.other, np.array([0.0])).points[0]
         half, eighth = 0.5 * np.linalg.norm(low[0] - other, axis=-1), np.linalg.norm(low[1] - low[0], axis=-1)
         return FilletSize(float(length), float(half.mean()), float(eighth.mean()))
 
@@ -72,7 +76,8 @@ def sector_grid(tooth: Tooth, side: Side, cells: Cells, rim: float = CROWDED_RIM
     """Lines for the stress in the fillet of a loaded side: `cells` as they are asked for where it is as large as on involute teeth,
     more layers and lines down the flank where it is sharp; in the rim they crowd under the tooth by the power `rim`."""
     size = FilletSize.of(tooth, side)
-    grid = crowd(plain_grid(replace(cells, thickness=round(cells.thickness * size.layers))), rim)
+    face = cells.face if tooth.screw is None else LONGER * cells.face
+    grid = crowd(plain_grid(replace(cells, thickness=round(cells.thickness * size.layers), face=face)), rim)
     if size.power == 1.0:
         return grid
     flank = grid.lines.flank**size.power

@@ -18,15 +18,14 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.grading import Spacing, uniform
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh
-from gearmesh.mesh.hexahedra.section_lattice import Chart, FlatChart, HalfLattice, Lines, SectionChart, tooth_lattice
-from gearmesh.teeth.region import FLANKS, Region, Side
-from gearmesh.teeth.section import Sections, breaks
+from gearmesh.mesh.hexahedra.layers import Base, Chart, Layers, layers
+from gearmesh.mesh.hexahedra.section_lattice import HalfLattice, Lines, tooth_lattice
+from gearmesh.teeth.region import FLANKS, Side
+from gearmesh.teeth.section import breaks
 from gearmesh.teeth.tooth import Tooth
 
 #: rim under the root over the whole depth of the teeth
 RIM_DEPTH = 1.2
-#: share of the way to the axis that the rim of a gear without bore may take
-SOLID_SHARE = 0.8
 #: growth of cell sizes away from the contact, per unit of distance
 GROWTH = 0.4
 #: least numbers of cells along, across and through where they follow from a contact ellipse
@@ -96,13 +95,15 @@ class HexGrid:
 
     `others` (F + 1,): places of the other teeth's lines from form point to tip; they share all else. `own` (F + 1,) or (F + 1, T
     + 1):
-    those of some other teeth that have lines of their own, by the tooth's place.
+    those of some other teeth that have lines of their own, by the tooth's place. `centre`: running polar angle (rad) of the middle
+    of the arc of threads (`layers`).
     """
 
     t: Array
     lines: Lines
     others: Array
     own: Mapping[int, Array] = field(default_factory=dict)
+    centre: float = 0.0
 
 
 def plain_grid(cells: Cells) -> HexGrid:
@@ -201,7 +202,8 @@ def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
     lines = replace(grid.lines, flank=_snap(grid.lines.flank, seams))
     others = lines.flank if grid.others is grid.lines.flank else _snap(grid.others, seams)
     own = {place: _snap(nodes, seams) for place, nodes in grid.own.items()}
-    return HexGrid(_snap(grid.t, tooth.face_breaks), lines, others, own)
+    t = grid.t if tooth.screw is not None else _snap(grid.t, tooth.face_breaks)
+    return HexGrid(t, lines, others, own, grid.centre)
 
 
 def on_stations(grid: HexGrid, places: Array) -> HexGrid:
@@ -221,7 +223,7 @@ def with_stations(grid: HexGrid, places: Array) -> HexGrid:
 
     lines, others = replace(moved.lines, flank=at(moved.lines.flank)), at(moved.others)
     others = lines.flank if moved.others is moved.lines.flank else others
-    return HexGrid(t, lines, others, {place: at(nodes) for place, nodes in moved.own.items()})
+    return HexGrid(t, lines, others, {place: at(nodes) for place, nodes in moved.own.items()}, grid.centre)
 
 
 def _snap(places: Array, wanted: Array) -> Array:
@@ -255,7 +257,7 @@ def halve(grid: HexGrid) -> HexGrid:
         fine = replace(fine, flank=_with_middles(fine.flank.T).T)
     own = {place: _with_middles(nodes) for place, nodes in grid.own.items()}
     own = {place: _with_middles(nodes.T).T if nodes.ndim == 2 else nodes for place, nodes in own.items()}
-    return HexGrid(_with_middles(grid.t), fine, _with_middles(grid.others), own)
+    return HexGrid(_with_middles(grid.t), fine, _with_middles(grid.others), own, grid.centre)
 
 
 def _with_middles(places: Array) -> Array:
@@ -298,90 +300,71 @@ def toothed_rim(
     tooth: Tooth, teeth: Index, grid: HexGrid, rim: float | None = None, *, second_order: bool = False
 ) -> ToothedRim:
     """Hexahedra as those of `hex_mesh`, and the nodes of the rim's inner face."""
-    if tooth.teeth < 2:
+    if tooth.teeth < 2 and tooth.screw is None:
         reason = "hexahedra of a tooth end between it and its neighbours"
         raise DesignError("teeth", tooth.teeth, reason=reason, allowed="at least 2")
     grid = on_breaks(tooth, grid)
     fine = halve(grid) if second_order else grid
-    sections = tooth.sections(fine.t)
-    chart, inner = rim_of(tooth, sections, rim)
-    leading = tooth_lattice(tooth, sections, fine.lines, chart, inner)
+    sections = layers(tooth, fine.t, fine.centre)
+    tooth = sections.tooth
+    chart, inner = rim_of(sections, rim)
+    leading = tooth_lattice(sections, fine.lines, chart, inner)
     other = leading
     if len(teeth) > 1 and fine.others is not fine.lines.flank:
-        other = tooth_lattice(tooth, sections, replace(fine.lines, flank=fine.others), chart, inner)
+        other = tooth_lattice(sections, replace(fine.lines, flank=fine.others), chart, inner)
     rho_inner = tooth.joint.radius(leading[0].lower[0, -1])
     reaches_bore = bool(np.allclose(rho_inner, tooth.blank.body.bore_radius, rtol=0.0, atol=1e-9))
     step = 2 if second_order else 1
     edges = 0 if tooth.tip_edge is None else fine.lines.edge // step
     lattices = {place: other if place else leading for place in teeth.tolist()} | {
-        place: tooth_lattice(tooth, sections, replace(fine.lines, flank=fine.own[place]), chart, inner)
+        place: tooth_lattice(sections, replace(fine.lines, flank=fine.own[place]), chart, inner)
         for place in np.intersect1d(teeth, list(fine.own)).tolist()
     }
-    layout = _Layout(
-        [lattices[place] for place in teeth.tolist()], len(teeth) == tooth.joint.cycle(tooth.teeth), step, edges
-    )
-    return layout.mesh(tooth.joint.to(teeth * tooth.pitch_angle), reaches_bore)
+    closed = tooth.screw is None and len(teeth) == tooth.joint.cycle(tooth.teeth)
+    layout = _Layout([lattices[place] for place in teeth.tolist()], closed, step, edges)
+    return layout.mesh(sections.places(teeth), reaches_bore)
 
 
-def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Chart, Array]:
+def rim_of(sections: Layers, rim: float | None) -> tuple[Chart, Array]:
     """Chart of the sections, and the height u (T,), mm, of the rim's inner face in them.
 
     Raises DesignError for a rim thicker than the body.
     """
-    chart, tip, room = _under(tooth, sections)
-    root = chart.reference
-    if rim is not None and rim > room.max() * (1.0 + 1e-9):
+    base = sections.base
+    if rim is not None and rim > base.room.max() * (1.0 + 1e-9):
         raise DesignError(
-            "rim", rim, unit="mm", must_be=f"at most {room.max():.6g} mm, the depth of the body under the teeth"
+            "rim", rim, unit="mm", must_be=f"at most {base.room.max():.6g} mm, the depth of the body under the teeth"
         )
-    wanted = _usual(chart, tip, room) if rim is None else rim
-    return chart, root - np.minimum(wanted, room)
+    wanted = _usual(base) if rim is None else rim
+    return base.chart, base.root - np.minimum(wanted, base.room)
 
 
 def usual_rim(tooth: Tooth, t: Array) -> float:
     """The rim, mm, of `RIM_DEPTH` whole depths of the middle of stations t (T,), less where the body has less."""
-    return _usual(*_under(tooth, tooth.sections(t)))
+    return _usual(layers(tooth, t).base)
 
 
-def _usual(chart: Chart, tip: Array, room: Array) -> float:
-    root = chart.reference
-    return min(RIM_DEPTH * float((tip - root)[len(root) // 2]), float(room.max()))
+def _usual(base: Base) -> float:
+    return min(RIM_DEPTH * _depth(base), float(base.room.max()))
+
+
+def _depth(base: Base) -> float:
+    return float((base.tip - base.root)[len(base.root) // 2])
 
 
 def whole_rim(tooth: Tooth, t: Array) -> float:
     """The thickest rim, mm, that the body has under the root at stations t (T,): down to the bore, if there is one."""
-    return float(_under(tooth, tooth.sections(t))[2].max())
+    return float(layers(tooth, t).base.room.max())
 
 
 def whole_depth(tooth: Tooth, t: Array) -> float:
     """Depth (mm) from root to tip in the middle of stations t (T,)."""
-    chart, tip, _ = _under(tooth, tooth.sections(t))
-    return float((tip - chart.reference)[len(t) // 2])
+    return _depth(layers(tooth, t).base)
 
 
 def least_room(tooth: Tooth, t: Array) -> float:
     """The least room (mm) that the body has under the root at stations t (T,)."""
-    return float(_under(tooth, tooth.sections(t))[2].min())
-
-
-def _under(tooth: Tooth, sections: Sections) -> tuple[Chart, Array, Array]:
-    """Chart of the sections from the root on, heights u (T,), mm, of the tip in it, and the room (T,) under the root."""
-    blank = tooth.blank
-    middle = (sections.right.tip_angle + sections.left.tip_angle) / 2.0
-    none = np.zeros_like(sections.t)
-    chart: SectionChart | FlatChart = SectionChart(blank.axial, sections.stations, none, middle)
-    if tooth.joint.travel is not None:
-        chart = FlatChart(sections.stations, none, tooth.joint.travel * middle)
-    root, tip = (
-        chart.height(tooth.joint.radius(points), points[:, 2])
-        for points in (tooth.grid(name, np.array([0.5]), sections).points[0] for name in (Region.ROOT, Region.LAND))
-    )
-    (rho_toe, z_toe), (rho_heel, z_heel) = blank.body.profile[0], blank.body.profile[-1]
-    ends = chart.height(np.array([rho_toe, rho_heel]), np.array([z_toe, z_heel]))
-    room = root - (ends[0] + sections.t * (ends[1] - ends[0]))
-    if blank.body.solid:
-        room = room * SOLID_SHARE
-    return replace(chart, reference=root), tip, room
+    return float(layers(tooth, t).base.room.min())
 
 
 class _Layout:

@@ -20,16 +20,13 @@ round the axis are straight lines; sections of constant station are planes, cone
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.levels import Level, station_normal
+from gearmesh.mesh.hexahedra.layers import Chart, Layers
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
-from gearmesh.teeth.section import Sections
-from gearmesh.teeth.tooth import Tooth
 
 #: how far up from the root land towards the form point the lines J - M and M - K meet on the middle of the tooth
 MEETING = 0.35
@@ -37,99 +34,6 @@ MEETING = 0.35
 LEAST_ROOT = 0.4
 #: points at which the lengths of the outline's links are measured
 LENGTH_SAMPLES = 65
-
-
-class Chart(Protocol):
-    """Plane coordinates (X, Y) of points on sections of constant station (T,), X growing out of the body, Y the way it moves."""
-
-    @property
-    def reference(self) -> Array:
-        """u (T,), mm, at X = 0."""
-
-    def height(self, reach: Array, z: Array) -> Array:
-        """u, mm, of places of so much reach (mm, from the axis)."""
-
-    def to_chart(self, points: Array) -> Array:
-        """(..., T, 2) of points (..., T, 3)."""
-
-    def depth(self, height: Array) -> Array:
-        """X of heights u (..., T)."""
-
-    def from_chart(self, chart: Array) -> Array:
-        """Points (..., T, 3) of chart coordinates (..., T, 2)."""
-
-
-@dataclass(frozen=True)
-class FlatChart:
-    """The sections of a bar, planes of constant z = `stations` (T,), as they are: X = x - `reference`, Y = y - `middle` (T,)."""
-
-    stations: Array
-    reference: Array
-    middle: Array
-
-    def height(self, reach: Array, z: Array) -> Array:
-        return reach
-
-    def to_chart(self, points: Array) -> Array:
-        return np.stack((points[..., 0] - self.reference, points[..., 1] - self.middle), axis=-1)
-
-    def depth(self, height: Array) -> Array:
-        return height - self.reference
-
-    def from_chart(self, chart: Array) -> Array:
-        x, y = chart[..., 0] + self.reference, chart[..., 1] + self.middle
-        return np.stack((x, y, np.broadcast_to(self.stations, x.shape)), axis=-1)
-
-
-@dataclass(frozen=True)
-class SectionChart:
-    """Conformal coordinates (X, Y) of points on sections of constant station (T,): Y the polar angle, X = int du / rho.
-
-    u runs along the section's generatrix, outwards, mm; X = 0 at u = `reference` (T,), Y = 0 at the polar angle `turn` (T,).
-    """
-
-    level: Level
-    stations: Array
-    reference: Array
-    turn: Array
-
-    def height(self, rho: Array, z: Array) -> Array:
-        """u, mm, along the generatrix."""
-        a, b = station_normal(self.level)
-        return b * rho - a * z
-
-    def to_chart(self, points: Array) -> Array:
-        """(..., T, 2) of points (..., T, 3)."""
-        rho = np.hypot(points[..., 0], points[..., 1])
-        cos, sin = np.cos(self.turn), np.sin(self.turn)
-        x, y = points[..., 0] * cos + points[..., 1] * sin, points[..., 1] * cos - points[..., 0] * sin
-        return np.stack((self.depth(self.height(rho, points[..., 2])), np.arctan2(y, x)), axis=-1)
-
-    def depth(self, height: Array) -> Array:
-        """X of heights u (..., T)."""
-        slope = station_normal(self.level)[1]
-        change = (height - self.reference) / self._rho_at_reference
-        return np.log1p(slope * change) / slope if abs(slope) > 1e-9 else change
-
-    def from_chart(self, chart: Array) -> Array:
-        """Points (..., T, 3) of chart coordinates (..., T, 2)."""
-        a, b = station_normal(self.level)
-        change = np.expm1(b * chart[..., 0]) / b if abs(b) > 1e-9 else chart[..., 0]
-        u = self.reference + change * self._rho_at_reference
-        v = self._across
-        rho, z = b * u + a * v, b * v - a * u
-        angle = chart[..., 1] + self.turn
-        return np.stack((rho * np.cos(angle), rho * np.sin(angle), z), axis=-1)
-
-    @property
-    def _across(self) -> Array:
-        """Distance (T,), mm, of the sections from the origin, along the gradient."""
-        return self.stations - float(self.level.value(np.zeros(3)))
-
-    @property
-    def _rho_at_reference(self) -> Array:
-        a, b = station_normal(self.level)
-        return b * self.reference + a * self._across
 
 
 def transfinite(low_s: Array, high_s: Array, low_d: Array, high_d: Array) -> Array:
@@ -189,11 +93,9 @@ class HalfLattice:
     root_cells: NDArray[np.bool_]
 
 
-def tooth_lattice(
-    tooth: Tooth, sections: Sections, lines: Lines, chart: Chart, inner: Array
-) -> tuple[HalfLattice, HalfLattice]:
+def tooth_lattice(layers: Layers, lines: Lines, chart: Chart, inner: Array) -> tuple[HalfLattice, HalfLattice]:
     """Nodes of the right and of the left half of a tooth; `inner` (T,): height u of the rim's inner face."""
-    outlines = [_outline(tooth, sections, side, lines) for side in Side]
+    outlines = [_outline(layers, side, lines) for side in Side]
     low, flank, land = ([chart.to_chart(getattr(o, name)) for o in outlines] for name in ("low", "flank", "land"))
     bottom, root = chart.depth(inner), 0.5 * (low[0][0, :, 0] + low[1][0, :, 0])
     meeting, centre = 0.5 * (low[0][-1] + low[1][-1]), 0.5 * (low[0][0, :, 1] + low[1][0, :, 1])
@@ -224,11 +126,11 @@ class _Outline:
     root_cells: NDArray[np.bool_]
 
 
-def _outline(tooth: Tooth, sections: Sections, side: Side, lines: Lines) -> _Outline:
-    links = _Links(tooth, sections, side)
+def _outline(layers: Layers, side: Side, lines: Lines) -> _Outline:
+    links = _Links(layers, side)
     low, root_cells = links.from_cut_to_form_point(lines.root, lines.land)
     flank = links.points(FLANKS[side], lines.flank)
-    if tooth.tip_edge is not None:
+    if layers.tooth.tip_edge is not None:
         flank = np.concatenate((flank, links.points(EDGES[side], np.linspace(0.0, 1.0, lines.edge + 1))[1:]))
     return _Outline(low, flank, links.points(Region.LAND, lines.thickness), root_cells)
 
@@ -236,18 +138,17 @@ def _outline(tooth: Tooth, sections: Sections, side: Side, lines: Lines) -> _Out
 class _Links:
     """The links of one side of a tooth's outline with every link running from the cut towards the land."""
 
-    def __init__(self, tooth: Tooth, sections: Sections, side: Side) -> None:
-        self._tooth, self._sections, self._side = tooth, sections, side
+    def __init__(self, layers: Layers, side: Side) -> None:
+        self._layers, self._side = layers, side
 
     def points(self, region: Region, s: Array) -> Array:
         """Exact points (S, T, 3) at s (S,) or (S, T); halves of root and land count to their middles."""
         right = self._side is Side.RIGHT
         if region in (Region.ROOT, Region.LAND):
             place = 0.5 * s + 0.5 if region is Region.ROOT else 0.5 * s
-            points = self._tooth.grid(region, place if right else 1.0 - place, self._sections).points
-            turn = region is Region.ROOT and not right
-            return self._tooth.joint.to(self._tooth.pitch_angle).point(points) if turn else points
-        return self._tooth.grid(region, s if right else 1.0 - s, self._sections).points
+            points = self._layers.grid(region, place if right else 1.0 - place).points
+            return self._layers.step.point(points) if region is Region.ROOT and not right else points
+        return self._layers.grid(region, s if right else 1.0 - s).points
 
     def from_cut_to_form_point(self, cells: int, land: float) -> tuple[Array, NDArray[np.bool_]]:
         """Nodes (cells + 1, T, 3) over root land and fillet, and which cells lie on the root land.

@@ -28,6 +28,7 @@ from gearmesh.mesh.hexahedra.hexahedra import (
     with_stations,
 )
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh
+from gearmesh.mesh.hexahedra.layers import layers
 from gearmesh.mesh.hexahedra.meridian_grid import (
     MeridianGrid,
     MeridianOutline,
@@ -106,7 +107,7 @@ def _with_core(tooth: Tooth, body: Body) -> Body:
 
 def _thickness(tooth: Tooth, grid: HexGrid, rim: float | None) -> float:
     """Thickness (mm) of the rim: that of `hex_mesh`, less where the body has no room for it all along."""
-    chart, inner = rim_of(tooth, tooth.sections(grid.t), rim)
+    chart, inner = rim_of(layers(tooth, grid.t), rim)
     room = RIM_SHARE * least_room(tooth, grid.t)
     if room <= 0.0:
         raise DesignError("fe.body", "whole", reason="the body reaches up to the roots", allowed='"rim"')
@@ -115,7 +116,7 @@ def _thickness(tooth: Tooth, grid: HexGrid, rim: float | None) -> float:
 
 def _meridian(tooth: Tooth, t: Array, rim: float) -> Array:
     """The rim's inner face (T, 2), (rho, z), at stations t (T,)."""
-    chart, inner = rim_of(tooth, tooth.sections(t), rim)
+    chart, inner = rim_of(layers(tooth, t), rim)
     depth = chart.depth(inner)
     points = chart.from_chart(np.stack((depth, np.zeros_like(depth)), axis=-1))
     return np.stack((np.hypot(points[:, 0], points[:, 1]), points[:, 2]), axis=-1)

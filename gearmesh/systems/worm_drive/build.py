@@ -51,9 +51,13 @@ TOOLS = {
     ThreadForm.ZC: "grinding disk",
 }
 
-#: what helps against a wheel that cannot be trimmed: the key that is named, what is allowed, and the keys of which more (1) or less
-#: (-1) may mend it
-REMEDIES = {
+#: what helps against a worm and against a wheel that cannot be trimmed: the key that is named, what is allowed, and the keys of
+#: which more (1) or less (-1) may mend it
+WORM_REMEDIES = dict.fromkeys(
+    ("flank", "undercut", "root"),
+    ("dedendum", "less", {"worm.dedendum": -1, "worm.root_rounding": -1, "worm.thickness": 0}),
+)
+WHEEL_REMEDIES = {
     "flank": ("face_width", "less", {"wheel.face_width": -1, "wheel.profile_shift": 0, "center_distance": 0}),
     "undercut": (
         "profile_shift",
@@ -249,7 +253,8 @@ def _prove(name: str, tooth: Tooth, spec: MemberBody) -> Tooth:
         tooth.prove()
     except TrimError as failure:
         vague = VagueError if failure.what in ("undercut", "flank", "root", "tip") else DesignError
-        key, allowed, remedies = REMEDIES.get(failure.what, ("addendum", "less", {}))
+        remedies_of = WORM_REMEDIES if name == "worm" else WHEEL_REMEDIES
+        key, allowed, remedies = remedies_of.get(failure.what, ("addendum", "less", {}))
         raise vague(
             f"{name}.{key}",
             getattr(spec, key),
