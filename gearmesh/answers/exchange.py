@@ -97,7 +97,23 @@ class RexsReading(Result):
         whole_text(target, self.text(target.parent))
 
     def text(self, folder: Path) -> str:
-        """The design file; names of other files in it are counted from the `folder` where it is to be."""
+        """The design file of the stage that was read.
+
+        Parameters
+        ----------
+        folder : Path
+            Where it is to be: names of other files in it are counted from there.
+
+        Returns
+        -------
+        str
+            TOML text.
+
+        Examples
+        --------
+        >>> gears.rexs().save("pair.rexs")
+        >>> gm.load_rexs("pair.rexs").text(Path("."))
+        """
         lines = [
             f"# torque on {one.gear}{f', load case {one.load_case}' if one.load_case else ''}: {one.torque_Nm:.12g} Nm\n"
             for one in self.torques
@@ -110,7 +126,7 @@ def load_rexs(file: str | os.PathLike[str], stage: str | None = None) -> RexsRea
 
     Parameters
     ----------
-    file : str or os.PathLike
+    file : str or os.PathLike[str]
         The file.
     stage : str, optional
         Id of the stage; it may be left out where the file has one.
@@ -124,6 +140,12 @@ def load_rexs(file: str | os.PathLike[str], stage: str | None = None) -> RexsRea
     ------
     DesignError
         One line: a file that cannot be read, a stage that is not there, gears that are impossible.
+
+    Examples
+    --------
+    >>> gears.rexs().save("pair.rexs")
+    >>> gm.load_rexs("pair.rexs").design.kind
+    'cylindrical'
     """
     path = Path(file)
     model = read_rexs(path)

@@ -157,7 +157,27 @@ class GearSet:
         return systems.ToolPart(member) if self._parts is None else self._parts[name]
 
     def member(self, name: str) -> Member:
-        """A member. Raises DesignError for one that there is not."""
+        """A member: its exact teeth, its body, its mounting.
+
+        Parameters
+        ----------
+        name : str
+            Its name, as "pinion", "gear", "planet_1".
+
+        Returns
+        -------
+        Member
+            As built.
+
+        Raises
+        ------
+        DesignError
+            For one that there is not.
+
+        Examples
+        --------
+        >>> gears.member("pinion").tooth.teeth
+        """
         if name not in self.members:
             raise ArgumentError("member", name, must_be=f"one of {', '.join(self.members)}")
         return self.members[name]
@@ -171,9 +191,28 @@ class GearSet:
         return self.places_at(0.0)
 
     def places_at(self, phi1: float) -> dict[str, Rigid]:
-        """The same at the contact of another `phi1` (deg), which is that of the first pair's pinion, or of a gear alone.
+        """Where the members are, in the fixed frame, when the gears touch at a rotation.
 
-        Raises ArgumentError for what is no angle, NoSolutionError as `places`.
+        Parameters
+        ----------
+        phi1 : float
+            Rotation of the first pair's pinion, or of a gear alone, deg.
+
+        Returns
+        -------
+        dict of str to Rigid
+            Own frame to fixed frame, by the members' names.
+
+        Raises
+        ------
+        ArgumentError
+            For what is no angle.
+        NoSolutionError
+            Where the pair has no contact there.
+
+        Examples
+        --------
+        >>> gears.places_at(5.0)["gear"].point(np.array([0.0, 0.0, 10.0]))
         """
         from gearmesh.contact.engagement.train_turns import leading_turns
 

@@ -110,7 +110,22 @@ class PlanetarySizing(DesignChoice):
         return self.first_sets(len(self.candidates))
 
     def first_sets(self, most: int) -> list[Listing]:
-        """The first sets, at most so many, and how many were rejected for which reason, as tables."""
+        """The first sets, and how many were rejected for which reason, as tables.
+
+        Parameters
+        ----------
+        most : int
+            How many at most.
+
+        Returns
+        -------
+        list of Listing
+            Tables to be printed.
+
+        Examples
+        --------
+        >>> gm.size_planetary(5.2, outside_diameter=150, module=2).first_sets(3)
+        """
         heads: tuple[str, ...] = (
             "",
             "m",
@@ -214,11 +229,49 @@ def size_planetary(
     unequal: bool = False,
     face_width: Length | None = None,
 ) -> PlanetarySizing:
-    """All planetary sets with a `ratio`, of the ring's `outside_diameter` or a `center_distance`, or both (mm, or with a unit).
+    """All planetary sets with a ratio, of a ring's outside diameter, a centre distance, or both.
 
-    Without `module` those of ISO 54 are tried; `fixed` is the member for which the ratio counts; `helix` (deg) and `shifts` (sum of
-    sun and planet) are ranges, `tolerance` is that of the ratio, relative; `unequal` admits planets that cannot be equally spaced.
-    Raises DesignError, naming key, value and what is allowed, for wishes that make no sense and where there is no such set.
+    Parameters
+    ----------
+    ratio : float
+        Of the sun's speed to the output's, for the `fixed` member.
+    outside_diameter : Length, optional
+        Of the ring, mm.
+    center_distance : Length, optional
+        mm.
+    module : Length, optional
+        Normal module, mm; without it those of ISO 54 are tried.
+    planets : int
+        Their number.
+    fixed : str
+        The member for which the ratio counts.
+    pressure_angle : float
+        Normal pressure angle, deg.
+    helix : tuple of float
+        Range of helix angles, deg.
+    shifts : tuple of float
+        Range of the sum of the shifts of sun and planet.
+    tolerance : float
+        That of the ratio, relative.
+    unequal : bool
+        Whether planets are admitted that cannot be equally spaced.
+    face_width : Length, optional
+        mm; 10 modules.
+
+    Returns
+    -------
+    PlanetarySizing
+        The sets in order of preference; `.design(1)` is the design of the first.
+
+    Raises
+    ------
+    DesignError
+        Naming key, value and what is allowed, for wishes that make no sense and where there is no such set.
+
+    Examples
+    --------
+    >>> gm.size_planetary(5.2, outside_diameter=150, module=2).design(1).kind
+    'planetary'
     """
     diameter, distance, size, width = (
         None if length is None else in_mm(name, length)

@@ -38,12 +38,40 @@ class SolvedGears(GearSet):
         turns: bool = False,
         pair: int | str = 0,
     ) -> Contact:
-        """Tooth contact of a pair: the path of one tooth pair at `phi1` (P,), deg, and the whole mesh cycle.
+        """Tooth contact of a pair: the path of one tooth pair, and the whole mesh cycle.
 
-        Without `phi1` at the design's positions; with a `torque` (Nm) on the pinion also the Hertz pressure along the path, all
-        load on the one tooth pair or, for `load_sharing`, the share of it that `loaded_contact` gives the pair; without `cycle` the
-        path alone. With `turns` also the transmission error over whole turns of eccentric members, until the same teeth meet again.
-        `pair`: its number, or its members as "sun-planet_1".
+        Parameters
+        ----------
+        phi1 : (P,), optional
+            Rotations of the pinion, deg; by default the design's positions.
+        torque : float, optional
+            On the pinion, Nm: adds the Hertz pressure along the path, with all load on the one tooth pair.
+        load_sharing : bool
+            With a torque: the share of it that `loaded_contact` gives the pair instead.
+        cycle : bool
+            Whether the mesh cycle is solved too: contact ratio, mesh transmission error, backlash, clearance, interference.
+        turns : bool
+            Whether the transmission error of eccentric members is followed over whole turns, until the same teeth meet again.
+        pair : int or str
+            Number of the pair, or its members as "sun-planet_1".
+
+        Returns
+        -------
+        Contact
+            `path` at P positions, `summary`, `cycle`; prints as a table.
+
+        Raises
+        ------
+        DesignError
+            For a pair that there is not, positions or a torque that are no numbers, and gears without a mating gear.
+        NoSolutionError
+            Where load sharing has no solution.
+
+        Examples
+        --------
+        >>> contact = gears.contact()
+        >>> contact.summary["contact_ratio"], contact.cycle.peak_to_peak  # the latter in rad
+        >>> gears.contact([-5, 0, 5], torque=50, cycle=False).save("path.csv")
         """
         from gearmesh.answers.contact.contact import contact_of
         from gearmesh.answers.load.loaded import loaded_contact_of
@@ -78,16 +106,43 @@ class SolvedGears(GearSet):
         mounts: Mapping[str, FlexibleMount] | None = None,
         contact: Contact | None = None,
     ) -> LoadedContact:
-        """Contact of a pair under one torque or several, Nm, on the pinion: load of every tooth pair, loaded transmission error,
-        pressures, stiffness and root stress, at rotations `phi1` (P,), deg, of the pinion, by default 21 in a pitch. In a planetary
-        set the torque is that of this mesh alone: of N equal planets the sun has N times as much.
+        """Contact of a pair under one torque or several: load of every tooth pair, transmission error, pressures, root stress.
 
-        `mounts`: elastic shafts and bearings, by the members' names, as {"pinion": FlexibleMount.of([2e5, 2e5, 1e5, inf, inf,
-        inf])}, instead of the design's own; displacements are then reported, and are part of the transmission error. `contact`:
-        that of the pair, where it is solved already: its mesh cycle gives the transmission error without load.
+        In a planetary set the torque is that of this mesh alone: of N equal planets the sun has N times as much.
 
-        Raises DesignError for torques that are not above 0 and for eccentric members, NoSolutionError where no teeth touch without
-        load.
+        Parameters
+        ----------
+        torque : float or (T,)
+            On the pinion, Nm.
+        phi1 : (P,), optional
+            Rotations of the pinion, deg; by default 21 in a pitch.
+        pair : int or str
+            Number of the pair, or its members as "sun-planet_1".
+        progress : Progress
+            Called with the share that is done, and what is being done.
+        mounts : mapping, optional
+            Elastic shafts and bearings, by the members' names, instead of the design's own; displacements are then reported, and
+            are part of the transmission error.
+        contact : Contact, optional
+            That of the pair, where it is solved already: its mesh cycle gives the transmission error without load.
+
+        Returns
+        -------
+        LoadedContact
+            Figures of T torques and P positions.
+
+        Raises
+        ------
+        DesignError
+            For torques that are not above 0, and for eccentric members.
+        NoSolutionError
+            Where no teeth touch without load.
+
+        Examples
+        --------
+        >>> loaded = gears.loaded_contact([50, 100], [0.0])
+        >>> soft = gm.FlexibleMount.of([2e5, 2e5, 1e5, np.inf, np.inf, np.inf])
+        >>> gears.loaded_contact(50, [0.0], mounts={"pinion": soft}).save("soft.json")
         """
         from gearmesh.answers.contact.fit import fitted_cycle
         from gearmesh.answers.load.loaded import loaded_contact_of, required_torques

@@ -66,17 +66,50 @@ class Result(ABC):
         return table
 
     def json(self, *, timing: bool = True) -> str:
-        """The document as JSON text; without `timing` the same from run to run."""
+        """The document as JSON text.
+
+        Parameters
+        ----------
+        timing : bool
+            Whether it has the run times; without them it is the same from run to run.
+
+        Returns
+        -------
+        str
+            What `save("file.json")` writes.
+
+        Examples
+        --------
+        >>> text = gears.contact(cycle=False).json(timing=False)
+        """
         document = self.document()
         if not timing:
             document.pop("timing", None)
         return json_text(document)
 
     def save(self, path: str | PathLike[str], *, timing: bool = True) -> Path:
-        """Write the answer to a file, whole or not at all, and return its path; the suffix is the format.
+        """Write the answer to a file, whole or not at all; the suffix is the format.
 
-        Without `timing` JSON leaves the run times out and is the same from run to run. Raises OutputError for another suffix than
-        those of `suffixes` and for a file that cannot be written.
+        Parameters
+        ----------
+        path : str or os.PathLike
+            The file; `suffixes` lists what it may end with.
+        timing : bool
+            Whether JSON has the run times; without them it is the same from run to run.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        OutputError
+            For another suffix than those of `suffixes`, and for a file that cannot be written.
+
+        Examples
+        --------
+        >>> gears.contact(cycle=False).save("contact.json", timing=False)
         """
         target = Path(path)
         if target.suffix.lower() not in self.suffixes:

@@ -71,11 +71,51 @@ class DesignChoice(Result):
         """The keys that the design files need."""
 
     def design(self, number: int = 1) -> Design:
-        """The design of a candidate. Raises DesignError for a number that there is not."""
+        """The design of a candidate.
+
+        Parameters
+        ----------
+        number : int
+            Its number in the table, from 1.
+
+        Returns
+        -------
+        Design
+            Ready to be built.
+
+        Raises
+        ------
+        DesignError
+            For a number that there is not.
+
+        Examples
+        --------
+        >>> gm.size(2.5, 63, "2mm").design(1)
+        """
         return parse(self.keys(number))
 
     def keys(self, number: int = 1) -> Mapping[str, Any]:
-        """The keys that a candidate's design file needs. Raises DesignError for a number that there is not."""
+        """The keys that a candidate's design file needs.
+
+        Parameters
+        ----------
+        number : int
+            Its number in the table, from 1.
+
+        Returns
+        -------
+        mapping
+            As `parse` reads them.
+
+        Raises
+        ------
+        DesignError
+            For a number that there is not.
+
+        Examples
+        --------
+        >>> gm.size(2.5, 63, "2mm").keys(1)
+        """
         if not 1 <= number <= len(self.designs):
             raise ArgumentError("choose", number, must_be=f"a number from 1 to {len(self.designs)}")
         return self.designs[number - 1]
@@ -129,7 +169,22 @@ class Sizing(DesignChoice):
         return self.first_pairs(len(self.candidates))
 
     def first_pairs(self, most: int) -> list[Listing]:
-        """The first pairs, at most so many, as a table."""
+        """The first pairs as tables.
+
+        Parameters
+        ----------
+        most : int
+            How many at most.
+
+        Returns
+        -------
+        list of Listing
+            Tables to be printed.
+
+        Examples
+        --------
+        >>> gm.size(2.5, 63, 2).first_pairs(3)
+        """
         heads = ("", "z1", "z2", "beta", "x1", "x2", "eps_a", "eps_b", "zeta", "s_an", "")
         rows = [
             (
@@ -172,10 +227,43 @@ def size(
     tolerance: float = Wanted.tolerance,
     face_width: Length | None = None,
 ) -> Sizing:
-    """All pairs of cylindrical gears with a `ratio` z2 / z1, centre distance and normal `module` (mm, or with a unit).
+    """All pairs of cylindrical gears with a ratio, centre distance and module.
 
-    `helix` (deg) and `shifts` (the sum x1 + x2) are ranges, `tolerance` is that of the ratio, relative. Raises DesignError, naming
-    key, value and what is allowed, for wishes that make no sense and where there is no such pair.
+    Parameters
+    ----------
+    ratio : float
+        z2 / z1.
+    center_distance : Length
+        mm.
+    module : Length
+        Normal module, mm.
+    internal : bool
+        Whether the gear is internal.
+    pressure_angle : float
+        Normal pressure angle, deg.
+    helix : tuple of float
+        Range of helix angles, deg.
+    shifts : tuple of float
+        Range of the sum x1 + x2 of the profile shift coefficients.
+    tolerance : float
+        That of the ratio, relative.
+    face_width : Length, optional
+        mm; 10 modules.
+
+    Returns
+    -------
+    Sizing
+        The pairs in order of preference; `.design(1)` is the design of the first.
+
+    Raises
+    ------
+    DesignError
+        Naming key, value and what is allowed, for wishes that make no sense and where there is no such pair.
+
+    Examples
+    --------
+    >>> gm.size(2.5, 63, "2mm").design(1).kind
+    'cylindrical'
     """
     width = None if face_width is None else in_mm("face_width", face_width)
     distance, size = in_mm("center_distance", center_distance), in_mm("module", module)

@@ -70,10 +70,14 @@ class Gears(SolvedGears):
         t: ArrayLike | None = None,
         teeth: Sequence[int] | None = None,
     ) -> Gears:
-        """The same gears with deviations on a "right" or "left" flank of a member, of any kind.
+        """The same gears with deviations on a flank of a member, of any kind.
 
         Parameters
         ----------
+        member : str
+            Its name.
+        flank : str
+            "right" or "left".
         values : (I, J)
             mm along the flank's normals, positive where there is more material than nominal, at the points of a grid of 2 x 2 or
             more, as of `members[member].tooth.flank_grid(flank, s, t)`.
@@ -115,10 +119,31 @@ class Gears(SolvedGears):
         return Gears(self.design, self.as_built.with_member(made))
 
     def with_teeth_like(self, member: str, tooth: int) -> Gears:
-        """The same gears with all teeth of a member as its tooth of that number, of one whose teeth differ.
+        """The same gears with all teeth of a member as one of its teeth, of a member whose teeth differ.
 
-        Every answer is then possible; without the `cycle`, contact is that of the one tooth pair. Raises DesignError for a member
-        or tooth that there is not.
+        Every answer is then possible; without the `cycle`, contact is that of the one tooth pair.
+
+        Parameters
+        ----------
+        member : str
+            Its name.
+        tooth : int
+            Number of the tooth; 0 is on the x axis, they are counted by growing polar angle.
+
+        Returns
+        -------
+        Gears
+            Other gears; these stay as they are.
+
+        Raises
+        ------
+        DesignError
+            For a member or tooth that there is not.
+
+        Examples
+        --------
+        >>> worn = gears.with_deviations("pinion", "left", -0.002 * np.ones((3, 3)), teeth=[3])
+        >>> worn.with_teeth_like("pinion", 3).contact(cycle=False).summary
         """
         return Gears(self.design, self.as_built.with_member(self.member(member).with_teeth_like(tooth)))
 
@@ -127,7 +152,24 @@ class Gears(SolvedGears):
     def ease_off(self, *, pair: int | str = 0) -> EaseOffMap:
         """How far the pinion's flank stays from the gear's, over its whole face, when the gears turn at their nominal ratio.
 
-        Raises NoSolutionError where the flanks never meet.
+        Parameters
+        ----------
+        pair : int or str
+            Number of the pair, or its members as "sun-planet_1".
+
+        Returns
+        -------
+        EaseOffMap
+            `save("ease_off.vtu")` or .json writes it.
+
+        Raises
+        ------
+        NoSolutionError
+            Where the flanks never meet.
+
+        Examples
+        --------
+        >>> gears.ease_off().save("ease_off.json")
         """
         from gearmesh.answers.contact.ease_off import ease_off_of
 
@@ -147,16 +189,43 @@ class Gears(SolvedGears):
         offset: Length = 0.0,
         file: str | PathLike[str] | None = None,
     ) -> Solid:
-        """One member as a watertight mesh within `tolerance` (by default the design's), or its worm as a part ("worm").
+        """One member as a watertight mesh within a tolerance, or its worm as a part.
 
-        With `teeth` the open surfaces of only so many teeth. With `sector` only so many pitches, fewer than all, closed by two
-        cut faces through the middles of roots, which are the regions cut_right and cut_left: one is the other, turned, to the
-        last node. `flank_only`: the "right" or "left" flanks alone, or "both", as open
-        surfaces with exact normals at their vertices. With `space` the space between two teeth as a solid, as a broach or an
-        electrode fills it, up to the tip surface. `offset` (mm) moves all surfaces of the teeth along their normals, positive away
-        from the member's material: stock, or a spark gap; negative: clearance. Given the `file` that it is meant for, the mesh is
-        proved as that will hold it: some formats have single precision. Raises DesignError for a member that there is not, and
-        for an offset that is too large, with the largest that works.
+        Parameters
+        ----------
+        member : str
+            Its name; "worm" is the worm that grinds one.
+        tolerance : Length, optional
+            Largest distance between mesh and exact gear, both ways, mm; by default the design's.
+        teeth : int, optional
+            Only the open surfaces of so many teeth.
+        sector : int, optional
+            Only so many pitches, fewer than all, closed by two cut faces through the middles of roots, the regions cut_right and
+            cut_left: one is the other, turned, to the last node.
+        flank_only : str, optional
+            The "right" or "left" flanks alone, or "both", as open surfaces with exact normals at their vertices.
+        space : bool
+            Whether it is the space between two teeth, as a broach or an electrode fills it, up to the tip surface.
+        offset : Length
+            By how much all surfaces of the teeth are moved along their normals, mm, positive away from the member's material:
+            stock, or a spark gap; negative: clearance.
+        file : str or os.PathLike, optional
+            File that it is meant for: the mesh is proved as that will hold it; some formats have single precision.
+
+        Returns
+        -------
+        Solid
+            `save("pinion.stl")` writes it; `measured` has the bound of the deviation and the volume.
+
+        Raises
+        ------
+        DesignError
+            For a member that there is not, and for an offset that is too large, with the largest that works.
+
+        Examples
+        --------
+        >>> gears.solid("pinion", tolerance="10um").save("pinion.stl")
+        >>> gears.solid("pinion", "20um", sector=3).measured.volume
         """
         from gearmesh.answers.bodies.extract import Extract
         from gearmesh.answers.bodies.solid import solid_of
@@ -172,9 +241,32 @@ class Gears(SolvedGears):
         file: str | PathLike[str] | None = None,
         phi1: float = 0.0,
     ) -> Solids:
-        """All members as watertight meshes, placed as they mesh at `phi1` (deg; fixed frame), with an `offset` as of `solid`.
+        """All members as watertight meshes, placed as they mesh.
 
-        Raises NoSolutionError where the pair has no contact there.
+        Parameters
+        ----------
+        tolerance : Length, optional
+            Largest distance between meshes and exact gears, mm; by default the design's.
+        offset : Length
+            As of `solid`.
+        file : str or os.PathLike, optional
+            As of `solid`.
+        phi1 : float
+            Rotation of the first pair's pinion, deg.
+
+        Returns
+        -------
+        Solids
+            In the fixed frame, by the members' names.
+
+        Raises
+        ------
+        NoSolutionError
+            Where the pair has no contact there.
+
+        Examples
+        --------
+        >>> gears.solids("20um").save("pair.glb")
         """
         from gearmesh.answers.bodies.extract import Extract
         from gearmesh.answers.bodies.solid import solids_of
@@ -193,18 +285,46 @@ class Gears(SolvedGears):
         offset: Length = 0.0,
         phi1: float = 0.0,
     ) -> Cad:
-        """One member as a CAD solid in its own frame, or all of them placed as they mesh at `phi1` (deg; fixed frame), with an
-        `offset` as of `solid`; or the `space` between two teeth of one, or so many pitches of it, its `sector`, between the faces
-        cut_right and cut_left; or open shells: `flank_only`, the "right" or "left" flanks or "both", and all surfaces of so many
-        `teeth`.
+        """One member as a CAD solid in its own frame, or all of them placed as they mesh; a space, a sector, or open shells of one.
 
-        Its faces are within `tolerance` (mm; 0.0001) of the exact surfaces. Raises OutputError where OpenCASCADE is missing,
-        NoSolutionError where the pair has no contact at phi1.
+        Parameters
+        ----------
+        member : str, optional
+            Its name; without it all.
+        tolerance : Length, optional
+            Largest distance of its faces from the exact surfaces, mm; 0.0001.
+        teeth : int, optional
+            All surfaces of so many teeth, as open shells.
+        sector : int, optional
+            Only so many pitches, between the faces cut_right and cut_left.
+        flank_only : str, optional
+            The "right" or "left" flanks, or "both", as open shells.
+        space : bool
+            Whether it is the space between two teeth.
+        offset : Length
+            As of `solid`, mm.
+        phi1 : float
+            Rotation of the first pair's pinion, deg, at which all are placed.
+
+        Returns
+        -------
+        Cad
+            `save("pair.step")` writes it.
+
+        Raises
+        ------
+        DesignError
+            For a member that there is not, and for parts that exclude each other.
+        OutputError
+            Where OpenCASCADE is missing.
+        NoSolutionError
+            Where the pair has no contact at phi1.
 
         Examples
         --------
         >>> gears.cad().save("pair.step")
-        >>> bore = gears.cad("pinion").to_build123d().faces().sort_by(build123d.SortBy.RADIUS)[0]
+        >>> faces = gears.cad("pinion").to_build123d().faces()
+        >>> bore = faces.filter_by(build123d.GeomType.CYLINDER).sort_by(build123d.SortBy.RADIUS)[0]
         """
         from gearmesh.answers.bodies.cad import cad_of
         from gearmesh.answers.bodies.extract import Extract
@@ -216,14 +336,56 @@ class Gears(SolvedGears):
     def to_build123d(self, tolerance: Length | None = None, *, phi1: float = 0.0) -> build123d.Compound:
         """All members as an assembly for build123d: `cad(tolerance=tolerance, phi1=phi1).to_build123d()`.
 
-        Raises OutputError where build123d is missing, else as `cad`.
+        Parameters
+        ----------
+        tolerance : Length, optional
+            Largest distance of the faces from the exact surfaces, mm; 0.0001.
+        phi1 : float
+            Rotation of the first pair's pinion, deg, at which they are placed.
+
+        Returns
+        -------
+        Compound
+            Handed over in memory.
+
+        Raises
+        ------
+        OutputError
+            Where build123d is missing.
+        NoSolutionError
+            Where the pair has no contact at phi1.
+
+        Examples
+        --------
+        >>> assembly = gears.to_build123d()
         """
         return self.cad(None, tolerance, phi1=phi1).to_build123d()
 
     def to_cadquery(self, tolerance: Length | None = None, *, phi1: float = 0.0) -> cadquery.Assembly:
         """All members as an assembly for CadQuery: `cad(tolerance=tolerance, phi1=phi1).to_cadquery()`.
 
-        Raises OutputError where CadQuery is missing, else as `cad`.
+        Parameters
+        ----------
+        tolerance : Length, optional
+            Largest distance of the faces from the exact surfaces, mm; 0.0001.
+        phi1 : float
+            Rotation of the first pair's pinion, deg, at which they are placed.
+
+        Returns
+        -------
+        Assembly
+            Handed over in memory.
+
+        Raises
+        ------
+        OutputError
+            Where CadQuery is missing.
+        NoSolutionError
+            Where the pair has no contact at phi1.
+
+        Examples
+        --------
+        >>> assembly = gears.to_cadquery()
         """
         return self.cad(None, tolerance, phi1=phi1).to_cadquery()
 
@@ -240,17 +402,25 @@ class Gears(SolvedGears):
 
         Parameters
         ----------
-        z : mm
-            Its place, by default mid face.
-        tolerance : mm
-            Largest distance from the exact section, or from its parallel, 0.0001 by default.
-        curves : "splines", "arcs" or "polyline"
-            Flanks and fillets are cubic splines, arcs that are tangent to each other, or chords; "polyline" makes chords of all
-            arcs too. With "arcs" and "polyline" a DXF file has one closed polyline for every contour.
-        offset : mm
-            Distance of the contours from the section: positive away from the material, all round teeth, bore, keyway and holes,
-            as for a wire whose radius and spark gap it is; negative into the material. Where the tool does not reach, in inner
-            corners sharper than itself, the contour is trimmed; `measured.stock_left` is the most that is left there.
+        member : str
+            Its name.
+        z : Length, optional
+            Its place, mm, by default mid face.
+        tolerance : Length, optional
+            Largest distance from the exact section, or from its parallel, mm; 0.0001.
+        curves : str
+            "splines", "arcs" or "polyline": flanks and fillets are cubic splines, arcs that are tangent to each other, or chords;
+            "polyline" makes chords of all arcs too. With "arcs" and "polyline" a DXF file has one closed polyline for every
+            contour.
+        offset : Length
+            Distance of the contours from the section, mm: positive away from the material, all round teeth, bore, keyway and
+            holes, as for a wire whose radius and spark gap it is; negative into the material. Where the tool does not reach, in
+            inner corners sharper than itself, the contour is trimmed; `measured.stock_left` is the most that is left there.
+
+        Returns
+        -------
+        Section
+            `save("pinion.dxf")` or .svg writes it.
 
         Raises
         ------
@@ -307,10 +477,31 @@ class Gears(SolvedGears):
     ) -> Inspection:
         """What was measured of a member, evaluated against its nominal teeth, with the tolerance classes that it has.
 
-        `measured` is a file of deviations or points of the "right" or "left" `flank`, or of "both", as its column flank says;
-        by default those of the table `measured` of the design. `pitch`: a CSV file with columns tooth, right_um, left_um (index
-        deviations) and runout_um, by default what that table says. `inspection_chart` draws it. Raises DesignError and FileError
-        naming what cannot be used.
+        Parameters
+        ----------
+        member : str
+            Its name.
+        measured : str or os.PathLike, optional
+            File of deviations or points; by default those of the table `measured` of the design.
+        flank : str
+            Whose they are: "right", "left", or "both" as the file's column flank says.
+        pitch : str or os.PathLike, optional
+            CSV file with columns tooth, right_um, left_um (index deviations) and runout_um; by default what that table says.
+
+        Returns
+        -------
+        Inspection
+            Slope, form and total deviations, crownings, pitch and runout; `inspection_chart` draws it.
+
+        Raises
+        ------
+        DesignError
+            Naming what cannot be used.
+
+        Examples
+        --------
+        >>> measured = gm.build(gm.load("samples/hypoid_measured.toml"))
+        >>> inspection = measured.evaluate("pinion")
         """
         from gearmesh.answers.inspection.measured_files import inspect_files
 
@@ -327,11 +518,36 @@ class Gears(SolvedGears):
         settings: Sequence[str] = (),
         noise: float | None = None,
     ) -> Correction:
-        """Machine settings of a bevel or hypoid gear that take measured deviations away; `save("new.toml")` writes the design.
+        """Machine settings of a bevel or hypoid gear that take measured deviations away.
 
-        `measured`, `flank` are as in `evaluate`. `settings` names those that may move, as "radial", of one side "concave.radial",
-        of a motion "helical_motion.2"; by default the usual ones. `noise` (um) is the standard deviation of a measured deviation,
-        by default what no setting takes away. Raises DesignError and FileError naming what cannot be used.
+        Parameters
+        ----------
+        member : str
+            Its name.
+        measured : str or os.PathLike, optional
+            As of `evaluate`.
+        flank : str
+            As of `evaluate`.
+        settings : sequence of str
+            Those that may move, as "radial", of one side "concave.radial", of a motion "helical_motion.2"; by default the usual
+            ones.
+        noise : float, optional
+            Standard deviation of a measured deviation, um; by default what no setting takes away.
+
+        Returns
+        -------
+        Correction
+            Settings before and after, and what remains; `save("new.toml")` writes the design.
+
+        Raises
+        ------
+        DesignError
+            Naming what cannot be used.
+
+        Examples
+        --------
+        >>> measured = gm.build(gm.load("samples/hypoid_measured.toml"))
+        >>> measured.correct("pinion").save("corrected.toml")
         """
         from gearmesh.answers.inspection.correction import correct_settings
 
@@ -339,35 +555,106 @@ class Gears(SolvedGears):
         return correct_settings(self.design, member, file, flank, settings, noise)
 
     def composite(self, *, pair: int | str = 0) -> CompositeTest:
-        """Single-flank and double-flank test of a pair with the pitch deviations that its design has, over the turns after which
-        the same teeth meet again; `composite_chart` draws it.
+        """Single-flank and double-flank test of a pair with the pitch deviations that its design has.
 
-        Raises DesignError where turns are too many, and for eccentric members, whose eccentricity pitch deviations have in them;
-        NoSolutionError where the teeth do not meet all the time.
+        It goes over the turns after which the same teeth meet again.
+
+        Parameters
+        ----------
+        pair : int or str
+            Number of the pair, or its members as "sun-planet_1".
+
+        Returns
+        -------
+        CompositeTest
+            Composite deviations, and both curves; `composite_chart` draws it.
+
+        Raises
+        ------
+        DesignError
+            Where turns are too many, and for eccentric members, whose eccentricity pitch deviations have in them.
+        NoSolutionError
+            Where the teeth do not meet all the time.
+
+        Examples
+        --------
+        >>> gears.composite()  # doctest: +SKIP
         """
         from gearmesh.answers.inspection.composite import composite_test
 
         return composite_test(self.design, self.train, mesh=self.train.pair(pair))
 
     def composite_chart(self, test: CompositeTest) -> Diagram:
-        """The charts of a composite test: transmission error and centre distance over whole turns."""
+        """The charts of a composite test: transmission error and centre distance over whole turns.
+
+        Parameters
+        ----------
+        test : CompositeTest
+            As `composite` gives it.
+
+        Returns
+        -------
+        Diagram
+            Drawn when it is saved.
+
+        Examples
+        --------
+        >>> gears.composite_chart(gears.composite()).save("composite.svg")  # doctest: +SKIP
+        """
         from gearmesh.view.diagrams.composite_chart import plot_composite
         from gearmesh.view.picture import Diagram
 
         return Diagram(test.headline, lambda file: plot_composite(file, test))
 
     def inspection_chart(self, inspection: Inspection) -> Diagram:
-        """The chart of a measured gear: traces with tolerances, deviations over the flanks, pitch deviations."""
+        """The chart of a measured gear: traces with tolerances, deviations over the flanks, pitch deviations.
+
+        Parameters
+        ----------
+        inspection : Inspection
+            As `evaluate` gives it.
+
+        Returns
+        -------
+        Diagram
+            Drawn when it is saved.
+
+        Examples
+        --------
+        >>> measured = gm.build(gm.load("samples/hypoid_measured.toml"))
+        >>> measured.inspection_chart(measured.evaluate("pinion")).save("chart.svg")
+        """
         from gearmesh.view.diagrams.inspection_chart import plot_inspection
         from gearmesh.view.picture import Diagram
 
         return Diagram(inspection.headline, lambda file: plot_inspection(file, inspection))
 
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
-        """All that modifications remove of a "right" or "left" flank, as a grid of amounts.
+        """All that modifications remove of a flank, as a grid of amounts.
 
-        `save("right.csv")` writes the file that the key `topography` reads; its flank is within `tolerance` (mm; 1e-5).
-        Raises DesignError for a member or flank that there is not, and for flanks that are not modified.
+        Parameters
+        ----------
+        member : str
+            Its name.
+        flank : str
+            "right" or "left".
+        tolerance : Length, optional
+            How near the flank of the written file is to this one, mm; 1e-5.
+
+        Returns
+        -------
+        FlankTopography
+            `save("right.csv")` writes the file that the key `topography` reads.
+
+        Raises
+        ------
+        DesignError
+            For a member or flank that there is not, and for flanks that are not modified.
+
+        Examples
+        --------
+        >>> relieved = gm.build(gm.load("samples/spur_relieved.toml"))
+        >>> relieved.topography("pinion").save("right.csv")
         """
         from gearmesh.answers.bodies.topography import TOLERANCE, flank_topography
 
@@ -443,25 +730,28 @@ class Gears(SolvedGears):
 
         Parameters
         ----------
-        tool : "ball:D", "ball:D,L" or "ball:D,L,H"
-            Diameter of ball and shank, and length of the shank beyond the ball's centre, by default five diameters.
-        scallop : mm
-            The most that is left over the exact surfaces, chords included.
-        stock : mm
-            What is left over them on purpose, along the normals.
-        tolerance : mm
-            The part of the scallop that chords between points may take, by default a tenth.
-        flank, surfaces : "right", "left" or "both"; "all" or "flanks"
-            What is finished: flanks with fillets and root, or flanks alone.
-        spaces : int or "all"
-            The number of the space, that of the tooth after it (0 is on the x axis), or all of all rows of teeth.
-        order : "zigzag" or "one-way"
-            Feed order.
-        lead, tilt : deg
-            Angles of the tool axis from the middle of the space: towards the heel, and away from the flank that is cut; by default
-            the least with which the shank is clear of all teeth.
-        feed : mm/min
-            For .cls files.
+        member : str
+            Its name.
+        tool : str
+            "ball:D", "ball:D,L" or "ball:D,L,H": diameter of ball and shank, length of the shank beyond the ball's centre, by
+            default five diameters, and diameter of the holder that begins there.
+        scallop : Length
+            The most that is left over the exact surfaces, chords included, mm.
+        stock : Length
+            What is left over them on purpose, along the normals, mm.
+        tolerance : Length, optional
+            The part of the scallop that chords between points may take, mm; by default a tenth.
+        flank, surfaces : str
+            What is finished: "right", "left" or "both"; "all", flanks with fillets and root, or "flanks" alone.
+        spaces : int or str
+            The number of the space, that of the tooth after it (0 is on the x axis), or "all" of all rows of teeth.
+        order : str
+            Feed order, "zigzag" or "one-way".
+        lead, tilt : float, optional
+            Angles of the tool axis from the middle of the space, deg: towards the heel, and away from the flank that is cut; by
+            default the least with which the shank is clear of all teeth.
+        feed : float
+            mm/min, for .cls files.
 
         Returns
         -------
@@ -509,12 +799,39 @@ class Gears(SolvedGears):
         pair: int | str = 0,
         sector: int | None = None,
     ) -> FiniteElements | UnloadedFiniteElements:
-        """A model of the teeth in mesh at `phi1` (deg), as fine as the design's table fe says, ready to be written or solved.
+        """A model of the teeth in mesh, as fine as the design's table fe says, ready to be written or solved.
 
-        `members`: only some of the pair; `rotation` (deg) of the pinion takes the place of the design's torque; `friction`:
-        coefficient of Coulomb on the flanks. Of a gear without a mating gear: held as in a pair, not loaded, with evenly spaced
-        lines, in its own frame. With `sector` so many pitches of one member, a divisor of its teeth, with cyclic symmetry: loads
-        and supports are those of every sector. Raises DesignError for what needs a mating gear where there is none.
+        Of a gear without a mating gear: held as in a pair, not loaded, with evenly spaced lines, in its own frame.
+
+        Parameters
+        ----------
+        phi1 : float
+            Rotation of the pinion, deg.
+        members : sequence of str, optional
+            Only these of the pair.
+        rotation : float, optional
+            Rotation of the pinion that takes the place of the design's torque, deg.
+        friction : float
+            Coefficient of Coulomb on the flanks.
+        pair : int or str
+            Number of the pair, or its members as "sun-planet_1".
+        sector : int, optional
+            So many pitches of one member, a divisor of its teeth, with cyclic symmetry: loads and supports are those of every
+            sector.
+
+        Returns
+        -------
+        FiniteElements or UnloadedFiniteElements
+            `save("pair.inp")` writes it; `solve()` runs CalculiX.
+
+        Raises
+        ------
+        DesignError
+            For what needs a mating gear where there is none.
+
+        Examples
+        --------
+        >>> gears.finite_elements(members=["pinion"]).save("pinion.inp")
         """
         if not self.train.pairs:
             from gearmesh.answers.bodies.finite_element_model import unloaded_elements_of
@@ -540,9 +857,34 @@ class Gears(SolvedGears):
         program: str | None = None,
         progress: Progress = silent,
     ) -> FiniteElementDecks:
-        """Decks of the same at several `phi1` (deg), written into a folder with a script run.sh that solves them in order.
+        """Decks of `finite_elements` at several rotations, with a script run.sh that solves them in order.
 
-        `program`: "calculix" or "abaqus". Raises OutputError for a folder that cannot be written.
+        Parameters
+        ----------
+        folder : str or os.PathLike
+            Where they are written.
+        phi1 : sequence of float
+            Rotations of the pinion, deg.
+        members, rotation, friction, pair
+            As of `finite_elements`.
+        program : str, optional
+            "calculix" or "abaqus".
+        progress : Progress
+            Called with the share that is done, and what is being done.
+
+        Returns
+        -------
+        FiniteElementDecks
+            The files, and figures of each.
+
+        Raises
+        ------
+        OutputError
+            For a folder that cannot be written.
+
+        Examples
+        --------
+        >>> gears.finite_element_decks("decks", [0.0, 5.0], members=["pinion"])
         """
         from gearmesh.answers.bodies.finite_elements import finite_element_decks_of
 
@@ -565,20 +907,69 @@ class Gears(SolvedGears):
     def check(self, tolerance: Length | None = None, *, pair: int | None = None) -> Check:
         """Meshes of all members against the exact surfaces, and the roll test of their flanks against the contact solver.
 
-        Of a gear set with several meshes every different mesh is checked, or only the `pair` that is named.
+        Parameters
+        ----------
+        tolerance : Length, optional
+            That of the meshes, mm; by default the design's.
+        pair : int, optional
+            Number of one pair; without it every different mesh of a gear set is checked.
+
+        Returns
+        -------
+        Check
+            `verdicts`, each "ok" or "failed"; `complaints` are those that failed.
+
+        Raises
+        ------
+        NoSolutionError
+            Where a pair has no contact at any position.
+
+        Examples
+        --------
+        >>> gears.check("50um").complaints
         """
         chosen = self.train.different if pair is None else (pair,)
         contacts = {k: self.contact(pair=k) for k in chosen}
         return self.check_solved(contacts, {name: self.solid(name, tolerance) for name in self.members})
 
     def roll(self, contact: Contact) -> RollTest:
-        """The roll test of the meshed flanks at positions of a solved contact."""
+        """The roll test of the meshed flanks at positions of a solved contact.
+
+        Parameters
+        ----------
+        contact : Contact
+            Whose positions are rolled.
+
+        Returns
+        -------
+        RollTest
+            Transmission error of the rolled meshes beside that of the solver.
+
+        Examples
+        --------
+        >>> gears.roll(gears.contact([0.0], cycle=False)).headline
+        """
         from gearmesh.answers.check import roll_test
 
         return roll_test(contact.pair, contact.path)
 
     def limits(self, land: float = 0.0) -> Limits:
-        """Undercut and pointing of all members; `land` in modules is the smallest top land."""
+        """Undercut and pointing of all members.
+
+        Parameters
+        ----------
+        land : float
+            Smallest top land, in modules.
+
+        Returns
+        -------
+        Limits
+            Limiting lines, fewest teeth, largest tip, by members.
+
+        Examples
+        --------
+        >>> gears.limits(land=0.25).warnings
+        """
         from gearmesh.answers.limits import limits_of
 
         return limits_of(self.design, self.train, land)
@@ -590,10 +981,29 @@ class Gears(SolvedGears):
     ) -> DesignSheet:
         """What is derived from the design: the sheet of kinds that have one of their own, else members and pairs.
 
-        With a `torque` (Nm) on the pinion, or on the driving member of a planetary set, also the forces on the members, at a
-        `speed` (1/min) of it with their powers. For one `member`, what needs no mating gear: of gears built with `alone` no mating
-        gear is then made. Raises DesignError for kinds that do not know forces, for a member that there is not, for both at once,
-        and for a speed without a torque.
+        Parameters
+        ----------
+        torque : float, optional
+            On the pinion, or on the driving member of a planetary set, Nm: adds the forces on the members.
+        speed : float, optional
+            Of the member that the torque is on, 1/min: adds speeds and powers.
+        member : str, optional
+            Only what needs no mating gear of this one: of gears built with `alone` no mating gear is then made.
+
+        Returns
+        -------
+        DesignSheet
+            Tables with symbols and units.
+
+        Raises
+        ------
+        DesignError
+            For kinds that do not know forces, for a member that there is not, for torque and member at once, and for a speed
+            without a torque.
+
+        Examples
+        --------
+        >>> print(gears.sheet(torque=50))
         """
         from gearmesh.answers.sheet import member_sheet_of, sheet_of
 
@@ -606,17 +1016,46 @@ class Gears(SolvedGears):
         return member_sheet_of(self, member)
 
     def pin(self) -> Pinned:
-        """The design with every default and derived value given: it builds the same gears in later versions, to 1e-12 mm."""
+        """The design with every default and derived value given: it builds the same gears in later versions, to 1e-12 mm.
+
+        Returns
+        -------
+        Pinned
+            `save("pinned.toml")` writes it.
+
+        Examples
+        --------
+        >>> gears.pin().save("pinned.toml")
+        """
         from gearmesh.answers.pinned import pin
 
         return pin(self.design, systems.pin(self.design, self.train), self.pairs)
 
     def rexs(self, folder: str | PathLike[str] = ".", *, torque: float | None = None) -> RexsExport:
-        """The REXS model of the gears (version 1.7); `save("gears.rexs")` writes it, as .rexsj or .rexsz too.
+        """The REXS model of the gears (version 1.7).
 
-        Names of files in the design are counted from `folder`, where the model is to be. With a `torque` (Nm) on the pinion it has
-        a load case with results of loaded contact. A design that was read from a REXS file keeps all that the file has besides.
-        Raises DesignError for kinds that REXS does not have.
+        A design that was read from a REXS file keeps all that the file has besides.
+
+        Parameters
+        ----------
+        folder : str or os.PathLike
+            Where the model is to be: names of files in the design are counted from it.
+        torque : float, optional
+            On the pinion, Nm: adds a load case with results of loaded contact.
+
+        Returns
+        -------
+        RexsExport
+            `save("gears.rexs")` writes it, as .rexsj or .rexsz too.
+
+        Raises
+        ------
+        DesignError
+            For kinds that REXS does not have.
+
+        Examples
+        --------
+        >>> gears.rexs().save("gears.rexs")
         """
         from gearmesh.answers.exchange import rexs_of
 
@@ -624,9 +1063,27 @@ class Gears(SolvedGears):
         return rexs_of(self.pin(), Path(folder), results)
 
     def compensate(self, refinish: str | None = None) -> Compensation:
-        """Settings that compensate the assembly errors of the design, of the member to `refinish` where the kind leaves the choice.
+        """Settings that compensate the assembly errors of the design.
 
-        Raises DesignError for kinds that have none, and for a member that cannot be chosen.
+        Parameters
+        ----------
+        refinish : str, optional
+            The member whose settings change, where the kind leaves the choice.
+
+        Returns
+        -------
+        Compensation
+            Settings before and after; `apply()` gives the design.
+
+        Raises
+        ------
+        DesignError
+            For kinds that have none, and for a member that cannot be chosen.
+
+        Examples
+        --------
+        >>> misaligned = gm.build(gm.load("samples/circular_arc.toml", ["assembly.dgamma=0.1"]))
+        >>> misaligned.compensate().apply()
         """
         from gearmesh.answers.sheet import compensation_of
 
@@ -637,9 +1094,9 @@ class Gears(SolvedGears):
 
         Parameters
         ----------
-        moved : two of "V", "H", "J" and "alpha"
-            What is displaced: the pinion across both axes, or along its own, the gear along its axis, or the shaft angle. The
-            others stay what the design says.
+        moved : tuple of str
+            Two of "V", "H", "J" and "alpha": the pinion across both axes, or along its own, the gear along its axis, or the shaft
+            angle. The others stay what the design says.
 
         Returns
         -------
@@ -652,6 +1109,11 @@ class Gears(SolvedGears):
             For kinds that have none, and for other displacements.
         NoSolutionError
             Where the contact cannot be brought anywhere between toe and heel.
+
+        Examples
+        --------
+        >>> bevel = gm.build(gm.load("samples/spiral_bevel_basic.toml"))
+        >>> bevel.vh().save("vh.json")
         """
         from gearmesh.answers.contact.vh import vh_of
 
@@ -672,26 +1134,58 @@ class Gears(SolvedGears):
         dpi: int = 150,
         note: str = "",
     ) -> Picture | Diagram:
-        """A picture, drawn when it is saved: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap"
-        (the pattern that the roll test finds), "pair" (all in mesh), "section" (the mesh cut open across the teeth), "tool" (a
-        member with the tool that generates it, in its position when it generates the middle of the flank; `member` "worm": with
-        the worm that grinds it) or "contact_lines" (the tooth and its tool, with the lines along which they touch at several
-        generating rotations).
+        """A picture, drawn when it is saved.
 
-        "flank" is a figure of both flanks, of one member or of all, laid into their planes: path, ellipses and pattern, and the
-        ease-off of the pinion; "sliding" has its sliding velocity instead; "te" is one of the transmission error,
-        "turns" one of that over whole turns of eccentric members.
+        Views: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap" (the pattern that the roll test
+        finds), "pair" (all in mesh), "section" (the mesh cut open across the teeth), "tool" (a member with the tool that generates
+        it, in its position when it generates the middle of the flank; `member` "worm": with the worm that grinds it),
+        "contact_lines" (the tooth and its tool, with the lines along which they touch at several generating rotations); figures of
+        both flanks, laid into their planes: "flank" (path, ellipses, pattern, ease-off of the pinion), "sliding" (its sliding
+        velocity); "te" (transmission error), "turns" (that of eccentric members over whole turns).
 
-        `of` an answer of `loaded`: "loaded" (a member's tooth with the largest pressure that each place of its flank sees, at one
-        `torque` in Nm, by default the largest) or, as figures of all torques, "loaded_flank" (that on the flanks laid into their
-        planes), "loaded_te" (transmission error with and without load), "loaded_share" (load share of a tooth pair over its
-        engagement), "loaded_stress" (bending stress) and "loaded_pair" (pressure and bending stress of a tooth pair over its
-        engagement). `of` a solved model of finite elements: "stress" (contact pressure and tension in colours); `of` a tool
-        path: "toolpath" (its passes in the space, with the tool).
+        `of` an answer of `loaded_contact`: "loaded" (a member's tooth with the largest pressure that each place of its flank sees),
+        or, as figures of all torques, "loaded_flank" (that on the flanks in their planes), "loaded_te" (transmission error with and
+        without load), "loaded_share" (load share of a tooth pair over its engagement), "loaded_stress" (bending stress),
+        "loaded_pair" (pressure and bending stress over the engagement). `of` a solved model of finite elements: "stress" (contact
+        pressure and tension). `of` a tool path: "toolpath" (its passes in the space, with the tool).
 
-        At `phi1` (deg), by default the design's positions; `size` in pixels, by default 1600 x 1200, or what a figure needs at
-        so many `dpi`; `note` is shown beside the design's name.
-        Raises DesignError for another view, member or torque, NoSolutionError where there is no contact to show.
+        Parameters
+        ----------
+        view : str
+            One of the views above.
+        member : str, optional
+            Whose tooth is shown, by default that of the first.
+        of : LoadedContact, FiniteElementSolution or ToolPathAnswer, optional
+            The answer that is drawn.
+        torque : float, optional
+            One of the torques of `of`, Nm, by default the largest.
+        phi1 : (P,), optional
+            Rotations of the pinion, deg; by default the design's positions.
+        size : tuple of int, optional
+            Width and height in pixels, by default 1600 x 1200, or what a figure needs.
+        pair : int or str
+            Number of the pair, or its members as "sun-planet_1".
+        dpi : int
+            Pixels of an inch of a figure.
+        note : str
+            Shown beside the design's name.
+
+        Returns
+        -------
+        Picture or Diagram
+            `save("pattern.png")` draws it; figures as .svg and .pdf too.
+
+        Raises
+        ------
+        DesignError
+            For another view, member or torque.
+        NoSolutionError
+            Where there is no contact to show.
+
+        Examples
+        --------
+        >>> gears.picture("flank").save("flank.svg")
+        >>> gears.picture("contact", size=(800, 600)).save("contact.png")
         """
         from gearmesh.reports.pictures import picture, picture_of_answer
 
@@ -700,9 +1194,28 @@ class Gears(SolvedGears):
         return picture(self, view, member, phi1, size, pair, dpi, note)
 
     def save_pictures(self, of: LoadedContact | Study, folder: str | PathLike[str]) -> tuple[Path, ...]:
-        """All pictures of contact under load, or all that suit a study, as PNG files into a folder that exists.
+        """All pictures of contact under load, or all that suit a study, as PNG files; those on teeth only where there is OpenGL.
 
-        Those on teeth only where there is OpenGL. Raises OutputError where one cannot be written.
+        Parameters
+        ----------
+        of : LoadedContact or Study
+            The answer that is drawn.
+        folder : str or os.PathLike
+            A folder that exists.
+
+        Returns
+        -------
+        tuple of Path
+            The files.
+
+        Raises
+        ------
+        OutputError
+            Where one cannot be written.
+
+        Examples
+        --------
+        >>> gears.save_pictures(gears.study({"assembly.center_distance": "90:90.1:3"}), ".")
         """
         from gearmesh.reports.pictures import save_pictures
 
@@ -718,7 +1231,30 @@ class Gears(SolvedGears):
     ) -> Animation:
         """The section through a mesh, rolling through one pitch with the contact moving; drawn when it is saved, as a GIF.
 
-        It goes through the contact in the middle of the positions `phi1` (deg). Raises NoSolutionError where flanks never meet.
+        Parameters
+        ----------
+        phi1 : (P,), optional
+            Rotations of the pinion, deg: the section goes through the contact in their middle.
+        size : tuple of int
+            Width and height in pixels.
+        pair : int or str
+            Number of the pair, or its members as "sun-planet_1".
+        note : str
+            Shown beside the design's name.
+
+        Returns
+        -------
+        Animation
+            `save("mesh.gif")` draws it.
+
+        Raises
+        ------
+        NoSolutionError
+            Where flanks never meet.
+
+        Examples
+        --------
+        >>> animation = gears.animation(size=(320, 240))
         """
         from gearmesh.reports.pictures import animation
 
@@ -745,17 +1281,56 @@ class Gears(SolvedGears):
     ) -> Study:
         """Many assemblies or designs: the figures of every row.
 
-        `vary`: by dotted key a list of values or a text "low:high:count" (all combinations are rows), or with `sample` "low:high",
-        to be sampled evenly. `tolerance`: by key a text as "normal:0:20um", or a TOML file of them, for `sample` rows by `method`
-        (lhs, sobol, random; saltelli, which has N (keys + 2) rows and finds Sobol indices) and `seed`. `record`: groups of figures
-        (path, cycle, fit; load, which needs `torque`: one or several, Nm, on the pinion) or names of figures. `limits`: what a
-        good row keeps, as "contact_ratio>1". A `tolerance` of "class:6", or of the key class, is that of flanks in this class of
-        ISO 1328-1. With a `folder` finished rows are kept there, and the same call goes on where it was
-        stopped. Work is done in this process, on so many `workers` of this machine (None: as many as are worth it; a script that
-        calls this must be importable, with `if __name__ == "__main__"`), or by those of a Dask `scheduler`.
+        Parameters
+        ----------
+        vary : mapping, optional
+            By dotted key a list of values or a text "low:high:count" (all combinations are rows), or with `sample` "low:high", to
+            be sampled evenly.
+        tolerance : mapping, str or os.PathLike, optional
+            By key a text as "normal:0:20um", or a TOML file of them, for `sample` rows. One of "class:6", or of the key class, is
+            that of flanks in this class of ISO 1328-1.
+        sample : int, optional
+            Number of sampled rows.
+        method : str
+            "lhs", "sobol", "random", or "saltelli", which has N (keys + 2) rows and finds Sobol indices.
+        seed : int
+            Of the samples.
+        record : str or sequence of str
+            Groups of figures (path, cycle, fit; load, which needs a torque) or names of figures.
+        torque : (T,), optional
+            On the pinion, Nm.
+        limits : sequence of str
+            What a good row keeps, as "contact_ratio>1".
+        folder : str or os.PathLike, optional
+            Where finished rows are kept; the same call goes on where it was stopped.
+        workers : int, optional
+            Processes of this machine; without it as many as are worth it. A script that calls this must be importable, with
+            `if __name__ == "__main__"`.
+        scheduler : str, optional
+            Address of a Dask scheduler whose workers do it.
+        pair : int or str
+            Number of the pair, or its members as "sun-planet_1".
+        progress : Progress
+            Called with the share that is done, and what is being done.
 
-        Raises DesignError for what cannot be varied, NoSolutionError where the design itself has no contact, OutputError for a
-        folder with another study.
+        Returns
+        -------
+        Study
+            Rows, summary, effects of the keys; `save("study.csv")`, .json or .parquet writes it.
+
+        Raises
+        ------
+        DesignError
+            For what cannot be varied.
+        NoSolutionError
+            Where the design itself has no contact.
+        OutputError
+            For a folder with another study.
+
+        Examples
+        --------
+        >>> bevel = gm.build(gm.load("samples/spiral_bevel_basic.toml"))
+        >>> bevel.study({"assembly.dV": "-0.1:0.1:3"}, record="path", workers=1).save("study.csv")
         """
         from gearmesh.study.study import plan_of, run_study, work_and_nominal
 
@@ -775,9 +1350,35 @@ class Gears(SolvedGears):
     ) -> LargestErrors:
         """The largest values of keys, one at a time and either way from the design's own, with which all criteria hold.
 
-        `keys`: dotted keys, or with each how far from the design's own value is looked, as "0.5mm" (1 mm, inch or deg). What fails
-        and holds again farther off counts as failing, if 16 steps show it. `torque`: as of `study`, for criteria under load. Raises
-        DesignError where a criterion fails for the design itself.
+        What fails and holds again farther off counts as failing, if 16 steps show it.
+
+        Parameters
+        ----------
+        keys : sequence of str, or mapping
+            Dotted keys, or with each how far from the design's own value is looked, as "0.5mm" (1 mm, inch or deg).
+        criteria : sequence of str
+            As "contact_ratio>1".
+        torque : (T,), optional
+            As of `study`, Nm, for criteria under load.
+        pair : int or str
+            Number of the pair, or its members as "sun-planet_1".
+        progress : Progress, optional
+            Called with the share that is done, and what is being done.
+
+        Returns
+        -------
+        LargestErrors
+            For every key the largest error either way, and the criterion that ends it.
+
+        Raises
+        ------
+        DesignError
+            Where a criterion fails for the design itself.
+
+        Examples
+        --------
+        >>> bevel = gm.build(gm.load("samples/spiral_bevel_basic.toml"))
+        >>> bevel.largest_errors({"assembly.dV": "0.1mm"})
         """
         from gearmesh.study.largest_errors import largest_errors
 
@@ -796,11 +1397,40 @@ class Gears(SolvedGears):
     ) -> ReportPage:
         """Everything about the gears as one HTML page that needs no network, with a view that turns and rolls.
 
-        `tolerance` (mm; 0.01) is that of the meshes shown; with `check` meshes and contact are checked, and the verdicts in it;
-        `source` is the text of the design's file; `studies` are folders of finished ones; with one `torque` or several (Nm) on the
-        first pair's pinion the contact of all pairs that differ under load, too. Of a gear without a mating gear: solid, workshop
-        drawing, limits and data sheet. Raises NoSolutionError where a pair has no contact at any position, OutputError for a
-        folder without a study, DesignError for a torque where there is no mating gear.
+        Of a gear without a mating gear: solid, workshop drawing, limits and data sheet.
+
+        Parameters
+        ----------
+        tolerance : Length, optional
+            That of the meshes shown, mm; 0.01.
+        check : bool
+            Whether meshes and contact are checked, and the verdicts in it.
+        source : str, optional
+            Text of the design's file.
+        studies : sequence of str or os.PathLike
+            Folders of finished studies.
+        torque : (T,), optional
+            On the first pair's pinion, Nm: adds the contact of all pairs that differ under load.
+        progress : Progress
+            Called with the share that is done, and what is being done.
+
+        Returns
+        -------
+        ReportPage
+            `save("report.html")` writes it.
+
+        Raises
+        ------
+        NoSolutionError
+            Where a pair has no contact at any position.
+        OutputError
+            For a folder without a study.
+        DesignError
+            For a torque where there is no mating gear.
+
+        Examples
+        --------
+        >>> gears.report("50um").save("report.html")
         """
         from gearmesh.answers.questions import loaded_meshes
         from gearmesh.reports.report import SHOWN, report_page
@@ -843,10 +1473,39 @@ class Gears(SolvedGears):
     ) -> Report:
         """The main job: solids, contact, roll test, plots and pictures into a folder, and a report of them.
 
-        Without `timing` the run times are left out of the report; without `page` there is no report.html, in which `source` is the
-        text of the design's file. With a `torque` or several, Nm, on the pinion of the first mesh also what `loaded` finds, under
-        the report's key "loaded" and in loaded.json, and in a set of every mesh that differs, under "loaded_meshes". Raises
-        NoSolutionError where no position has contact.
+        Parameters
+        ----------
+        folder : str or os.PathLike
+            Where the files go.
+        tolerance : Length, optional
+            That of the meshes, mm; by default the design's.
+        progress : Progress
+            Called with the share that is done, and what is being done.
+        timing : bool
+            Whether the report has run times.
+        page : bool
+            Whether there is a report.html.
+        source : str, optional
+            Text of the design's file, for the page.
+        torque : (T,), optional
+            On the pinion of the first mesh, Nm: adds what `loaded_contact` finds, under the report's key "loaded" and in
+            loaded.json, and in a set of every mesh that differs, under "loaded_meshes".
+
+        Returns
+        -------
+        Report
+            What was found, and the files.
+
+        Raises
+        ------
+        NoSolutionError
+            Where no position has contact.
+        OutputError
+            For a folder that cannot be written.
+
+        Examples
+        --------
+        >>> gears.run("out", "50um", page=False).complaints
         """
         from gearmesh.reports.run import run
 
@@ -854,10 +1513,30 @@ class Gears(SolvedGears):
 
 
 def build(design: Design, *, alone: bool = False) -> Gears:
-    """The gears of a design. Raises DesignError, with key, value and limit, for geometry that cannot exist.
+    """The gears of a design.
 
-    With `alone` nothing is made before it is asked for, and members that do not need each other are made one without the other:
-    what is wrong with them, and with the pair, is raised then.
+    Parameters
+    ----------
+    design : Design
+        As `load`, `parse` or a candidate of `size` gives it.
+    alone : bool
+        Whether nothing is made before it is asked for, and members that do not need each other are made one without the
+        other: what is wrong with them, and with the pair, is raised then.
+
+    Returns
+    -------
+    Gears
+        Exact teeth, bodies and mountings of all members; answers are solved when they are asked for.
+
+    Raises
+    ------
+    DesignError
+        With key, value and limit, for geometry that cannot exist.
+
+    Examples
+    --------
+    >>> gears = gm.build(gm.load("samples/helical.toml"))
+    >>> gears.contact(cycle=False).path.te.max()
     """
     if alone:
         return Gears(design)

@@ -93,7 +93,22 @@ def _value(text: str) -> Any:
 
 
 def toml(data: Mapping[str, Any]) -> str:
-    """The TOML text of a plain table."""
+    """The TOML text of a plain table.
+
+    Parameters
+    ----------
+    data : mapping
+        As `Design.resolve()` gives it.
+
+    Returns
+    -------
+    str
+        Text of a file that `load` reads.
+
+    Examples
+    --------
+    >>> text = gm.toml(gm.load("samples/helical.toml").resolve())
+    """
     import tomli_w
 
     return tomli_w.dumps(data)

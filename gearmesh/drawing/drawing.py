@@ -46,7 +46,27 @@ class WorkshopDrawing:
         return tuple(letters.text for letters in self.page.canvas.letters if letters.text)
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Write a .pdf, .svg or .png file, whole or not at all, with the same bytes every time. Raises OutputError."""
+        """Write the drawing, whole or not at all, with the same bytes every time.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            A .pdf, .svg or .png file.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        OutputError
+            For another suffix, and for a file that cannot be written.
+
+        Examples
+        --------
+        >>> gears.drawing("pinion").save("pinion.pdf")
+        """
         target = Path(path)
         if target.suffix.lower() not in SUFFIXES:
             raise OutputError("cannot write", target, reason=f"its suffix must be one of {', '.join(SUFFIXES)}")

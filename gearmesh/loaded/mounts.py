@@ -51,9 +51,28 @@ class FlexibleMount:
 
     @classmethod
     def of(cls, stiffness: ArrayLike, z: Length = 0.0) -> Self:
-        """Of a stiffness (6, 6), N/mm, N, N mm/rad, or its diagonal (6,), in which inf is rigid, at z (mm, or with a unit).
+        """Of a stiffness, at a point of the axis.
 
-        Raises DesignError unless it is symmetric and above 0, and for a z that is no length.
+        Parameters
+        ----------
+        stiffness : (6, 6) or (6,)
+            N/mm, N, N mm/rad, displacements x, y, z before rotations about them; or its diagonal, in which inf is rigid.
+        z : Length
+            Of the point on the axis, mm.
+
+        Returns
+        -------
+        FlexibleMount
+            For `gears.loaded_contact(..., mounts={"pinion": ...})`.
+
+        Raises
+        ------
+        DesignError
+            Unless it is symmetric and above 0, and for a z that is no length.
+
+        Examples
+        --------
+        >>> gm.FlexibleMount.of([2e5, 2e5, 1e5, 4e9, 4e9, np.inf], z="12mm")
         """
         place = in_mm("z", z)
         given = np.asarray(stiffness, dtype=float)

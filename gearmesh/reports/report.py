@@ -73,7 +73,27 @@ class ReportPage:
         return f"<ReportPage: {self.title}, {len(self.html.encode()) / 1e6:.2f} MB>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Write the page to a .html file, whole or not at all. Raises OutputError for another suffix."""
+        """Write the page, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            A .html file.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        OutputError
+            For another suffix.
+
+        Examples
+        --------
+        >>> gears.report("50um").save("report.html")
+        """
         target = Path(path)
         if target.suffix.lower() != SUFFIX:
             raise OutputError("cannot write", target, reason=f"its suffix must be {SUFFIX}")

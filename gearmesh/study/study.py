@@ -98,7 +98,23 @@ class Study(Result):
         return {name: self.numbers(name) if name in self.figures else np.array(v) for name, v in self.columns.items()}
 
     def numbers(self, name: str) -> Array:
-        """One column (N,) as floats, NaN where there is none or it is a text."""
+        """One column as numbers.
+
+        Parameters
+        ----------
+        name : str
+            Of the column, as in `to_dict()`.
+
+        Returns
+        -------
+        (N,)
+            One for every row, NaN where there is none or it is a text.
+
+        Examples
+        --------
+        >>> bevel = gm.build(gm.load("samples/spiral_bevel_basic.toml"))
+        >>> bevel.study({"assembly.dV": "-0.1:0.1:3"}, record="cycle", workers=1).numbers("contact_ratio")
+        """
         return np.array([v if isinstance(v, int | float) else np.nan for v in self.columns[name]], dtype=float)
 
     @property

@@ -15,12 +15,32 @@ from gearmesh.systems.system import complete_design, design_class, kinds, one_of
 
 
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complete: bool = True) -> Design:
-    """The design in a TOML or JSON file, or on standard input if that is "-".
+    """The design in a TOML or JSON file, or on standard input.
 
-    `overrides` are keys ("dotted.key=value") that are put in before validation.
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file; "-" is standard input. Names of other files in it are counted from its own folder.
+    overrides : sequence of str
+        Keys that are put in before validation, as "pinion.teeth=25".
+    complete : bool
+        Whether defaults that only geometry knows are filled in; else they are left open until gears are built of it.
 
-    Names of other files in it are counted from its own folder. Unless it is to be `complete`, defaults that only geometry knows are
-    left open until gears are built of it. Raises DesignError with one line naming file or key, value and what is allowed.
+    Returns
+    -------
+    Design
+        Of the class of its `kind`.
+
+    Raises
+    ------
+    DesignError
+        One line naming file or key, value and what is allowed.
+
+    Examples
+    --------
+    >>> design = gm.load("samples/helical.toml", ["pinion.teeth=25"])
+    >>> design.pinion.teeth
+    25
     """
     data = files.read(path)
     kind = files.override(data, overrides).get("kind")
@@ -31,7 +51,29 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complet
 
 
 def parse(mapping: Mapping[str, Any]) -> Design:
-    """The design in a plain mapping. Raises DesignError with one line naming key, value and what is allowed."""
+    """The design in a plain mapping.
+
+    Parameters
+    ----------
+    mapping : mapping
+        Keys as in a design file, with "kind".
+
+    Returns
+    -------
+    Design
+        Of the class of its `kind`.
+
+    Raises
+    ------
+    DesignError
+        One line naming key, value and what is allowed.
+
+    Examples
+    --------
+    >>> gear = {"teeth": 30, "face_width": 10}
+    >>> gm.parse({"kind": "cylindrical", "module": 1, "pinion": gear, "gear": gear}).kind
+    'cylindrical'
+    """
     return complete_design(parse_as_stated(mapping))
 
 
@@ -44,8 +86,25 @@ def parse_as_stated(mapping: Mapping[str, Any]) -> Design:
 
 
 def new(kind: str) -> str:
-    """A commented design file of a kind, as text: what it needs with values to begin with, every other key with its default.
+    """A commented design file of a kind: what it needs with values to begin with, every other key with its default.
 
-    It loads as it stands. Raises DesignError naming the nearest kind.
+    Parameters
+    ----------
+    kind : str
+        One of `kinds()`.
+
+    Returns
+    -------
+    str
+        TOML text, which loads as it stands.
+
+    Raises
+    ------
+    DesignError
+        Naming the nearest kind.
+
+    Examples
+    --------
+    >>> text = gm.new("worm_drive")
     """
     return template(design_class(kind))

@@ -181,17 +181,59 @@ _REGISTERED: dict[str, System[Any]] = {}
 
 
 def register(system: System[Any]) -> None:
-    """Make a gear system known under its kind."""
+    """Make a gear system known under its kind, for `load`, `build` and the command line.
+
+    Parameters
+    ----------
+    system : System
+        Its `kind` takes the place of one of the same name.
+
+    Examples
+    --------
+    >>> gm.register(gm.system("helical_pump"))  # doctest: +SKIP
+    """
     _REGISTERED[system.kind] = system
 
 
 def kinds() -> tuple[str, ...]:
-    """All kinds of designs."""
+    """All kinds of designs.
+
+    Returns
+    -------
+    tuple of str
+        Those that come with gearmesh, and those that were registered.
+
+    Examples
+    --------
+    >>> "hypoid" in gm.kinds()
+    True
+    """
     return (*KINDS, *(kind for kind in _REGISTERED if kind not in KINDS))
 
 
 def system(kind: Any) -> System[Any]:
-    """The gear system of a kind. Raises DesignError naming the nearest kind."""
+    """The gear system of a kind.
+
+    Parameters
+    ----------
+    kind : str
+        One of `kinds()`.
+
+    Returns
+    -------
+    System
+        What the program knows of it; `system(kind).design` is the class of its designs.
+
+    Raises
+    ------
+    DesignError
+        Naming the nearest kind.
+
+    Examples
+    --------
+    >>> gm.system("hypoid").design.about.startswith("hypoid gears")
+    True
+    """
     if isinstance(kind, str) and kind not in _REGISTERED and kind in KINDS:
         for registered in import_module(f"gearmesh.systems.registered.{KINDS[kind].registered}").SYSTEMS:
             _REGISTERED.setdefault(registered.kind, registered)

@@ -30,9 +30,26 @@ class Picture:
         return f"<Picture: {self.scene.title}, {width} x {height}>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a .png file, whole or not at all.
+        """Draw into a file, whole or not at all.
 
-        Raises OutputError naming the missing system package where there is no OpenGL, and for another suffix.
+        Parameters
+        ----------
+        path : str or os.PathLike
+            A .png file.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        OutputError
+            Naming the missing system package where there is no OpenGL, and for another suffix.
+
+        Examples
+        --------
+        >>> gears.picture("contact", size=(400, 300)).save("contact.png")
         """
         from gearmesh.view.opengl import missing_opengl_message
         from gearmesh.view.render import render
@@ -65,7 +82,27 @@ class Diagram:
         return f"<Diagram: {self.title}>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a .png, .svg or .pdf file, whole or not at all. Raises OutputError for another suffix."""
+        """Draw into a file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            A .png, .svg or .pdf file.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        OutputError
+            For another suffix.
+
+        Examples
+        --------
+        >>> gears.picture("te").save("te.svg")
+        """
         self.draw(Path(path))
         return Path(path)
 
@@ -87,7 +124,27 @@ class Animation:
         return f"<Animation: {self.scenes[0].title}, {len(self.scenes)} pictures>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a .gif file, whole or not at all. Raises OutputError for another suffix, or where there is no OpenGL."""
+        """Draw into a file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            A .gif file.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        OutputError
+            For another suffix, or where there is no OpenGL.
+
+        Examples
+        --------
+        >>> gears.animation(size=(320, 240)).save("mesh.gif")
+        """
         from gearmesh.view.mesh_section import write_animation
 
         write_animation(Path(path), list(self.scenes))

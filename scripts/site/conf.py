@@ -23,6 +23,8 @@ suppress_warnings = ["myst.header", "misc.highlighting_failure"]
 highlight_language = "none"
 # `x` in docstrings is code, as in Markdown
 default_role = "code"
+# two hyphens are those of an option
+smartquotes = False
 
 # ---- docstrings
 autodoc_member_order = "bysource"

@@ -79,6 +79,18 @@ PYTHON = (
 )
 
 
+#: members of public classes that are of use to the program alone
+INTERNAL = {
+    "Gears": {"as_built", "check_solved", "part", "place", "within"},
+    "GearmeshError": {"later", "topic", "subject", "rename"},
+    "System": {"of_keys"},
+    "FlexibleMount": {"wrenches", "displace"},
+    "RollTest": {"patches"},
+}
+#: members of a design that people use; what else it has is how files are read
+OF_DESIGNS = ("resolve", "in_mm", "given_module", "mm_per_unit", "key_lines", "key_groups")
+
+
 def write(source: Path) -> None:
     """Write all pages of the reference below a folder."""
     folder = source / "reference"
@@ -112,7 +124,10 @@ def code(text: str) -> str:
 def own_members(owner: type) -> list[str]:
     """Public methods and properties of a class, without those that every answer and every model of pydantic has."""
     common = set() if owner is gm.Result else {name for name in vars(gm.Result) if not name.startswith("_")}
-    hidden = {"model_post_init", *common, *dir(BaseModel), *dir(Exception)}
+    internal = {name for kind in owner.__mro__ for name in INTERNAL.get(kind.__name__, ())}
+    hidden = {"model_post_init", *internal, *common, *dir(BaseModel), *dir(Exception)}
+    if issubclass(owner, Design):
+        return list(OF_DESIGNS)
     names: dict[str, None] = {}
     for kind in reversed(owner.__mro__):
         if kind.__module__.startswith("gearmesh."):

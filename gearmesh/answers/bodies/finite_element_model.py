@@ -77,9 +77,30 @@ class FiniteElementModel(Result):
         return {**header(self.design), "model": self.figures, "solution": None}
 
     def save(self, path: str | PathLike[str], *, timing: bool = True, program: str | None = None) -> Path:
-        """Write the model (.inp, .msh, .vtu, .cdb) or its figures (.json); `program` "calculix" or "abaqus" is whose .inp.
+        """Write the model, or its figures, whole or not at all.
 
-        Raises OutputError for a file that cannot be written.
+        Parameters
+        ----------
+        path : str or os.PathLike
+            An .inp, .msh, .vtu or .cdb file; .json: the figures.
+        timing : bool
+            Whether JSON has the run times.
+        program : str, optional
+            Whose .inp it is: "calculix" or "abaqus".
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        OutputError
+            For a file that cannot be written.
+
+        Examples
+        --------
+        >>> gears.finite_elements(members=["pinion"]).save("pinion.inp", program="abaqus")
         """
         target = Path(path)
         if target.suffix.lower() == ".json":
@@ -105,7 +126,22 @@ class UnloadedFiniteElements(FiniteElementModel):
     train: GearTrain
 
     def solve(self, progress: Callable[[float, str], None] | None = None) -> NoReturn:
-        """Raises DesignError: nothing loads the model."""
+        """Refuse: nothing loads the model of one gear.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Not called.
+
+        Raises
+        ------
+        DesignError
+            Always.
+
+        Examples
+        --------
+        >>> gm.gear(30, module=1).finite_elements().solve()  # doctest: +SKIP
+        """
         raise self.train.needs_pair("solve", True)
 
 

@@ -67,7 +67,26 @@ class FiniteElements(FiniteElementModel):
     def solve(self, progress: Callable[[float, str], None] | None = None) -> FiniteElementSolution:
         """Run CalculiX on the model; contact and rotation are those of both members in mesh.
 
-        Raises OutputError if it is not installed, NoSolutionError if it fails.
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with the share that is done, and what is being done.
+
+        Returns
+        -------
+        FiniteElementSolution
+            Stresses, contact pressure, rotation.
+
+        Raises
+        ------
+        OutputError
+            Where CalculiX is not installed.
+        NoSolutionError
+            Where it fails.
+
+        Examples
+        --------
+        >>> gears.finite_elements().solve()  # doctest: +SKIP
         """
         return _solve(self, progress)
 

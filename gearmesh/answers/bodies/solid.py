@@ -121,7 +121,22 @@ class Solid(Result):
         return {**header(self.design), "mesh": {self.name: self.figures}, "warnings": self.warnings}
 
     def move(self, place: Rigid) -> Solid:
-        """The same solid in another frame."""
+        """The same solid in another frame.
+
+        Parameters
+        ----------
+        place : Rigid
+            Own frame to the other, as of `gears.places`.
+
+        Returns
+        -------
+        Solid
+            Other solid; this one stays where it is.
+
+        Examples
+        --------
+        >>> gears.solid("gear", "50um").move(gears.places_at(5.0)["gear"])
+        """
         return replace(self, mesh=self.mesh.move(place), place=place @ self.place)
 
     def to_pyvista(self) -> pyvista.PolyData:

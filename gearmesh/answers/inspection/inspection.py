@@ -116,7 +116,22 @@ class Inspection(Result):
         return None if self.basis is None else class_of(self.basis.sizes, self.deviations)
 
     def tolerance(self, symbol: str) -> float | None:
-        """The tolerance (um) of a deviation in the class that is asked for, None where there is none."""
+        """The tolerance of a deviation in the class that is asked for.
+
+        Parameters
+        ----------
+        symbol : str
+            Of the deviation, as "F_alpha".
+
+        Returns
+        -------
+        float or None
+            um; None where there is none.
+
+        Examples
+        --------
+        >>> gm.build(gm.load("samples/hypoid_measured.toml")).evaluate("pinion").tolerance("F_p")
+        """
         if self.basis is None:
             return None
         return (self.basis.sizes.tolerances(self.basis.asked) or {}).get(f"{symbol}T")

@@ -189,9 +189,25 @@ class LoadedContact(Result):
         }
 
     def share_at(self, rotation: Array, torque: int = 0) -> Array:
-        """Share (P,) of one of the torques on tooth pair 0 at rotations (P,), rad, of the pinion; 0 where none.
+        """Share of a torque on tooth pair 0 at rotations of the pinion.
 
         Between positions it is linear: of positions evenly spaced over a pitch shares of all pairs sum to 1 everywhere.
+
+        Parameters
+        ----------
+        rotation : (P,)
+            Of the pinion, rad.
+        torque : int
+            Number of the torque, from 0.
+
+        Returns
+        -------
+        (P,)
+            Shares from 0 to 1.
+
+        Examples
+        --------
+        >>> gears.loaded_contact(50, [0.0, 3.0, 6.0]).share_at(np.radians([0.0, 2.0]))
         """
         load = self.mesh.loads[torque]
         number = np.arange(load.number.min() - 1, load.number.max() + 2)
