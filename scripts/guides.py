@@ -1,44 +1,67 @@
-"""The guides of samples/guides, run as a reader would run them: each block in order, in a folder of its own.
+"""The guides of samples/guides, run as a reader would run them: each block in its order, in a folder of its own.
 
 Usage: python scripts/guides.py [NAME ...] [--write] [--keep FOLDER]
 
-A guide is samples/guides/NAME.md. Of its fenced blocks
+A guide is samples/guides/NN-name.md. Of its fenced blocks
 
-    ```toml pair.toml     any language followed by a file name: written into that file
-    ```bash               run by bash, with `gearmesh` the program of this checkout; a status that is not 0 ends the guide
-    ```python             run by one interpreter, which keeps its names from block to block of the guide
-    ```text               right after a block that ran: what that printed
+    ```toml title="pair.toml"   of any language, with a title: written into the file of that name
+    ```bash                     run by bash, `gearmesh` is the program of this checkout; a status other than 0 fails
+    ```python                   run by one interpreter for the whole guide, which keeps its names from block to block
+    ```text                     right after a block that ran: what that printed
 
-and others are only shown. Each line of a ```text block must be printed, in that order and one right after the other; a line `...`
-stands for any lines. Blanks count as one, and numbers may differ by one in their last digit. A guide begins in an empty folder:
-samples come by `gearmesh sample NAME`.
+and others are only shown. In a ```text block a line `...` stands for any lines. Blanks count as one, and decimals may differ by one
+in the last digit that is given. `--write` puts the numbers that are printed now in the place of those that stand there. Above a
+block that runs, a comment `<!-- needs: PROGRAM -->` has it left out, with its output and pictures, where there is no such program.
 
-Pictures that a guide shows are samples/guides/pictures/FILE.png, and its blocks write FILE.png into their folder: `--write` puts
-them beside the guide, at most 720 pixels wide. A guide that shows a picture which no block writes fails.
+A picture that a guide shows is samples/guides/pictures/NN-name_FILE.png, and a block writes FILE.png. `--write` keeps a small copy,
+else the kept one must look like it.
 """
 
 from __future__ import annotations
 
 import argparse
-import contextlib
-import io
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from types import TracebackType
+from typing import Self
 
 ROOT = Path(__file__).resolve().parents[1]
 GUIDES = ROOT / "samples" / "guides"
-#: largest width of a picture, pixels
-WIDTH = 720
+PICTURES = GUIDES / "pictures"
+#: largest width of a kept picture, pixels
+WIDTH = 760
+#: size to which pictures are scaled down to be compared, and the largest mean difference of their greys, of 255: gross change
+GLANCE, UNLIKE = (48, 36), 12.0
 #: seconds that one block may take
 PATIENCE = 600
-NUMBER = re.compile(r"[-+]?\d[\d,]*(?:\.\d+)?(?:[eE][-+]?\d+)?")
+FENCE = re.compile(
+    r'^(?:<!-- needs: (\S+) -->\n+)?```(\w+)(?: +title="([^"]+)")?[^\n]*\n(.*?)^```$', re.DOTALL | re.MULTILINE
+)
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
+ANY = "..."
+
+#: What the interpreter of a guide does: run each text that it is sent, and send back what that printed, and its error.
+SESSION = """
+import contextlib, io, json, os, sys, traceback
+answers = os.fdopen(os.dup(1), "w")
+os.dup2(2, 1)
+names = {"__name__": "__main__"}
+for line in sys.stdin:
+    printed, error = io.StringIO(), ""
+    with contextlib.redirect_stdout(printed):
+        try:
+            exec(compile(json.loads(line), "guide", "exec"), names)
+        except BaseException:
+            error = traceback.format_exc()
+    print(json.dumps([printed.getvalue(), error]), file=answers, flush=True)
+"""
 
 
 class GuideError(Exception):
@@ -47,169 +70,255 @@ class GuideError(Exception):
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block: its line in the file, language, the file that it is written to ("" if none) and its text."""
+    """A fenced block: where its text begins in the guide, in which line it is, the program that it needs, its language and the
+    file that it is written to, each "" if there is none."""
 
+    start: int
     line: int
+    needs: str
     language: str
     file: str
     text: str
+
+    @property
+    def possible(self) -> bool:
+        """Whether the program that it needs is there."""
+        return not self.needs or shutil.which(self.needs) is not None
 
 
 def blocks(guide: str) -> list[Block]:
     """The fenced blocks of a Markdown text, in order."""
     return [
-        Block(guide[: match.start()].count("\n") + 1, match[1], match[2] or "", match[3])
-        for match in re.finditer(r"^```(\w+)(?: +(\S+))?[^\n]*\n(.*?)^```$", guide, re.DOTALL | re.MULTILINE)
+        Block(match.start(4), guide[: match.start(4)].count("\n"), match[1] or "", match[2], match[3] or "", match[4])
+        for match in FENCE.finditer(guide)
     ]
 
 
-def pictures(guide: str) -> list[str]:
-    """Names of the pictures that a guide shows, of its own folder."""
-    return list(dict.fromkeys(re.findall(r"\]\(pictures/([^)\s]+)\)", guide)))
+def pictures(path: Path) -> dict[str, Path]:
+    """The pictures that a guide shows: what its blocks call them, and where they are kept."""
+    prefix = f"{path.stem}_"
+    shown = dict.fromkeys(re.findall(r"\]\(pictures/([^)\s]+)\)", path.read_text(encoding="utf-8")))
+    if alien := [name for name in shown if not name.startswith(prefix)]:
+        raise GuideError(f"{path.name}: {alien[0]}: names of its pictures begin with {prefix}")
+    return {name.removeprefix(prefix): PICTURES / name for name in shown}
 
 
-def missing_line(wanted: str, printed: str) -> str | None:
-    """The first line of a ```text block that the printed text does not have in its place; None if it has all."""
-    lines = [words for line in printed.splitlines() if (words := " ".join(line.split()))]
-    place, anywhere = 0, True
+def refreshed(wanted: str, printed: str) -> str:
+    """A ```text block with the numbers that are printed now, where they differ by more than rounding.
+
+    Raises GuideError with the first line that is not printed in its place, but for its numbers.
+    """
+    lines = printed.splitlines()
+    keys = [key(line) for line in lines]
+    made, place, anywhere = [], 0, False
     for line in wanted.splitlines():
-        words = " ".join(line.split())
-        if not words:
-            continue
-        if words == "...":
+        if line.strip() == ANY:
+            made.append(line)
             anywhere = True
             continue
-        places = range(place, len(lines)) if anywhere else range(place, min(place + 1, len(lines)))
-        match = next((k for k in places if same(words, lines[k])), None)
+        places = range(place, len(keys) if anywhere else min(place + 1, len(keys)))
+        match = next((k for k in places if same(line, lines[k])), None)
         if match is None:
-            return line
+            match = next((k for k in places if keys[k] == key(line)), None)
+        if match is None:
+            raise GuideError(f"not printed: {line.strip()!r}; of\n{printed}")
+        made.append(line if same(line, lines[match]) else lines[match].rstrip())
         place, anywhere = match + 1, False
-    return None
+    if place < len(lines) and not anywhere and any(keys[place:]):
+        raise GuideError(f"printed, too: {lines[place].strip()!r}")
+    return "".join(f"{line}\n" for line in made)
+
+
+def key(line: str) -> str:
+    """A line without its numbers."""
+    return " ".join(NUMBER.sub("#", line).split())
 
 
 def same(wanted: str, printed: str) -> bool:
-    """Whether two lines have the same words, and numbers that differ by no more than one in the last digit that is wanted."""
-    if NUMBER.sub("#", wanted) != NUMBER.sub("#", printed):
-        return False
-    return all(map(near, NUMBER.findall(wanted), NUMBER.findall(printed)))
+    """Whether two lines have the same words, and decimals that differ by one in the last digit that is wanted, at most."""
+    return key(wanted) == key(printed) and all(map(near, NUMBER.findall(wanted), NUMBER.findall(printed)))
 
 
 def near(wanted: str, printed: str) -> bool:
-    """Whether two printed numbers differ by at most one in the last digit of the first."""
-    if wanted == printed:
-        return True
-    mantissa, _, exponent = wanted.lower().replace(",", "").partition("e")
+    """Whether two numbers differ by one in the last digit of the first, at most; whole ones are counts, and counts agree."""
+    mantissa, _, exponent = wanted.lower().partition("e")
     decimals = len(mantissa.partition(".")[2])
-    digit = 10.0 ** (int(exponent or 0) - decimals)
-    # a whole number is a count, and counts agree
-    if "." not in mantissa and not exponent:
-        return False
-    return abs(float(wanted.replace(",", "")) - float(printed.replace(",", ""))) <= 1.001 * digit
+    if not decimals and not exponent:
+        return float(wanted) == float(printed)
+    return abs(float(wanted) - float(printed)) <= 1.001 * 10.0 ** (int(exponent or 0) - decimals)
 
 
-def run(path: Path, folder: Path) -> dict[str, str]:
-    """Run a guide in a folder: what each block printed, by its line. Raises GuideError."""
-    guide = path.read_text(encoding="utf-8")
-    names: dict[str, Any] = {"__name__": "__main__"}
-    printed: dict[str, str] = {}
-    output: str | None = None
-    for block in blocks(guide):
-        place = f"{path.name}:{block.line}"
-        if block.file:
-            (folder / block.file).write_text(block.text, encoding="utf-8")
-            output = None
-        elif block.language == "bash":
-            output = printed[place] = shell(block.text, folder, place)
-        elif block.language == "python":
-            output = printed[place] = python(block.text, names, folder, place)
-        elif block.language == "text" and output is not None:
-            line = missing_line(block.text, output)
-            if line is not None:
-                raise GuideError(f"{place}: not printed: {line.strip()!r}; printed was\n{output}")
-            output = None
-    for picture in pictures(guide):
-        if not (folder / picture).is_file():
-            raise GuideError(f"{path.name}: no block writes {picture}, which the guide shows")
-    return printed
+class Session:
+    """One interpreter for the Python blocks of a guide, in its folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", SESSION],
+            cwd=folder,
+            env=environment(),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            encoding="utf-8",
+        )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.process.kill()
+        self.process.communicate()
+
+    def run(self, text: str) -> str:
+        """Run a block: what it printed."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        print(json.dumps(text), file=self.process.stdin, flush=True)
+        answer = self.process.stdout.readline()
+        if not answer:
+            raise GuideError("the interpreter ended")
+        printed, error = json.loads(answer)
+        if error:
+            raise GuideError(error)
+        return str(printed)
 
 
-def shell(text: str, folder: Path, place: str) -> str:
-    """Run a bash block: what it printed, on either stream."""
+def environment() -> dict[str, str]:
+    """What the programs of a guide find: this checkout, a narrow terminal."""
+    return {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "80", "NO_COLOR": "1"}
+
+
+def shell(text: str, folder: Path) -> str:
+    """Run a bash block: what it printed on standard output."""
     program = f'gearmesh() {{ "{sys.executable}" -m gearmesh "$@"; }}\n'
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "100", "NO_COLOR": "1"}
     done = subprocess.run(
         ["bash", "-euo", "pipefail", "-c", program + text],
         cwd=folder,
-        env=environment,
+        env=environment(),
         stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
+        capture_output=True,
         encoding="utf-8",
         timeout=PATIENCE,
         check=False,
     )
     if done.returncode:
-        raise GuideError(f"{place}: status {done.returncode}\n{done.stdout}")
+        raise GuideError(f"status {done.returncode}\n{done.stderr}")
     return done.stdout
 
 
-def python(text: str, names: dict[str, Any], folder: Path, place: str) -> str:
-    """Run a Python block among the names of those before it: what it printed."""
-    stream = io.StringIO()
-    with contextlib.chdir(folder), contextlib.redirect_stdout(stream):
-        try:
-            exec(compile(text, place, "exec"), names)
-        except Exception as error:
-            raise GuideError(f"{place}: {type(error).__name__}: {error}\n{stream.getvalue()}") from error
-    return stream.getvalue()
+def run(path: Path, folder: Path, *, write: bool = False) -> None:
+    """Run a guide in a folder, and compare what it prints and draws; or write that into the guide.
+
+    Raises GuideError.
+    """
+    guide = path.read_text(encoding="utf-8")
+    parts, end, printed, whole = [], 0, None, True
+    with Session(folder) as session:
+        for block in blocks(guide):
+            parts += [guide[end : block.start], block.text]
+            end = block.start + len(block.text)
+            whole = whole and block.possible
+            try:
+                if block.language == "text" and printed is not None:
+                    parts[-1] = refreshed(block.text, printed)
+                    refuse_change(block.text, parts[-1], printed, write=write)
+                    printed = None
+                else:
+                    printed = outcome(block, session, folder)
+            except GuideError as error:
+                raise GuideError(f"{path.name}:{block.line}: {error}") from None
+    if write:
+        path.write_text("".join(parts) + guide[end:], encoding="utf-8")
+    for drawn, kept in pictures(path).items():
+        if not (folder / drawn).is_file():
+            if whole:
+                raise GuideError(f"{path.name}: no block writes {drawn}, which it shows")
+        elif write:
+            keep(folder / drawn, kept)
+        elif (change := difference(folder / drawn, kept)) > UNLIKE:
+            raise GuideError(f"{path.name}: {kept.name} looks unlike {drawn}, by {change:.1f} of 255")
 
 
-def keep(path: Path, folder: Path) -> Iterator[Path]:
-    """Put the pictures that a guide shows beside it, small: those that its blocks have written into `folder`."""
+def outcome(block: Block, session: Session, folder: Path) -> str | None:
+    """What a block printed, None of one that does not run."""
+    if block.file:
+        (folder / block.file).write_text(block.text, encoding="utf-8")
+    elif block.language == "bash" and block.possible:
+        return shell(block.text, folder)
+    elif block.language == "python" and block.possible:
+        return session.run(block.text)
+    return None
+
+
+def refuse_change(wanted: str, now: str, printed: str, *, write: bool) -> None:
+    """Raise GuideError for a block whose numbers have changed, unless it is to be written anew."""
+    for old, new in zip(wanted.splitlines(), now.splitlines(), strict=True):
+        if old != new and not write:
+            raise GuideError(f"printed: {new.strip()!r}, not {old.strip()!r}; of\n{printed}")
+
+
+def keep(drawn: Path, kept: Path) -> None:
+    """Write a small copy of a picture."""
     from gallery import painted
     from PIL import Image
 
-    target = GUIDES / "pictures"
-    for name in pictures(path.read_text(encoding="utf-8")):
-        target.mkdir(exist_ok=True)
-        with Image.open(folder / name) as image:
-            size = (min(WIDTH, image.width), round(image.height * min(1.0, WIDTH / image.width)))
-            painted(image.convert("RGB").resize(size, Image.Resampling.LANCZOS)).save(target / name, optimize=True)
-        yield target / name
+    kept.parent.mkdir(exist_ok=True)
+    with Image.open(drawn) as image:
+        size = (min(WIDTH, image.width), round(image.height * min(1.0, WIDTH / image.width)))
+        opaque = Image.new("RGB", image.size, "white")
+        opaque.paste(image, mask=image.getchannel("A") if "A" in image.getbands() else None)
+        painted(opaque.resize(size, Image.Resampling.LANCZOS)).save(kept, optimize=True)
 
 
-def guides(names: list[str] | None = None) -> list[Path]:
-    """The guides' files, or those of these names."""
-    paths = sorted(GUIDES.glob("*.md"))
-    return [path for path in paths if path.name != "README.md" and (not names or path.stem in names)]
+def difference(drawn: Path, kept: Path) -> float:
+    """Mean difference of the greys of two pictures, both made small; of all of 255 if the copy is missing or of another shape."""
+    import numpy as np
+    from PIL import Image
+
+    if not kept.is_file():
+        return 255.0
+    with Image.open(drawn) as new, Image.open(kept) as old:
+        if abs(new.width / new.height - old.width / old.height) > 0.02:
+            return 255.0
+        greys = [
+            np.asarray(image.convert("RGB").resize(GLANCE, Image.Resampling.BOX).convert("L"), dtype=float)
+            for image in (new, old)
+        ]
+    return float(np.abs(greys[0] - greys[1]).mean())
+
+
+def guides() -> list[Path]:
+    """The files of all guides, in their order."""
+    return sorted(GUIDES.glob("[0-9][0-9]-*.md"))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME")
-    parser.add_argument("--write", action="store_true", help="put the pictures that the guides show beside them")
+    parser.add_argument("--write", action="store_true", help="write what is printed and drawn into the guides")
     parser.add_argument(
         "--keep", type=Path, metavar="FOLDER", help="run in FOLDER/NAME, and keep what is written there"
     )
     options = parser.parse_args()
-    paths = guides(options.names)
-    if set(options.names) - {path.stem for path in paths}:
-        parser.error(f"the guides are {', '.join(path.stem for path in guides())}")
+    paths = {path.stem: path for path in guides()}
+    if unknown := [name for name in options.names if name not in paths]:
+        parser.error(f"no guide is called {unknown[0]}; there are {', '.join(paths)}")
     failed = False
-    for path in paths:
+    for name, path in paths.items():
+        if options.names and name not in options.names:
+            continue
         with tempfile.TemporaryDirectory() as scratch:
-            folder = Path(options.keep or scratch).resolve() / path.stem
+            folder = Path(options.keep or scratch).resolve() / name
             folder.mkdir(parents=True, exist_ok=True)
             try:
-                run(path, folder)
+                run(path, folder, write=options.write)
             except GuideError as error:
                 failed = True
                 print(error, file=sys.stderr)
-                continue
-            print(f"{path.stem}: as printed", flush=True)
-            if options.write:
-                for picture in keep(path, folder):
-                    print(f"  {picture.relative_to(ROOT)}: {picture.stat().st_size / 1000:.0f} kB", flush=True)
+            else:
+                print(f"{name}: as it says", flush=True)
     sys.exit(failed)
 
 
