@@ -4,7 +4,7 @@ Usage: python scripts/guides.py [NAME ...] [--write] [--keep FOLDER]
 
 A guide is samples/guides/NN-name.md. Of its fenced blocks
 
-    ```toml title="pair.toml"   of any language, with a title: written into the file of that name
+    ```toml pair.toml           of any language, with the name of a file: written into that file
     ```bash                     run by bash, `gearmesh` is the program of this checkout; a status other than 0 fails
     ```python                   run by one interpreter for the whole guide, which keeps its names from block to block
     ```text                     right after a block that ran: what that printed
@@ -41,9 +41,7 @@ WIDTH = 760
 GLANCE, UNLIKE = (48, 36), 12.0
 #: seconds that one block may take
 PATIENCE = 600
-FENCE = re.compile(
-    r'^(?:<!-- needs: (\S+) -->\n+)?```(\w+)(?: +title="([^"]+)")?[^\n]*\n(.*?)^```$', re.DOTALL | re.MULTILINE
-)
+FENCE = re.compile(r"^(?:<!-- needs: (\S+) -->\n+)?```(\w+)(?: +(\S+))?\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 ANY = "..."
 
@@ -108,13 +106,13 @@ def refreshed(wanted: str, printed: str) -> str:
 
     Raises GuideError with the first line that is not printed in its place, but for its numbers.
     """
-    lines = printed.splitlines()
+    lines = [line for line in printed.splitlines() if line.strip()]
     keys = [key(line) for line in lines]
     made, place, anywhere = [], 0, False
     for line in wanted.splitlines():
-        if line.strip() == ANY:
+        if line.strip() in (ANY, ""):
             made.append(line)
-            anywhere = True
+            anywhere = anywhere or bool(line)
             continue
         places = range(place, len(keys) if anywhere else min(place + 1, len(keys)))
         match = next((k for k in places if same(line, lines[k])), None)
@@ -124,8 +122,8 @@ def refreshed(wanted: str, printed: str) -> str:
             raise GuideError(f"not printed: {line.strip()!r}; of\n{printed}")
         made.append(line if same(line, lines[match]) else lines[match].rstrip())
         place, anywhere = match + 1, False
-    if place < len(lines) and not anywhere and any(keys[place:]):
-        raise GuideError(f"printed, too: {lines[place].strip()!r}")
+    if place < len(lines) and not anywhere:
+        raise GuideError(f"printed, too: {lines[place].strip()!r}; of\n{printed}")
     return "".join(f"{line}\n" for line in made)
 
 
