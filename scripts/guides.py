@@ -36,7 +36,7 @@ ROOT = Path(__file__).resolve().parents[1]
 GUIDES = ROOT / "samples" / "guides"
 PICTURES = GUIDES / "pictures"
 #: largest width of a kept picture, pixels
-WIDTH = 760
+WIDTH = 900
 #: size to which pictures are scaled down to be compared, and the largest mean difference of their greys, of 255: gross change
 GLANCE, UNLIKE = (48, 36), 12.0
 #: seconds that one block may take
@@ -189,20 +189,21 @@ def environment() -> dict[str, str]:
 
 
 def shell(text: str, folder: Path) -> str:
-    """Run a bash block: what it printed on standard output."""
+    """Run a bash block: what it printed, on either stream."""
     program = f'gearmesh() {{ "{sys.executable}" -m gearmesh "$@"; }}\n'
     done = subprocess.run(
         ["bash", "-euo", "pipefail", "-c", program + text],
         cwd=folder,
         env=environment(),
         stdin=subprocess.DEVNULL,
-        capture_output=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
         encoding="utf-8",
         timeout=PATIENCE,
         check=False,
     )
     if done.returncode:
-        raise GuideError(f"status {done.returncode}\n{done.stderr}")
+        raise GuideError(f"status {done.returncode}\n{done.stdout}")
     return done.stdout
 
 
@@ -297,7 +298,7 @@ def main() -> None:
     parser.add_argument("names", nargs="*", metavar="NAME")
     parser.add_argument("--write", action="store_true", help="write what is printed and drawn into the guides")
     parser.add_argument(
-        "--keep", type=Path, metavar="FOLDER", help="run in FOLDER/NAME, and keep what is written there"
+        "--keep", type=Path, metavar="FOLDER", help="run in FOLDER/NAME, emptied first, and keep what is written there"
     )
     options = parser.parse_args()
     paths = {path.stem: path for path in guides()}
@@ -309,6 +310,7 @@ def main() -> None:
             continue
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(options.keep or scratch).resolve() / name
+            shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir(parents=True, exist_ok=True)
             try:
                 run(path, folder, write=options.write)

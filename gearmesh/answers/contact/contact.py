@@ -442,6 +442,11 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
             f"contact ratio {cycle.contact_ratio:.4g} of the flank surfaces is below 1: between two tooth pairs there is edge "
             "contact; higher teeth, a wider face or less crowning increase it"
         )
+    if cycle is not None and math.isnan(cycle.contact_ratio) and not math.isnan(cycle.peak_to_peak):
+        warnings.append(
+            "edge contact alone: at no position do the flanks touch inside both; crowning, or smaller errors of assembly, bring "
+            "the contact there"
+        )
     for place in cycle.breaks if cycle else ():
         what = "begins" if place.beginning else "ends"
         size, why = "before that of the next pair begins", ""
