@@ -9,6 +9,8 @@ from gearmesh.design.keys import Key, Table
 
 #: most teeth of a list, and largest deviation in it, um
 MOST_TEETH, MOST_UM = 1000, 1000.0
+#: largest number that draws teeth
+MOST_SEED = 999_999
 
 
 def measured_file(member: str, flank: str) -> Key:
@@ -53,6 +55,29 @@ def runout_list(member: str) -> Key:
     )
 
 
+def pitch_class(member: str) -> Key:
+    """Key of the tolerance class within which pitch deviations are drawn."""
+    return Key(
+        "count",
+        f"tolerance class within which pitch deviations of the {member} are drawn, in the place of measured ones",
+        low=1,
+        high=12,
+        default="accuracy_class or accuracy_grade where pitch_seed is given",
+        source="[ISO 1328-1], [ISO 17485]",
+    )
+
+
+def pitch_seed(member: str) -> Key:
+    """Key of the number by which they are drawn."""
+    return Key(
+        "count",
+        f"number by which pitch deviations of the {member} are drawn: one number, one gear",
+        low=0,
+        high=MOST_SEED,
+        default="none; 0 where pitch_class is given",
+    )
+
+
 class MeasuredTable(Table):
     """How files of measured flanks are read."""
 
@@ -87,10 +112,14 @@ class PairMeasured(MeasuredTable):
     pinion_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("pinion", "right")] = None
     pinion_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("pinion", "left")] = None
     pinion_runout_um: Annotated[tuple[float, ...] | None, runout_list("pinion")] = None
+    pinion_pitch_class: Annotated[int | None, pitch_class("pinion")] = None
+    pinion_pitch_seed: Annotated[int | None, pitch_seed("pinion")] = None
     gear_pitch: Annotated[str | None, pitch_file("gear")] = None
     gear_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("gear", "right")] = None
     gear_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("gear", "left")] = None
     gear_runout_um: Annotated[tuple[float, ...] | None, runout_list("gear")] = None
+    gear_pitch_class: Annotated[int | None, pitch_class("gear")] = None
+    gear_pitch_seed: Annotated[int | None, pitch_seed("gear")] = None
 
 
 class WormDriveMeasured(MeasuredTable):
@@ -104,10 +133,14 @@ class WormDriveMeasured(MeasuredTable):
     worm_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("worm", "right")] = None
     worm_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("worm", "left")] = None
     worm_runout_um: Annotated[tuple[float, ...] | None, runout_list("worm")] = None
+    worm_pitch_class: Annotated[int | None, pitch_class("worm")] = None
+    worm_pitch_seed: Annotated[int | None, pitch_seed("worm")] = None
     wheel_pitch: Annotated[str | None, pitch_file("wheel")] = None
     wheel_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("wheel", "right")] = None
     wheel_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("wheel", "left")] = None
     wheel_runout_um: Annotated[tuple[float, ...] | None, runout_list("wheel")] = None
+    wheel_pitch_class: Annotated[int | None, pitch_class("wheel")] = None
+    wheel_pitch_seed: Annotated[int | None, pitch_seed("wheel")] = None
 
 
 class RackMeasured(MeasuredTable):
@@ -121,6 +154,8 @@ class RackMeasured(MeasuredTable):
     pinion_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("pinion", "right")] = None
     pinion_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("pinion", "left")] = None
     pinion_runout_um: Annotated[tuple[float, ...] | None, runout_list("pinion")] = None
+    pinion_pitch_class: Annotated[int | None, pitch_class("pinion")] = None
+    pinion_pitch_seed: Annotated[int | None, pitch_seed("pinion")] = None
 
 
 class PlanetaryMeasured(MeasuredTable):
@@ -136,11 +171,17 @@ class PlanetaryMeasured(MeasuredTable):
     sun_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("sun", "right")] = None
     sun_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("sun", "left")] = None
     sun_runout_um: Annotated[tuple[float, ...] | None, runout_list("sun")] = None
+    sun_pitch_class: Annotated[int | None, pitch_class("sun")] = None
+    sun_pitch_seed: Annotated[int | None, pitch_seed("sun")] = None
     planet_pitch: Annotated[str | None, pitch_file("planet")] = None
     planet_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("planet", "right")] = None
     planet_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("planet", "left")] = None
     planet_runout_um: Annotated[tuple[float, ...] | None, runout_list("planet")] = None
+    planet_pitch_class: Annotated[int | None, pitch_class("planet")] = None
+    planet_pitch_seed: Annotated[int | None, pitch_seed("planet")] = None
     ring_pitch: Annotated[str | None, pitch_file("ring")] = None
     ring_pitch_right_um: Annotated[tuple[float, ...] | None, pitch_list("ring", "right")] = None
     ring_pitch_left_um: Annotated[tuple[float, ...] | None, pitch_list("ring", "left")] = None
     ring_runout_um: Annotated[tuple[float, ...] | None, runout_list("ring")] = None
+    ring_pitch_class: Annotated[int | None, pitch_class("ring")] = None
+    ring_pitch_seed: Annotated[int | None, pitch_seed("ring")] = None

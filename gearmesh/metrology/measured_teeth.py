@@ -10,6 +10,7 @@ Whoever has deviations hands them over as functions of the place on the nominal 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -134,6 +135,12 @@ class InspectionBasis:
     asked: int
     involute: InvoluteFlank | None = None
     ball: BallInSpace | None = None
+
+    def eccentric(self, size: float, phase: float, teeth: int) -> dict[Side, PitchDeviations]:
+        """Pitch deviations of teeth off their axis, as of `BallInSpace`; of flanks of which no ball is known as of their middles
+        across the space, alike on both sides."""
+        ball = BallInSpace(0.0, math.pi / teeth) if self.ball is None else self.ball
+        return ball.eccentric(size, phase, teeth)
 
 
 def pitch_radius(tooth: Tooth, basis: InspectionBasis | None) -> float:

@@ -20,7 +20,7 @@ from gearmesh.design.shown import nearest, shown_key, value_text
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import EXAMPLES, length
-from gearmesh.study.spreads import Spread
+from gearmesh.study.spreads import WHOLE, Spread
 
 METHODS = ("lhs", "sobol", "random", "saltelli")
 #: numbers beyond which no key has any
@@ -91,7 +91,8 @@ def sample_plan(spreads: Mapping[str, Spread], count: int, method: str = "lhs", 
     _refuse_size("sample", count * (len(spreads) + 2) if points else count)
     shares = np.clip(_shares(len(spreads), count, method, seed), TINY, 1.0 - TINY)
     columns: dict[str, list[Value]] = {
-        key: list(map(float, spread.at(shares[:, k]))) for k, (key, spread) in enumerate(spreads.items())
+        key: list(map(int if spread.distribution == WHOLE else float, spread.at(shares[:, k])))
+        for k, (key, spread) in enumerate(spreads.items())
     }
     about = {key: [spread.distribution, *spread.parameters] for key, spread in spreads.items()}
     return Plan(columns, points=points, about={"sample": count, "method": method, "seed": seed, "tolerance": about})

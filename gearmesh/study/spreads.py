@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from gearmesh.design.shown import shown_key, value_text
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.files.reading import MIB, read_toml
@@ -21,6 +23,8 @@ PARAMETERS = {
     "triangular": ("low", "mode", "high"),
     "truncated": ("mean", "sigma", "low", "high"),
 }
+#: whole numbers from low up to, but not, high: of seeds, which nobody gives by hand
+WHOLE = "whole"
 
 #: a number that a text or a file gives, in the unit of its key; raises DesignError
 Reader = Callable[[str, Any], float]
@@ -28,13 +32,17 @@ Reader = Callable[[str, Any], float]
 
 @dataclass(frozen=True)
 class Spread:
-    """A distribution and its parameters, in the unit of the key: a "truncated" one is normal between two limits."""
+    """A distribution and its parameters, in the unit of the key: a "truncated" one is normal between two limits; a WHOLE one is of
+    whole numbers from the first up to, but not, the second."""
 
     distribution: str
     parameters: tuple[float, ...]
 
     def at(self, share: Array) -> Array:
         """The values (N,) below which shares (N,), 0 to 1, of all are."""
+        if self.distribution == WHOLE:
+            low, high = self.parameters
+            return np.floor(low + share * (high - low))
         from scipy import stats
 
         p = dict(zip(PARAMETERS[self.distribution], self.parameters, strict=True))

@@ -31,6 +31,7 @@ from gearmesh.study.rows.work import (
     GROUPS,
     LOAD,
     NO_CONTACT,
+    TURNS,
     StudyWork,
     displacing_keys,
     own_keys,
@@ -55,6 +56,8 @@ WORTH, WORTH_LOADED = 8, 3
 #: figures that are plotted where they are recorded, the first PLOTTED of them
 PLOTTED = 4
 MAIN = (
+    "turns_te_peak_to_peak_arcsec",
+    "turns_te_tooth_to_tooth_arcsec",
     "mesh_te_peak_to_peak_arcsec",
     "contact_ratio",
     "path_shift_length_mm",
@@ -333,13 +336,13 @@ def _tolerances(
     if isinstance(tolerance, Mapping):
         spreads = class_spreads(read.design, pair, tolerance[CLASS]) if CLASS in tolerance else {}
         keys = {key: text for key, text in tolerance.items() if key != CLASS}
-        spreads |= {key: spread_of(key, list(text.split(":")), read.number) for key, text in keys.items()}
+        given = {key: spread_of(key, list(text.split(":")), read.number) for key, text in keys.items()}
     else:
-        spreads = read_spreads(os.fspath(tolerance), read.number)
-    for key in spreads:
+        spreads, given = {}, read_spreads(os.fspath(tolerance), read.number)
+    for key in given:
         if isinstance(read.value(key, 1), int):
             raise ArgumentError("tolerance", entry=key, reason="whole numbers can be varied in a grid, not sampled")
-    return spreads
+    return {**spreads, **given}
 
 
 def _refuse_impossible(design: Design, plan: Plan) -> None:
@@ -368,7 +371,7 @@ def work_and_nominal(
     tokens = [token.strip() for token in (record.split(",") if isinstance(record, str) else record)]
     if LOAD in tokens and not torques:
         raise ArgumentError("record", entry="load", reason="needs torque, in Nm")
-    allowed = (*GROUPS, *([LOAD] if torques else []))
+    allowed = (*GROUPS, TURNS, *([LOAD] if torques else []))
     known = recordable(systems.build(design).pair(pair), len(torques))
     _refuse_unknown(tokens, allowed, known)
     whole = StudyWork(own_keys(design), (), pair, GROUPS, torque=torques)
@@ -385,16 +388,19 @@ def work_and_nominal(
 
     for k, group in enumerate(GROUPS):
         nominal_figures = ask(group, GROUPS[: k + 1])
+    turning = {TURNS, *(name for name, group in known.items() if group == TURNS)}
+    if turning & set(tokens):
+        nominal_figures = ask(TURNS, (GROUPS[0], TURNS))
     if torques:
-        if set(tokens) <= {*GROUPS, *by_group}:
+        if set(tokens) <= {*GROUPS, TURNS, *by_group}:
             told = ",".join(f"{torque:g}" for torque in torques)
             raise ArgumentError("torque", entry=told, reason="needs figures under load; record = load has them")
         nominal_figures = ask(LOAD, (GROUPS[0], LOAD))
     _refuse_unknown(tokens, allowed, by_group)
     names = tuple(name for name, group in by_group.items() if {name, group, "all"} & set(tokens))
     of = {by_group[name] for name in names}
-    last = max((GROUPS.index(group) for group in of - {LOAD}), default=0)
-    groups = (*GROUPS[: last + 1], *sorted(of & {LOAD}))
+    last = max((GROUPS.index(group) for group in of - {LOAD, TURNS}), default=0)
+    groups = (*GROUPS[: last + 1], *sorted(of & {LOAD, TURNS}))
     length, height = map(PathFigures.key_of, ("contact_length", "contact_height"))
     middle = nominal_figures[length], nominal_figures[height]
     work = replace(whole, keys=keys, groups=groups, names=names, reference=middle)

@@ -41,6 +41,7 @@ ABSENT = {
     *("stiffness", "z", "thickness", "quotient", "lead_angle", "friction", "wire_diameter"),
     *("pinion_right", "pinion_left", "gear_right", "gear_left", "pinion_pitch", "gear_pitch"),
     *(f"{member}_{what}_um" for member in ("pinion", "gear") for what in ("pitch_right", "pitch_left", "runout")),
+    *(f"{member}_pitch_{what}" for member in ("pinion", "gear") for what in ("class", "seed")),
     *("end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle", "tip_cone_angle", "tip_throat_radius"),
 }
 #: keys that rules which are not of the kind's file say: "that of the cutter", where there is a disk, axes that are parallel

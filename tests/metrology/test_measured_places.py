@@ -172,6 +172,11 @@ def test_teeth_of_a_solid_are_at_their_places() -> None:
             ["measured.pinion_pitch=nowhere.csv", "measured.pinion_runout_um=[1]"],
             "cannot be given together with measured.pinion_pitch",
         ),
+        (
+            ["measured.pinion_pitch_seed=3", "measured.pinion_runout_um=[1]"],
+            "measured.pinion_pitch_seed: cannot be given together with measured.pinion_runout_um",
+        ),
+        (["measured.pinion_pitch_class=12"], "measured.pinion_pitch_class = 12: must be a whole number from 1 to 11"),
     ],
 )
 def test_wrong_pitch_deviations_are_refused(keys: list[str], message: str) -> None:

@@ -146,7 +146,7 @@ def test_the_contact_ratio_under_load_is_how_long_a_pair_carries(first: float, l
         (["--torque", "40,0"], "--torque = 40,0: must be finite numbers of Nm above 0"),
         (
             ["--record", "max_pressure_1_mpa"],
-            "--record max_pressure_1_mpa: must be path, cycle, fit, load with torque",
+            "--record max_pressure_1_mpa: must be path, cycle, fit, turns, load with torque",
         ),
     ],
 )

@@ -44,10 +44,12 @@ def test_an_unknown_figure_is_refused_before_anything_is_solved(monkeypatch: pyt
     monkeypatch.setattr(StudyWork, "figures", solved)
     gears = gm.build(gm.load(SAMPLES / "spur.toml"))
     with pytest.raises(
-        gm.DesignError, match=r"^record backlash_normal_mm: must be path, cycle, fit, load with torque"
+        gm.DesignError, match=r"^record backlash_normal_mm: must be path, cycle, fit, turns, load with torque"
     ) as told:
         gears.study({"assembly.dz": [0.0, 0.01]}, record="cycle,backlash_normal_mm")
     assert "backlash_normal_min_mm, backlash_normal_max_mm" in str(told.value)
     assert str(told.value).endswith("; did you mean backlash_normal_min_mm?")
-    with pytest.raises(gm.DesignError, match=r"^record max_pressure_3_mpa: must be path, cycle, fit, load, all or"):
+    with pytest.raises(
+        gm.DesignError, match=r"^record max_pressure_3_mpa: must be path, cycle, fit, turns, load, all or"
+    ):
         gears.study({"assembly.dz": [0.0, 0.01]}, record="max_pressure_3_mpa", torque=[10.0, 20.0])

@@ -38,7 +38,9 @@ def inspect_files(
     fields = {side: MeasuredField.of(tooth, side, own_flank) for side, own_flank in made.items()}
     teeth = MeasuredTeeth(fields)
     if pitch is not None or places.says(name):
-        own = places.pitch(name, tooth.teeth) if pitch is None else read_pitch(pitch, tooth.teeth)
+        inspection = systems.system_of(nominal).inspection
+        basis = None if inspection is None else inspection(nominal, train, name)
+        own = places.pitch(name, tooth.teeth, basis) if pitch is None else read_pitch(pitch, tooth.teeth)
         teeth = replace(teeth, pitch=own.sides, runout=own.runout)
     answer = inspect(nominal, train, name, teeth)
     return replace(answer, notes=tuple(f"{side} flank: {note}" for side in made for note in made[side].notes))

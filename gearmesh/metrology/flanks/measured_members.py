@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
+from zlib import crc32
 
 import numpy as np
 
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.metrology.drawn_pitch import drawn_pitch
 from gearmesh.metrology.flanks.measured_flank import MeasuringMode, with_measured_flanks
 from gearmesh.metrology.measured_teeth import InspectionBasis, pitch_radius
 from gearmesh.metrology.pitch import MeasuredPitch, PitchDeviations, index_angles
@@ -62,19 +66,26 @@ class MeasuredPlaces:
 
     def says(self, name: str) -> bool:
         """Whether the design has pitch deviations or runout of a member."""
-        own = self._named(name)
-        return any(getattr(self._table, key, None) is not None for key in (_file_key(own), *_list_keys(own)))
+        return any(value is not None for value in self._values(name).values())
 
-    def pitch(self, name: str, teeth: int) -> MeasuredPitch:
-        """What the design has of a member of so many teeth. Raises FileError and DesignError naming the key."""
+    def _values(self, name: str) -> dict[str, Any]:
         own = self._named(name)
-        file, lists = getattr(self._table, _file_key(own), None), {}
+        return {key: getattr(self._table, key, None) for key in (_file_key(own), *_list_keys(own), *_drawn_keys(own))}
+
+    def pitch(self, name: str, teeth: int, basis: InspectionBasis | None) -> MeasuredPitch:
+        """What the design has of a member of so many teeth, inspected by a basis, or what is drawn for it.
+
+        Raises FileError and DesignError naming the key.
+        """
+        own, given = self._named(name), self._values(name)
+        file, lists = given[_file_key(own)], dict[str, Array]()
+        self._refuse_together(own, given)
+        if any(given[key] is not None for key in _drawn_keys(own)):
+            return self._draw(own, teeth, basis)
         for key in _list_keys(own):
-            values = getattr(self._table, key, None)
+            values = given[key]
             if values is None:
                 continue
-            if file is not None:
-                raise DesignError(f"measured.{key}", reason=f"cannot be given together with measured.{_file_key(own)}")
             if len(values) != teeth:
                 raise DesignError(f"measured.{key}", f"{len(values)} values", must_be=f"{teeth} values, one a tooth")
             lists[key] = UM * np.array(values)
@@ -83,6 +94,31 @@ class MeasuredPlaces:
         *of_sides, of_runout = _list_keys(own)
         sides = {side: PitchDeviations(lists[key]) for side, key in zip(Side, of_sides, strict=True) if key in lists}
         return MeasuredPitch(sides, lists.get(of_runout))
+
+    @staticmethod
+    def _refuse_together(own: str, given: dict[str, Any]) -> None:
+        """Raise DesignError where the places of teeth are given in two ways."""
+        ways = ([_file_key(own)], _list_keys(own), _drawn_keys(own))
+        keys = [key for way in ways for key in [next((key for key in way if given[key] is not None), None)] if key]
+        if len(keys) > 1:
+            raise DesignError(f"measured.{keys[1]}", reason=f"cannot be given together with measured.{keys[0]}")
+
+    def _draw(self, own: str, teeth: int, basis: InspectionBasis | None) -> MeasuredPitch:
+        """A gear of the class that the design names, or asks for."""
+        of_class, of_seed = _drawn_keys(own)
+        wanted, seed = getattr(self._table, of_class), getattr(self._table, of_seed)
+        if basis is None:
+            raise DesignError(
+                f"measured.{of_class if wanted is not None else of_seed}",
+                reason=f"pitch deviations of the {own} have no tolerances",
+                allowed="cylindrical and bevel gears",
+            )
+        finest, coarsest = basis.sizes.classes
+        wanted = basis.asked if wanted is None else wanted
+        if not finest <= wanted <= coarsest:
+            raise DesignError(f"measured.{of_class}", wanted, must_be=f"a whole number from {finest} to {coarsest}")
+        # members that are drawn by the same number differ
+        return MeasuredPitch(drawn_pitch(basis, teeth, wanted, (seed or 0, crc32(own.encode()))))
 
     def of_member(self, member: Member, basis_of: BasisOf) -> Member:
         """The member with its teeth where they were measured; itself, where the design has none.
@@ -94,12 +130,16 @@ class MeasuredPlaces:
             return member
         tooth, basis = member.tooth, basis_of(member.name)
         of_runout = f"measured.{_list_keys(self._named(member.name))[-1]}"
-        pitch = self.pitch(member.name, tooth.teeth).complete(None if basis is None else basis.ball, of_runout)
+        pitch = self.pitch(member.name, tooth.teeth, basis).complete(None if basis is None else basis.ball, of_runout)
         return replace(member, index=index_angles(pitch, pitch_radius(tooth, basis)))
 
 
 def _file_key(member: str) -> str:
     return f"{member}_pitch"
+
+
+def _drawn_keys(member: str) -> tuple[str, str]:
+    return f"{member}_pitch_class", f"{member}_pitch_seed"
 
 
 def _list_keys(member: str) -> tuple[str, ...]:

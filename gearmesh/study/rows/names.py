@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 
 from gearmesh.answers.contact.figures import CycleSummary
 from gearmesh.answers.contact.fit import FitSummary
+from gearmesh.answers.contact.turns import TurnsSummary
 from gearmesh.contact.engagement.curve import HARMONICS
 from gearmesh.figures import Summary
 from gearmesh.study.rows.load_figures import LoadFigures
 from gearmesh.study.rows.path_figures import PathFigures, PathShift
-from gearmesh.study.rows.work import GROUPS, LOAD, cycle_figures
+from gearmesh.study.rows.turns_figures import RowPitch
+from gearmesh.study.rows.work import GROUPS, LOAD, TURNS, cycle_figures
 from gearmesh.teeth.gear_train import GearPair
 
 
@@ -23,9 +26,10 @@ def recordable(pair: GearPair, torques: int = 0) -> dict[str, str]:
     own = () if pair.figures is None else pair.figures.row
     cycle = cycle_figures(pair, _cycle(), None)
     fit = cycle_figures(pair, _cycle(), _fit(pair))
+    turns = Summary(_turns(), RowPitch(*[dict.fromkeys(pair.members, math.nan)] * 2))
     load = Summary(_load(pair, torques)).flat if torques else ()
     groups: dict[str, str] = {}
-    for group, names in zip((*GROUPS, LOAD), ([*path, *own], cycle, fit, load), strict=True):
+    for group, names in zip((*GROUPS, TURNS, LOAD), ([*path, *own], cycle, fit, turns, load), strict=True):
         groups |= {name: group for name in names if name not in groups}
     return groups
 
@@ -49,6 +53,10 @@ def _fit(pair: GearPair) -> FitSummary:
     none, pinion = math.nan, {pair.pinion.name: math.nan}
     clearance: dict[str, float | None] = dict.fromkeys(pair.members, none)
     return FitSummary(none, none, pinion, pinion, none, none, none, none, clearance, none)
+
+
+def _turns() -> TurnsSummary:
+    return TurnsSummary(*[math.nan] * len(fields(TurnsSummary)))
 
 
 def _load(pair: GearPair, torques: int) -> LoadFigures:

@@ -2,13 +2,15 @@
 
 Keys that only move members (`System.displacements`) are put through one pair of built members, all rows in one batch; any other key
 builds its design anew, as `--set` would. What is computed is what the figures asked for need, in three groups, each with all
-figures of those before it at hand, and a fourth apart:
+figures of those before it at hand, and two apart:
 
     path    paths of contact at the design's positions, batched: milliseconds a row
     cycle   the mesh cycle of every row: exact transmission error of the gears, harmonics, contact ratio: tenths of a second; none
             of gears that jam
     fit     backlash, clearance, interference besides, which the cycle has looked at
 
+    turns   transmission error over whole turns of members that are eccentric or have pitch deviations, until the same teeth meet
+            again: a second
     load    a mesh cycle under each of some torques: a second or two a row and torque, and seconds for how the members of each
             design deflect, wherever they are mounted
 """
@@ -45,6 +47,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.study.rows.load_figures import POSITIONS, load_figures
 from gearmesh.study.rows.path_figures import PathShift, path_figures
+from gearmesh.study.rows.turns_figures import turns_figures
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
 from gearmesh.teeth.flank_frame import FlankFrame
@@ -52,8 +55,8 @@ from gearmesh.teeth.gear_train import GearPair, GearTrain
 
 #: each needs what those before it do
 GROUPS = ("path", "cycle", "fit")
-#: the group that needs torques
-LOAD = "load"
+#: the group of whole turns, and the one that needs torques
+TURNS, LOAD = "turns", "load"
 #: rows of a chunk: of those that are batched, and of others
 BATCHED, SINGLE = 50, 4
 #: pitches by which positions go on beyond the engagement either way: errors move it
@@ -186,6 +189,8 @@ class StudyWork:
     def _of_assembly(self, variant: Variant) -> Summary:
         """Figures of the mesh cycle, of the fit and of loads, as they are asked for."""
         cycle, figures = self._of_cycle(variant) if "cycle" in self.groups else (None, Summary())
+        if TURNS in self.groups:
+            figures = Summary(figures, turns_figures(variant.design, variant.train, variant.pair))
         if LOAD in self.groups:
             phi1 = variant.pair.pitch * np.arange(POSITIONS) / POSITIONS
             loaded = loaded_contact_of(

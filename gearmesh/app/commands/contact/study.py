@@ -59,7 +59,7 @@ def study(
             "--record",
             metavar="FIGURES",
             help="path (ms per row), cycle (0.1 s), fit (backlash, clearance: 0.1 s more), load (2 s per torque; "
-            "needs --torque), all, "
+            "needs --torque), turns (whole turns: 1 s), all but turns, "
             "or names of figures, with commas.",
         ),
     ] = "path,cycle",
