@@ -17,6 +17,7 @@ from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.surface.sheared import Withdrawn
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.bodies.body import bore_radius, disc_body
@@ -26,7 +27,8 @@ from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
 from gearmesh.systems.worm_drive.helical_wheel import helical_wheel
-from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, WormThread
+from gearmesh.systems.worm_drive.run_out import RunOut
+from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, Rounding, WormThread
 from gearmesh.systems.worm_drive.wheel import Throat, WormHob, crossed_axes
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
@@ -66,6 +68,9 @@ WHEEL_REMEDIES = {
     ),
 }
 
+#: height of the flanks that run-outs leave, in axial modules, or as a multiple of a broken tip edge, and the steepest angle (rad) at
+#: which their root rises
+LEFT, EDGE, STEEPEST = 0.05, 1.5, math.radians(75.0)
 #: part of a diameter within which hob and worm are of one size
 EQUAL = 1e-9
 
@@ -210,22 +215,22 @@ def _worm(design: WormDriveDesign) -> Member:
     spec, m, radius = design.worm, design.axial_module, 0.5 * design.reference_diameter
     tip, root = radius + spec.addendum * m, radius - spec.dedendum * m
     hole = bore_radius("worm", spec.stated_bore, root, "the root diameter")
-    half = 0.5 * spec.length
-    blank = Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(tip), ConeLevel.of(root), Body.tube(hole, -half, half))
+    roundings = {side: _root_rounding(design, side) for side in (1, -1)}
+    run_out = _run_out(design, [worm_thread(design, side).form_radius(own) for side, own in roundings.items()])
+    half = 0.5 * spec.length + spec.run_out
+    level = ConeLevel.of(root) if run_out is None else run_out.root_level
+    blank = Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(tip), level, Body.tube(hole, -half, half))
 
     def side(side: int) -> ToothSide:
-        thread = worm_thread(design, side)
-        try:
-            rounding = thread.root_rounding(root, spec.root_rounding * m)
-        except DesignError as failure:
-            why = "the flank does not reach the rounding of the root"
-            raise VagueError("worm.root_rounding", spec.root_rounding, reason=why) from failure
+        thread, rounding = worm_thread(design, side), roundings[side]
+        flank, fillet = thread.flank(side), thread.rounding_surface(rounding, side)
         return ToothSide(
-            thread.flank(side),
-            thread.rounding_surface(rounding, side),
+            flank if run_out is None else Withdrawn(flank, run_out.rise),
+            fillet if run_out is None else Withdrawn(fillet, run_out.rise),
             form_point=rounding.form_point,
             root=LAND,
             tip=thread.at_radius(tip),
+            face_breaks=() if run_out is None else run_out.root_level.curve.corners,
             tool=ToolDescription(TOOLS[thread.form], dimensions=_tool_dimensions(thread)),
         )
 
@@ -233,6 +238,37 @@ def _worm(design: WormDriveDesign) -> Member:
     tooth = with_tip_edge("worm", tooth, spec)
     under = UnderTeeth("worm", tooth, blank.body, root, root, m)
     return with_end_chamfers(Member("worm", tooth, _thread_parameters, body_features(spec, under)), spec)
+
+
+def _root_rounding(design: WormDriveDesign, side: int) -> Rounding:
+    """The rounding of the root beside the right (+1) or left (-1) flank of a thread."""
+    spec, m = design.worm, design.axial_module
+    root = 0.5 * design.reference_diameter - spec.dedendum * m
+    try:
+        return worm_thread(design, side).root_rounding(root, spec.root_rounding * m)
+    except DesignError as failure:
+        why = "the flank does not reach the rounding of the root"
+        raise VagueError("worm.root_rounding", spec.root_rounding, reason=why) from failure
+
+
+def _run_out(design: WormDriveDesign, form_radii: list[float]) -> RunOut | None:
+    """The run-outs of the threads, None where they are cut square: until what is left of the flanks is no higher than `LEFT`, or a
+    broken tip edge."""
+    spec, m, radius = design.worm, design.axial_module, 0.5 * design.reference_diameter
+    if not spec.run_out:
+        return None
+    flank = radius + spec.addendum * m - max(form_radii)
+    rise = flank - max(LEFT * m, EDGE * max(spec.tip_chamfer or 0.0, spec.tip_rounding or 0.0))
+    least = rise / math.tan(0.5 * STEEPEST)
+    if not 0.0 < least <= spec.run_out:
+        raise DesignError(
+            "worm.run_out",
+            spec.run_out,
+            unit="mm",
+            reason=f"the root would rise by more than {math.degrees(STEEPEST):g} deg",
+            allowed=f"0 or at least {at_least(least)} mm" if least > 0.0 else "0",
+        )
+    return RunOut(radius - spec.dedendum * m, 0.5 * spec.length, spec.run_out, rise)
 
 
 def _tool_dimensions(thread: WormThread) -> tuple[Dimension, ...]:

@@ -79,6 +79,15 @@ class WormTable(MemberBody, ThreadCount):
     length: Annotated[
         float, Key("length", "length of the thread", low=0, above=True, default="2 m sqrt(z2 + 1), DIN 3975")
     ] = DERIVED
+    run_out: Annotated[
+        float,
+        Key(
+            "length",
+            "run-out beyond the length at either end: the root rises in an arc, flanks and roundings with it, as the tool is "
+            "withdrawn; 0: ends cut square",
+            low=0,
+        ),
+    ] = 0.0
     addendum: Annotated[
         float, Key("coefficient", "tip above the reference cylinder", low=0, high=3, source="DIN 3975")
     ] = 1.0

@@ -142,6 +142,11 @@ class WormThread:
         signs = (1.0, float(side), float(side * self.hand))
         return replace(surface, screw=self.hand * self.screw, signs=signs, outward=float(outward))
 
+    def form_radius(self, rounding: Rounding) -> float:
+        """Radius where flank and a rounding meet, mm."""
+        at = self.section.curve.at(np.array(rounding.form_point[0]))
+        return float(np.hypot(at.c[0], at.c[1]))
+
     def rounding_surface(self, rounding: Rounding, side: int, outward: int = 1) -> Helicoid:
         """The surface of a rounding on a side of the threads."""
         return self.place(Helicoid(PlaneEdge(rounding.arc, self.radius, self.screw), self.screw), side, outward)

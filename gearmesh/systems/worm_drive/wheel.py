@@ -97,8 +97,7 @@ class WormHob:
     @property
     def form_radius(self) -> float:
         """Radius on the hob where flank and tip rounding meet, mm."""
-        at = self.thread.section.curve.at(np.array(self.rounding.form_point[0]))
-        return float(np.hypot(at.c[0], at.c[1]))
+        return self.thread.form_radius(self.rounding)
 
     def place(self, side: int) -> Rigid:
         """The hob's frame over the tool's, the thread beside the right (+1) or left (-1) side of the wheel's tooth on +x."""
