@@ -208,10 +208,19 @@ class Tooth:
     @cached_property
     def face_breaks(self) -> Array:
         """Stations t inside (0, 1) where the flanks, or their tips, are not smooth along the face."""
+        return self._inner([*self.right.face_breaks, *self.left.face_breaks, *self.blank.corners])
+
+    def _inner(self, places: list[float]) -> Array:
+        """t inside (0, 1), ascending, of station coordinates (mm)."""
         toe, heel = self.blank.extent
-        places = [*self.right.face_breaks, *self.left.face_breaks, *self.blank.corners]
         t = (np.array(places) - toe) / (heel - toe)
         return np.unique(t[(t > 0.0) & (t < 1.0)])
+
+    @property
+    def _smooth_stretches(self) -> tuple[float, ...]:
+        """t from 0 to 1 between which quadrature of sections is exact: breaks of the face, and where higher derivatives jump."""
+        bends = self._inner([*self.right.face_bends, *self.left.face_bends])
+        return (0.0, *np.union1d(self.face_breaks, bends).tolist(), 1.0)
 
     @cached_property
     def unmodified_tooth(self) -> Tooth:
@@ -405,7 +414,7 @@ class Tooth:
         nodes, weights = np.polynomial.legendre.leggauss(order)
         nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
         total = 0.0
-        for low, high in pairwise((0.0, *self.face_breaks, 1.0)):
+        for low, high in pairwise(self._smooth_stretches):
             sections = self.sections(low + (high - low) * nodes)
             area = np.zeros(order)
             for link in self.chain.values():
@@ -448,7 +457,7 @@ class Tooth:
         """Points (S, T, 3) of all smooth pieces of a tooth's surface at nodes of both directions, their derivatives by s, their
         stations (T,), mm, and what the square from 0 to 1 is in s and station, signed from toe to heel."""
         toe, heel = self.blank.extent
-        for low, high in pairwise((0.0, *self.face_breaks, 1.0)):
+        for low, high in pairwise(self._smooth_stretches):
             sections = self.sections(low + (high - low) * nodes)
             for link in self.chain.values():
                 for first, last in pairwise((0.0, *(s for s, _ in link.seams), 1.0)):

@@ -39,10 +39,11 @@ class ToothSide:
 
     `flank_breaks`, `fillet_breaks`: parameters p and q of lines over which flank or fillet are not smooth, where a relief begins or
     the tool's profile has a corner or a jump of its curvature; `face_breaks`: station coordinates (mm) of such lines across the
-    face. All grids have lines there. `creases` and `ridges`: those of the flank's over which it has a corner, and those across the
-    face. `smooth_flank`: the flank's surface about a place (p, v), going on over creases and ridges as if there were none, where
-    there are some. `tabulated`: the flank goes by a table, whose points do not determine what is between. `generated`: the side
-    as the tool leaves it, where it was modified since.
+    face. All grids have lines there. `face_bends`: those where only higher derivatives jump, which grids need no lines for.
+    `creases` and `ridges`: those of the flank's over which it has a corner, and those across the face. `smooth_flank`: the flank's
+    surface about a place (p, v), going on over creases and ridges as if there were none, where there are some. `tabulated`: the
+    flank goes by a table, whose points do not determine what is between. `generated`: the side as the tool leaves it, where it
+    was modified since.
     """
 
     flank: Surface
@@ -54,6 +55,7 @@ class ToothSide:
     flank_breaks: tuple[float, ...] = ()
     fillet_breaks: tuple[float, ...] = ()
     face_breaks: tuple[float, ...] = ()
+    face_bends: tuple[float, ...] = ()
     creases: tuple[float, ...] = ()
     ridges: tuple[float, ...] = ()
     smooth_flank: Callable[[float, float], Surface] | None = None

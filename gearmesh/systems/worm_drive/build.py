@@ -17,6 +17,7 @@ from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.surface.meridian import Meridian
 from gearmesh.kernel.surface.sheared import Withdrawn
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.axes import shifts
@@ -68,9 +69,9 @@ WHEEL_REMEDIES = {
     ),
 }
 
-#: height of the flanks that run-outs leave, in axial modules, or as a multiple of a broken tip edge, and the steepest angle (rad) at
-#: which their root rises
-LEFT, EDGE, STEEPEST = 0.05, 1.5, math.radians(75.0)
+#: height of the flanks that run-outs leave, in axial modules, or as a multiple of a broken tip edge, and the steepest angle (rad)
+#: at which their root rises
+LEFT, EDGE, STEEPEST = 0.05, 1.5, math.radians(70.0)
 #: part of a diameter within which hob and worm are of one size
 EQUAL = 1e-9
 
@@ -218,7 +219,7 @@ def _worm(design: WormDriveDesign) -> Member:
     roundings = {side: _root_rounding(design, side) for side in (1, -1)}
     run_out = _run_out(design, [worm_thread(design, side).form_radius(own) for side, own in roundings.items()])
     half = 0.5 * spec.length + spec.run_out
-    level = ConeLevel.of(root) if run_out is None else run_out.root_level
+    level = ConeLevel.of(root) if run_out is None else Meridian(run_out)
     blank = Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(tip), level, Body.tube(hole, -half, half))
 
     def side(side: int) -> ToothSide:
@@ -230,7 +231,7 @@ def _worm(design: WormDriveDesign) -> Member:
             form_point=rounding.form_point,
             root=LAND,
             tip=thread.at_radius(tip),
-            face_breaks=() if run_out is None else run_out.root_level.curve.corners,
+            face_bends=() if run_out is None else (-run_out.half, run_out.half),
             tool=ToolDescription(TOOLS[thread.form], dimensions=_tool_dimensions(thread)),
         )
 
@@ -253,13 +254,13 @@ def _root_rounding(design: WormDriveDesign, side: int) -> Rounding:
 
 def _run_out(design: WormDriveDesign, form_radii: list[float]) -> RunOut | None:
     """The run-outs of the threads, None where they are cut square: until what is left of the flanks is no higher than `LEFT`, or a
-    broken tip edge."""
+    broken tip edge. Raises DesignError for one that is too short."""
     spec, m, radius = design.worm, design.axial_module, 0.5 * design.reference_diameter
     if not spec.run_out:
         return None
     flank = radius + spec.addendum * m - max(form_radii)
     rise = flank - max(LEFT * m, EDGE * max(spec.tip_chamfer or 0.0, spec.tip_rounding or 0.0))
-    least = rise / math.tan(0.5 * STEEPEST)
+    least = 3.0 * rise / math.tan(STEEPEST)
     if not 0.0 < least <= spec.run_out:
         raise DesignError(
             "worm.run_out",

@@ -83,8 +83,8 @@ class WormTable(MemberBody, ThreadCount):
         float,
         Key(
             "length",
-            "run-out beyond the length at either end: the root rises in an arc, flanks and roundings with it, as the tool is "
-            "withdrawn; 0: ends cut square",
+            "run-out beyond the length at either end: the root rises towards the tip, flanks and roundings with it, as the "
+            "tool is withdrawn; 0: ends cut square",
             low=0,
         ),
     ] = 0.0

@@ -102,6 +102,7 @@ def _diameters(design: WormDriveDesign, tip: float) -> list[Row]:
         ("d_f", "root diameter, in the middle plane", "mm", (root_1, root_2)),
         ("d_b", "base diameter, of ZI", "mm", (base, None)),
         ("b", "length of the thread, face width", "mm", (worm.length, wheel.face_width)),
+        ("l_o", "run-out of the threads beyond that, at either end", "mm", (worm.run_out or None, None)),
         ("b_H", "effective face width", "mm", (None, min(wide, wheel.face_width))),
         ("c", "tip clearance to the other's root", "mm", (float(clear[0]), float(clear[1]))),
     ]
