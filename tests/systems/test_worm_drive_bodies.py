@@ -74,3 +74,25 @@ def test_roots_of_wheels_end_where_fillets_begin(changes: list[str]) -> None:
     for x, y, z in root[1]:
         least = minimize_scalar(away, args=(z,), bounds=(-1.5, 1.5), method="bounded", options={"xatol": 1e-9})
         assert np.hypot(x, y) == pytest.approx(least.fun, abs=1e-10)
+
+
+@pytest.mark.parametrize("angle", [20.0, 25.0])
+def test_chamfered_throats_touch_the_throat_and_leave_it_nowhere(angle: float) -> None:
+    """The tip in the axial section against distances from the worm's axis, where the wheel's flanks end, and as solids."""
+    changes = ["wheel.tip_form=chamfered", f"wheel.throat_angle={angle}"]
+    gears, throated = built_sample("worm_drive", *changes), built_sample("worm_drive")
+    tooth = gears.members["wheel"].tooth
+    z = np.linspace(-18.0, 18.0, 36001)
+    tip = tooth.blank.tip.at(z)
+    away = np.hypot(125.0 - tip, z)
+    assert away.min() == pytest.approx(25.0, abs=1e-6)
+    touching = z[away < 25.0 + 1e-6]
+    for place in (0.0, 25.0 * np.sin(np.radians(angle))):
+        assert np.abs(np.abs(touching) - place).min() < 2e-3
+    assert tip.max() == 102.5 == tip[-1]
+    ends = tooth.grid(Region.FLANK_RIGHT, np.array([1.0]), tooth.sections(np.linspace(0.0, 1.0, 21))).points[0]
+    np.testing.assert_allclose(np.hypot(ends[:, 0], ends[:, 1]), tooth.blank.tip.at(ends[:, 2]), rtol=0, atol=1e-9)
+    assert gears.solid("wheel", 0.1).figures["watertight"]
+    volumes = [of.members["wheel"].tooth.volume() for of in (throated, gears)]
+    # the throat has more material everywhere, but nowhere more than 1 mm of tip
+    assert 0.0 < volumes[0] - volumes[1] < 2.0 * np.pi * 102.5 * 41.0 * 0.1

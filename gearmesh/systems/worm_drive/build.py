@@ -309,7 +309,9 @@ def _prove(name: str, tooth: Tooth, spec: MemberBody) -> Tooth:
 def _wheel(design: WormDriveDesign) -> Member:
     spec, m, hob = design.wheel, design.axial_module, wheel_hob(design)
     half = 0.5 * spec.face_width
-    throat = Throat(spec.throat_radius if spec.throated else 0.0, design.center_distance, 0.5 * spec.outside_diameter)
+    angle = math.radians(spec.throat_angle) if spec.tip_form == "chamfered" else None
+    radius = spec.throat_radius if spec.throated else 0.0
+    throat = Throat(radius, design.center_distance, 0.5 * spec.outside_diameter, angle)
     tip, root = throat.level(half), hob.root(half)
     smallest = hob.distance - hob.tip_radius
     if smallest <= 0.0 or smallest >= throat.middle:

@@ -159,8 +159,17 @@ class WheelTable(MemberTable):
         float, Key("coefficient", "tip above the shifted reference circle in the middle plane", low=0, high=3)
     ] = 1.0
     tip_form: Annotated[
-        str, Key("choice", "throated, or one cylinder of the outside diameter", choices=("throated", "cylindrical"))
+        str,
+        Key(
+            "choice",
+            "throated: an arc about the worm's axis; chamfered: a cylinder and two cones, tangents of that arc; cylindrical: one "
+            "cylinder of the outside diameter",
+            choices=("throated", "chamfered", "cylindrical"),
+        ),
     ] = "throated"
+    throat_angle: Annotated[
+        float, Key("angle", "angle of the cones of a chamfered throat to the wheel's axis", low=5, high=75)
+    ] = 20.0
     throat_radius: Annotated[
         float,
         Key("length", "radius of the throat in the axial section", low=0, above=True, default="a - d_a2 / 2"),
@@ -173,7 +182,7 @@ class WheelTable(MemberTable):
     @property
     def throated(self) -> bool:
         """Whether its tip follows the worm."""
-        return self.form == "enveloping" and self.tip_form == "throated"
+        return self.form == "enveloping" and self.tip_form != "cylindrical"
 
 
 class HobTable(Table):

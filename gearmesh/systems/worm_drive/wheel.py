@@ -167,11 +167,14 @@ class WormHob:
 @dataclass(frozen=True)
 class Throat:
     """The tip of a wheel: a circle of `radius` mm about the worm's axis at the `distance` (mm), and the `outside` radius (mm)
-    beyond; radius 0: a cylinder."""
+    beyond; radius 0: a cylinder. With an `angle` (rad) its tangents stand for the circle: a cylinder and two cones of this angle to
+    the axis.
+    """
 
     radius: float
     distance: float
     outside: float
+    angle: float | None = None
 
     def level(self, half: float) -> LandLevel:
         """The tip on a face of +-`half` mm. Raises DesignError for a throat that the face never meets."""
@@ -187,11 +190,23 @@ class Throat:
                 allowed=f"more than {at_least(2.0 * (self.distance - self.radius))} mm and less than "
                 f"{at_most(2.0 * self.distance)} mm",
             )
+        if self.angle is not None:
+            return self._chamfered(self.angle, half)
         arc, corner = CircularMeridian((0.0, self.distance), self.radius), math.sqrt(self.radius**2 - height**2)
         if corner >= half:
             return Meridian(arc)
         straight = Straight(self.outside)
         return Meridian(Joined((straight, arc, straight), (-corner, corner)))
+
+    def _chamfered(self, angle: float, half: float) -> LandLevel:
+        # tangents of a circle meet in the middle of the angle between them
+        inner, slope = self.radius * math.tan(0.5 * angle), math.tan(angle)
+        outer = inner + (self.outside - self.middle) / slope
+        if inner >= half:
+            return ConeLevel.of(self.middle)
+        points = [(inner, self.middle), (outer, self.outside), (outer + half, self.outside)]
+        joined = Joined.polyline(tuple([(-a, w) for a, w in points[::-1]] + points))
+        return Meridian(joined)
 
     @property
     def middle(self) -> float:
