@@ -28,8 +28,7 @@ from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
 from gearmesh.systems.worm_drive.helical_wheel import helical_wheel
-from gearmesh.systems.worm_drive.run_out import RunOut
-from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, Rounding, WormThread
+from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, Rounding, RunOut, WormThread
 from gearmesh.systems.worm_drive.wheel import Throat, WormHob, crossed_axes
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body

@@ -1,4 +1,4 @@
-"""Threads of worms and hobs: flanks of the five forms of ISO 10828, roundings of root and tip, and where they meet.
+"""Threads of worms and hobs: flanks of the five forms of ISO 10828, roundings of root and tip, where they meet, and run-outs.
 
 Frame: axis z, the thread centred on +x at z = 0. The threads turned by pi / z1 stand where the spaces were.
 """
@@ -15,6 +15,7 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.helicoid import GeneratingCurve, Helicoid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.meridian import Values
 from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, Line
@@ -193,6 +194,39 @@ class WormThread:
             raise DesignError("rounding", radius, unit="mm", reason="the flank does not reach it")
         (x, z), (n_x, n_z) = centre(p), section.axial_section(np.array(p))[1]
         return Rounding(Arc((float(x) - self.radius, -float(z)), convex * radius), (p, math.atan2(n_x, n_z)))
+
+
+@dataclass(frozen=True)
+class RunOut:
+    """Run-outs of threads: beyond the thread's length the tool is withdrawn, and root, roundings and flanks move away from the axis.
+
+           tip  ______________________
+                                  .  |     height: until next to no flank is left
+           root ________________.----+
+                       half     | run-out
+
+    The meridian of the root of a thread of the root radius `root`, full over +-`half`; over the `length` of either run-out it
+    rises by `height`, with the third power of the way: its curvature does not jump where it begins. mm.
+
+    One piece, with corners nowhere: meshes of threads with an arc, whose curvature jumps, have twice as many triangles and take
+    ten times as long.
+    """
+
+    root: float
+    half: float
+    length: float
+    height: float
+    corners: tuple[float, ...] = ()
+
+    def at(self, a: Array) -> Values:
+        rise, slope, bend = self.rise(a)
+        return self.root + rise, slope, bend
+
+    def rise(self, z: Array) -> Values:
+        """By how much (mm) all has moved away from the axis at z (...,), mm, and the first two derivatives."""
+        share = np.maximum(np.abs(z) - self.half, 0.0) / self.length
+        steep = 3.0 * self.height / self.length
+        return self.height * share**3, np.sign(z) * steep * share**2, 2.0 * steep / self.length * share
 
 
 def _at_radius(surface: Helicoid, radius: float, start: float) -> float:

@@ -191,14 +191,14 @@ class Throat:
                 f"{at_most(2.0 * self.distance)} mm",
             )
         if self.angle is not None:
-            return self._chamfered(self.angle, half)
+            return self._tangents(self.angle, half)
         arc, corner = CircularMeridian((0.0, self.distance), self.radius), math.sqrt(self.radius**2 - height**2)
         if corner >= half:
             return Meridian(arc)
         straight = Straight(self.outside)
         return Meridian(Joined((straight, arc, straight), (-corner, corner)))
 
-    def _chamfered(self, angle: float, half: float) -> LandLevel:
+    def _tangents(self, angle: float, half: float) -> LandLevel:
         # tangents of a circle meet in the middle of the angle between them
         inner, slope = self.radius * math.tan(0.5 * angle), math.tan(angle)
         outer = inner + (self.outside - self.middle) / slope
