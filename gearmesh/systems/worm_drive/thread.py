@@ -198,7 +198,7 @@ class WormThread:
 
 @dataclass(frozen=True)
 class RunOut:
-    """Run-outs of threads: beyond the thread's length the tool is withdrawn, and root, roundings and flanks move away from the axis.
+    """Run-outs: beyond the thread's length the tool is withdrawn, and root, roundings and flanks move away from the axis.
 
            tip  ______________________
                                   .  |     height: until next to no flank is left
