@@ -60,11 +60,12 @@ def texts(files: Iterable[Path] = (), kinds: Iterable[str] = KINDS) -> list[Text
 
 
 def sources() -> list[Path]:
-    """All files with texts: the package, the page, the READMEs."""
+    """All files with texts: the package, the page, the READMEs, guides and pages of the site."""
     own = [path for end in ("py", "md", "html") for path in PACKAGE.rglob(f"*.{end}")]
     page = [PACKAGE / "view" / "report" / "view.js"]
     beside = [ROOT / "README.md", ROOT / "samples" / "README.md", ROOT / "scripts" / "README.md"]
-    return sorted((*own, *page)) + beside
+    pages = [path for folder in ("samples/guides", "scripts/site/pages") for path in (ROOT / folder).rglob("*.md")]
+    return sorted((*own, *page)) + beside + sorted(pages)
 
 
 def _of_file(path: Path) -> Iterator[Text]:
