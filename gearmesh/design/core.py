@@ -315,6 +315,18 @@ HeelWidth = Annotated[
 ]
 
 
+EndRadius = Annotated[
+    float | None,
+    Key("length", "rounding of the teeth's edges at both end faces: radius where they are at right angles", low=0),
+]
+ToeRadius = Annotated[
+    float | None, Key("length", "the same at the toe alone; 0 = sharp", low=0, default="end_rounding")
+]
+HeelRadius = Annotated[
+    float | None, Key("length", "the same at the heel alone; 0 = sharp", low=0, default="end_rounding")
+]
+
+
 class EndEdges(Protocol):
     """A table whose end faces may have broken edges."""
 
@@ -326,6 +338,12 @@ class EndEdges(Protocol):
     def end_chamfer_heel(self) -> float | None: ...
     @property
     def end_chamfer_angle(self) -> float | None: ...
+    @property
+    def end_rounding(self) -> float | None: ...
+    @property
+    def end_rounding_toe(self) -> float | None: ...
+    @property
+    def end_rounding_heel(self) -> float | None: ...
 
 
 class BrokenEdges(Protocol):
@@ -341,6 +359,23 @@ def refuse_both_edges(table: BrokenEdges) -> None:
     """Refuse a chamfer and a rounding of the same tip."""
     if table.tip_chamfer and table.tip_rounding:
         raise conflict("tip_rounding", table.tip_rounding, reason="cannot be given together with tip_chamfer")
+
+
+def refuse_both_ends(table: EndEdges) -> None:
+    """Refuse a chamfer and a rounding of the same end face."""
+    for end in ("toe", "heel"):
+        chamfer, rounding = (
+            next(
+                (key, value)
+                for key in (f"{edge}_{end}", edge)
+                if (value := getattr(table, key)) is not None or key == edge
+            )
+            for edge in ("end_chamfer", "end_rounding")
+        )
+        if chamfer[1] and rounding[1]:
+            raise conflict(
+                rounding[0], rounding[1], reason=f"cannot be given together with {chamfer[0]}, for the {end}"
+            )
 
 
 class NumberOfTeeth(Table):
@@ -378,6 +413,9 @@ class MemberBody(Table):
     end_chamfer_toe: ToeWidth = None
     end_chamfer_heel: HeelWidth = None
     end_chamfer_angle: EndAngle = None
+    end_rounding: EndRadius = None
+    end_rounding_toe: ToeRadius = None
+    end_rounding_heel: HeelRadius = None
     material: MemberMaterial | None = None
     mount: MemberMount | None = None
 
@@ -388,6 +426,7 @@ class MemberBody(Table):
             self.end_chamfer or self.end_chamfer_toe or self.end_chamfer_heel
         ):
             raise conflict("end_chamfer_angle", self.end_chamfer_angle, reason="needs end_chamfer")
+        refuse_both_ends(self)
         return self
 
     @model_validator(mode="after")

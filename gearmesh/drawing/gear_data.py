@@ -25,6 +25,7 @@ from gearmesh.teeth.gear_train import Member
 ELSEWHERE = (
     *("gearmesh", "name", "kind", "units", "teeth"),
     *("end_chamfer", "end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle"),
+    *("end_rounding", "end_rounding_toe", "end_rounding_heel"),
 )
 #: units of keys as they are written
 UNITS = {"length": "mm", "angle": "deg", "coefficient": "m_n"}
@@ -66,17 +67,22 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
 
 
 def _end_chamfers(member: Member) -> list[DataRow]:
-    """A row for the chamfers of the end faces, if there are any."""
+    """A row for the broken edges of the end faces, if there are any."""
     ends = member.tooth.blank.ends
     if ends == SHARP:
         return []
     toe, heel = (
         "sharp"
         if end is None
+        else f"R {number(end.width)} mm"
+        if end.rounded
         else f"{number(end.width)} mm x {number(np.degrees(np.arctan2(end.depth, end.width)), 2)}°"
         for end in ends
     )
-    return [DataRow("chamfer of the end faces, toe / heel", value=toe if toe == heel else f"{toe} / {heel}")]
+    name = "rounding" if any(end is not None and end.rounded for end in ends) else "chamfer"
+    if any(end is not None and not end.rounded for end in ends) and name == "rounding":
+        name = "broken edge"
+    return [DataRow(f"{name} of the end faces, toe / heel", value=toe if toe == heel else f"{toe} / {heel}")]
 
 
 def _column(name: str) -> str:

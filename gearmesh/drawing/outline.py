@@ -91,8 +91,8 @@ def outline_of(member: Member) -> Outline:
 def _middle(tooth: Tooth, region: Region) -> Array:
     """The middle of a land or root, (N, 2) over (z, rho), from one end face to the other, of the tooth's chamfers the ends."""
     points = tooth.grid(region, np.array([0.5]), tooth.sections(np.linspace(0.0, 1.0, STATIONS))).points[0]
-    toe, heel = (np.zeros((0, 3)) if strip is None else strip.middle(region)[None] for strip in tooth.end_strips)
-    points = np.concatenate((toe, points, heel))
+    toe, heel = (np.zeros((0, 3)) if strip is None else strip.middle(region) for strip in tooth.end_strips)
+    points = np.concatenate((toe, points, heel[::-1]))
     # of a rack the height over the reference plane
     return np.stack((points[:, 2], tooth.joint.radius(points)), axis=-1)
 

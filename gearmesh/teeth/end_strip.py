@@ -1,9 +1,17 @@
-r"""The chamfer along the outline of an end face: a strip between the tooth's section under it and a curve parallel to the outline.
+r"""The chamfer, or rounding, along the outline of an end face: a strip between the tooth's section under it and a curve parallel to
+the outline.
 
     end face      ____outer____          outer: in the end face, `width` inside the outline that sharp edges would have
                  /             \
                 /               \        straight between the two, in the plane of the development of each station
     section    |____inner________|       inner: the section of the tooth, `depth` under the end face
+
+A rounding is a conic section there instead, tangent to the end face and, but for the curvature along the face within its depth, to
+the tooth: with the control points outer, the sharp edge at the same s, and inner, and the weight of a quarter of a circle,
+
+    q = sum w_k B_k(tau) q_k / sum w_k B_k(tau)    B_k = (1 - tau)^2, 2 tau (1 - tau), tau^2    w = 1, 1 / sqrt(2), 1
+
+an arc where tooth and end face are at right angles, else an ellipse's. The share of its depth is that sum of 0, 0, 1.
 
 Every link of the section has a strip of its own. At convex corners of the outline the parallel curves are cut off where they cross
 (mitres), and what lies between two that cross before it reaches the end face ends in a point, as a tip rounding smaller than the
@@ -40,6 +48,8 @@ NEAREST = 6
 STEPS, STEP = 8, 1e-5
 #: distance (mm) at which two parallel curves cross: the last step is made from there
 EXACT = 1e-8
+#: weight of the sharp edge in a rounding
+CONIC = float(np.sqrt(0.5))
 #: how far inside a smooth piece of a link its normals at its ends are taken
 INSIDE = 1e-9
 
@@ -151,8 +161,8 @@ class _SampledPiece(_SharpPiece):
 class StripPiece:
     """A part of the strip: of the section's `region`, from `inner` s to s, beside the parallel curve from `outer` s to s.
 
-    Where one of both is a point, `corner` (2,), X and Y, the other one is fanned out from it; `arc` (rad) is the angle of an arc
-    round a concave corner, from its first normal on.
+    Where one of both is a point, `point` (2,), X and Y, the other one is fanned out from it; `round` is an arc round a concave
+    corner: centre, radius, first angle and turn, rad.
     """
 
     region: Region
@@ -162,6 +172,14 @@ class StripPiece:
     outer: tuple[float, float]
     point: Array | None = None
     round: tuple[Array, float, float, float] | None = None
+
+    def edge(self, sigma: Array) -> Array:
+        """X, Y (N, 2) of the sharp edge at sigma (N,)."""
+        if self.arc is None:
+            assert self.round is not None
+            return np.broadcast_to(self.round[0], (sigma.size, 2))
+        first, last = self.arc.span
+        return self.arc.at(first + sigma * (last - first))[0]
 
 
 class SharpOutline:
@@ -205,7 +223,7 @@ class EndStrip:
     ) -> None:
         """`chains` and `sections` (of one station) of the tooth under the chamfer, and of that with sharp edges at the end face;
         `step` takes a tooth to the next one."""
-        self._plane, self._sections = plane, sections[0]
+        self._plane, self._sections, self.chamfer = plane, sections[0], chamfer
         sharp = SharpOutline(chains[1], sections[1], plane, step)
         self._about = sharp.about
         self._on = sharp.on, _in_axial_plane(chains[0][Region.LAND].grid([0.5], sections[0]).points[0, 0])
@@ -220,19 +238,30 @@ class EndStrip:
         return self._plane.lift(points, self._on[0], self._about)
 
     def middle(self, region: Region) -> Array:
-        """The middle (3,) of what a link has of the outline of the end face."""
+        """The line (K, 3) in the middle of what a link has of the strip, from the end face on, without its end on the section."""
         pieces = [piece for piece in self.pieces if piece.region is region and piece.round is None]
-        return np.asarray(
-            self.at(pieces[len(pieces) // 2], np.array([0.0, 0.5, 1.0]), np.zeros(3))[1 if len(pieces) % 2 else 0]
-        )
+        tau = np.linspace(0.0, 1.0, PLACES)[:-1] if self.chamfer.rounded else np.zeros(1)
+        return self.at(pieces[len(pieces) // 2], np.full(tau.size, 0.5 if len(pieces) % 2 else 0.0), tau)
+
+    def depth(self, tau: Array) -> tuple[Array, Array]:
+        """The share of the depth under the end face at tau, and its derivative, (...,) each."""
+        if not self.chamfer.rounded:
+            return tau, np.ones_like(tau)
+        *_, under, rate = _conic(tau)
+        return under, rate
 
     def at(self, piece: StripPiece, sigma: Array, tau: Array) -> Array:
         """Points (..., 3) of a piece at sigma along it and tau from the end face (0) to the section under it (1), (...,) each."""
         sigma, tau = np.broadcast_arrays(np.asarray(sigma, dtype=float), np.asarray(tau, dtype=float))
         along, every = np.unique(sigma.ravel(), return_inverse=True)
         outer, inner = (q[every].reshape(*sigma.shape, 2) for q in (_outer(piece, along), self._inner(piece, along)))
-        q = outer + tau[..., None] * (inner - outer)
-        on = self._on[0] + tau[..., None] * (self._on[1] - self._on[0])
+        if not self.chamfer.rounded:
+            q, under = outer + tau[..., None] * (inner - outer), tau
+        else:
+            edge = piece.edge(along)[every].reshape(*sigma.shape, 2)
+            first, middle, under, _ = _conic(tau)
+            q = first[..., None] * outer + middle[..., None] * edge + under[..., None] * inner
+        on = self._on[0] + under[..., None] * (self._on[1] - self._on[0])
         return self._plane.lift(q, on, self._about)
 
     def _inner(self, piece: StripPiece, sigma: Array) -> Array:
@@ -240,6 +269,13 @@ class EndStrip:
         first, last = piece.inner
         grid = piece.link.grid(first + sigma * (last - first), self._sections)
         return self._plane.flat(grid.points[:, 0], self._about)
+
+
+def _conic(tau: Array) -> tuple[Array, Array, Array, Array]:
+    """Shares of the end face's outline, the sharp edge and the section at tau, and the derivative of the last, (...,) each."""
+    outer, edge, inner = (1.0 - tau) ** 2, 2.0 * CONIC * tau * (1.0 - tau), tau**2
+    total, slope = outer + edge + inner, 2.0 * (CONIC - 1.0) * (1.0 - 2.0 * tau)
+    return outer / total, edge / total, inner / total, (2.0 * tau - inner / total * slope) / total
 
 
 def _outer(piece: StripPiece, sigma: Array) -> Array:
@@ -280,7 +316,7 @@ def _pieces(arcs: list[_SharpPiece], spans: list[tuple[Link, tuple[float, float]
         else:
             beside = max((j for j in kept if j < k), default=kept[0])
             point = arcs[beside].parallel(np.array([trimmed[beside][beside < k]]))[0]
-            pieces.append(StripPiece(arc.region, None, link, inner, (0.0, 1.0), point=point))
+            pieces.append(StripPiece(arc.region, arc, link, inner, (0.0, 1.0), point=point))
     return pieces
 
 

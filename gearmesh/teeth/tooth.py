@@ -173,7 +173,7 @@ class Tooth:
 
     @cached_property
     def end_strips(self) -> tuple[EndStrip | None, EndStrip | None]:
-        """The chamfers of its end faces at toe and heel, None where there is none. Raises TrimError where one has no room."""
+        """The broken edges of its end faces at toe and heel, None where there is none. Raises TrimError where one has no room."""
         toe, heel = (self._end_strip(end) for end in (0, 1))
         return toe, heel
 
@@ -430,11 +430,11 @@ class Tooth:
         strip = self.end_strips[end]
         if strip is None:
             return 0.0
-        way = self.blank.extent[end] - self.blank.faces[end]
-        stations = self.blank.faces[end] + nodes * way
+        way, (depth, rate) = self.blank.extent[end] - self.blank.faces[end], strip.depth(nodes)
+        stations = self.blank.faces[end] + depth * way
         total = 0.0
         for piece in strip.pieces:
-            total += float(weights @ self._density(*_strip_outline(strip, piece, nodes), stations) @ weights)
+            total += float(weights @ self._density(*_strip_outline(strip, piece, nodes), stations) @ (rate * weights))
         return abs(way) * float(np.sign(self.blank.extent[1] - self.blank.extent[0])) * total
 
     def quadrature(self, order: int = 24) -> tuple[Array, Array]:
@@ -453,9 +453,9 @@ class Tooth:
             amounts.append((size * shares[:, None, None] * weights[:, None] * weights * rate * wide).ravel())
         return np.concatenate(points), np.concatenate(amounts)
 
-    def _outlines(self, nodes: Array) -> Iterator[tuple[Array, Array, Array, float]]:
+    def _outlines(self, nodes: Array) -> Iterator[tuple[Array, Array, Array, float | Array]]:
         """Points (S, T, 3) of all smooth pieces of a tooth's surface at nodes of both directions, their derivatives by s, their
-        stations (T,), mm, and what the square from 0 to 1 is in s and station, signed from toe to heel."""
+        stations (T,), mm, and what the square from 0 to 1 is in s and station, of a strip at each node, signed from toe to heel."""
         toe, heel = self.blank.extent
         for low, high in pairwise(self._smooth_stretches):
             sections = self.sections(low + (high - low) * nodes)
@@ -467,9 +467,10 @@ class Tooth:
             way = self.blank.extent[end] - self.blank.faces[end]
             if strip is None:
                 continue
+            depth, rate = strip.depth(nodes)
             for piece in strip.pieces:
                 points, along_s = _strip_outline(strip, piece, nodes)
-                yield points, along_s, self.blank.faces[end] + nodes * way, abs(way) * float(np.sign(heel - toe))
+                yield points, along_s, self.blank.faces[end] + depth * way, abs(way) * np.sign(heel - toe) * rate
 
     def _generatrices(self, points: Array, along_s: Array, stations: Array) -> tuple[Array, Array]:
         """Where the generatrices of sections to points (S, T, 3) leave the floor, (S, T, 3), and what they sweep per ds, (S, T):

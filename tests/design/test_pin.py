@@ -42,6 +42,7 @@ ABSENT = {
     *("pinion_right", "pinion_left", "gear_right", "gear_left", "pinion_pitch", "gear_pitch"),
     *(f"{member}_{what}_um" for member in ("pinion", "gear") for what in ("pitch_right", "pitch_left", "runout")),
     *(f"{member}_pitch_{what}" for member in ("pinion", "gear") for what in ("class", "seed")),
+    *("end_rounding_toe", "end_rounding_heel"),
     *("end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle", "tip_cone_angle", "tip_throat_radius"),
 }
 #: keys that rules which are not of the kind's file say: "that of the cutter", where there is a disk, axes that are parallel

@@ -6,8 +6,8 @@ r"""The chamfers along end faces as B-spline patches: between the tooth's sectio
     section under it          o-----o----o--o           so does its patch
 
 Along the chain a patch has the knots of the curve in which the tooth's own patch ends, which it has in common with it exactly,
-and more of them where the outline needs them. From toe to heel it is straight between plane stations, and on cones and cylinders
-a quintic, whose knots all patches of a strip have in common, and so the curves between them.
+and more of them where the outline needs them. From toe to heel a chamfer is straight between plane stations; it is a quintic on
+cones and cylinders, and so is a rounding; its knots all patches of a strip have in common, and so the curves between them.
 """
 
 from __future__ import annotations
@@ -170,7 +170,7 @@ class _PieceFit:
 def _lines(fits: list[_PieceFit]) -> Array:
     """Knots from outline (0) to section (1) that all pieces of a strip have in common."""
     axial = fits[0].teeth.tooth.blank.axial
-    if station_normal(axial)[0] == 0.0:
+    if station_normal(axial)[0] == 0.0 and not fits[0].strip.chamfer.rounded:
         return _PieceFit._clamped_knots(np.array([0.0, 1.0]), 1)
     spans, tolerance = 1, fits[0].tolerance
     lines = _PieceFit._clamped_knots(np.linspace(0.0, 1.0, spans + 1))

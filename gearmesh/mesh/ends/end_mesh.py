@@ -24,8 +24,12 @@ from gearmesh.teeth.region import Region
 
 Index = NDArray[np.int64]
 
-#: rows from which on there are no more, and most parts of a chord
-MOST = 16
+#: rows from which on there are no more, of a rounding, and most parts of a chord
+MOST, MOST_OF_ROUNDING = 16, 256
+#: chords of a quarter of a circle that is 1 in radius, for 1 between them
+QUARTER = np.pi / np.sqrt(32.0)
+#: by how many more rows than measured a rounding is meshed anew
+MORE = 1.05
 #: share of the tolerance that chords between the tooth's nodes may miss the chamfer by
 CHORDS = 0.5
 #: parts of a facet's edges between the places where it is measured, and these, barycentric: all of the lattice but the corners
@@ -68,9 +72,19 @@ def end_mesh(strip: EndStrip, s: Sequence[tuple[Region, Array]], end: int, toler
 
     In as many rows as the tolerance (mm) needs, at least `rows`.
     """
+    most = MOST
+    if strip.chamfer.rounded:
+        # chords of a quarter of a circle, all but halved where they are to be
+        most = MOST_OF_ROUNDING
+        rows = max(rows, min(most, int(np.ceil(QUARTER * np.sqrt(strip.chamfer.width / tolerance)))))
     best = _in_rows(strip, s, end, tolerance, rows)
-    while best.deviation > tolerance and rows < MOST:
-        rows *= 2
+    while best.deviation > tolerance and rows < most:
+        # of a rounding what is missed falls with the square of their number
+        rows = (
+            min(2 * rows, int(rows * MORE * np.sqrt(best.deviation / tolerance)) + 1)
+            if strip.chamfer.rounded
+            else 2 * rows
+        )
         best = min(best, _in_rows(strip, s, end, tolerance, rows), key=lambda mesh: mesh.deviation)
     return best
 
@@ -83,29 +97,34 @@ def _in_rows(strip: EndStrip, s: Sequence[tuple[Region, Array]], end: int, toler
         for piece, sigma in zip(strip.pieces, coarse, strict=True)
     ]
     count = sum(len(of) - 1 for _, of in s)
-    ordered, vertices, made = list[_EndRow](), list[Array](), count
+    ordered, own_places, made = list[_EndRow](), list[tuple[Index, Array, Array]](), count
     for k, tau in enumerate(np.linspace(1.0, 0.0, rows + 1)):
         row = _row(strip, fine if k else coarse, float(tau), made, first=k == 0)
         if k:
             own = np.unique(row.number[row.number >= 0], return_index=True)[1]
-            vertices.append(_places(strip, row.piece[own], row.sigma[own], np.full(own.size, tau)))
+            own_places.append((row.piece[own], row.sigma[own], np.full(own.size, tau)))
             made += own.size
         ordered.append(row)
     # the last vertex of a row is the next tooth's first
-    ends = [np.where(row.number < 0, made + row.number[0], row.number) for row in ordered]
+    numbers = np.concatenate([np.where(row.number < 0, made + row.number[0], row.number) for row in ordered])
+    starts = np.cumsum([0, *(row.piece.size for row in ordered)])
     triangles, deviation = list[Index](), 0.0
-    for (low, high), (below, above) in zip(pairwise(ordered), pairwise(ends), strict=True):
-        for piece in range(len(strip.pieces)):
-            corners = _between(low, high, piece)
-            numbers = np.concatenate((below, above))[corners]
-            real = (numbers != np.roll(numbers, 1, axis=1)).all(axis=1)
-            deviation = max(deviation, _miss(strip, piece, low, high, corners[real]))
-            triangles.append(numbers[real])
+    for piece in range(len(strip.pieces)):
+        corners = np.concatenate(
+            [
+                start + _between(*rows_of, piece)
+                for start, rows_of in zip(starts.tolist(), pairwise(ordered), strict=False)
+            ]
+        )
+        own = numbers[corners]
+        real = (own != np.roll(own, 1, axis=1)).all(axis=1)
+        deviation = max(deviation, _miss(strip, piece, ordered, corners[real]))
+        triangles.append(own[real])
     joined = np.concatenate(triangles)
     last = np.unique(ordered[-1].number[ordered[-1].number >= 0])
     return EndMesh(
         count,
-        np.concatenate(vertices),
+        _places(strip, *map(np.concatenate, zip(*own_places, strict=True))),
         joined[:, ::-1] if end else joined,
         last,
         np.array([row.number[0] for row in ordered[1:]]),
@@ -160,8 +179,11 @@ def _row(strip: EndStrip, sigma: list[Array], tau: float, made: int, *, first: b
 
 
 def _places(strip: EndStrip, piece: Index, sigma: Array, tau: Array) -> Array:
-    """Points (N, 3) of places on the strip, pieces in order."""
-    return np.concatenate([strip.at(strip.pieces[k], sigma[piece == k], tau[piece == k]) for k in np.unique(piece)])
+    """Points (N, 3) of places on the strip."""
+    points = np.empty((piece.size, 3))
+    for k in np.unique(piece).tolist():
+        points[piece == k] = strip.at(strip.pieces[k], sigma[piece == k], tau[piece == k])
+    return points
 
 
 def _between(low: _EndRow, high: _EndRow, piece: int) -> Index:
@@ -179,12 +201,13 @@ def _between(low: _EndRow, high: _EndRow, piece: int) -> Index:
     return np.array(triangles, dtype=np.int64).reshape(-1, 3)
 
 
-def _miss(strip: EndStrip, piece: int, low: _EndRow, high: _EndRow, corners: Index) -> float:
-    """Largest distance (mm), across the facets (M, 3), of points on them from those of the chamfer at the same sigma and tau."""
+def _miss(strip: EndStrip, piece: int, rows: Sequence[_EndRow], corners: Index) -> float:
+    """Largest distance (mm), across the facets (M, 3), which count the vertices of all rows, of points on them from those of the
+    chamfer at the same sigma and tau."""
     if not len(corners):
         return 0.0
-    sigma = np.concatenate((low.sigma, high.sigma))[corners]
-    tau = np.concatenate((np.full(low.sigma.size, low.tau), np.full(high.sigma.size, high.tau)))[corners]
+    sigma = np.concatenate([row.sigma for row in rows])[corners]
+    tau = np.concatenate([np.full(row.sigma.size, row.tau) for row in rows])[corners]
     one = strip.pieces[piece]
     r = strip.at(one, sigma, tau)
     exact = strip.at(one, sigma @ PLACES.T, tau @ PLACES.T)

@@ -54,26 +54,39 @@ def with_tip_edge(name: str, tooth: Tooth, spec: BrokenEdges) -> Tooth:
 
 
 def end_widths(spec: EndEdges) -> tuple[float | None, float | None]:
-    """Widths of the chamfers at toe and heel that a part of a design asks for, None where the edges stay sharp."""
+    """Widths of the chamfers at toe and heel that a part of a design asks for, None where there is none."""
     toe, heel = (spec.end_chamfer if own is None else own for own in (spec.end_chamfer_toe, spec.end_chamfer_heel))
     return toe, heel
 
 
+def _end_radii(spec: EndEdges) -> tuple[float | None, float | None]:
+    """Radii of the roundings at toe and heel, None where there is none."""
+    toe, heel = (spec.end_rounding if own is None else own for own in (spec.end_rounding_toe, spec.end_rounding_heel))
+    return toe, heel
+
+
 def with_end_chamfers(member: Member, spec: EndEdges) -> Member:
-    """A member with the chamfers of its end faces that its part `spec` of a design asks for (in mm). It is the last step:
-    modifications are of the whole face.
+    """A member with the chamfers or roundings of its end faces that its part `spec` of a design asks for (in mm). It is the last
+    step: modifications are of the whole face.
 
     Raises DesignError naming the key, its value and the largest that fits.
     """
-    widths = end_widths(spec)
-    if not any(widths):
+    widths, radii = end_widths(spec), _end_radii(spec)
+    if not any((*widths, *radii)):
         return member
     slope = np.tan(np.radians(ANGLE if spec.end_chamfer_angle is None else spec.end_chamfer_angle))
 
     sharp = member.tooth.sharp_ends
 
     def chamfers(share: float) -> EndChamfers:
-        first, last = (EndChamfer(share * w, float(share * w * slope)) if w else None for w in widths)
+        first, last = (
+            EndChamfer(share * r, share * r, rounded=True)
+            if r
+            else EndChamfer(share * w, float(share * w * slope))
+            if w
+            else None
+            for w, r in zip(widths, radii, strict=True)
+        )
         return first, last
 
     def prove(share: float) -> None:
@@ -83,7 +96,8 @@ def with_end_chamfers(member: Member, spec: EndEdges) -> Member:
     made = replace(member.tooth, blank=sharp.blank.with_ends(chamfers(1.0)))
     if goes(lambda: _prove_ends(made.blank, lambda end, _: _outline_of(made, end))):
         return replace(member, tooth=made)
-    asked = {key: getattr(spec, key) for key in ("end_chamfer", "end_chamfer_toe", "end_chamfer_heel")}
+    keys = [f"end_{edge}{end}" for edge in ("chamfer", "rounding") for end in ("", "_toe", "_heel")]
+    asked = {key: getattr(spec, key) for key in keys}
     key, width = next((key, own) for key, own in asked.items() if own)
     limit = largest(lambda share: goes(lambda: prove(share)))
     larger, most = "larger than teeth, face width or rim allow", f"at most {at_most(limit * width)} mm"

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class EndChamfer:
     """A chamfer along the whole outline of an end face: `width` on the end face, at right angles to the outline, and `depth` under
-    it, mm."""
+    it, mm; or a `rounded` edge between both, an arc where the depth is the width."""
 
     width: float
     depth: float
+    rounded: bool = False
 
 
 #: at toe and heel; None where the edge is sharp
