@@ -42,6 +42,16 @@ def read(path: Path) -> tuple[list[float], int]:
         # seven links, two of which end in points
         (lambda: built(HELICAL), "gear", 0, 8),
         (lambda: built(HALVES), "gear", 12, 12),
+        pytest.param(
+            lambda: built_sample("helical", "pinion.end_rounding_toe=1", "pinion.end_chamfer_heel=0.5"),
+            *("pinion", 6, 6),
+            marks=pytest.mark.sweep,
+        ),
+        pytest.param(
+            lambda: built_sample("spiral_bevel_basic", "gear.end_rounding_heel=0.6"),
+            *("gear", 0, 6),
+            marks=pytest.mark.sweep,
+        ),
         # the root is reached in an arc on one side and in a mitre on the other
         pytest.param(
             lambda: built_sample("spiral_bevel_formate", "pinion.end_chamfer=0.3"),

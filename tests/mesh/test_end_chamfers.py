@@ -27,9 +27,12 @@ from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
 
+#: width and depth, mm, and whether it is a rounding
+End = tuple[float, float] | tuple[float, float, bool]
 
-def chamfered(sample: str, name: str, *ends: tuple[float, float] | None, tip: TipEdge | None = None) -> Member:
-    """A member of a sample with chamfers (width, depth), mm, at toe and heel."""
+
+def chamfered(sample: str, name: str, *ends: End | None, tip: TipEdge | None = None) -> Member:
+    """A member of a sample with chamfers or roundings at toe and heel."""
     member = built_sample(sample).pairs[0].members[name]
     first, last = (None if end is None else EndChamfer(*end) for end in ends)
     blank = member.tooth.blank.with_ends((first, last))
@@ -105,10 +108,12 @@ def test_what_chamfers_take_off_spur_teeth() -> None:
         ("helical", "pinion", ((0.5, 0.5), (1.0, 0.6)), TipEdge(0.3)),
         ("spiral_bevel_geometry2", "pinion", ((0.4, 0.4), (0.8, 0.4)), None),
         ("internal", "gear", ((0.3, 0.3), None), None),
+        ("helical", "gear", ((0.8, 0.8, True), (0.5, 0.3)), TipEdge(0.3, rounded=True)),
+        ("spiral_bevel_geometry2", "gear", (None, (0.6, 0.6, True)), None),
     ],
 )
 def test_solids_are_closed_and_weigh_what_the_sections_say(
-    sample: str, name: str, ends: tuple[tuple[float, float] | None, ...], tip: TipEdge | None
+    sample: str, name: str, ends: tuple[End | None, ...], tip: TipEdge | None
 ) -> None:
     member, tolerance = replace(chamfered(sample, name, *ends, tip=tip), features=BodyFeatures()), 0.04
     mesh = tessellate(member.tooth, tolerance)
@@ -156,13 +161,54 @@ def test_contact_is_on_the_face_between_the_chamfers() -> None:
     assert z.max() == pytest.approx(25.0, abs=1e-6)
 
 
+def test_a_rounding_is_an_arc_between_tooth_and_end_face() -> None:
+    """Of spur teeth, at right angles to it: distances from the sharp outline against depths."""
+    radius = 0.6
+    tooth = chamfered("spur", "pinion", (radius, radius, True), None).tooth
+    strip = tooth.end_strips[0]
+    assert strip is not None
+    own = outline(tooth.sharp_ends, 0.0, 2001)
+    three = np.concatenate([turned(own, k * tooth.pitch_angle) for k in (-1, 0, 1)])
+    tau = np.linspace(0.0, 1.0, 7)
+    for piece in strip.pieces:
+        r = strip.at(piece, np.linspace(0.0, 1.0, 9)[:, None], tau).reshape(-1, 3)
+        inside, depth = from_polylines(r[:, :2], [three]), r[:, 2] - tooth.blank.faces[0]
+        # between curves that are parallel the lines from outline to section lean beside mitres
+        assert np.hypot(radius - inside, radius - depth) == pytest.approx(radius, abs=2e-3 * radius)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("sample", "name"), [("helical", "gear"), ("spiral_bevel_geometry2", "pinion")])
+def test_a_rounding_is_tangent_to_end_face_and_tooth(sample: str, name: str) -> None:
+    """Leaving the end face by the square of the way, and the tooth by its curvature within the depth alone."""
+    depth, step = 0.02, 1e-4
+    tooth = chamfered(sample, name, (depth, depth, True), None).tooth
+    strip, sections = tooth.end_strips[0], tooth.sections([0.0])
+    assert strip is not None
+    for piece in strip.pieces:
+        if piece.region not in (Region.FLANK_LEFT, Region.FLANK_RIGHT):
+            continue
+        first, near = (strip.at(piece, np.full(1, 0.5), np.full(1, tau))[0] for tau in (0.0, step))
+        way = np.linalg.norm(near - first)
+        assert abs(tooth.blank.axial.value(near) - tooth.blank.faces[0]) < 2.0 * way * step
+        last, before = (strip.at(piece, np.full(1, 0.5), np.full(1, tau))[0] for tau in (1.0, 1.0 - step))
+        s = 0.5 * sum(piece.inner)
+        normal = piece.link.grid(np.array([s]), sections).normals[0, 0]
+        assert abs((last - before) @ normal) < 2e-3 * np.linalg.norm(last - before)
+
+
 def test_refusals() -> None:
     for override, message in (
+        ("gear.end_rounding=9", r"gear.end_rounding = 9 mm: larger than .* at most \d\.\d+ mm"),
         ("gear.end_chamfer_toe=9", r"gear.end_chamfer_toe = 9 mm: larger than .* at most \d\.\d+ mm"),
         ("gear.end_chamfer_angle=30", r"gear.end_chamfer_angle = 30.*: needs end_chamfer"),
     ):
         with pytest.raises(DesignError, match=message):
             gm.build(gm.load(SAMPLES / "spur.toml", [override]))
+    with pytest.raises(
+        DesignError, match=r"end_rounding_toe = 0\.2.*: cannot be given together with end_chamfer, for the toe"
+    ):
+        gm.load(SAMPLES / "spur.toml", ["gear.end_chamfer=0.3", "gear.end_rounding_toe=0.2"])
 
 
 def test_corners_at_a_root_that_touches_neither_fillet() -> None:
@@ -195,10 +241,12 @@ def test_room_for_chamfers_is_looked_for_on_samples_that_are_as_good_as_the_surf
         assert sharp.inside(width) == pytest.approx(strip.outline, abs=1e-7)
 
 
-@pytest.mark.parametrize("tolerance", [0.05, 0.001])
-def test_no_place_of_a_chamfer_is_farther_than_its_bound(tolerance: float, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("tolerance", "rounded"), [(0.05, False), (0.001, False), (0.05, True)])
+def test_no_place_of_a_chamfer_is_farther_than_its_bound(
+    tolerance: float, rounded: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Facets measured at a thousand random places each are within the bound, which is no more than 1.10 of what is measured."""
-    mesh = tessellate(chamfered("helical", "pinion", (1.5, 1.5), (0.5, 0.3)).tooth, tolerance)
+    mesh = tessellate(chamfered("helical", "pinion", (1.5, 1.5, rounded), (0.5, 0.3)).tooth, tolerance)
     measured = max(end.deviation for end in mesh.end_meshes().values())
     places = np.random.default_rng(1).dirichlet(np.ones(3), 1000)
     monkeypatch.setattr(end_mesh, "PLACES", places)
