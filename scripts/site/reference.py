@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import json
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -16,6 +15,7 @@ import gearmesh as gm
 from gearmesh.answers.tables import json_text
 from gearmesh.api.design_schema import design_schema
 from gearmesh.api.reference import figure_groups
+from gearmesh.api.report_schema import report_schema
 from gearmesh.app import cli
 from gearmesh.design.core import Design
 
@@ -248,12 +248,12 @@ def key_pages(folder: Path) -> None:
 
 
 def schemas(folder: Path) -> None:
-    """The JSON Schema of the files of every kind."""
+    """The JSON Schema of the files of every kind, and of report.json."""
     folder.mkdir(parents=True, exist_ok=True)
     for kind in gm.kinds():
         text = json_text(design_schema(gm.system(kind).design, kind))
-        json.loads(text)
         (folder / f"{kind}.json").write_text(text, encoding="utf-8")
+    (folder / "report.json").write_text(json_text(report_schema()), encoding="utf-8")
 
 
 # ---------------------------------------------------------------- figures

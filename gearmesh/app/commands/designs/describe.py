@@ -17,6 +17,8 @@ from gearmesh.app.options import Json, Set, SheetSpeed, SheetTorque, load_alone,
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import ArgumentError
 
+#: what --schema takes beside kinds
+REPORT = "report"
 #: characters that keys are padded to, and by which a key's lines below its first are indented
 KEY, INDENT = 28, "    "
 
@@ -42,7 +44,11 @@ def describe(
         ),
     ] = False,
     schema: Annotated[
-        bool, typer.Option("--schema", help="The JSON Schema of the design files of a kind, for editors.")
+        bool,
+        typer.Option(
+            "--schema",
+            help="The JSON Schema of the design files of a kind, for editors, or with report that of report.json.",
+        ),
     ] = False,
 ) -> None:
     """The gear systems, every key of one of them, the data sheet of a design, or the meaning of figures."""
@@ -53,8 +59,9 @@ def describe(
         _figures(what or "", json_file)
         return
     if schema:
-        if what not in gm.kinds():
-            raise ArgumentError("--schema", reason="needs a kind", allowed=", ".join(gm.kinds()))
+        if what not in (*gm.kinds(), REPORT):
+            allowed = f"{', '.join(gm.kinds())}, or {REPORT} for report.json"
+            raise ArgumentError("--schema", reason="needs a kind", allowed=allowed)
         refuse_unwritable(json_file)
         write_text(json_file or "-", lambda: _schema(str(what)))
         return
@@ -118,11 +125,15 @@ def _kinds() -> Listing:
 
 
 def _schema(kind: str) -> str:
-    """The JSON Schema of a kind's files."""
+    """The JSON Schema of a kind's files, or of report.json."""
     from gearmesh.answers.tables import json_text
     from gearmesh.api.design_schema import design_schema
     from gearmesh.systems.system import design_class
 
+    if kind == REPORT:
+        from gearmesh.api.report_schema import report_schema
+
+        return json_text(report_schema())
     return json_text(design_schema(design_class(kind), kind))
 
 

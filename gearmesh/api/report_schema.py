@@ -1,0 +1,110 @@
+"""The report.json of a run as a JSON Schema: every figure with its unit, symbol and meaning, as it is declared."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from gearmesh import __version__
+from gearmesh.answers.bodies.solid import SolidFigures
+from gearmesh.answers.check import MeshRoll, RollRow, Verdict
+from gearmesh.answers.contact.figures import CycleSummary, PathSummary, SlideSummary, TorqueSummary
+from gearmesh.answers.contact.fit import FitSummary
+from gearmesh.answers.contact.turns import TurnsSummary
+from gearmesh.answers.load.figures import LoadedFigures
+from gearmesh.api.design_schema import DIALECT
+from gearmesh.figures import MEMBER, UNITS, Figure, Figures
+from gearmesh.systems.system import kinds
+
+#: what the summary of a contact consists of; gear systems add figures of their own
+CONTACT = (PathSummary, CycleSummary, SlideSummary, FitSummary, TorqueSummary, TurnsSummary)
+#: units of figures that are those of an angle, or of a travel where the gear is a rack
+ANGLE, TRAVEL = UNITS["arcsec"], UNITS["um"]
+NUMBER = {"type": ["number", "null"]}
+
+
+def report_schema() -> dict[str, Any]:
+    """The schema of report.json, draft 2020-12; `$id` has the version of gearmesh.
+
+    Names of sections are complete. Within them figures of a kind of gears may stand beside those that are described here: the
+    page of all figures has them.
+    """
+    contact, loaded = figures_schema(*CONTACT), figures_schema(LoadedFigures)
+    sections: dict[str, Any] = {
+        "gearmesh": {"type": "string", "description": "version that wrote the report"},
+        "design": {
+            "type": "object",
+            "description": "the design with its defaults; its keys are those of the schema of its kind",
+            "properties": {"kind": {"enum": list(kinds())}},
+            "required": ["kind"],
+        },
+        "mesh": by_name("solids, by members", figures_schema(SolidFigures)),
+        "contact": contact | {"description": "contact of the first mesh"},
+        "meshes": by_name("contact of every different mesh of a gear set, by pairs", contact),
+        "loaded": loaded | {"description": "the first mesh under torque, where one was asked for"},
+        "loaded_meshes": by_name("every different mesh of a gear set under torque, by pairs", loaded),
+        "roll": rows("the roll test, position by position", RollRow),
+        "other_meshes": rows("roll tests of further meshes of a gear set", MeshRoll),
+        "verdicts": rows("what was compared", Verdict),
+        "sheet": by_name("the data sheet: by title and symbol the unit and the values of a row", {"type": "object"}),
+        "warnings": {"type": "array", "items": {"type": "string"}, "description": "what to know of gears and figures"},
+        "files": {"type": "array", "items": {"type": "string"}, "description": "files in the folder"},
+        "frames": by_name("frames of the coordinates in files, by files", {"type": "string"}),
+        "timing": {
+            "type": "object",
+            "description": "run times, s, under the keys of the sections; not with --no-timing",
+        },
+    }
+    return {
+        "$schema": DIALECT,
+        "$id": f"urn:gearmesh:{__version__}:report",
+        "title": "gearmesh report.json",
+        "description": "what gearmesh run found and wrote",
+        "type": "object",
+        "properties": sections,
+        "required": ["gearmesh", "design", "mesh", "roll", "verdicts", "warnings", "files", "frames"],
+        "additionalProperties": False,
+    }
+
+
+def by_name(description: str, of: dict[str, Any]) -> dict[str, Any]:
+    """An object whose keys are names."""
+    return {"type": "object", "description": description, "additionalProperties": of}
+
+
+def rows(description: str, kind: type[Figures]) -> dict[str, Any]:
+    """A list of figures of one kind."""
+    return {"type": "array", "description": description, "items": figures_schema(kind)}
+
+
+def figures_schema(*kinds_of_figures: type[Figures]) -> dict[str, Any]:
+    """Figures of some kinds beside each other, those of members by a pattern of their keys."""
+    properties: dict[str, Any] = {}
+    patterns: dict[str, Any] = {}
+    for kind in kinds_of_figures:
+        for figure in kind.declared_figures():
+            if figure.timing:
+                continue
+            if MEMBER in figure.key:
+                name = re.escape(figure.key).replace(re.escape(MEMBER), r"[A-Za-z]\w*")
+                patterns[f"^{name}$"] = figure_schema(figure)
+                continue
+            properties[figure.key] = figure_schema(figure)
+            if figure.unit == "arcsec":
+                travel = figure.in_um()
+                properties[travel.key] = figure_schema(travel)
+    return {"type": "object", "properties": properties} | ({"patternProperties": patterns} if patterns else {})
+
+
+def figure_schema(figure: Figure) -> dict[str, Any]:
+    """A figure: what is a number of a unit, a whole number or a vector says so; null is what is not known."""
+    unit = f" [{figure.unit}]" if figure.unit else ""
+    symbol = f", {figure.symbol}" if figure.symbol else ""
+    described = {"description": f"{figure.meaning}{symbol}{unit}"}
+    if figure.vector:
+        return {"type": ["array", "null"], "items": NUMBER} | described
+    if figure.whole:
+        return {"type": ["integer", "array", "null"]} | described
+    if figure.unit:
+        return {"type": ["number", "array", "object", "null"]} | described
+    return described
