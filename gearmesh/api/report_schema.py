@@ -26,7 +26,7 @@ NUMBER = {"type": ["number", "null"]}
 def report_schema() -> dict[str, Any]:
     """The schema of report.json, draft 2020-12; `$id` has the version of gearmesh.
 
-    Names of sections are complete. Within them figures of a kind of gears may stand beside those that are described here: the
+    Names of sections are complete. Within them a kind of gears may have figures beside those that are described here: the
     page of all figures has them.
     """
     contact, loaded = figures_schema(*CONTACT), figures_schema(LoadedFigures)

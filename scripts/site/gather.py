@@ -6,8 +6,10 @@ sources and designs, are copied with them. The table of all figures, a page of t
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
+from base64 import b64decode
 from pathlib import Path
 
 from gearmesh import __version__
@@ -33,11 +35,33 @@ def gather(source: Path) -> None:
         _stage(path, path.relative_to(ROOT), source)
     for path in sorted(PAGES.rglob("*.md")):
         _with_linked(path.read_text(encoding="utf-8"), path.relative_to(PAGES), source)
-    guides = "\n".join(path.stem for path in sorted((ROOT / "samples/guides").glob("*.md")) if path.stem != "README")
-    listing = source / "samples/guides/README.md"
-    listing.write_text(
-        f"{listing.read_text(encoding='utf-8')}\n```{{toctree}}\n:maxdepth: 1\n\n{guides}\n```\n", encoding="utf-8"
-    )
+    folder = source / "samples" / "guides"
+    for path in sorted((ROOT / "samples" / "guides").glob("*.ipynb")):
+        _notebook(path, folder)
+    guides = sorted(path.stem for path in folder.glob("*.md") if path.stem != "README")
+    listing = folder / "README.md"
+    known = listing.read_text(encoding="utf-8")
+    listing.write_text("\n".join([known, "```{toctree}", ":hidden:", "", *guides, "```", ""]), encoding="utf-8")
+
+
+def _notebook(path: Path, folder: Path) -> None:
+    """A notebook as a page: its cells in order, each with the texts and pictures that it gave."""
+    parts = []
+    for number, cell in enumerate(json.loads(path.read_text(encoding="utf-8"))["cells"]):
+        text = "".join(cell["source"])
+        parts.append(text if cell["cell_type"] == "markdown" else f"```python\n{text}\n```")
+        for place, output in enumerate(cell.get("outputs", [])):
+            data = output.get("data", {})
+            if "image/png" in data:
+                picture = folder / "pictures" / f"{path.stem}_{number}_{place}.png"
+                picture.parent.mkdir(exist_ok=True)
+                picture.write_bytes(b64decode("".join(data["image/png"])))
+                parts.append(f"![output of the cell above](pictures/{picture.name})")
+            elif printed := "".join(output.get("text", data.get("text/plain", ""))):
+                parts.append(f"```text\n{printed.rstrip()}\n```")
+    page = folder / f"{path.stem}.md"
+    page.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    _with_linked(page.read_text(encoding="utf-8"), Path("samples/guides") / page.name, folder.parents[1])
 
 
 def checkout_pages() -> list[Path]:
