@@ -1,4 +1,4 @@
-"""Machine settings that take away what was measured, what is left of the deviations, and the contact before and after."""
+"""Settings of machines that take away what was measured, what is left of the deviations, and the contact before and after."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 from gearmesh.answers.contact.figures import CycleSummary
 from gearmesh.answers.inspection.figures import UM
 from gearmesh.answers.inspection.machine_settings import (
+    GROUND,
     INDEX,
     CutFlanks,
     MovableSetting,
@@ -24,11 +25,13 @@ from gearmesh.answers.questions import SolvedGears
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
+from gearmesh.design.topography_file import TopographyGrid, topography_text
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.files.csv_table import csv_text
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.metrology.correction import SettingChanges, setting_changes
+from gearmesh.metrology.evaluation import in_transverse_plane
 from gearmesh.metrology.flanks.projection import FlankProjection
 from gearmesh.metrology.flanks.smoothing import smooth_deviations
 from gearmesh.metrology.second_order import flank_coordinates, second_order
@@ -38,6 +41,8 @@ from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, deviating_to
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
+#: mm by which points of a row may differ in roll length, of a column along the face, to be a grid of a topography
+ALIGNED = 1e-6
 #: Newton's steps at most, and the largest move of the flank, mm, that counts as none
 MOST_STEPS, ENOUGH = 10, 1e-9
 
@@ -94,6 +99,7 @@ class CorrectionFigures(Figures):
     member: str = figure("name of the member")
     settings: list[CorrectedSettingFigures] = figure("settings that are moved")
     rotation: float | None = figure("rotation of the measured teeth against the design's", "arcsec", optional=True)
+    thickness: float | None = figure("normal tooth thickness more than nominal", "um", optional=True)
     noise: float = figure("standard deviation of a measured deviation, as given or by what no setting takes away", "um")
     directions: int = figure("combinations of settings that the deviations show", whole=True)
     singular_values: list[float] = figure("singular values of the sensitivity, each setting over its root mean square")
@@ -109,6 +115,8 @@ class Correction(Result):
     """Changes of settings (M,) of a member, in the design's units: `new_design` is the design with the settings that are to be put
     into the machine. `measured`, `residual`: deviations of each flank before and after, on the same points.
 
+    `thickness`, mm: how much the teeth are thicker, where that is free.
+
     As ".toml" the design with the new settings is saved, as ".csv" what is left of the deviations, as `[measured]` reads it.
     """
 
@@ -122,11 +130,41 @@ class Correction(Result):
     rotation: float | None
     residual: Mapping[Side, DeviationGrid]
     notes: tuple[str, ...] = ()
+    thickness: float | None = None
 
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
         return (".json", ".toml", ".csv")
+
+    def topography(self, side: Side) -> str:
+        """What the settings leave of a flank, as a file of modifications: amounts that a dressed wheel has to remove besides, in
+        the transverse plane.
+
+        Raises DesignError for a flank that was not measured, or is no involute, or whose points are on no grid over roll length
+        and face.
+        """
+        inspection = systems.system_of(self.design).inspection
+        basis = None if inspection is None else inspection(self.design, self.train, self.member)
+        if basis is None or basis.involute is None or side not in self.residual:
+            raise ArgumentError(
+                "topography", str(side), reason="no involute flank was measured there", allowed="cylindrical gears"
+            )
+        grid = self.residual[side]
+        rolls = basis.involute.roll_length(np.hypot(grid.points[..., 0], grid.points[..., 1]))
+        z = grid.points[..., 2]
+        across, along = rolls.mean(axis=1), z.mean(axis=0)
+        if max(np.ptp(rolls, axis=1).max(), np.ptp(z, axis=0).max()) > ALIGNED:
+            raise ArgumentError(
+                "topography", str(side), reason="its points are on no grid over roll length and face", allowed="a grid"
+            )
+        amounts = in_transverse_plane(grid.values, basis.involute.base_helix)
+        i, j = np.argsort(across), np.argsort(along)
+        return topography_text(
+            TopographyGrid(
+                tuple(across[i].tolist()), tuple(along[j].tolist()), tuple(map(tuple, amounts[np.ix_(i, j)].tolist()))
+            )
+        )
 
     @cached_property
     def new_design(self) -> Design:
@@ -154,6 +192,7 @@ class Correction(Result):
             member=self.member,
             settings=self._settings,
             rotation=None if self.rotation is None else self.rotation / ARCSEC,
+            thickness=None if self.thickness is None else UM * self.thickness,
             noise=UM * self.solution.noise,
             directions=self.solution.directions,
             singular_values=self.solution.singular_values.tolist(),
@@ -192,6 +231,8 @@ class Correction(Result):
         of_fit = [("noise, um", own.noise), ("combinations that show", own.directions)]
         if own.rotation is not None:
             of_fit.append(("rotation, arcsec", own.rotation))
+        if own.thickness is not None:
+            of_fit.append(("thickness, um", own.thickness))
         return [
             Listing(
                 f"Corrected settings of the {self.member}",
@@ -277,14 +318,16 @@ def correct_settings(
     settings: Sequence[str] = (),
     noise: float | None = None,
 ) -> Correction:
-    """Settings of the machine that cuts a member, with which the deviations that a `file` says of its `flank` would go away.
+    """Settings of the machine that cuts or grinds a member, with which the deviations that a `file` says of its `flank` would go
+    away.
 
     `file`, `flank`: as `inspect_files` has them. `settings`: names of those that may move ("radial", of one side
     "concave.radial", "helical_motion.2"), by default the usual ones of the machine. `noise`: standard deviation (um) of a measured
-    deviation. Where the blank's index is not among the settings, the rotation of the measured teeth is free.
+    deviation. Where the blank's index is not among the settings, the rotation of the measured teeth is free; where these are
+    modifications, the thickness too.
 
-    Raises DesignError for kinds without machine settings, for settings that there are not and where nothing was measured,
-    FileError for what cannot be read.
+    Raises DesignError for kinds without machine settings or modifications, for settings that there are not and where nothing was
+    measured, FileError for what cannot be read.
     """
     if noise is not None and not (np.isfinite(noise) and noise > 0.0):
         raise ArgumentError("noise", noise, must_be="above 0, um")
@@ -296,15 +339,16 @@ def correct_settings(
         raise ArgumentError(
             "settings", reason="none moves the flanks that were measured", allowed="settings of their machine"
         )
-    columns = list(moving.values())
-    turning = not any(INDEX in setting.name for setting in moving)
-    if turning:
-        columns.append(flanks.rotation)
-    sensitivity = np.stack(columns, axis=-1)
-    solution, left = _solve(flanks, tuple(moving), sensitivity, None if noise is None else noise / UM)
+    free = {} if any(INDEX in setting.name for setting in moving) else {"rotation": flanks.rotation}
+    ground = any(key.rpartition(".")[0].endswith(tuple(GROUND)) for setting in moving for key in setting.keys)
+    if ground and len(flanks.grids) == len(Side):
+        free["thickness"] = flanks.thickness
+    sensitivity = np.stack([*moving.values(), *free.values()], axis=-1)
+    solution, left = _solve(flanks, tuple(moving), sensitivity, None if noise is None else noise / UM, ground)
     residual = _by_side(flanks.grids, left)
     notes = tuple(f"{side} flank: {note}" for side in made for note in made[side].notes)
     count = len(moving)
+    left_free = dict(zip(free, solution.changes[count:].tolist(), strict=True))
     return Correction(
         nominal,
         train,
@@ -313,16 +357,23 @@ def correct_settings(
         flanks,
         sensitivity[:, :count],
         replace(solution, changes=solution.changes[:count], uncertainties=solution.uncertainties[:count]),
-        float(solution.changes[count]) if turning else None,
+        left_free.get("rotation"),
         residual,
         notes,
+        -left_free["thickness"] if "thickness" in left_free else None,
     )
 
 
 def _solve(
-    flanks: CutFlanks, settings: tuple[MovableSetting, ...], sensitivity: Array, noise: float | None
+    flanks: CutFlanks, settings: tuple[MovableSetting, ...], sensitivity: Array, noise: float | None, ground: bool
 ) -> tuple[SettingChanges, Array]:
-    """All changes (of settings, and the rotation where that has a column), and what they leave (N,), mm, of the exact flanks."""
+    """All changes (of settings, and of rotation and thickness where these have columns), and what they leave (N,), mm, of the exact
+    flanks.
+
+    Slopes that are `ground` remove material at the one end or at the other by their sign: what that changes is a constant, which
+    rotation and thickness take up after every step.
+    """
+    count = len(settings)
     deviations = np.concatenate([grid.values.ravel() for grid in flanks.grids.values()])
     start, total, left = flanks.displacements({}), np.zeros(sensitivity.shape[1]), deviations
     first = solution = setting_changes(left, sensitivity, noise)
@@ -330,8 +381,10 @@ def _solve(
         if not solution.directions:
             break
         trial = total + solution.changes
-        cut = flanks.displacements(flanks.values(settings, trial[: len(settings)].tolist())) - start
-        after = deviations + cut + sensitivity[:, len(settings) :] @ trial[len(settings) :]
+        cut = flanks.displacements(flanks.values(settings, trial[:count].tolist())) - start
+        if ground:
+            trial[count:] = np.linalg.lstsq(sensitivity[:, count:], -(deviations + cut), rcond=None)[0]
+        after = deviations + cut + sensitivity[:, count:] @ trial[count:]
         if not _rms(after) < _rms(left):
             break
         total, left = trial, after

@@ -1,4 +1,7 @@
-"""Settings of the machine that cuts a bevel gear which a correction may move, and the flanks that it cuts with other values."""
+"""Settings of the machine that cuts or grinds a gear which a correction may move, and the flanks that it makes with other values.
+
+Of gears without machine settings they are the modifications of their flanks, as a grinder takes them: slopes, crownings and twist.
+"""
 
 from __future__ import annotations
 
@@ -24,6 +27,9 @@ COMPLETING = ("completing", "formate_completing")
 OF_DEPTH = ("sliding_base", "machine_root_angle")
 #: the index of the blank
 INDEX = "index_angle"
+#: tables of a member whose flanks are ground with modifications, and what a grinder corrects of them; thickness is its infeed's
+GROUND = {f"modifications_{side}": side for side in Side}
+OF_GRINDER = ("profile_slope", "profile_crowning", "profile_twist", "helix_slope", "helix_crowning")
 #: settings that are moved where none are named, and those that may be named
 USUAL = (
     "radial",
@@ -61,17 +67,16 @@ class MovableSetting:
     def plain_name(self) -> str:
         """Its name without the side that it is of."""
         first, _, rest = self.name.partition(".")
-        return rest if first in MACHINES else self.name
+        return rest if first in (*MACHINES, *Side) else self.name
 
 
 def movable_settings(design: Design, name: str) -> tuple[MovableSetting, ...]:
     """All that a correction of a member may move. Raises DesignError for members that no machine with settings cuts."""
-    table = getattr(design, design.table_named(name), None)
+    own = design.table_named(name)
+    table = getattr(design, own, None)
     machines = [machine for machine in MACHINES if hasattr(table, machine)]
     if not machines:
-        raise ArgumentError(
-            "kind", design.kind, reason=f"its {name} is not cut with machine settings", allowed="spiral_bevel, hypoid"
-        )
+        return _ground_settings(design, own)
     both = getattr(design, "process", None) in COMPLETING and len(machines) > 1
     made = []
     for setting in (*MOVABLE, *(f"{motion}.{order}" for motion in MOTIONS for order in ORDERS)):
@@ -89,6 +94,24 @@ def movable_settings(design: Design, name: str) -> tuple[MovableSetting, ...]:
     return tuple(made)
 
 
+def _ground_settings(design: Design, own: str) -> tuple[MovableSetting, ...]:
+    """Those of a member, by the name of its table, whose flanks may be modified."""
+    made = tuple(
+        MovableSetting(f"{side}.{setting}", (key,))
+        for table, side in GROUND.items()
+        for setting in OF_GRINDER
+        if type(design).key_at(key := f"{own}.{table}.{setting}") is not None
+    )
+    if not made:
+        raise ArgumentError(
+            "kind",
+            design.kind,
+            reason=f"its {own} is not cut with machine settings, and its flanks are not modified",
+            allowed="bevel and hypoid gears, and members with tables of modifications",
+        )
+    return made
+
+
 @dataclass(frozen=True)
 class CutFlanks:
     """Flanks of a member of a `design` that states all settings, at the points of grids: of any other settings."""
@@ -102,7 +125,10 @@ class CutFlanks:
 
         Raises DesignError for values with which there is no tooth.
         """
-        tooth = systems.member(self.design.with_values(values), self.name).member.one_tooth
+        made = self.design.with_values(values)
+        alone = self.name in systems.system_of(made).members
+        member = systems.member(made, self.name).member if alone else systems.build(made).members[self.name]
+        tooth = member.one_tooth
         parts = []
         for side, grid in self.grids.items():
             feet = FlankProjection(tooth, side).foot_points(grid.points.reshape(-1, 3))
@@ -117,6 +143,11 @@ class CutFlanks:
             for grid in self.grids.values()
         ]
         return np.concatenate([part.ravel() for part in parts])
+
+    @property
+    def thickness(self) -> Array:
+        """Displacements (N,), mm per mm of normal tooth thickness, half on either flank."""
+        return np.full(self.rotation.shape, 0.5)
 
     def values(self, settings: Sequence[MovableSetting], changes: Sequence[float]) -> dict[str, Any]:
         """Values of all keys after changes of settings."""
@@ -186,7 +217,8 @@ class CutFlanks:
         table: Any = self.design.plain()
         for part in dotted.split("."):
             table = table.get(part) if isinstance(table, Mapping) else None
-        return table
+        # a flank without modifications has amounts of 0
+        return 0.0 if table is None and dotted.rpartition(".")[0].endswith(tuple(GROUND)) else table
 
 
 def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSetting, Array]:
@@ -197,10 +229,9 @@ def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSett
     for name in names:
         matches = [setting for setting in every if name in (setting.name, setting.plain_name)]
         if not matches:
-            shown = ", ".join(dict.fromkeys(setting.plain_name for setting in every if not setting.order))
-            raise ArgumentError(
-                "settings", name, must_be=f"one of {shown}, {', '.join(MOTIONS)}.1 and on, comma between them"
-            )
+            shown = list(dict.fromkeys(setting.plain_name for setting in every if not setting.order))
+            shown += [f"{', '.join(MOTIONS)}.1 and on"] if any(setting.order for setting in every) else []
+            raise ArgumentError("settings", name, must_be=f"one of {', '.join(shown)}, comma between them")
         moving = {setting: column for setting in matches if (column := flanks.sensitivity(setting)).any()}
         if not moving:
             raise ArgumentError(
@@ -215,7 +246,7 @@ def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSett
     whole = len(flanks.grids) == len(Side)
     for setting in every:
         # what both sides have in common is left alone where one was measured
-        if setting.plain_name in USUAL and (whole or len(setting.keys) == 1):
+        if setting.plain_name in (*USUAL, *OF_GRINDER) and (whole or len(setting.keys) == 1):
             try:
                 column = flanks.sensitivity(setting)
             except DesignError:

@@ -1,7 +1,8 @@
-"""The command `correct`: machine settings that take measured deviations away."""
+"""The command `correct`: settings of machines that take measured deviations away."""
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -48,6 +49,15 @@ def correct(
         Path | None,
         typer.Option("--residual", metavar="FILE.csv", help="Write the deviations that are left.", show_default=False),
     ] = None,
+    topography: Annotated[
+        Path | None,
+        typer.Option(
+            "--topography",
+            metavar="FILE.csv",
+            help="Write what is left as amounts to remove, for dressing; of two flanks FILE_right.csv and FILE_left.csv.",
+            show_default=False,
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -57,15 +67,16 @@ def correct(
     json_file: Json = None,
     changes: Set = None,
 ) -> None:
-    """Machine settings of bevel and hypoid gears that take measured deviations away, and the contact that they give.
+    """Machine settings of bevel and hypoid gears, and corrections of ground flanks (slopes, crownings, twist), that take measured
+    deviations away, and the contact that they give.
 
     Least squares on the exact flanks. The new settings are for the machine: the design that they are written to has the deviations
     with the other sign.
     """
-    for file, suffix in ((output, ".toml"), (residual, ".csv")):
+    for file, suffix in ((output, ".toml"), (residual, ".csv"), (topography, ".csv")):
         if file is not None:
             refuse_suffix(file, suffix)
-    for target in (output, residual, json_file):
+    for target in (output, residual, topography, json_file):
         refuse_unwritable(target)
     gears = load_gears(design_file, changes)
     names = [] if settings is None else [name.strip() for name in settings.split(",")]
@@ -75,6 +86,10 @@ def correct(
     for file in (output, residual):
         if file is not None:
             answer.save(file)
+    if topography is not None:
+        for side in answer.residual:
+            own = topography.with_stem(f"{topography.stem}_{side}") if len(answer.residual) > 1 else topography
+            write_text(str(own), partial(answer.topography, side))
     write_text(json_file, answer.json)
     if json_file != "-":
         show(listings)
