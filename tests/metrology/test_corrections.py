@@ -172,13 +172,13 @@ def test_wrong_input_is_one_line(hypoid: Design, tmp_path: Path) -> None:
         with pytest.raises(GearmeshError, match=word) as caught:
             correct_settings(hypoid, member, path, str(concave), settings=settings)
         assert "\n" not in str(caught.value)
-    spur = gm.load(SAMPLES / "spur.toml")
-    flank = tmp_path / "spur.csv"
+    arcs = gm.load(SAMPLES / "circular_arc.toml")
+    flank = tmp_path / "arcs.csv"
     flank.write_text(
         "s,t,deviation_um,flank\n" + "".join(f"{s},{t},1,right\n" for s in (0.1, 0.5, 0.9) for t in (0.1, 0.9))
     )
     with pytest.raises(GearmeshError, match="machine settings"):
-        correct_settings(spur, "pinion", flank)
+        correct_settings(arcs, "pinion", flank)
 
 
 def test_the_sample_that_was_measured_says_what_was_off() -> None:
