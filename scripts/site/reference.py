@@ -227,9 +227,7 @@ def key_pages(folder: Path) -> None:
             "",
         ]
         for group, lines in design.key_groups().items():
-            rows = [
-                (code(line.key), line.unit, code(line.range), line.default, line.about, line.source) for line in lines
-            ]
+            rows = [(code(line.key), line.unit, line.range, line.default, line.about, line.source) for line in lines]
             body += [f"## {group}" if group else "## Keys", ""]
             body += table(("key", "unit", "range", "default", "meaning", "source"), rows)
         page(folder / f"{kind}.md", kind, body)

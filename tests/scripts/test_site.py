@@ -24,7 +24,7 @@ pytestmark = pytest.mark.sweep
 #: what of a page is seen beyond the right edge of the screen and can not be moved there within a frame of its own
 BEYOND = """
 const framed = (item) => {
-    for (let box = item; box && box.tagName !== "BODY"; box = box.parentElement)
+    for (let box = item; box && !["ARTICLE", "BODY"].includes(box.tagName); box = box.parentElement)
         if (["auto", "scroll"].includes(getComputedStyle(box).overflowX)
             && box.getBoundingClientRect().right <= document.documentElement.clientWidth + 1) return true;
     return false;
