@@ -138,11 +138,26 @@ class Correction(Result):
         return (".json", ".toml", ".csv")
 
     def topography(self, side: Side) -> str:
-        """What the settings leave of a flank, as a file of modifications: amounts that a dressed wheel has to remove besides, in
-        the transverse plane.
+        """What the settings leave of a flank, as a file of modifications: amounts that a dressed wheel has to remove besides.
 
-        Raises DesignError for a flank that was not measured, or is no involute, or whose points are on no grid over roll length
-        and face.
+        Parameters
+        ----------
+        side : Side
+            "right" or "left".
+
+        Returns
+        -------
+        str
+            Text of a topography, amounts in the transverse plane, as the key `topography` reads it.
+
+        Raises
+        ------
+        DesignError
+            For a flank that was not measured, or is no involute, or whose points are on no grid over roll length and face.
+
+        Examples
+        --------
+        >>> text = gears.correct("pinion", "measured.csv").topography("right")  # doctest: +SKIP
         """
         inspection = systems.system_of(self.design).inspection
         basis = None if inspection is None else inspection(self.design, self.train, self.member)
