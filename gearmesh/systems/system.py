@@ -178,10 +178,15 @@ class System(Generic[D]):
 
 
 _REGISTERED: dict[str, System[Any]] = {}
+#: group of the entry points by which other packages add gear systems, each under its kind
+OUTSIDE = "gearmesh.systems"
 
 
 def register(system: System[Any]) -> None:
-    """Make a gear system known under its kind, for `load`, `build` and the command line.
+    """Make a gear system known under its kind, for `load`, `build` and all that follows.
+
+    The command line knows those of installed packages that have an entry point of the group `gearmesh.systems`, whose name is the
+    kind and whose object the system.
 
     Parameters
     ----------
@@ -237,13 +242,23 @@ def system(kind: Any) -> System[Any]:
     if isinstance(kind, str) and kind not in _REGISTERED and kind in KINDS:
         for registered in import_module(f"gearmesh.systems.registered.{KINDS[kind].registered}").SYSTEMS:
             _REGISTERED.setdefault(registered.kind, registered)
-    if isinstance(kind, str) and kind in _REGISTERED:
+    if isinstance(kind, str) and (kind in _REGISTERED or _registered_from_outside(kind)):
         return _REGISTERED[kind]
     from gearmesh.design.shown import nearest, value_text
 
     close = nearest(kind, kinds()) if isinstance(kind, str) else None
     hint = f'; did you mean "{close}"?' if close else ""
     raise DesignError("kind", kind, shown=value_text(kind), must_be=f"{one_of_kinds()}{hint}")
+
+
+def _registered_from_outside(kind: str) -> bool:
+    """Whether an installed package has a gear system of this kind, as an entry point of the group gearmesh.systems; it is then
+    registered. They are asked for kinds that are not known otherwise, alone."""
+    from importlib.metadata import entry_points
+
+    for entry in entry_points(group=OUTSIDE, name=kind):
+        register(entry.load())
+    return kind in _REGISTERED
 
 
 def about(kind: str) -> str:

@@ -148,3 +148,32 @@ def test_the_main_job(design_file: str, monkeypatch: pytest.MonkeyPatch) -> None
     } <= {*written}
     assert all((folder / name).is_file() for name in written)
     assert str(folder / "gear.stl") in out
+
+
+OUTSIDE = """
+import gearmesh as gm
+from gearmesh.design.core import MemberTable
+
+class OutsideDesign(gm.Design):
+    own_kind = "outside"
+    about = "gears of another package"
+    pinion: MemberTable
+
+SYSTEM = gm.System("outside", OutsideDesign, print)
+"""
+
+
+@pytest.mark.quick
+def test_installed_packages_bring_their_kinds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By an entry point, which is looked for when the kind is asked for."""
+    monkeypatch.setattr(system, "_REGISTERED", dict(system._REGISTERED))
+    metadata = tmp_path / "other_gears-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: other-gears\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text("[gearmesh.systems]\noutside = other_gears:SYSTEM\n")
+    (tmp_path / "other_gears.py").write_text(OUTSIDE)
+    assert "kind" in refused("describe", "outside")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert "pinion.teeth" in run("describe", "outside")[1]
+    assert gm.system("outside").design.about == "gears of another package"
+    assert "outside" in gm.kinds()
