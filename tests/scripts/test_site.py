@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -108,6 +109,21 @@ def test_the_reference_has_all_that_the_program_has(pages: dict[Path, Page], sit
         keys = (site / f"reference/keys/{kind}.html").read_text(encoding="utf-8")
         assert not [line.key for line in gm.system(kind).design.key_lines() if line.key.rpartition(".")[2] not in keys]
         assert f"../schema/{kind}.json" in keys or "_downloads" in keys
+
+
+def test_the_first_minutes_of_the_home_page_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its design, the commands on it, and the Python."""
+    home = (ROOT / "scripts" / "site" / "pages" / "index.md").read_text(encoding="utf-8")
+    blocks = dict(re.findall(r"```(toml|python)\n(.*?)```", home, re.DOTALL))
+    monkeypatch.chdir(tmp_path)
+    Path("pair.toml").write_text(blocks["toml"], encoding="utf-8")
+    exec(compile(blocks["python"], "index.md", "exec"), {"print": lambda answer: None})
+    assert Path("pair.step").stat().st_size > 100_000
+    commands: Any = typer.main.get_command(cli.command_line())
+    lines = re.findall(r"^    gearmesh (\w+) (.*?)  ", home, re.MULTILINE)
+    assert len(lines) == 4
+    for name, words in lines:
+        commands.commands[name].make_context(name, words.split())
 
 
 @needs_chromium
