@@ -226,6 +226,11 @@ def key_pages(folder: Path) -> None:
             "files completes and checks them in editors. Lengths are in the `units` of the file.",
             "",
         ]
+        if gm.system(kind).single is not None:
+            body += [
+                "A file with one member alone describes one gear without a mating gear; its keys are among these.",
+                "",
+            ]
         for group, lines in design.key_groups().items():
             rows = [(code(line.key), line.unit, line.range, line.default, line.about, line.source) for line in lines]
             body += [f"## {group}" if group else "## Keys", ""]

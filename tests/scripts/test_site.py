@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from oracles.browser import chromium, needs_chromium, requests, resize
 from oracles.places import ROOT
 
 import gearmesh as gm
+from gearmesh import io
 from gearmesh.app import cli
 
 pytestmark = pytest.mark.sweep
@@ -34,6 +36,14 @@ return [...document.querySelectorAll("header *, article, article *, footer *")].
     && item.getBoundingClientRect().right > document.documentElement.clientWidth + 1 && !framed(item))
     .slice(0, 5).map((item) => item.outerHTML.slice(0, 100));
 """
+
+
+#: answers that are written to files
+ANSWERS = [
+    name
+    for name in gm.__all__
+    if inspect.isclass(getattr(gm, name)) and issubclass(getattr(gm, name), gm.Result) and name != "Result"
+]
 
 
 class Page(HTMLParser):
@@ -109,6 +119,19 @@ def test_the_reference_has_all_that_the_program_has(pages: dict[Path, Page], sit
         keys = (site / f"reference/keys/{kind}.html").read_text(encoding="utf-8")
         assert not [line.key for line in gm.system(kind).design.key_lines() if line.key.rpartition(".")[2] not in keys]
         assert f"../schema/{kind}.json" in keys or "_downloads" in keys
+
+
+def test_the_page_of_files_names_all_formats() -> None:
+    page = (ROOT / "scripts" / "site" / "pages" / "reference" / "files.md").read_text(encoding="utf-8").lower()
+    suffixes = {*io.formats(), *(one for name in ANSWERS for one in suffixes_of(getattr(gm, name)))}
+    assert suffixes >= {".3mf", ".cls", ".csv", ".json", ".stl", ".vtp"}
+    assert not [suffix for suffix in suffixes if not re.search(rf"\b{suffix[1:]}\b", page)]
+
+
+def suffixes_of(answer: type[gm.Result]) -> tuple[str, ...]:
+    """Suffixes of the files that an answer writes, where they do not depend on what it answers."""
+    assert isinstance(answer.suffixes, property)
+    return tuple(re.findall(r"\"(\.\w+)\"", inspect.getsource(answer.suffixes.fget)))  # type: ignore[arg-type]
 
 
 def test_the_first_minutes_of_the_home_page_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
