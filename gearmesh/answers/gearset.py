@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.design.core import Design
+from gearmesh.design.shown import html_table
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
@@ -135,6 +136,14 @@ class GearSet:
     def __repr__(self) -> str:
         members = ", ".join(f"{name} {member.tooth.teeth}" for name, member in self.members.items())
         return f"<Gears: {self.title}, teeth {members}>"
+
+    def _repr_html_(self) -> str:
+        """The members as a short table, for notebooks."""
+        rows = [
+            (name, str(member.tooth.teeth), f"{member.extent[1] - member.extent[0]:.6g}")
+            for name, member in self.members.items()
+        ]
+        return html_table(self.title, ("member", "teeth", "length along the axis, mm"), rows)
 
     def __dir__(self) -> list[str]:
         return [name for name in super().__dir__() if not name.startswith("_")]

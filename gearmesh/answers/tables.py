@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 import math
 import textwrap
@@ -10,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from gearmesh.design.shown import html_table
 from gearmesh.figures import Figures, Summary, flat
 from gearmesh.files import csv_table
 
@@ -123,16 +123,7 @@ def _lines(row: Sequence[str], widths: Sequence[int], numeric: Sequence[bool]) -
 
 def as_html(listings: Sequence[Listing]) -> str:
     """Tables as HTML, for notebooks."""
-    parts = []
-    for listing in listings:
-        title = f"<caption>{html.escape(listing.title)}</caption>" if listing.title else ""
-        head = "".join(f"<th>{html.escape(column)}</th>" for column in listing.columns)
-        head = f"<thead><tr>{head}</tr></thead>" if any(listing.columns) else ""
-        body = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in row) + "</tr>" for row in listing.cells
-        )
-        parts.append(f"<table>{title}{head}<tbody>{body}</tbody></table>")
-    return "".join(parts)
+    return "".join(html_table(listing.title, listing.columns, listing.cells) for listing in listings)
 
 
 def cell(value: Any) -> str:

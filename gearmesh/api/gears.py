@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -177,6 +177,16 @@ class Gears(SolvedGears):
 
     # ---------------------------------------------------------------- solids
 
+    @overload
+    def solid(  # type: ignore[overload-overlap]  # no member has this name
+        self,
+        member: Literal["both", "all"],
+        tolerance: Length | None = None,
+        *,
+        offset: Length = 0.0,
+        file: str | PathLike[str] | None = None,
+    ) -> Solids: ...
+    @overload
     def solid(
         self,
         member: str,
@@ -188,13 +198,25 @@ class Gears(SolvedGears):
         space: bool = False,
         offset: Length = 0.0,
         file: str | PathLike[str] | None = None,
-    ) -> Solid:
+    ) -> Solid: ...
+    def solid(
+        self,
+        member: str,
+        tolerance: Length | None = None,
+        *,
+        teeth: int | None = None,
+        sector: int | None = None,
+        flank_only: str | None = None,
+        space: bool = False,
+        offset: Length = 0.0,
+        file: str | PathLike[str] | None = None,
+    ) -> Solid | Solids:
         """One member as a watertight mesh within a tolerance, or its worm as a part.
 
         Parameters
         ----------
         member : str
-            Its name; "worm" is the worm that grinds one.
+            Its name; "worm" is the worm that grinds one, "both" or "all" are all members in mesh, as of `solids`.
         tolerance : Length, optional
             Largest distance between mesh and exact gear, both ways, mm; by default the design's.
         teeth : int, optional
@@ -215,7 +237,7 @@ class Gears(SolvedGears):
         Returns
         -------
         Solid
-            `save("pinion.stl")` writes it; `measured` has the bound of the deviation and the volume.
+            `save("pinion.stl")` writes it; `measured` has the bound of the deviation and the volume. Solids of all members.
 
         Raises
         ------
@@ -228,9 +250,12 @@ class Gears(SolvedGears):
         >>> gears.solid("pinion", "20um", sector=3).measured.volume
         """
         from gearmesh.answers.bodies.extract import Extract
-        from gearmesh.answers.bodies.solid import solid_of
+        from gearmesh.answers.bodies.solid import TOGETHER, refuse_parts, solid_of
 
         extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth)
+        if member in TOGETHER and member not in self.members:
+            refuse_parts(teeth=teeth, sector=sector, flank_only=flank_only, space=space or None)
+            return self.solids(tolerance, offset=offset, file=file)
         return solid_of(self, member, self.within(tolerance), teeth, file, extract)
 
     def solids(

@@ -18,6 +18,7 @@ from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import explain
 from gearmesh.design.keys import DERIVED, MM_PER, Key, KeyLine, Table, conflict, key_lines
 from gearmesh.design.measured import PairMeasured
+from gearmesh.design.shown import html_table, value_text
 
 #: Thickness of the marking compound that is not given, mm [LT02 5], and at most, in modules: no ellipse outgrows small teeth.
 DELTA, DELTA_SHARE = 0.00635, 0.01
@@ -681,6 +682,15 @@ class Design(Table):
         super()._count_as_set(other)
         if isinstance(other, Design):
             self._changed = other._changed
+
+    def _repr_html_(self) -> str:
+        """The keys that the design sets, as a short table, for notebooks."""
+        kind = type(self)
+        rows = [
+            (dotted, value_text(value), "" if (key := kind.key_at(dotted)) is None else key.unit_in(self.units))
+            for dotted, value in self.own()
+        ]
+        return html_table(self.name or kind.about, ("key", "value", "unit"), rows)
 
     @property
     def complete(self) -> bool:

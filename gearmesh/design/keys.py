@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from gearmesh.design.shown import value_text
+from gearmesh.errors import DesignError
 from gearmesh.lengths import EXAMPLES, MM, length
 
 #: mm in the units that a file may have
@@ -97,6 +98,10 @@ class Key:
             return self.check(value, (info.context or {}).get("mm_per_unit", 1.0))
 
         return core_schema.with_info_plain_validator_function(check)
+
+    def unit_in(self, units: str) -> str:
+        """Its unit in a file whose lengths are in `units`; "" where it has none."""
+        return _UNIT_TEXT.get(self.unit, "").split("|")[-1 if units == "inch" else 0]
 
     def allowed_values(self, units: str) -> str:
         """What the key accepts, in words, lengths in `units`."""
@@ -256,6 +261,16 @@ class Table(BaseModel):
         """What texts call a table, or a dotted key."""
         head, dot, rest = dotted.partition(".")
         return cls.other_names.get(head, head) + dot + rest
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Refuse to change a key, in one line; what is private may."""
+        if name not in type(self).model_fields:
+            return super().__setattr__(name, value)
+        raise DesignError(
+            name,
+            value,
+            reason="a design does not change; with_values({key: value}) makes another one with other values",
+        )
 
     @model_validator(mode="before")
     @classmethod

@@ -1,10 +1,11 @@
-"""How values and keys of design files stand in messages, and which known word a misspelt one is nearest to."""
+"""How values and keys of design files stand in messages and in notebooks, and which known word a misspelt one is nearest to."""
 
 from __future__ import annotations
 
 import difflib
+import html
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from gearmesh.errors import shown_value
@@ -33,3 +34,12 @@ def shown_key(parts: Iterable[Any]) -> str:
 def nearest(word: str, known: Iterable[str]) -> str | None:
     """The known word that a misspelt one most likely stands for."""
     return next(iter(difflib.get_close_matches(word, list(known), n=1, cutoff=0.55)), None)
+
+
+def html_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table of texts as HTML, for notebooks."""
+    caption = f"<caption>{html.escape(title)}</caption>" if title else ""
+    head = "".join(f"<th>{html.escape(column)}</th>" for column in columns)
+    head = f"<thead><tr>{head}</tr></thead>" if any(columns) else ""
+    body = "".join("<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in row) + "</tr>" for row in rows)
+    return f"<table>{caption}{head}<tbody>{body}</tbody></table>"

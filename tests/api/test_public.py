@@ -341,3 +341,38 @@ def test_what_is_no_length_is_one_line(name: str, length: Any, gears: gm.Gears, 
 def test_tolerances_in_python_have_the_range_of_the_command_line(tolerance: Any, gears: gm.Gears) -> None:
     with pytest.raises(gm.DesignError, match=rf"^tolerance = {tolerance}: must be a length .*, from 0\.01um to 10mm$"):
         gears.solid("pinion", tolerance)
+
+
+def test_designs_and_gears_show_as_short_tables_in_notebooks() -> None:
+    """What the file sets, with its own units; the members."""
+    design = gm.CylindricalDesign(
+        units="inch",
+        module=0.1,
+        name="a < b",
+        pinion={"teeth": 18, "face_width": 1},
+        gear={"teeth": 40, "face_width": 1},
+    )
+    shown = design._repr_html_()
+    assert "a &lt; b" in shown
+    assert "<td>pinion.face_width</td><td>1.0</td><td>inch</td>" in shown
+    assert "profile_shift" not in shown
+    assert "<td>gear</td><td>40</td><td>25.4</td>" in gm.build(design)._repr_html_()
+
+
+def test_all_members_may_be_asked_for_where_one_is() -> None:
+    gears = gm.build(gm.load(SAMPLES / "spur.toml"))
+    together = gears.solid("both", "50um")
+    assert isinstance(together, gm.Solids)
+    apart = gears.solids("50um")
+    for name, part in together.parts.items():
+        assert (part.mesh.vertices == apart.parts[name].mesh.vertices).all()
+    with pytest.raises(gm.DesignError, match="teeth = 2: must be left out, or member the name of one"):
+        gears.solid("all", teeth=2)
+
+
+def test_designs_do_not_change() -> None:
+    design = gm.load(SAMPLES / "spur.toml")
+    for table, key in ((design, "module"), (design.pinion, "teeth")):
+        with pytest.raises(gm.DesignError, match=f"{key} = 3: a design does not change; with_values"):
+            setattr(table, key, 3)
+    assert design == gm.load(SAMPLES / "spur.toml")

@@ -14,7 +14,7 @@ from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
@@ -34,6 +34,10 @@ if TYPE_CHECKING:
 LESS = (0.99, 0.95, 0.8)
 #: share of the tolerance from which on rounding of the file is what is wrong with it
 MOST_ROUNDING = 0.5
+
+
+#: what all members in mesh are called where one could be named
+TOGETHER = ("both", "all")
 
 
 @dataclass(frozen=True)
@@ -246,6 +250,13 @@ class Solids(Result):
         from gearmesh import io
 
         io.write_scene({name: part.mesh for name, part in self.parts.items()}, target)
+
+
+def refuse_parts(**asked: object) -> None:
+    """Refuse what is asked of a part of one member, of all of them together."""
+    for name, value in asked.items():
+        if value is not None:
+            raise ArgumentError(name, value, must_be="left out, or member the name of one")
 
 
 def mesh_to_pyvista(mesh: TriangleMesh) -> pyvista.PolyData:
