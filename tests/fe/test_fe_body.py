@@ -145,10 +145,19 @@ def test_what_has_no_rings_is_refused_and_what_is_left_out_is_reported() -> None
             "kind": "cylindrical",
             "module": 2,
             "fe": {"body": "whole", "teeth": 1, "flank": 2, "fillet": 3, "thickness": 2, "rim_layers": 1, "face": 2},
-            "gear": {"teeth": 20, "face_width": 12, "bore": 12, "keyway": {}, "hub": {"diameter": 24, "length": 4}},
+            "gear": {
+                "teeth": 20,
+                "face_width": 12,
+                "bore": 12,
+                "keyway": {},
+                "hub": {"diameter": 24, "length": 4},
+                "end_rounding_toe": 0.3,
+            },
         }
     )
-    assert gears.finite_elements().warnings[0] == "the finite-element model has none of: keyway (gear)"
+    assert gears.finite_elements().warnings[0] == (
+        "the finite-element model has none of: keyway (gear), ends of the face within chamfers or roundings (gear)"
+    )
     rack = {
         "kind": "rack",
         "module": 2,

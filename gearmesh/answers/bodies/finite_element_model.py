@@ -22,6 +22,7 @@ from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.mesh.hexahedra.turned_body import core_radius
+from gearmesh.teeth.blank.end_edge import SHARP
 from gearmesh.teeth.gear_train import GearTrain, Member
 
 if TYPE_CHECKING:
@@ -224,6 +225,8 @@ def omissions(members: Iterable[Member], whole: bool) -> list[str]:
         for part in (*member.features.names, *web):
             if not (whole and part in own):
                 parts.setdefault(part, []).append(member.name)
+        if member.tooth.blank.ends != SHARP:
+            parts.setdefault("ends of the face within chamfers or roundings", []).append(member.name)
         if whole and (core := core_radius(member.tooth, member.body)):
             parts.setdefault(f"core of {2.0 * core:.3g} mm round the axis", []).append(member.name)
     if not parts:
