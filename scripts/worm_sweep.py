@@ -36,7 +36,7 @@ UNIFORM = 1e-9
 ROLLED = 1e-3
 FORMS = ("ZA", "ZN", "ZI", "ZK", "ZC")
 #: faults that the program does not report, and what it does report
-FAULTS = ("wrong key", "bad solids", "silent interference", "transmission error")
+FAULTS = ("wrong key", "no solid", "bad solids", "silent interference", "transmission error")
 REPORTED = ("interference", "undercut", "pointed", "edge contact", "contact ratio below 1", "no contact")
 COLUMNS = {
     name: name for name in ("form", "drives", "refused", *FAULTS, *REPORTED, "sound", "median, CPU s", "95 %, CPU s")
@@ -100,7 +100,12 @@ def tried(task: tuple[int, bool, bool]) -> Tried:
         for flank, own in gears.items():
             look_at(drive, own, flank)
         for name in gears["right"].members if solids else ():
-            if not prove(gears["right"].solid(name, TOLERANCE).mesh, 1).ok:
+            try:
+                mesh = gears["right"].solid(name, TOLERANCE).mesh
+            except gm.NoSolutionError as error:
+                drive.faults["no solid"] = f"{name}, {error}"
+                continue
+            if not prove(mesh, 1).ok:
                 drive.faults["bad solids"] = name
         drive.seconds = time.process_time() - started
         if roll:

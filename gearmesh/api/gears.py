@@ -1114,14 +1114,16 @@ class Gears(SolvedGears):
 
         return compensation_of(self, refinish)
 
-    def vh(self, moved: tuple[str, str] = ("V", "H")) -> VHCheck:
+    def vh(self, moved: tuple[str, ...] | None = None) -> VHCheck:
         """The V-H check: displacements that bring the contact to toe, middle and heel, on both sides.
+
+        Of worm drives to the entering side, the middle and the leaving side of the wheel's face.
 
         Parameters
         ----------
-        moved : tuple of str
+        moved : tuple of str or None, default None
             Two of "V", "H", "J" and "alpha": the pinion across both axes, or along its own, the gear along its axis, or the shaft
-            angle. The others stay what the design says.
+            angle; None is V and H. Of worm drives one of "V", "J" and "alpha"; None is J. The others stay what the design says.
 
         Returns
         -------

@@ -81,8 +81,9 @@ class Setting:
 
 @dataclass(frozen=True)
 class PatternShift:
-    """Displacements that bring the contact of a `side` of the pinion to a `place` along the face, or next to it: V of the pinion
-    across both axes, H along its own, J of the gear along its axis (mm), alpha of the shaft angle (deg).
+    """Displacements that bring the contact of a `side` (member and flank) to a `place` along the face, or next to it.
+
+    V of the pinion across both axes, H along its own, J of the gear along its axis (mm), alpha of the shaft angle (deg).
 
     `asked`, `share`: of the gear's face, from the toe, the place and where the contact is with these displacements: the nearest
     to which it can be brought.
@@ -101,6 +102,19 @@ class PatternShift:
     def reached(self) -> bool:
         """Whether the contact is where it was asked for."""
         return self.share == self.asked
+
+
+@dataclass(frozen=True)
+class PatternCheck(Generic[D]):
+    """Mountings that bring the contact to places of the gear's face, of a design in mm and its gear set.
+
+    `keys`: those of the table assembly that may be moved, by the letters V, H, J and alpha; `usual`: which are moved where nothing
+    is asked for, and as many as always are.
+    """
+
+    shifts: Callable[[D, GearTrain, tuple[str, ...]], list[PatternShift]]
+    keys: Mapping[str, str]
+    usual: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -143,7 +157,7 @@ class System(Generic[D]):
     tables of one of the `members` without the others, `forces` the tables of what a torque (Nm) on the pinion puts on its
     members, with the powers at a speed (1/min) of it where one is given, `compensate` the settings that compensate its assembly
     errors, `refinish` the same by settings of the member named, all of designs in their own units; `vh` makes the V-H check of a
-    design in mm and its gear set, by two of V, H, J and alpha, `first_order` gives, for a design in mm with errors, its
+    design in mm and its gear set, `first_order` gives, for a design in mm with errors, its
     transmission error in closed form; `displacements` moves the members of many assemblies at once. `single` makes designs of the
     same kind of one member without a mating gear, those whose keys `is_single`.
     `drawn`: what of the sheet a workshop drawing has; without it, all that it says of the member; `inspection`: what the member
@@ -162,7 +176,7 @@ class System(Generic[D]):
     forces: Callable[[D, float, float | None], tuple[SheetTable, ...]] | None = None
     compensate: Callable[[D], list[Setting]] | None = None
     refinish: Callable[[D, str], list[Setting]] | None = None
-    vh: Callable[[D, GearTrain, tuple[str, str]], list[PatternShift]] | None = None
+    vh: PatternCheck[D] | None = None
     first_order: Callable[[D], FirstOrder | None] | None = None
     displacements: Displacements[D] | None = None
     pinned: Callable[[D, GearTrain], dict[str, Any]] | None = None

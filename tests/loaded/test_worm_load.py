@@ -15,7 +15,7 @@ from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_complia
 from gearmesh.loaded.sharing import LoadedMesh, loaded_mesh, reach_of
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.systems.worm_drive.build import worm_thread
-from gearmesh.systems.worm_drive.conjugate import ThreadMesh
+from gearmesh.systems.worm_drive.contact.conjugate import ThreadMesh
 from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.teeth.gear_train import GearPair
 

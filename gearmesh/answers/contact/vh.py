@@ -1,9 +1,9 @@
-"""The V-H check of a bevel pair, as a table."""
+"""The V-H check of a pair, as a table."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from gearmesh.answers.gearset import GearSet
@@ -18,12 +18,14 @@ from gearmesh.systems.system import PatternShift
 
 @dataclass(frozen=True)
 class Displacement(Figures):
-    """Displacements of pinion and gear of a bevel pair."""
+    """Displacements of pinion and gear of a pair."""
 
-    v: float | None = figure("displacement of the axes: assembly.dV", "mm", "V")
+    v: float | None = figure("displacement of the axes: assembly.dV; of worm drives assembly.da", "mm", "V")
     h: float | None = figure("displacement along the pinion's axis: assembly.dA", "mm", "H")
-    j: float | None = figure("displacement along the gear's axis: assembly.dG", "mm", "J")
-    alpha: float | None = figure("change of the shaft angle: assembly.d_delta", "deg", "alpha")
+    j: float | None = figure("displacement along the gear's axis: assembly.dG; of worm drives assembly.dz2", "mm", "J")
+    alpha: float | None = figure(
+        "change of the shaft angle: assembly.d_delta; of worm drives assembly.d_sigma", "deg", "alpha"
+    )
 
     @staticmethod
     def of(shift: PatternShift) -> Displacement:
@@ -33,7 +35,7 @@ class Displacement(Figures):
 
 @dataclass(frozen=True)
 class NearestPlace(Figures):
-    """The nearest place to which the contact of a bevel pair can be brought."""
+    """The nearest place to which the contact of a pair can be brought."""
 
     face_share: float = figure("place of the contact from toe to heel, as a part of the face")
     displacement: Displacement = figure("displacements that bring the contact there", parts=Displacement)
@@ -44,7 +46,9 @@ class PlaceFigures(Figures):
     """A place of the contact in the V-H check."""
 
     side: str = figure("flank of the pinion")
-    place: str = figure("place of the contact: toe, middle or heel")
+    place: str = figure(
+        "place of the contact: toe, middle or heel; of worm drives entering side, middle or leaving side"
+    )
     displacement: Displacement = figure("displacements that bring the contact there", parts=Displacement)
     face_share: float = figure("requested place from toe to heel, as a part of the face")
     reached: bool = figure("whether the contact can be brought there")
@@ -68,13 +72,14 @@ class VHCheck(Result):
     design: Design
     shifts: tuple[PatternShift, ...]
     warnings: tuple[str, ...] = ()
+    keys: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def rows(self) -> list[PlaceFigures]:
         """One per side and place; a place out of reach has displacements but in `nearest`."""
         return [
             PlaceFigures(
-                side=_side(shift.side),
+                side=shift.side,
                 place=shift.place,
                 displacement=Displacement.of(shift) if shift.reached else NOWHERE,
                 face_share=shift.asked,
@@ -86,15 +91,18 @@ class VHCheck(Result):
 
     @property
     def totals(self) -> list[TotalFigures]:
-        """One per side: V and H from the toe's to the heel's, and their ratio; None where either is out of reach."""
-        rows = []
+        """One per side: V and H from the first place to the last, and their ratio; None where either is out of reach. None of kinds
+        that have no H."""
+        rows = list[TotalFigures]()
+        if "H" not in self.keys:
+            return rows
         for side in dict.fromkeys(shift.side for shift in self.shifts):
-            toe, heel = (self._at(side, place) for place in ("toe", "heel"))
-            if not (toe.reached and heel.reached):
-                rows.append(TotalFigures(_side(side), None, None, None))
+            first, last = (self._at(side, place) for place in ("toe", "heel"))
+            if not (first.reached and last.reached):
+                rows.append(TotalFigures(side, None, None, None))
                 continue
-            v, h = heel.v - toe.v, heel.h - toe.h
-            rows.append(TotalFigures(_side(side), v, h, v / h if h else None))
+            v, h = last.v - first.v, last.h - first.h
+            rows.append(TotalFigures(side, v, h, v / h if h else None))
         return rows
 
     def _at(self, side: str, place: str) -> PatternShift:
@@ -105,7 +113,7 @@ class VHCheck(Result):
     def complaints(self) -> list[str]:
         """A line for every place to which the contact cannot be brought."""
         return [
-            f"pinion_{shift.side}: the contact cannot be brought to the {shift.place}, {shift.asked:g} of the face from the toe: "
+            f"{shift.side}: the contact cannot be brought to the {shift.place}, {shift.asked:g} of the face from the toe: "
             f"other points or edges touch first; the nearest that can be reached is {shift.share:g} of the face, with "
             f"V = {shift.v:.5g}, "
             f"H = {shift.h:.5g}, J = {shift.j:.5g} mm, alpha = {shift.alpha:.5g} deg"
@@ -115,6 +123,12 @@ class VHCheck(Result):
 
     @property
     def headline(self) -> str:
+        if "H" not in self.keys:
+            return ", ".join(
+                f"{shift.side}, {shift.place}: V {shift.v:.4g}, J {shift.j:.4g} mm, alpha {shift.alpha:.4g} deg"
+                for shift in self.shifts
+                if shift.reached
+            )
         return ", ".join(
             f"{total.side}: toe or heel out of reach"
             if total.v is None
@@ -127,7 +141,7 @@ class VHCheck(Result):
         heads = ["side", "contact at", "V mm", "H mm", "J mm", "alpha deg", "of face"]
         rows = [
             [
-                _side(shift.side),
+                shift.side,
                 shift.place if shift.reached else f"nearest to {shift.place}",
                 *(round_to(value, 5) for value in (shift.v, shift.h, shift.j, shift.alpha)),
                 round_to(shift.share, 5),
@@ -138,10 +152,10 @@ class VHCheck(Result):
             [total.side, *(None if x is None else round_to(x, 5) for x in (total.v, total.h, total.v_over_h))]
             for total in self.totals
         ]
-        return [
-            Listing("V-H check: assembly.dV, dA, dG, d_delta for contact at each place", heads, rows),
-            Listing("Total, from toe to heel", ["side", "V mm", "H mm", "V/H"], totals),
-        ]
+        shown = [Listing(f"V-H check: assembly.{', '.join(self.keys.values())} for contact at each place", heads, rows)]
+        if totals:
+            shown.append(Listing("Total, from toe to heel", ["side", "V mm", "H mm", "V/H"], totals))
+        return shown
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([row.row for row in self.rows])
@@ -151,21 +165,22 @@ class VHCheck(Result):
         return {**header(self.design), "vh": self.rows, "totals": self.totals}
 
 
+#: numbers in words
+COUNTS = {1: "one", 2: "two"}
 #: displacements to a place out of reach
 NOWHERE = Displacement(None, None, None, None)
 
 
-def _side(side: str) -> str:
-    return f"pinion_{side}"
-
-
-def vh_of(gears: GearSet, moved: tuple[str, str]) -> VHCheck:
+def vh_of(gears: GearSet, moved: tuple[str, ...] | None) -> VHCheck:
     """The V-H check of gears, as `Gears.vh` says."""
     made = systems.system_of(gears.design).vh
     if made is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).vh is not None]
         raise DesignError("kind", gears.design.kind, reason="has no V-H check", allowed=" or ".join(able))
     own = systems.complete_design(gears.design).in_mm()
-    if len({*moved} & {"V", "H", "J", "alpha"}) != 2 or len(moved) != 2:
-        raise ArgumentError("moved", ",".join(moved), must_be="two of V, H, J, alpha, as V,H")
-    return VHCheck(gears.design, tuple(made(own, gears.train, moved)), gears.warnings)
+    moved = made.usual if moved is None else moved
+    count = len(made.usual)
+    if len({*moved} & made.keys.keys()) != count or len(moved) != count:
+        must_be = f"{COUNTS[count]} of {', '.join(made.keys)}, as {','.join(made.usual)}"
+        raise ArgumentError("moved", ",".join(moved), must_be=must_be)
+    return VHCheck(gears.design, tuple(made.shifts(own, gears.train, moved)), gears.warnings, made.keys)

@@ -8,7 +8,7 @@ from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.errors.compensation import compensate
 from gearmesh.systems.spiral_bevel.errors.displacements import DISPLACEMENTS
 from gearmesh.systems.spiral_bevel.errors.first_order import first_order
-from gearmesh.systems.spiral_bevel.errors.vh_check import vh_check
+from gearmesh.systems.spiral_bevel.errors.vh_check import MOVES, vh_check
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.pinned import conjugate_values, settings_values
 from gearmesh.systems.spiral_bevel.rexs import BEVEL, HYPOID
@@ -17,7 +17,7 @@ from gearmesh.systems.spiral_bevel.sheet.drawn import DRAWN
 from gearmesh.systems.spiral_bevel.sheet.member_sheet import member_sheet
 from gearmesh.systems.spiral_bevel.sheet.sheet import settings_sheet, tooth_forces
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
-from gearmesh.systems.system import System
+from gearmesh.systems.system import PatternCheck, System
 
 SYSTEMS = (
     *(
@@ -32,7 +32,11 @@ SYSTEMS = (
             member_sheet=member_sheet,
             forces=tooth_forces,
             compensate=compensate,
-            vh=lambda design, train, moved: vh_check(design, train, bevel_teeth(design).cut.blank.clearance, moved),
+            vh=PatternCheck(
+                lambda design, train, moved: vh_check(design, train, bevel_teeth(design).cut.blank.clearance, moved),
+                MOVES.keys,
+                ("V", "H"),
+            ),
             first_order=lambda design: first_order(design, build),
             displacements=DISPLACEMENTS,
             pinned=settings_values,
@@ -50,8 +54,12 @@ SYSTEMS = (
         ConjugateDesign,
         conjugate_build.build,
         compensate=conjugate_compensation.compensate,
-        vh=lambda design, train, moved: vh_check(
-            design, train, conjugate_build.conjugate_blank(design).clearance, moved
+        vh=PatternCheck(
+            lambda design, train, moved: vh_check(
+                design, train, conjugate_build.conjugate_blank(design).clearance, moved
+            ),
+            MOVES.keys,
+            ("V", "H"),
         ),
         first_order=lambda design: first_order(design, conjugate_build.build),
         displacements=DISPLACEMENTS,

@@ -1,7 +1,8 @@
 """Worm drives: worms of the forms ZA, ZN, ZI, ZK and ZC [ISO 10828], wheels as their hobs generate them."""
 
-from gearmesh.systems.system import System
+from gearmesh.systems.system import PatternCheck, System
 from gearmesh.systems.worm_drive.build import DISPLACEMENTS, build, pinned_values
+from gearmesh.systems.worm_drive.contact.pattern import MOVES, pattern_shifts
 from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.systems.worm_drive.drawn import DRAWN
 from gearmesh.systems.worm_drive.force_tables import pair_forces
@@ -17,6 +18,7 @@ SYSTEMS = (
         forces=pair_forces,
         displacements=DISPLACEMENTS,
         pinned=pinned_values,
+        vh=PatternCheck(pattern_shifts, MOVES.keys, ("J",)),
         drawn=DRAWN,
         rexs=WORM_DRIVE,
     ),

@@ -365,17 +365,17 @@ def _mounts(design: WormDriveDesign) -> tuple[Mount, Mount]:
     )
 
 
-def _displaced_bases(design: WormDriveDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def displaced_bases(design: WormDriveDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     first, second = (mount.base for mount in train.pairs[0].mounts)
     hand = 1.0 if design.worm.right_hand else -1.0
     worm = first.translation + shifts(0.0, 0.0, errors["dz1"])
-    opened = rotation_about("x", -hand * np.radians(errors["d_sigma"]))
+    opened = rotation_about("x", hand * np.radians(errors["d_sigma"]))
     along = Rigid(np.eye(3), shifts(0.0, 0.0, errors["dz2"]))
     turned = Rigid(opened @ second.rotation, second.translation + shifts(errors["da"], 0.0, 0.0))
     return Rigid(np.broadcast_to(first.rotation, (len(worm), 3, 3)), worm), turned @ along
 
 
-DISPLACEMENTS: Displacements[WormDriveDesign] = Displacements(("da", "dz1", "dz2", "d_sigma"), _displaced_bases)
+DISPLACEMENTS: Displacements[WormDriveDesign] = Displacements(("da", "dz1", "dz2", "d_sigma"), displaced_bases)
 
 
 def pinned_values(design: WormDriveDesign, train: GearTrain) -> Values:

@@ -17,7 +17,7 @@ from gearmesh.systems.common.running import running_rows
 from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.system import SheetTable, complete_design
 from gearmesh.systems.worm_drive.build import worm_thread
-from gearmesh.systems.worm_drive.conjugate import ThreadMesh
+from gearmesh.systems.worm_drive.contact.conjugate import ThreadMesh
 from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:

@@ -25,12 +25,12 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.common.symbol_table import Row
 from gearmesh.systems.worm_drive.build import wheel_hob
-from gearmesh.systems.worm_drive.conjugate import ContactField
+from gearmesh.systems.worm_drive.contact.conjugate import ContactField
 from gearmesh.systems.worm_drive.force_tables import thread_mesh
 
 if TYPE_CHECKING:
     from gearmesh.kernel.surface.levels import LandLevel
-    from gearmesh.systems.worm_drive.conjugate import ThreadMesh
+    from gearmesh.systems.worm_drive.contact.conjugate import ThreadMesh
     from gearmesh.systems.worm_drive.design import WormDriveDesign
 
 #: points of the field from root to tip and across the face

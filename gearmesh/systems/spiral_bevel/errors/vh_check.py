@@ -1,13 +1,9 @@
 """The V-H check: how far members are moved so that the centre of contact goes to the toe, the middle and the heel of the gear.
 
-The centre of contact is where the gears turn at the ratio of their teeth, the vertex of the transmission error. For a point of the
-gear's flank there are a rotation of either gear, a point of the pinion's flank and two displacements at which the flanks touch
-there and n . v12 = 0: six unknowns of six conditions
-
-    r1 = r2 (3),    n1 + n2 = 0 in the tangent plane (2),    n2 . (w1 x (r - o1) - w2 x (r - o2)) = 0
-
-solved by Newton with exact derivatives. The displacements are two of V of the pinion across both axes (assembly.dV), H along its
-own (dA), J of the gear along its axis (dG) and alpha of the shaft angle (d_delta); the others stay what the design says.
+The centre of contact is where the gears turn at the ratio of their teeth, the vertex of the transmission error: six unknowns of six
+conditions (`common.pattern.meshing_place`), solved by Newton with exact derivatives. The displacements are two of V of the pinion
+across both axes (assembly.dV), H along its own (dA), J of the gear along its axis (dG) and alpha of the shaft angle (d_delta); the
+others stay what the design says.
 
 These are conditions in the small. Whether the contact is there is decided by the first touch of the displaced teeth, over the whole
 of both: it must be that point. Pairs whose gear runs ahead at the change of teeth, as in [AB], have neighbouring teeth ahead of it.
@@ -16,7 +12,7 @@ of both: it must be that point. Pairs whose gear runs ahead at the change of tee
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,15 +24,16 @@ from gearmesh.contact.pair import Pair
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle, unit
-from gearmesh.kernel.surface.levels import Level, perpendicular
+from gearmesh.kernel.numeric.algebra import Array, polar_angle
+from gearmesh.kernel.surface.levels import perpendicular
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.systems.common.pattern.meshing_place import MeshingPlace, Moves
+from gearmesh.systems.common.pattern.targets import gear_targets, on_flank
 from gearmesh.systems.spiral_bevel.errors.displacements import displaced_bases
 from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES
-from gearmesh.systems.spiral_bevel.sheet.tooth_measures import on_flank
 from gearmesh.systems.spiral_bevel.synthesis.settings import meshing_turns
 from gearmesh.systems.system import PatternShift
-from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
+from gearmesh.teeth.gear_train import GearPair, GearTrain
 from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
@@ -45,7 +42,7 @@ if TYPE_CHECKING:
 #: places along the face from toe to heel
 PLACES = {"toe": 0.25, "middle": 0.5, "heel": 0.75}
 #: displacements, and their keys of the table assembly
-MOVES = {"V": "dV", "H": "dA", "J": "dG", "alpha": "d_delta"}
+MOVES = Moves({"V": "dV", "H": "dA", "J": "dG", "alpha": "d_delta"})
 #: residual (mm) of a contact, and Newton steps at most
 TOLERANCE, ITERATIONS = 1e-10, 60
 #: from the middle to toe and to heel: steps of a hundredth of the face, in which another place is looked for
@@ -54,25 +51,8 @@ STEPS = 25
 THERE = 1e-6
 
 
-@dataclass(frozen=True)
-class HalfwayLevel:
-    """g: the mean of two levels, 0 half way between them."""
-
-    first: Level
-    second: Level
-
-    def value(self, r: Array) -> Array:
-        return 0.5 * (self.first.value(r) + self.second.value(r))
-
-    def gradient(self, r: Array) -> Array:
-        return 0.5 * (self.first.gradient(r) + self.second.gradient(r))
-
-    def hessian(self, r: Array, w: Array) -> Array:
-        return 0.5 * (self.first.hessian(r, w) + self.second.hessian(r, w))
-
-
 def vh_check(
-    design: BevelDesign, train: GearTrain, clearance: float, moved: tuple[str, str] = ("V", "H")
+    design: BevelDesign, train: GearTrain, clearance: float, moved: tuple[str, ...] = ("V", "H")
 ) -> list[PatternShift]:
     """Displacements `moved`, two of MOVES, for both sides of the pinion and all PLACES, of a design in mm; `clearance`: between its
     tips and roots, mm.
@@ -81,26 +61,14 @@ def vh_check(
     one that it can be brought to. Raises NoSolutionError where there is none between toe and heel.
     """
     (pair,) = train.pairs
-    now = np.array([getattr(design.assembly, key) for key in MOVES.values()])
+    now = np.array([getattr(design.assembly, key) for key in MOVES.keys.values()])
     pattern_shifts = []
     for name in SIDES:
         shares, extra = _Side.of(pair, name, HANDS[design.hand], clearance, moved).places()
         for (place, asked), share, shift in zip(PLACES.items(), shares, now + extra, strict=True):
             v, h, j, alpha = (float(x) for x in shift)
-            pattern_shifts.append(PatternShift(name, place, asked, v, h, j, alpha, float(share)))
+            pattern_shifts.append(PatternShift(f"pinion_{name}", place, asked, v, h, j, alpha, float(share)))
     return pattern_shifts
-
-
-def gear_targets(gear: Member, which: Side, clearance: float, shares: Array) -> Array:
-    """Parameters (N, 2) of the gear's flank at `shares` (N,) of the face from the toe, in the middle of the working depth: between
-    its tip and the mating gear's."""
-    tooth = gear.tooth
-    toe, heel = tooth.blank.extent
-    start = tooth.flank_grid(which, [0.5], shares).parameters[0]
-    middle = HalfwayLevel(tooth.blank.root, tooth.blank.tip)
-    wanted = np.stack((toe + shares * (heel - toe), np.full_like(shares, 0.5 * clearance)), axis=-1)
-    parameters, _ = on_flank(tooth.side(which).flank, start, (tooth.blank.axial, middle), wanted)
-    return parameters
 
 
 @dataclass(frozen=True)
@@ -110,10 +78,10 @@ class _Side:
     pair: GearPair
     name: str
     clearance: float
-    moved: tuple[str, str]
+    moved: tuple[str, ...]
 
     @classmethod
-    def of(cls, pair: GearPair, name: str, hand: int, clearance: float, moved: tuple[str, str]) -> _Side:
+    def of(cls, pair: GearPair, name: str, hand: int, clearance: float, moved: tuple[str, ...]) -> _Side:
         """Of a gear set's pair, whichever of its sides that is of. Eccentricities are neglected."""
         flanks = _flank(name == "concave", hand), _flank(MATING[name] == "concave", -hand)
         members = [replace(member, mount=replace(member.mount, eccentricity=(0.0, 0.0))) for member in pair.both]
@@ -141,8 +109,8 @@ class _Side:
             )
         shares, x = shares[good], x[good]
         nearest = np.abs(shares - asked[:, None]).argmin(axis=-1)
-        values = displacements(x, self.moved)
-        return shares[nearest], np.stack([values[key] for key in MOVES.values()], axis=-1)[nearest]
+        values = MOVES.values(x, self.moved)
+        return shares[nearest], np.stack([values[key] for key in MOVES.keys.values()], axis=-1)[nearest]
 
     def _swept(self) -> tuple[Array, Array]:
         """Shares (N,) over all PLACES and the unknowns (N, 6), each found from its neighbour's, from the middle to both ends."""
@@ -160,8 +128,8 @@ class _Side:
         """Unknowns (N, 6) of contacts at `shares` (N,) of the face; NaN where there are none."""
         mating = gear_targets(self.pair.gear, self.pair.flanks[1], self.clearance, shares)
         jet = self.pair.gear.tooth.side(self.pair.flanks[1]).flank.jet(mating[:, 0], mating[:, 1])
-        conditions = _Conditions(self.pair, jet, self.moved)
-        begin = conditions.start() if start is None else start
+        conditions = MeshingPlace(self.pair, jet, self.moved, MOVES, partial(displaced_bases, self.pair.mounts))
+        begin = _start(self.pair, jet) if start is None else start
         with np.errstate(all="ignore"):
             solution = newton.solve(conditions, begin, tolerance=TOLERANCE, max_iterations=ITERATIONS)
         lost = ~solution.converged | np.isnan(mating).any(axis=-1)
@@ -179,7 +147,7 @@ class _Side:
         x, mount = x[good], self.pair.pinion.mount
         vertex = mount.zero + mount.sign * x[:, 2]
         vertex = (vertex + np.pi) % (2.0 * np.pi) - np.pi
-        bases = displaced_bases(self.pair.mounts, displacements(x, self.moved))
+        bases = displaced_bases(self.pair.mounts, MOVES.values(x, self.moved))
         paths = assembly_paths(self._solver, bases, vertex[:, None])
         r = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1]).r
         with np.errstate(invalid="ignore"):
@@ -187,92 +155,24 @@ class _Side:
         return good
 
 
-def displacements(x: Array, moved: tuple[str, str]) -> dict[str, Array]:
-    """The displacements (N,) of unknowns x (N, 6) by their keys of the table assembly: mm, deg."""
-    values = {key: np.zeros(len(x)) for key in MOVES.values()}
-    for k, name in enumerate(moved):
-        values[MOVES[name]] = np.degrees(x[:, 4 + k]) if name == "alpha" else x[:, 4 + k]
-    return values
-
-
 def _flank(concave: bool, hand: int) -> Side:
     """The concave side of a right-hand member is its left."""
     return Side.LEFT if concave == (hand > 0) else Side.RIGHT
 
 
-@dataclass(frozen=True)
-class _Conditions:
-    """Residuals, mm, of unknowns x = (u1, v1, turn 1, turn 2, and the displacements `moved`: mm, rad); `mating` (N,): the gear's
-    jets, its own frame.
-
-    Both members turn about their axes, from their unturned positions.
-    """
-
-    pair: GearPair
-    mating: Jet
-    moved: tuple[str, str]
-
-    @property
-    def _length(self) -> float:
-        """Scale of the conditions on directions: the farthest point's distance from the apex."""
-        return float(np.linalg.norm(self.mating.r, axis=-1).max())
-
-    def start(self) -> Array:
-        """Turns at which the gear's points are in contact if nothing is displaced, and points of the pinion as far out."""
-        first, second = (mount.base for mount in self.pair.mounts)
-        sense = int(self.pair.pinion.mount.sign)
-        turns = meshing_turns(self.mating, first.inverse @ second, sense, self.pair.ratio)
-        r = (first.inverse @ second @ Rigid.about_z(turns)).point(self.mating.r)
-        tooth, which = self.pair.pinion.tooth, self.pair.flanks[0]
-        levels = tooth.blank.axial, perpendicular(tooth.blank.axial)
-        wanted = np.stack([level.value(r) for level in levels], axis=-1)
-        toe, heel = tooth.blank.extent
-        t = np.clip((wanted[:, 0] - toe) / (heel - toe), 0.0, 1.0)
-        start = tooth.flank_grid(which, [0.5], t).parameters[0]
-        x, jet = on_flank(tooth.side(which).flank, start, levels, wanted)
-        turned = polar_angle(r) - polar_angle(jet.r)
-        zero = np.zeros_like(turned)
-        return np.stack((x[:, 0], x[:, 1], turned, turns, zero, zero), axis=-1)
-
-    def __call__(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        first, second = displaced_bases(self.pair.mounts, displacements(x, self.moved))
-        axis1, axis2 = first.rotation[..., 2], second.rotation[..., 2]
-        own = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1])
-        own = own.move(first @ Rigid.about_z(x[:, 2]))
-        mating = Jet(*(getattr(self.mating, key)[index] for key in ("r", "n", "r_u", "r_v", "n_u", "n_v")))
-        mating = mating.move(second @ Rigid.about_z(x[:, 3]))
-        # the common perpendicular of both axes, about which the shaft angle opens
-        across, still = unit(cross(axis1, axis2)), np.zeros_like(axis1)
-        arm1, arm2 = own.r - first.translation, mating.r - second.translation
-        by_turn1, by_turn2 = cross(axis1, arm1), cross(axis2, arm2)
-        # how each displacement moves the pinion, the gear, and the gear's normals
-        ways = {
-            "V": (across, still, still),
-            "H": (axis1, still, still),
-            "J": (still, axis2, still),
-            "alpha": (still, cross(across, mating.r), cross(across, mating.n)),
-        }
-        moves = [ways[name] for name in self.moved]
-        f, jacobian = np.zeros((len(x), 6)), np.zeros((len(x), 6, 6))
-        f[:, :3] = own.r - mating.r
-        columns = (own.r_u, own.r_v, by_turn1, -by_turn2, *(pinion - gear for pinion, gear, _ in moves))
-        jacobian[:, :3] = np.stack(columns, axis=-1)
-        # in two directions of the pinion's tangent plane, held fixed
-        e1 = unit(own.r_u)
-        for row, direction in ((3, e1), (4, cross(own.n, e1))):
-            f[:, row] = self._length * dot(own.n + mating.n, direction)
-            columns = (own.n_u, own.n_v, cross(axis1, own.n), cross(axis2, mating.n), *(turned for *_, turned in moves))
-            jacobian[:, row] = self._length * np.stack([dot(column, direction) for column in columns], axis=-1)
-        # the pinion turns by its sign, the gear by its own, at the ratio of the teeth
-        w1, w2 = (mount.sign * axis for mount, axis in zip(self.pair.mounts, (axis1, axis2), strict=True))
-        w2 = self.pair.ratio * w2
-        sliding = cross(w1, mating.r - first.translation) - cross(w2, arm2)
-        f[:, 5] = dot(mating.n, sliding)
-        jacobian[:, 5, 3] = dot(cross(axis2, mating.n), sliding) + dot(
-            mating.n, cross(w1, by_turn2) - cross(w2, by_turn2)
-        )
-        for k, (pinion, gear, turned) in enumerate(moves):
-            # what moves the gear moves its axis as well: only what the pinion's rotation does changes
-            carried = cross(w1, mating.r - first.translation)
-            jacobian[:, 5, 4 + k] = dot(mating.n, cross(w1, gear - pinion)) + dot(turned, carried)
-        return f, jacobian
+def _start(pair: GearPair, mating: Jet) -> Array:
+    """Turns at which the gear's points are in contact if nothing is displaced, and points of the pinion as far out."""
+    first, second = (mount.base for mount in pair.mounts)
+    sense = int(pair.pinion.mount.sign)
+    turns = meshing_turns(mating, first.inverse @ second, sense, pair.ratio)
+    r = (first.inverse @ second @ Rigid.about_z(turns)).point(mating.r)
+    tooth, which = pair.pinion.tooth, pair.flanks[0]
+    levels = tooth.blank.axial, perpendicular(tooth.blank.axial)
+    wanted = np.stack([level.value(r) for level in levels], axis=-1)
+    toe, heel = tooth.blank.extent
+    t = np.clip((wanted[:, 0] - toe) / (heel - toe), 0.0, 1.0)
+    start = tooth.flank_grid(which, [0.5], t).parameters[0]
+    x, jet = on_flank(tooth.side(which).flank, start, levels, wanted)
+    turned = polar_angle(r) - polar_angle(jet.r)
+    zero = np.zeros_like(turned)
+    return np.stack((x[:, 0], x[:, 1], turned, turns, zero, zero), axis=-1)

@@ -10,33 +10,17 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, polar_angle
 from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.kernel.surface.levels import ConeLevel, Level, SlantedLevel, station_normal
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.systems.common.pattern.targets import on_flank
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
 #: distance (mm) from what is looked for that counts as none
 REACHED = 1e-10
-
-
-def on_flank(surface: Surface, start: Array, levels: tuple[Level, Level], wanted: Array) -> tuple[Array, Jet]:
-    """Parameters (N, 2) near `start` (N, 2) at which two levels have the values `wanted` (N, 2), and the jet; NaN where none."""
-
-    def apart(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        jet = surface.jet(x[:, 0], x[:, 1])
-        values = np.stack([level.value(jet.r) for level in levels], axis=-1) - wanted[index]
-        rows = [[dot(level.gradient(jet.r), d) for d in (jet.r_u, jet.r_v)] for level in levels]
-        return values, np.moveaxis(np.array(rows), -1, 0)
-
-    with np.errstate(all="ignore"):
-        solution = newton.solve(apart, start, tolerance=REACHED)
-    x = np.where(solution.converged[:, None], solution.values, np.nan)
-    return x, surface.jet(x[:, 0], x[:, 1])
 
 
 def width_across(ends: tuple[Array, Array], tangents: Array) -> Array:

@@ -1,0 +1,192 @@
+"""Where the contact of a worm drive lies on the wheel's face, and how wheel and axes are mounted to bring it elsewhere.
+
+Shops set the wheel along its axis until the pattern is in the middle, or a little towards the leaving side, where threads come out
+of the mesh and which lubricant does not reach before the contact does. The place is where the path of contact crosses the middle of
+the working depth. One displacement brings it to a share of the face (`common.pattern.meshing_place`). It begins where the path
+crosses without errors and goes on in small steps. As of bevel gears the first touch of the displaced members, over the whole of
+both, decides whether contact is there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.assemblies import assembly_paths
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.path import ContactPath
+from gearmesh.contact.tca import contact_path
+from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.common.pattern.meshing_place import MeshingPlace, Moves
+from gearmesh.systems.common.pattern.targets import HalfwayLevel, gear_targets
+from gearmesh.systems.system import PatternShift
+from gearmesh.systems.worm_drive.build import build, displaced_bases
+from gearmesh.teeth.gear_train import GearPair, GearTrain
+from gearmesh.teeth.region import Side
+
+if TYPE_CHECKING:
+    from gearmesh.systems.worm_drive.design import WormDriveDesign
+
+#: places from toe to heel, as parts of the face: 0.2 beside the middle
+SHARES = (0.3, 0.5, 0.7)
+#: displacements, and their keys of the table assembly
+MOVES = Moves({"V": "da", "J": "dz2", "alpha": "d_sigma"})
+#: residual (mm) of a contact, and Newton steps at most
+TOLERANCE, ITERATIONS = 1e-10, 60
+#: share of the face by which places follow each other
+STEP = 0.02
+#: distance (mm) of the first touch from the contact asked for that counts as none: contact lies in a flat valley
+THERE = 1e-4
+#: positions over two pitches at which the path is looked at, those at its ends apart
+POSITIONS = 41
+
+
+def pattern_shifts(design: WormDriveDesign, train: GearTrain, moved: tuple[str, ...]) -> list[PatternShift]:
+    """Displacements that bring the contact of both flanks to SHARES of the face, of a design in mm.
+
+    Raises DesignError for contact in lines, which fills the face, NoSolutionError where no flanks touch but on edges.
+    """
+    still = {f"assembly.{key}": 0.0 for key in ("da", "dz1", "dz2", "d_sigma")}
+    shifts: list[PatternShift] = []
+    for side in Side:
+        own = design.with_values({**still, "contact.flank": side.value})
+        shifts.extend(_Flank(design, own, build(own), moved).shifts())
+    return shifts
+
+
+@dataclass(frozen=True)
+class _Flank:
+    """A working flank: the `design` with its errors, and `own` without, its gear set; displacements `moved`."""
+
+    design: WormDriveDesign
+    own: WormDriveDesign
+    train: GearTrain
+    moved: tuple[str, ...]
+
+    @property
+    def pair(self) -> GearPair:
+        return self.train.pairs[0]
+
+    @property
+    def _moves(self) -> Moves:
+        return replace(MOVES, opens=-1.0 if self.design.worm.right_hand else 1.0)
+
+    @property
+    def _clearance(self) -> float:
+        """Between the worm's tip and the wheel's root, mm."""
+        return (self.design.hob.addendum - self.design.worm.addendum) * self.design.axial_module
+
+    def _bases(self, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+        """Bases of worm and wheel with errors (N,) beside those of the design."""
+        stated = self.design.assembly
+        whole = {key: values + getattr(stated, key) for key, values in errors.items()}
+        return displaced_bases(self.own, self.train, {**whole, "dz1": np.full_like(errors["da"], stated.dz1)})
+
+    def shifts(self) -> list[PatternShift]:
+        """One per place, from the entering to the leaving side."""
+        path = self._path()
+        shares, x = self._swept(path)
+        good = self._holds(x)
+        name = f"worm_{self.own.contact.flank}"
+        if not good.any():
+            raise NoSolutionError(
+                "assembly", reason=f"{name}: no value of {self.moved[0]} brings the contact into the face"
+            )
+        shares, x = shares[good], x[good]
+        values, stated = self._moves.values(x, self.moved), self.design.assembly
+        places = ("entering side", "middle", "leaving side")
+        rows = []
+        for place, asked in zip(places, SHARES if self._leaving(path) > 0.0 else SHARES[::-1], strict=True):
+            k = int(np.abs(shares - asked).argmin())
+            v, j, alpha = (getattr(stated, key) + float(values[key][k]) for key in MOVES.keys.values())
+            share = asked if abs(shares[k] - asked) < 1e-9 else float(shares[k])
+            rows.append(PatternShift(name, place, asked, v, stated.dz1, j, alpha, share))
+        return rows
+
+    def _path(self) -> ContactPath:
+        """The path of contact without errors. Raises DesignError where it is in lines."""
+        path = contact_path(solver_pair(self.pair), self.pair.pitch * np.linspace(-1.0, 1.0, POSITIONS))
+        if (path.kind == "line").any():
+            raise DesignError(
+                "hob.reference_diameter",
+                self.own.hob.reference_diameter,
+                unit="mm",
+                reason="the wheel touches the worm along lines over all of its face, there is no pattern to be placed",
+                allowed=f"more than {at_least(self.own.reference_diameter)} mm",
+            )
+        if not (path.kind == "point").any():
+            raise NoSolutionError("contact.flank", reason="without errors no flanks touch but on edges")
+        return path
+
+    def _leaving(self, path: ContactPath) -> float:
+        """Above 0 where the driving worm's threads leave the mesh at the wheel's heel."""
+        pair, k = self.pair, int(np.flatnonzero(path.kind == "point")[0])
+        way = pair.drive * pair.pinion.mount.velocity(path.point[k])
+        return float(dot(way, pair.gear.mount.axis))
+
+    def _crossing(self, path: ContactPath) -> tuple[float, Array]:
+        """Share of the face nearest to where the path crosses the middle of the working depth, and unknowns (4 + K,) near it."""
+        pair, blank = self.pair, self.pair.gear.one_tooth.blank
+        k = np.flatnonzero(path.kind == "point")
+        r = pair.gear.one_tooth.side(pair.flanks[1]).flank.jet(path.params2[k, 0], path.params2[k, 1]).r
+        depth = HalfwayLevel(blank.root, blank.tip).value(r) - 0.5 * self._clearance
+        at = int(np.abs(depth).argmin())
+        (toe, heel), m = blank.extent, k[at]
+        first, second = pair.mounts
+        turns = [
+            mount.sign * (turn - mount.zero) for mount, turn in ((first, path.rotation[m]), (second, path.phi2[m]))
+        ]
+        share = (blank.axial.value(r[at]) - toe) / (heel - toe)
+        return float(share), np.array([*path.params1[m], *turns, *(0.0 for _ in self.moved)])
+
+    def _swept(self, path: ContactPath) -> tuple[Array, Array]:
+        """Shares (N,) over all of SHARES and the unknowns (N, 4 + K), each from its neighbour's."""
+        begin, start = self._crossing(path)
+        shares: list[float] = []
+        unknowns_at: list[Array] = []
+        inner = np.clip(begin, SHARES[0], SHARES[-1])
+        for end in (SHARES[0], SHARES[-1]):
+            steps = int(np.ceil(abs(end - inner) / STEP)) + 1
+            way = np.union1d(
+                np.linspace(inner, end, steps), [s for s in SHARES if min(inner, end) <= s <= max(inner, end)]
+            )
+            unknowns = start
+            for share in way if end > inner else way[::-1]:
+                solved = self._solve(float(share), unknowns)
+                unknowns = solved if np.isfinite(solved).all() else unknowns
+                shares.append(float(share))
+                unknowns_at.append(solved)
+        return np.array(shares), np.array(unknowns_at)
+
+    def _solve(self, share: float, start: Array) -> Array:
+        """Unknowns (4 + K,) of a contact at a share of the face; NaN where there is none."""
+        mating = gear_targets(self.pair.gear, self.pair.flanks[1], self._clearance, np.array([share]))
+        jet = self.pair.gear.tooth.side(self.pair.flanks[1]).flank.jet(mating[:, 0], mating[:, 1])
+        conditions = MeshingPlace(self.pair, jet, self.moved, self._moves, self._bases)
+        with np.errstate(all="ignore"):
+            solution = newton.solve(conditions, start[None], tolerance=TOLERANCE, max_iterations=ITERATIONS)
+        lost = ~solution.converged | np.isnan(mating).any(axis=-1)
+        unknowns: Array = np.where(lost[:, None], np.nan, solution.values)[0]
+        return unknowns
+
+    def _holds(self, x: Array) -> NDArray[np.bool_]:
+        """Whether (N,) the displaced teeth touch first where the unknowns x (N, 4 + K) have it."""
+        good: NDArray[np.bool_] = np.asarray(np.isfinite(x).all(axis=-1))
+        if not good.any():
+            return good
+        x, mount = x[good], self.pair.pinion.mount
+        turned = mount.zero + mount.sign * x[:, 2]
+        bases = self._bases(self._moves.values(x, self.moved))
+        paths = assembly_paths(solver_pair(self.pair), bases, turned[:, None])
+        r = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1]).r
+        with np.errstate(invalid="ignore"):
+            good[good] = paths.surface[:, 0] & (np.linalg.norm(paths.point[:, 0] - r, axis=-1) <= THERE)
+        return good
