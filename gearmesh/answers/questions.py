@@ -74,12 +74,13 @@ class SolvedGears(GearSet):
         >>> gears.contact([-5, 0, 5], torque=50, cycle=False).save("path.csv")
         """
         from gearmesh.answers.contact.contact import contact_of
-        from gearmesh.answers.load.loaded import loaded_contact_of
 
         known, mesh = systems.system_of(self.design).first_order, self.train.pair(pair)
 
         def shares(path: ContactPath, whole: Cycle | None) -> tuple[Array, list[str]]:
             """Share (P,) of the torque on the tooth pair along its path, and the warnings about it."""
+            from gearmesh.answers.load.loaded import loaded_contact_of
+
             # of double helical gears a torque is here that of one half, there that of both
             loaded = loaded_contact_of(self.design, mesh, [len(mesh.halves) * (torque or 0.0)], cycle=whole)
             return loaded.share_at(path.rotation), [*loaded.warnings, *loaded.complaints]

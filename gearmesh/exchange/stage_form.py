@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from gearmesh.exchange.model import Component
-from gearmesh.exchange.stage import StageReader
-from gearmesh.exchange.stage_writer import StageWriter
+if TYPE_CHECKING:
+    from gearmesh.exchange.model import Component
+    from gearmesh.exchange.stage import StageReader
+    from gearmesh.exchange.stage_writer import StageWriter
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,6 @@ from gearmesh.answers.contact.figures import (
 from gearmesh.answers.contact.fit import UNMET, FitDetails, FitSummary, fit_warnings, fitted_cycle, verdict
 from gearmesh.answers.contact.sides import SideContact, side_contacts, whole_path
 from gearmesh.answers.contact.turns import TurnsDetails, TurnsSummary, turns_listing, turns_warnings
-from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, csv_text, figures, round_to
 from gearmesh.contact.engagement.cycle import Cycle, engagement_range
@@ -350,6 +349,8 @@ def contact_of(
     summary = Summary(_summary(pair, path, whole), pair.figures, None if fits is None else FitSummary.of(pair, fits))
     hertz = None
     if torque is not None:
+        from gearmesh.answers.load.materials import materials_of
+
         share, said = shares(path, whole) if shares is not None else (np.ones(1), [])
         warnings = (*warnings, *said)
         hertz = hertz_path(pair, path, torque, materials_of(design, pair), share)

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.contact.first_touch.spline_table import SplineTable
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.splines import Polynomials, spline_through
 from gearmesh.kernel.surface.levels import CurveLevel, Level, ScrewLevel, Shifted
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Grid
 from gearmesh.teeth.tooth import Tooth
 
-if TYPE_CHECKING:
-    from scipy.interpolate import PPoly
-
+#: degree of the curves
+DEGREE = 5
 #: points of a flank's form point, where undercut neither begins nor ends between them
 FORM_POINT_SAMPLES = 25
 #: part of the largest coordinate up to which a tip's heights count as one
@@ -126,22 +125,18 @@ def _through(axial: Level, across: Level, r: Array, inside: Array) -> CurveLevel
     return CurveLevel(axial, across, curve, float(above))
 
 
-def _pieces(x: Array, y: Array) -> PPoly:
+def _pieces(x: Array, y: Array) -> Polynomials:
     """Smooth curves, one through each row of points (K, N), x ascending, that meet where they end."""
-    from scipy.interpolate import PPoly, make_interp_spline
-
-    curves = [PPoly.from_spline(make_interp_spline(*row, k=5)) for row in zip(x, y, strict=True)]
-    places = np.concatenate([curves[0].x, *(curve.x[1:] for curve in curves[1:])])
-    return PPoly(np.concatenate([curve.c for curve in curves], axis=1), places)
+    curves = [spline_through(*row, DEGREE) for row in zip(x, y, strict=True)]
+    breaks = np.concatenate([curves[0].breaks, *(curve.breaks[1:] for curve in curves[1:])])
+    return Polynomials(breaks, np.concatenate([curve.coefficients for curve in curves], axis=1))
 
 
 def root_of(axial: Level, grid: Grid, stations: Array, joint: Joint) -> ScrewLevel:
     """What bounds a fillet, given by its grid at `stations` (T,), at its root, where it is tangent to a surface of revolution."""
-    from scipy.interpolate import PPoly, make_interp_spline
-
     angle = joint.running(joint.angle(grid.points[0]))
     order = np.argsort(stations)
-    curve = PPoly.from_spline(make_interp_spline(stations[order], angle[order], k=5))
+    curve = spline_through(stations[order], angle[order], DEGREE)
     level = ScrewLevel(axial, curve, float(joint.arm(grid.points[0, 0])), joint)
     inside = level.value(grid.points[1]).mean() < 0.0
     return level if inside else replace(level, radius=-level.radius)

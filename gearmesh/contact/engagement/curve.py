@@ -202,10 +202,12 @@ class MeshCurve:
     def _summits(self, phi1: Array, advance: Array, slope: Array, end: NDArray[np.bool_]) -> list[tuple[float, int]]:
         """phi1 (rad) near nodes of the arcs, and their numbers, at which the advance is greatest or least and its slope unknown,
         as along a tip that touches a fillet over the whole face."""
+        inner = np.flatnonzero(~end[:-2] & ~end[1:-1] & np.isnan(slope[1:-1])) + 1
+        if not inner.size:
+            return []
         from scipy.optimize import minimize_scalar
 
         summits = []
-        inner = np.flatnonzero(~end[:-2] & ~end[1:-1] & np.isnan(slope[1:-1])) + 1
         for k in inner:
             steps = advance[k] - advance[[k - 1, k + 1]]
             if not (steps > 0.0).all() and not (steps < 0.0).all():

@@ -9,8 +9,9 @@ do meet, so the greatest advance sampled is a lower bound of the true one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -217,8 +218,6 @@ class _Field:
 
 
 def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
-    from scipy.ndimage import maximum_filter
-
     field = _Field.of(pair, nodes, phi1, index, trimmed)
     on, best, gain = field.on, field.best, field.gain
     shape = on.shape
@@ -242,7 +241,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp],
 
     peaks = np.where(_is_peak(on), on - _off_middle(shape[1:]), -np.inf).reshape(len(index), -1)
     rows = np.arange(len(index))
-    high = on + maximum_filter(field.bends, size=(1, 3, 3))
+    high = on + _largest_beside(field.bends)
     hidden = np.where(_is_peak(high), high, -np.inf).reshape(len(index), -1)
     hidden[peaks > -np.inf] = -np.inf
 
@@ -333,12 +332,25 @@ def sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Ar
 def _is_peak(on: Array) -> NDArray[np.bool_]:
     """Nodes (N, I, J) that no neighbour surpasses."""
     peaks = np.isfinite(on)
-    rim = np.pad(on, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
-    for i in range(3):
-        for j in range(3):
-            if (i, j) != (1, 1):
-                peaks &= on >= rim[:, i : i + on.shape[1], j : j + on.shape[2]]
+    for beside in _neighbours(on):
+        peaks &= on >= beside
     return peaks
+
+
+def _largest_beside(values: Array) -> Array:
+    """The largest of values (N, I, J) at every node and its neighbours."""
+    largest = values.copy()
+    for beside in _neighbours(values):
+        np.maximum(largest, beside, out=largest)
+    return largest
+
+
+def _neighbours(values: Array) -> Iterator[Array]:
+    """Values (N, I, J) at the eight neighbours of every node, -inf beyond the rim."""
+    rim = np.pad(values, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
+    for i, j in product(range(3), repeat=2):
+        if (i, j) != (1, 1):
+            yield rim[:, i : i + values.shape[1], j : j + values.shape[2]]
 
 
 def _bends(advance: Array) -> Array:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.splines import table_filter, table_weights
 
 #: steps by which a table goes on beyond its rim, extrapolated
 BEYOND = 6
@@ -21,10 +24,9 @@ class SplineTable:
     @staticmethod
     def of(values: Array) -> SplineTable:
         """The table through values (R, C), with R and C 3 or more."""
-        # scipy takes longer to load than most contacts to be solved
-        from scipy.ndimage import spline_filter
-
-        return SplineTable(spline_filter(_extend(_extend(values).T).T, order=3))
+        extended = _extend(_extend(values).T).T
+        rows, columns = map(table_filter, extended.shape)
+        return SplineTable(rows @ extended @ columns.T)
 
     @property
     def last(self) -> tuple[int, int]:
@@ -34,16 +36,30 @@ class SplineTable:
 
     def at(self, row: Array, column: Array) -> Array:
         """Values (...,) at rows and columns (...,), real numbers; NaN more than BEYOND steps beyond the rim."""
-        from scipy.ndimage import map_coordinates
-
-        places = np.empty((2, *row.shape))
+        (first, by_row), (second, by_column) = (
+            _weights(place, last) for place, last in zip((row, column), self.last, strict=True)
+        )
+        table, across = self._mirrored
+        corner = first * across + second
         values = np.zeros(row.shape)
-        for k, (place, last) in enumerate(zip((row, column), self.last, strict=True)):
-            np.clip(place, -BEYOND, last + BEYOND, out=places[k])
-            values[~(np.abs(place - 0.5 * last) <= 0.5 * last + BEYOND)] = np.nan
-        places += BEYOND
-        values += map_coordinates(self.coefficients, places, order=3, prefilter=False, mode="nearest")
+        for i, of_row in enumerate(by_row):
+            here = sum(of_column * table[corner + (i * across + j)] for j, of_column in enumerate(by_column))
+            values += of_row * here
         return values
+
+    @cached_property
+    def _mirrored(self) -> tuple[Array, int]:
+        """The coefficients with one more row and column at their beginning and two at their end, mirrored, laid flat; columns."""
+        mirrored = np.pad(self.coefficients, (1, 2), mode="reflect")
+        return mirrored.ravel(), mirrored.shape[1]
+
+
+def _weights(place: Array, last: int) -> tuple[NDArray[np.intp], tuple[Array, ...]]:
+    """Number (...,) of the first of four coefficients at places (...,), and their weights; NaN beyond those that there are."""
+    step = np.clip(place, -BEYOND, last + BEYOND) + BEYOND
+    known = np.abs(place - 0.5 * last) <= 0.5 * last + BEYOND
+    first = np.floor(np.where(known, step, 0.0))
+    return first.astype(np.intp), table_weights(np.where(known, step - first, np.nan))
 
 
 def _extend(rows: Array) -> Array:

@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
-
-#: degree of a spline where the grid has enough lines
-CUBIC = 3
+from gearmesh.kernel.numeric.splines import CUBIC, basis, interpolate, knots_of
 
 
 class PlaneJet(NamedTuple):
@@ -42,12 +40,9 @@ class GridSpline:
     @staticmethod
     def through(x: Array, y: Array, values: Array) -> GridSpline:
         """The spline through values (I, J) at x (I,) and y (J,), both ascending: cubic, or of one degree less than lines."""
-        from scipy.interpolate import make_interp_spline
-
         degrees = _degree(x), _degree(y)
-        across = make_interp_spline(x, values, k=degrees[0], axis=0)
-        along = make_interp_spline(y, across.c, k=degrees[1], axis=1)
-        return GridSpline((across.t, along.t), degrees, np.moveaxis(along.c, 0, 1))
+        control = interpolate(y, interpolate(x, values, degrees[0]).T, degrees[1]).T
+        return GridSpline((knots_of(x, degrees[0]), knots_of(y, degrees[1])), degrees, control)
 
     @staticmethod
     def near(x: Array, y: Array, at: Array, values: Array) -> GridSpline:
@@ -56,7 +51,6 @@ class GridSpline:
         The first and last of x and y are moved to where all places lie between them. Raises ValueError for places that are no
         grid: nearer to another line than to their own.
         """
-        from scipy.interpolate import make_interp_spline
         from scipy.sparse import csr_array
         from scipy.sparse.linalg import spsolve
 
@@ -67,8 +61,8 @@ class GridSpline:
             if not ((own[:-1] < middles) & (own[1:] > middles)).all():
                 raise ValueError("places nearer to another line of the grid than to their own")
             reach = np.concatenate(([own.min()], lines[1:-1], [own.max()]))
-            knots.append(make_interp_spline(reach, reach, k=degrees[k]).t)
-        first, second = (_basis(knots[k], degrees[k], at[..., k].ravel()) for k in (0, 1))
+            knots.append(knots_of(reach, degrees[k]))
+        first, second = (basis(knots[k], degrees[k], at[..., k].ravel()) for k in (0, 1))
         row, i, j = (index.ravel() for index in np.indices((values.size, degrees[0] + 1, degrees[1] + 1)))
         # of each basis those few that are not 0
         i, j = (
@@ -90,7 +84,7 @@ class GridSpline:
             lines.append(knots[degree : len(knots) - degree])
             # Taylor series at the left ends, to whose right a spline is continuous
             local.append(
-                [_basis(knots, degree, lines[-1][:-1], order) / factorial(order) for order in range(degree + 1)]
+                [basis(knots, degree, lines[-1][:-1], order) / factorial(order) for order in range(degree + 1)]
             )
         return lines[0], lines[1], np.einsum("ain,nm,bjm->ijab", local[0], self.coefficients, local[1])
 
@@ -143,12 +137,3 @@ def _first(knots: Array, degree: int, x: Array) -> NDArray[np.intp]:
         np.searchsorted(knots, x.ravel(), side="right") - 1, degree, len(knots) - degree - 2
     )
     return span - degree
-
-
-def _basis(knots: Array, degree: int, x: Array, order: int = 0) -> Array:
-    """Derivatives (X, N) of an order of all N splines of a basis at x (X,)."""
-    from scipy.interpolate import BSpline
-
-    basis = BSpline(knots, np.eye(len(knots) - degree - 1), degree)
-    derivatives: Array = basis.derivative(order)(x) if order else basis(x)
-    return derivatives

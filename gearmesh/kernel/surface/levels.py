@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.numeric.algebra import Array, components, dot
+from gearmesh.kernel.numeric.splines import Polynomials
 from gearmesh.kernel.surface.surface import Jet, Surface
-
-if TYPE_CHECKING:
-    from scipy.interpolate import PPoly
 
 #: sines and cosines below this are those of a right angle, to rounding
 RIGHT_ANGLE = 4e-16
@@ -239,7 +237,7 @@ class CurveLevel:
 
     axial: Level
     across: Level
-    curve: PPoly
+    curve: Polynomials
     sign: float = 1.0
 
     def value(self, r: Array) -> Array:
@@ -269,7 +267,7 @@ class ScrewLevel:
     """
 
     axial: Level
-    curve: PPoly
+    curve: Polynomials
     radius: float
     joint: Joint = REVOLUTE
 

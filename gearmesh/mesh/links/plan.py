@@ -27,6 +27,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.splines import CUBIC, spline_through
 from gearmesh.mesh.links.forms import Forms
 from gearmesh.mesh.links.lines import ROUNDING
 
@@ -310,9 +311,7 @@ def _levels(slope: Array) -> Array:
     level = np.tile(t, (s.size, 1))
     if not slope.any():
         return level
-    from scipy.interpolate import make_interp_spline
-
-    fine = make_interp_spline(coarse, slope, k=3, axis=1)(t)
+    fine = spline_through(coarse, slope.T, CUBIC)(t).T
     for k in range(s.size - 1, 0, -1):
         step = s[k] - s[k - 1]
         here = np.interp(level[k:], t, fine[k])

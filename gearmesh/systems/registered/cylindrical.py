@@ -1,17 +1,65 @@
-"""Spur and helical gears on parallel axes, external and internal, pairs and one alone [ISO 21771]."""
+"""Spur and helical gears on parallel axes, external and internal, pairs and one alone [ISO 21771].
 
+What few commands ask for is loaded when it is asked for: the first solid of a gear waits for all that is loaded before it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from gearmesh.exchange.stage_form import StageForm
 from gearmesh.systems.cylindrical.build import DISPLACEMENTS, build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
-from gearmesh.systems.cylindrical.force_tables import pair_forces
 from gearmesh.systems.cylindrical.geometry.proportions import derived_values
-from gearmesh.systems.cylindrical.inspection.basis import pair_inspection
-from gearmesh.systems.cylindrical.pinned import pair_values
-from gearmesh.systems.cylindrical.rexs.pair import PAIR
-from gearmesh.systems.cylindrical.sheet import data_sheet
 from gearmesh.systems.cylindrical.single.design import is_single
 from gearmesh.systems.cylindrical.single.drawn import DRAWN
 from gearmesh.systems.registered.single_gear import SINGLE_GEAR
-from gearmesh.systems.system import System
+from gearmesh.systems.system import Sheet, SheetTable, System
+
+if TYPE_CHECKING:
+    from gearmesh.exchange.model import Component
+    from gearmesh.exchange.stage import StageReader
+    from gearmesh.exchange.stage_writer import StageWriter
+    from gearmesh.metrology.measured_teeth import InspectionBasis
+    from gearmesh.systems.common.pinned import Values
+    from gearmesh.teeth.gear_train import GearTrain
+
+
+def _sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
+    from gearmesh.systems.cylindrical.sheet import data_sheet
+
+    return data_sheet(design, train)
+
+
+def _forces(design: CylindricalDesign, torque: float, speed: float | None) -> tuple[SheetTable, ...]:
+    from gearmesh.systems.cylindrical.force_tables import pair_forces
+
+    return pair_forces(design, torque, speed)
+
+
+def _pinned(design: CylindricalDesign, train: GearTrain) -> Values:
+    from gearmesh.systems.cylindrical.pinned import pair_values
+
+    return pair_values(design, train)
+
+
+def _inspection(design: CylindricalDesign, train: GearTrain, name: str) -> InspectionBasis:
+    from gearmesh.systems.cylindrical.inspection.basis import pair_inspection
+
+    return pair_inspection(design, train, name)
+
+
+def _read(file: StageReader) -> dict[str, Any]:
+    from gearmesh.systems.cylindrical.rexs.pair import read_pair
+
+    return read_pair(file)
+
+
+def _write(file: StageWriter, design: CylindricalDesign, known: Component | None) -> Component:
+    from gearmesh.systems.cylindrical.rexs.pair import write_pair
+
+    return write_pair(file, design, known)
+
 
 SYSTEMS = (
     System(
@@ -19,13 +67,13 @@ SYSTEMS = (
         CylindricalDesign,
         build,
         derive=derived_values,
-        sheet=data_sheet,
-        forces=pair_forces,
+        sheet=_sheet,
+        forces=_forces,
         displacements=DISPLACEMENTS,
-        pinned=pair_values,
+        pinned=_pinned,
         drawn=DRAWN,
-        inspection=pair_inspection,
-        rexs=PAIR,
+        inspection=_inspection,
+        rexs=StageForm(("cylindrical_stage",), _read, _write),
         single=SINGLE_GEAR,
         is_single=is_single,
     ),

@@ -1,18 +1,41 @@
 """One cylindrical gear without a mating gear: its keys, the member built of it, its data sheet."""
 
-from gearmesh.metrology.measured_teeth import InspectionBasis
-from gearmesh.systems.cylindrical.single.build import build, derived_values
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from gearmesh.systems.cylindrical.single.design import SingleGearDesign
 from gearmesh.systems.cylindrical.single.drawn import DRAWN
-from gearmesh.systems.cylindrical.single.pinned import single_values
 from gearmesh.systems.system import Sheet, System
-from gearmesh.teeth.gear_train import GearTrain
+
+if TYPE_CHECKING:
+    from gearmesh.metrology.measured_teeth import InspectionBasis
+    from gearmesh.systems.common.pinned import Values
+    from gearmesh.teeth.gear_train import GearTrain
+
+
+def _build(design: SingleGearDesign) -> GearTrain:
+    from gearmesh.systems.cylindrical.single.build import build
+
+    return build(design)
+
+
+def _derive(design: SingleGearDesign) -> dict[str, float]:
+    from gearmesh.systems.cylindrical.single.build import derived_values
+
+    return derived_values(design)
 
 
 def _sheet(design: SingleGearDesign, train: GearTrain) -> Sheet:
     from gearmesh.systems.cylindrical.single.sheet import single_sheet
 
     return single_sheet(design, train)
+
+
+def _pinned(design: SingleGearDesign, train: GearTrain) -> Values:
+    from gearmesh.systems.cylindrical.single.pinned import single_values
+
+    return single_values(design, train)
 
 
 def _inspection(design: SingleGearDesign, train: GearTrain, name: str) -> InspectionBasis:
@@ -24,10 +47,10 @@ def _inspection(design: SingleGearDesign, train: GearTrain, name: str) -> Inspec
 SINGLE_GEAR = System(
     "cylindrical",
     SingleGearDesign,
-    build,
-    derive=derived_values,
+    _build,
+    derive=_derive,
     sheet=_sheet,
-    pinned=single_values,
+    pinned=_pinned,
     drawn=DRAWN,
     inspection=_inspection,
 )

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from gearmesh.kernel.numeric.algebra import Array, dot
-from gearmesh.kernel.numeric.grid_spline import CUBIC, GridSpline, PlaneJet, polynomial
+from gearmesh.kernel.numeric.grid_spline import GridSpline, PlaneJet, polynomial
+from gearmesh.kernel.numeric.splines import CUBIC, spline_through
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.offset import FieldJet
 
@@ -79,19 +80,14 @@ class SplineCurves:
 
     def __init__(self, x: Array, values: Array) -> None:
         """Through values (X, K) at x (X,), in any order."""
-        from scipy.interpolate import make_interp_spline
-
         order = np.argsort(x)
         self.extent = float(x.min()), float(x.max())
-        spline = make_interp_spline(x[order], values[order], k=min(CUBIC, len(x) - 1))
-        self._orders = [spline] + [
-            spline.derivative(k) if k <= spline.k else lambda at: np.zeros((*at.shape, values.shape[1])) for k in (1, 2)
-        ]
+        self._spline = spline_through(x[order], values[order], min(CUBIC, len(x) - 1))
 
     def jets(self, x: Array) -> tuple[tuple[Array, Array, Array], ...]:
         """Values (...,) and two derivatives of each of them at x (...,)."""
         at = np.clip(x, *self.extent)
-        value, slope, bend = (order(at) for order in self._orders)
+        value, slope, bend = (self._spline(at, order) for order in range(3))
         value = value + slope * (x - at)[..., None]
         bend = np.where((at == x)[..., None], bend, 0.0)
         return tuple((value[..., k], slope[..., k], bend[..., k]) for k in range(value.shape[-1]))

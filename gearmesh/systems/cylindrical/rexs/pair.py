@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import POSITION, StageReader
-from gearmesh.exchange.stage_form import StageForm
 from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
@@ -87,6 +86,3 @@ def place(file: StageWriter, gears: tuple[Component, Component], aside: float, d
             gear.attributes[POSITION[0]].type = "reference_component"
             for id, value in zip(POSITION[1:], (support, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), strict=True):
                 file.put(gear, id, value, "mm")
-
-
-PAIR = StageForm((STAGE,), read_pair, write_pair)

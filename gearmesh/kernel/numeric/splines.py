@@ -1,0 +1,110 @@
+"""Splines of one variable, and tables of equal steps. scipy's are as good, but a contact is solved while they are being loaded.
+
+B-splines of knots t by the recursion of Cox and de Boor [C. de Boor, A Practical Guide to Splines, 2001, ch. IX, X]:
+
+    N_i,k(x)  = (x - t_i) / (t_i+k - t_i) N_i,k-1(x) + (t_i+k+1 - x) / (t_i+k+1 - t_i+1) N_i+1,k-1(x)
+    N_i,k'(x) = k (N_i,k-1(x) / (t_i+k - t_i) - N_i+1,k-1(x) / (t_i+k+1 - t_i+1))
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from math import factorial
+
+import numpy as np
+
+from gearmesh.kernel.numeric.algebra import Array
+
+#: degree of the splines that are smooth enough for most
+CUBIC = 3
+
+
+@dataclass(frozen=True)
+class Polynomials:
+    """A function of x, by polynomials between breaks (M + 1,): coefficients (K + 1, M, ...) of powers K to 0 of what x is beyond
+    the break before it. The first and the last polynomial go on beyond the ends."""
+
+    breaks: Array
+    coefficients: Array
+
+    def __call__(self, x: Array, order: int = 0) -> Array:
+        """Values, or derivatives of an order, (..., of one value) at x (...,)."""
+        last = self.coefficients.shape[1] - 1
+        piece = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, last)
+        beyond = np.asarray(x - self.breaks[piece]).reshape(*np.shape(x), *(1,) * (self.coefficients.ndim - 2))
+        degree = len(self.coefficients) - 1
+        value = np.zeros((*np.shape(x), *self.coefficients.shape[2:]))
+        for power in range(degree, order - 1, -1):
+            factor = factorial(power) // factorial(power - order)
+            value = value * beyond + factor * self.coefficients[degree - power, piece]
+        return value
+
+
+def spline_through(x: Array, values: Array, degree: int) -> Polynomials:
+    """The spline through values (N, ...) at x (N,), ascending, without breaks next to either end: of an odd degree, or N - 1."""
+    knots = knots_of(x, degree)
+    control = interpolate(x, values, degree)
+    breaks = knots[degree : len(knots) - degree]
+    # Taylor series at the left ends, to whose right a spline is continuous
+    taylor = [
+        np.tensordot(basis(knots, degree, breaks[:-1], order), control, axes=1) / factorial(order)
+        for order in range(degree, -1, -1)
+    ]
+    return Polynomials(breaks, np.stack(taylor))
+
+
+def knots_of(x: Array, degree: int) -> Array:
+    """Knots (N + degree + 1,) of the spline through places x (N,)."""
+    first = (degree + 1) // 2
+    inner = x[first : first + len(x) - degree - 1]
+    return np.concatenate((np.full(degree + 1, x[0]), inner, np.full(degree + 1, x[-1])))
+
+
+def interpolate(x: Array, values: Array, degree: int) -> Array:
+    """Coefficients (N, ...) of the B-splines of `knots_of` whose sum has values (N, ...) at x (N,)."""
+    sums = basis(knots_of(x, degree), degree, x)
+    return np.asarray(np.linalg.solve(sums, values.reshape(len(x), -1))).reshape(values.shape)
+
+
+def basis(knots: Array, degree: int, x: Array, order: int = 0) -> Array:
+    """Derivatives (X, N) of an order of all N B-splines of a degree at x (X,), at knots from the right."""
+    if order > degree:
+        return np.zeros((len(x), len(knots) - degree - 1))
+    if order:
+        lower = basis(knots, degree - 1, x, order - 1) * _inverse(knots[degree:] - knots[:-degree])
+        derivative: Array = degree * (lower[:, :-1] - lower[:, 1:])
+        return derivative
+    inside = np.flatnonzero(np.diff(knots))
+    span = np.clip(np.searchsorted(knots, x, side="right") - 1, inside[0], inside[-1])
+    value: Array = (np.arange(len(knots) - 1) == span[:, None]).astype(float)
+    for k in range(1, degree + 1):
+        lower = value * _inverse(knots[k:] - knots[:-k])
+        value = (x[:, None] - knots[: -k - 1]) * lower[:, :-1] + (knots[k + 1 :] - x[:, None]) * lower[:, 1:]
+    return value
+
+
+def _inverse(steps: Array) -> Array:
+    """1 / steps, 0 where knots coincide."""
+    inverse = np.zeros_like(steps)
+    inverse[steps != 0.0] = 1.0 / steps[steps != 0.0]
+    return inverse
+
+
+@cache
+def table_filter(count: int) -> Array:
+    """Matrix (N, N) from values at equal steps to the coefficients of cubic B-splines that go on mirrored at both ends."""
+    sums = (4.0 * np.eye(count) + np.eye(count, k=1) + np.eye(count, k=-1)) / 6.0
+    sums[0, 1] = sums[-1, -2] = 2.0 / 6.0
+    return np.asarray(np.linalg.inv(sums))
+
+
+def table_weights(part: Array) -> tuple[Array, Array, Array, Array]:
+    """Weights (...,) of the cubic B-splines one step before, at, one and two steps after a place, a `part` (...,) of a step on."""
+    rest = 1.0 - part
+    return (
+        rest**3 / 6.0,
+        (4.0 - 3.0 * part**2 * (1.0 + rest)) / 6.0,
+        (4.0 - 3.0 * rest**2 * (1.0 + part)) / 6.0,
+        part**3 / 6.0,
+    )
