@@ -16,14 +16,32 @@ PACKAGES = "libegl1 libgl1-mesa-dri (or libosmesa6 libx11-6)"
 # A first rendering with a software driver takes one to three seconds; a busy machine may need many times that.
 _PATIENCE_SECONDS = 120.0
 
-# One black triangle on white: a driver that opens a window but draws nothing fails as well.
+# One black disk on white: a driver that opens a window but draws nothing fails as well. By VTK alone, of which little is loaded.
 _PROBE = """
-import pyvista
-plotter = pyvista.Plotter(off_screen=True, window_size=[64, 64])
-plotter.set_background("white")
-plotter.add_mesh(pyvista.Triangle(), color="black", lighting=False)
-pixels = plotter.screenshot(return_img=True)
-raise SystemExit(0 if pixels.min() < 64 and pixels.max() > 192 else "the picture came out empty")
+import vtkmodules.vtkRenderingOpenGL2
+from vtkmodules.vtkFiltersSources import vtkRegularPolygonSource
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
+
+disk, mapper, actor, renderer, window, picture = (
+    kind()
+    for kind in (
+        vtkRegularPolygonSource, vtkPolyDataMapper, vtkActor, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
+    )
+)
+mapper.SetInputConnection(disk.GetOutputPort())
+actor.SetMapper(mapper)
+actor.GetProperty().SetColor(0.0, 0.0, 0.0)
+actor.GetProperty().LightingOff()
+renderer.SetBackground(1.0, 1.0, 1.0)
+renderer.AddActor(actor)
+window.SetOffScreenRendering(True)
+window.SetSize(64, 64)
+window.AddRenderer(renderer)
+window.Render()
+picture.SetInput(window)
+picture.Update()
+darkest, brightest = picture.GetOutput().GetScalarRange()
+raise SystemExit(0 if darkest < 64 and brightest > 192 else "the picture came out empty")
 """
 
 
