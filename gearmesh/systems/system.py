@@ -313,7 +313,10 @@ def _fill(design: D) -> D:
 def _train(design: Design) -> GearTrain:
     own = _fill(design).in_mm()
     train: GearTrain = system_of(own).build(own)
-    return _eccentric(own, _with_measured_places(own, _with_measured_flanks(own, train)))
+    # what makes measured teeth is loaded for designs that have some
+    measured = getattr(own, "measured", None) is not None
+    real = _with_measured_places(own, _with_measured_flanks(own, train)) if measured else train
+    return _eccentric(own, real)
 
 
 def _with_measured_flanks(design: Design, train: GearTrain) -> GearTrain:
