@@ -103,7 +103,7 @@ def start(rounds: int) -> list[dict[str, Any]]:
     numpy = statistics.median(times["python -c 'import numpy'"])
     asked = dict(zip(programs, ["", *COMMANDS.values()], strict=True))
     return [
-        {"command": f"`{name}`", "seconds": (s := statistics.median(times[name])), "ratio": s / numpy}
+        {"command": name, "seconds": (s := statistics.median(times[name])), "ratio": s / numpy}
         | {"asked": asked[name], "modules": scipys[name]}
         for name in programs
     ]

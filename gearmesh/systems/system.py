@@ -314,9 +314,9 @@ def _train(design: Design) -> GearTrain:
     own = _fill(design).in_mm()
     train: GearTrain = system_of(own).build(own)
     # what makes measured teeth is loaded for designs that have some
-    measured = getattr(own, "measured", None) is not None
-    real = _with_measured_places(own, _with_measured_flanks(own, train)) if measured else train
-    return _eccentric(own, real)
+    if getattr(own, "measured", None) is not None:
+        train = _with_measured_places(own, _with_measured_flanks(own, train))
+    return _eccentric(own, train)
 
 
 def _with_measured_flanks(design: Design, train: GearTrain) -> GearTrain:

@@ -24,9 +24,9 @@ class SplineTable:
     @staticmethod
     def of(values: Array) -> SplineTable:
         """The table through values (R, C), with R and C 3 or more."""
-        extended = _extend(_extend(values).T).T
-        rows, columns = map(table_filter, extended.shape)
-        return SplineTable(rows @ extended @ columns.T)
+        lattice = _extend(_extend(values).T).T
+        rows, columns = map(table_filter, lattice.shape)
+        return SplineTable(rows @ lattice @ columns.T)
 
     @property
     def last(self) -> tuple[int, int]:
@@ -39,7 +39,7 @@ class SplineTable:
         (first, by_row), (second, by_column) = (
             _weights(place, last) for place, last in zip((row, column), self.last, strict=True)
         )
-        table, across = self._mirrored
+        table, across = self._with_rim
         corner = first * across + second
         values = np.zeros(row.shape)
         for i, of_row in enumerate(by_row):
@@ -48,10 +48,10 @@ class SplineTable:
         return values
 
     @cached_property
-    def _mirrored(self) -> tuple[Array, int]:
+    def _with_rim(self) -> tuple[Array, int]:
         """The coefficients with one more row and column at their beginning and two at their end, mirrored, laid flat; columns."""
-        mirrored = np.pad(self.coefficients, (1, 2), mode="reflect")
-        return mirrored.ravel(), mirrored.shape[1]
+        wide = np.pad(self.coefficients, (1, 2), mode="reflect")
+        return wide.ravel(), wide.shape[1]
 
 
 def _weights(place: Array, last: int) -> tuple[NDArray[np.intp], tuple[Array, ...]]:

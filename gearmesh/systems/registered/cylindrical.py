@@ -37,7 +37,7 @@ def _forces(design: CylindricalDesign, torque: float, speed: float | None) -> tu
     return pair_forces(design, torque, speed)
 
 
-def _pinned(design: CylindricalDesign, train: GearTrain) -> Values:
+def _values(design: CylindricalDesign, train: GearTrain) -> Values:
     from gearmesh.systems.cylindrical.pinned import pair_values
 
     return pair_values(design, train)
@@ -70,7 +70,7 @@ SYSTEMS = (
         sheet=_sheet,
         forces=_forces,
         displacements=DISPLACEMENTS,
-        pinned=_pinned,
+        pinned=_values,
         drawn=DRAWN,
         inspection=_inspection,
         rexs=StageForm(("cylindrical_stage",), _read, _write),

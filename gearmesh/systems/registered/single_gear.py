@@ -32,7 +32,7 @@ def _sheet(design: SingleGearDesign, train: GearTrain) -> Sheet:
     return single_sheet(design, train)
 
 
-def _pinned(design: SingleGearDesign, train: GearTrain) -> Values:
+def _values(design: SingleGearDesign, train: GearTrain) -> Values:
     from gearmesh.systems.cylindrical.single.pinned import single_values
 
     return single_values(design, train)
@@ -50,7 +50,7 @@ SINGLE_GEAR = System(
     _build,
     derive=_derive,
     sheet=_sheet,
-    pinned=_pinned,
+    pinned=_values,
     drawn=DRAWN,
     inspection=_inspection,
 )
