@@ -73,7 +73,25 @@ class GearmeshError(Exception):
 
     @classmethod
     def later(cls, tell: Callable[[], GearmeshError], topic: str) -> Self:
-        """A refusal whose fields are work to find out: `tell` makes one that has them, and is called when somebody reads any."""
+        """A refusal whose fields are work to find out.
+
+        Parameters
+        ----------
+        tell : callable
+            Makes the refusal that has them; it is called when somebody reads any.
+        topic : str
+            What it is about.
+
+        Returns
+        -------
+        GearmeshError
+            Of the same class.
+
+        Examples
+        --------
+        >>> str(gm.DesignError.later(lambda: gm.DesignError("teeth", 1, allowed="2 or more"), "teeth"))
+        'teeth = 1: allowed is 2 or more'
+        """
         made = cls.__new__(cls)
         made.__dict__.update(_tell=tell, _topic=topic, remedies={})
         return made
@@ -99,7 +117,23 @@ class GearmeshError(Exception):
         return in_unit(shown, *self.lengths_in)
 
     def rename(self, key: str) -> Self:
-        """The same refusal of what is called otherwise where it is read."""
+        """The same refusal of what is called otherwise where it is read.
+
+        Parameters
+        ----------
+        key : str
+            How it is called there.
+
+        Returns
+        -------
+        GearmeshError
+            Of the same class.
+
+        Examples
+        --------
+        >>> gm.DesignError("teeth", 1, allowed="2 or more").rename("pinion.teeth").key
+        'pinion.teeth'
+        """
         made = copy(self)
         made.key = key
         return made

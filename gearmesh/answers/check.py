@@ -108,7 +108,25 @@ class RollTest(Result):
         return {"roll": self.rows}
 
     def patches(self, pair: GearPair, name: str) -> list[tuple[Array, Array]]:
-        """Gap maps of the positions that touch: points (..., 3) in the own frame of a member, and gaps (...,), mm."""
+        """Gap maps of the positions that touch.
+
+        Parameters
+        ----------
+        pair : GearPair
+            The pair that rolled.
+        name : str
+            Of the member in whose own frame they are.
+
+        Returns
+        -------
+        list of (ndarray (..., 3), ndarray (...,))
+            Points and gaps, mm.
+
+        Examples
+        --------
+        >>> len(gears.roll(gears.contact([0.0, 1.0])).patches(gears.train.pair(0), "pinion"))
+        2
+        """
         gap_maps = []
         for contact in self.contacts:
             if not contact.touching:

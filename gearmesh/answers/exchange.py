@@ -97,22 +97,23 @@ class RexsReading(Result):
         whole_text(target, self.text(target.parent))
 
     def text(self, folder: Path) -> str:
-        """The design file of the stage that was read.
+        """The design file.
 
         Parameters
         ----------
-        folder : Path
-            Where it is to be: names of other files in it are counted from there.
+        folder : pathlib.Path
+            Where it is to be, from which names of other files in it are counted.
 
         Returns
         -------
         str
-            TOML text.
+            TOML.
 
         Examples
         --------
-        >>> gears.rexs().save("pair.rexs")
-        >>> gm.load_rexs("pair.rexs").text(Path("."))
+        >>> from pathlib import Path
+        >>> gm.load_rexs(gears.rexs().save("gears.rexs")).text(Path(".")).splitlines()[0]
+        'kind = "cylindrical"'
         """
         lines = [
             f"# torque on {one.gear}{f', load case {one.load_case}' if one.load_case else ''}: {one.torque_Nm:.12g} Nm\n"
@@ -143,7 +144,8 @@ def load_rexs(file: str | os.PathLike[str], stage: str | None = None) -> RexsRea
 
     Examples
     --------
-    >>> gears.rexs().save("pair.rexs")
+    >>> gears.rexs().save("pair.rexs").name
+    'pair.rexs'
     >>> gm.load_rexs("pair.rexs").design.kind
     'cylindrical'
     """

@@ -149,34 +149,94 @@ class GearSet:
         return [name for name in super().__dir__() if not name.startswith("_")]
 
     def place(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, TriangleMesh]:
-        """Meshes of the members, in their own frames, where they mesh at phi1 = 0 (fixed frame)."""
+        """Meshes of the members where they mesh at phi1 = 0 (fixed frame).
+
+        Parameters
+        ----------
+        meshes : mapping of str to TriangleMesh
+            In the members' own frames, mm, by their names.
+
+        Returns
+        -------
+        dict of str to TriangleMesh
+            The same, moved.
+
+        Examples
+        --------
+        >>> list(gears.place({name: gears.solid(name, 0.05).mesh for name in gears.members}))
+        ['pinion', 'gear']
+        """
         return {name: meshes[name].move(place) for name, place in self.places.items()}
 
     def within(self, tolerance: Length | None, default: float | None = None) -> float:
-        """A tolerance in mm, where none is given the `default`, or the design's."""
+        """A tolerance in mm.
+
+        Parameters
+        ----------
+        tolerance : float or str or None
+            mm, or with a unit.
+        default : float, optional
+            What counts where none is given, mm; by default the design's.
+
+        Returns
+        -------
+        float
+            mm.
+
+        Raises
+        ------
+        DesignError
+            For what is no length above 0.
+
+        Examples
+        --------
+        >>> gears.within("10um")
+        0.01
+        """
         if tolerance is not None:
             return tolerance_in_mm("tolerance", tolerance)
         return self.design.in_mm().mesh.tolerance if default is None else default
 
     def part(self, name: str) -> systems.ToolPart:
-        """A member, or the worm that grinds one, with its own figures and warnings. Raises DesignError for another name."""
+        """A member, or the worm that grinds one, with its own figures and warnings.
+
+        Parameters
+        ----------
+        name : str
+            As "pinion", or "worm".
+
+        Returns
+        -------
+        ToolPart
+            The member, its figures and warnings.
+
+        Raises
+        ------
+        DesignError
+            For another name.
+
+        Examples
+        --------
+        >>> gears.part("gear").member.name
+        'gear'
+        """
         if name == "worm" and name not in self.members:
             return systems.worm(self.design)
         member = self.member(name)
         return systems.ToolPart(member) if self._parts is None else self._parts[name]
 
     def member(self, name: str) -> Member:
-        """A member: its exact teeth, its body, its mounting.
+        """A member of the gear set.
 
         Parameters
         ----------
         name : str
-            Its name, as "pinion", "gear", "planet_1".
+            As "pinion".
 
         Returns
         -------
         Member
-            As built.
+            Its teeth, in its own frame, and how it is mounted.
 
         Raises
         ------
@@ -186,6 +246,7 @@ class GearSet:
         Examples
         --------
         >>> gears.member("pinion").tooth.teeth
+        18
         """
         if name not in self.members:
             raise ArgumentError("member", name, must_be=f"one of {', '.join(self.members)}")
@@ -200,7 +261,7 @@ class GearSet:
         return self.places_at(0.0)
 
     def places_at(self, phi1: float) -> dict[str, Rigid]:
-        """Where the members are, in the fixed frame, when the gears touch at a rotation.
+        """Where the members are at a contact (fixed frame).
 
         Parameters
         ----------
@@ -210,18 +271,19 @@ class GearSet:
         Returns
         -------
         dict of str to Rigid
-            Own frame to fixed frame, by the members' names.
+            From the own frame of each member to the fixed one.
 
         Raises
         ------
-        ArgumentError
+        DesignError
             For what is no angle.
         NoSolutionError
             Where the pair has no contact there.
 
         Examples
         --------
-        >>> gears.places_at(5.0)["gear"].point(np.array([0.0, 0.0, 10.0]))
+        >>> list(gears.places_at(2.0))
+        ['pinion', 'gear']
         """
         from gearmesh.contact.engagement.train_turns import leading_turns
 

@@ -115,16 +115,17 @@ class PlanetarySizing(DesignChoice):
         Parameters
         ----------
         most : int
-            How many at most.
+            At most so many sets.
 
         Returns
         -------
         list of Listing
-            Tables to be printed.
+            Tables to print.
 
         Examples
         --------
-        >>> gm.size_planetary(5.2, outside_diameter=150, module=2).first_sets(3)
+        >>> len(gm.size_planetary(5.2, outside_diameter=150, module=2).first_sets(3)[0].rows)
+        3
         """
         heads: tuple[str, ...] = (
             "",
@@ -229,39 +230,33 @@ def size_planetary(
     unequal: bool = False,
     face_width: Length | None = None,
 ) -> PlanetarySizing:
-    """All planetary sets with a ratio, of a ring's outside diameter, a centre distance, or both.
+    """All planetary sets with a ratio, of the ring's outside diameter or a centre distance, or both.
 
     Parameters
     ----------
     ratio : float
-        Of the sun's speed to the output's, for the `fixed` member.
-    outside_diameter : Length, optional
-        Of the ring, mm.
-    center_distance : Length, optional
-        mm.
-    module : Length, optional
-        Normal module, mm; without it those of ISO 54 are tried.
+        Of the speeds, with the member `fixed` at rest.
+    outside_diameter, center_distance, module : float or str, optional
+        mm, or with a unit; without a module those of ISO 54 are tried.
     planets : int
-        Their number.
+        How many.
     fixed : str
-        The member for which the ratio counts.
+        The member for which the ratio counts: "ring", "carrier" or "sun".
     pressure_angle : float
         Normal pressure angle, deg.
-    helix : tuple of float
-        Range of helix angles, deg.
-    shifts : tuple of float
-        Range of the sum of the shifts of sun and planet.
+    helix, shifts : (float, float)
+        Ranges of the helix angle, deg, and of the sum of profile shift coefficients of sun and planet.
     tolerance : float
-        That of the ratio, relative.
+        Relative tolerance of the ratio.
     unequal : bool
-        Whether planets are admitted that cannot be equally spaced.
-    face_width : Length, optional
-        mm; 10 modules.
+        Admit planets that cannot be equally spaced.
+    face_width : float or str, optional
+        mm, or with a unit.
 
     Returns
     -------
     PlanetarySizing
-        The sets in order of preference; `.design(1)` is the design of the first.
+        Sets, the best first, and how many were rejected for which reason.
 
     Raises
     ------
@@ -270,8 +265,9 @@ def size_planetary(
 
     Examples
     --------
-    >>> gm.size_planetary(5.2, outside_diameter=150, module=2).design(1).kind
-    'planetary'
+    >>> sets = gm.size_planetary(5.2, outside_diameter=150, module=2)
+    >>> sets.design(1).ring.teeth
+    63
     """
     diameter, distance, size, width = (
         None if length is None else in_mm(name, length)

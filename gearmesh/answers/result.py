@@ -45,7 +45,18 @@ class Result(ABC):
 
     @abstractmethod
     def to_dict(self) -> dict[str, list[Any]]:
-        """The answer as columns of equal length, under the keys of the JSON."""
+        """The answer as columns of equal length, under the keys of the JSON.
+
+        Returns
+        -------
+        dict of str to list
+            A table, as for `pandas.DataFrame`.
+
+        Examples
+        --------
+        >>> len({len(column) for column in gears.contact([0.0, 1.0]).to_dict().values()})
+        1
+        """
 
     @property
     @abstractmethod
@@ -58,7 +69,18 @@ class Result(ABC):
         return None
 
     def document(self) -> dict[str, Any]:
-        """The answer as `--json` writes it: run times under the key "timing" alone, all else the same from run to run."""
+        """The answer as `--json` writes it: run times under the key "timing" alone, all else the same from run to run.
+
+        Returns
+        -------
+        dict of str to values
+            Lists, texts, numbers, truth values and None.
+
+        Examples
+        --------
+        >>> gears.limits().document()["gearmesh"] == gm.__version__
+        True
+        """
         kept, times = times_apart(self.sections)
         if self.run_time is not None:
             times |= self.run_time.row
@@ -71,16 +93,17 @@ class Result(ABC):
         Parameters
         ----------
         timing : bool
-            Whether it has the run times; without them it is the same from run to run.
+            Whether run times are in it; without them it is the same from run to run.
 
         Returns
         -------
         str
-            What `save("file.json")` writes.
+            JSON, in which what is not a number is null.
 
         Examples
         --------
-        >>> text = gears.contact(cycle=False).json(timing=False)
+        >>> gears.limits().json(timing=False) == gears.limits().json(timing=False)
+        True
         """
         document = self.document()
         if not timing:
@@ -93,13 +116,13 @@ class Result(ABC):
         Parameters
         ----------
         path : str or os.PathLike
-            The file; `suffixes` lists what it may end with.
+            The file.
         timing : bool
             Whether JSON has the run times; without them it is the same from run to run.
 
         Returns
         -------
-        Path
+        pathlib.Path
             The file.
 
         Raises
@@ -109,7 +132,8 @@ class Result(ABC):
 
         Examples
         --------
-        >>> gears.contact(cycle=False).save("contact.json", timing=False)
+        >>> gears.limits().save("limits.json").name
+        'limits.json'
         """
         target = Path(path)
         if target.suffix.lower() not in self.suffixes:

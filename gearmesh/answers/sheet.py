@@ -32,7 +32,18 @@ class Filling(Result):
 
     @abstractmethod
     def apply(self) -> Design:
-        """The design with the values given."""
+        """The design with the values given.
+
+        Returns
+        -------
+        Design
+            It no longer depends on the defaults that they were.
+
+        Examples
+        --------
+        >>> gears.sheet().apply().kind
+        'cylindrical'
+        """
 
     def _write(self, target: Path) -> None:
         from gearmesh.design.files import design_text
@@ -79,7 +90,18 @@ class DesignSheet(Filling):
         }
 
     def apply(self) -> Design:
-        """The design with all the values given."""
+        """The design with all the values given.
+
+        Returns
+        -------
+        Design
+            It no longer depends on the defaults that they were.
+
+        Examples
+        --------
+        >>> gears.sheet().apply().kind
+        'cylindrical'
+        """
         return self.design.with_values({**self.values, **dict.fromkeys(self.replaced)})
 
 
@@ -138,7 +160,19 @@ class Compensation(Filling):
         return {**header(self.design), "settings": self.rows}
 
     def apply(self) -> Design:
-        """The design with the settings of after."""
+        """The design with the settings that compensate its errors.
+
+        Returns
+        -------
+        Design
+            With the values of the column after.
+
+        Examples
+        --------
+        >>> arcs = gm.build(gm.load("samples/circular_arc.toml", ["assembly.dC=0.01"]))
+        >>> arcs.compensate().apply().kind
+        'circular_arc'
+        """
         return self.design.with_values({setting.key: setting.after for setting in self.settings})
 
 

@@ -76,12 +76,12 @@ class DesignChoice(Result):
         Parameters
         ----------
         number : int
-            Its number in the table, from 1.
+            From 1.
 
         Returns
         -------
         Design
-            Ready to be built.
+            As `parse` gives it.
 
         Raises
         ------
@@ -90,7 +90,8 @@ class DesignChoice(Result):
 
         Examples
         --------
-        >>> gm.size(2.5, 63, "2mm").design(1)
+        >>> gm.size(2.5, 64, 2).design(1).kind
+        'cylindrical'
         """
         return parse(self.keys(number))
 
@@ -100,12 +101,12 @@ class DesignChoice(Result):
         Parameters
         ----------
         number : int
-            Its number in the table, from 1.
+            From 1.
 
         Returns
         -------
-        mapping
-            As `parse` reads them.
+        mapping of str to values
+            As `toml` writes them.
 
         Raises
         ------
@@ -114,7 +115,8 @@ class DesignChoice(Result):
 
         Examples
         --------
-        >>> gm.size(2.5, 63, "2mm").keys(1)
+        >>> gm.size(2.5, 64, 2).keys()["kind"]
+        'cylindrical'
         """
         if not 1 <= number <= len(self.designs):
             raise ArgumentError("choose", number, must_be=f"a number from 1 to {len(self.designs)}")
@@ -169,21 +171,22 @@ class Sizing(DesignChoice):
         return self.first_pairs(len(self.candidates))
 
     def first_pairs(self, most: int) -> list[Listing]:
-        """The first pairs as tables.
+        """The first pairs as a table.
 
         Parameters
         ----------
         most : int
-            How many at most.
+            At most so many.
 
         Returns
         -------
         list of Listing
-            Tables to be printed.
+            Tables to print.
 
         Examples
         --------
-        >>> gm.size(2.5, 63, 2).first_pairs(3)
+        >>> len(gm.size(2.5, 64, 2).first_pairs(3)[0].rows)
+        1
         """
         heads = ("", "z1", "z2", "beta", "x1", "x2", "eps_a", "eps_b", "zeta", "s_an", "")
         rows = [
@@ -227,33 +230,31 @@ def size(
     tolerance: float = Wanted.tolerance,
     face_width: Length | None = None,
 ) -> Sizing:
-    """All pairs of cylindrical gears with a ratio, centre distance and module.
+    """All pairs of cylindrical gears with a ratio z2 / z1, a centre distance and a normal module.
 
     Parameters
     ----------
     ratio : float
         z2 / z1.
-    center_distance : Length
-        mm.
-    module : Length
-        Normal module, mm.
+    center_distance, module : float or str
+        mm, or with a unit.
     internal : bool
         Whether the gear is internal.
     pressure_angle : float
         Normal pressure angle, deg.
-    helix : tuple of float
-        Range of helix angles, deg.
-    shifts : tuple of float
-        Range of the sum x1 + x2 of the profile shift coefficients.
+    helix : (float, float)
+        Range of the helix angle, deg.
+    shifts : (float, float)
+        Range of the sum of profile shift coefficients x1 + x2.
     tolerance : float
-        That of the ratio, relative.
-    face_width : Length, optional
-        mm; 10 modules.
+        Relative tolerance of the ratio.
+    face_width : float or str, optional
+        mm, or with a unit; 10 modules.
 
     Returns
     -------
     Sizing
-        The pairs in order of preference; `.design(1)` is the design of the first.
+        Candidates, the best first; `design(1)` is the design of the first.
 
     Raises
     ------
@@ -262,8 +263,9 @@ def size(
 
     Examples
     --------
-    >>> gm.size(2.5, 63, "2mm").design(1).kind
-    'cylindrical'
+    >>> pairs = gm.size(2.5, 64, 2)
+    >>> pairs.design(1).pinion.teeth, pairs.design(1).gear.teeth
+    (18, 45)
     """
     width = None if face_width is None else in_mm("face_width", face_width)
     distance, size = in_mm("center_distance", center_distance), in_mm("module", module)

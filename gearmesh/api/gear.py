@@ -66,7 +66,8 @@ def gear(
     Examples
     --------
     >>> gear = gm.gear(30, module=1, helix=15, hand="left")
-    >>> gear.solid("gear", tolerance="10um").save("gear.stl")
+    >>> gear.solid("gear", tolerance="10um").save("gear.stl").name
+    'gear.stl'
     """
     keys = gear_keys(
         teeth,

@@ -674,7 +674,23 @@ class Design(Table):
         return self._changed.keys
 
     def with_changed_keys(self, keys: Iterable[str]) -> Self:
-        """The same design, of which these keys count as put in anew."""
+        """The same design, of which some keys count as put in anew.
+
+        Parameters
+        ----------
+        keys : iterable of str
+            Dotted keys.
+
+        Returns
+        -------
+        Design
+            Equal to this one.
+
+        Examples
+        --------
+        >>> design.with_changed_keys(["module"]) == design
+        True
+        """
         self._changed = _Changed(tuple(keys))
         return self
 
@@ -699,11 +715,38 @@ class Design(Table):
         return _finite_values(plain) == plain
 
     def derived_keys(self) -> Iterator[tuple[str, float]]:
-        """Dotted keys whose defaults follow from other keys or from geometry, with their values."""
+        """Keys whose defaults follow from other keys or from geometry.
+
+        Returns
+        -------
+        iterator of (str, float)
+            Dotted keys, with their values in the design's units.
+
+        Examples
+        --------
+        >>> all(isinstance(value, float) for key, value in design.derived_keys())
+        True
+        """
         yield from _derived_keys(self)
 
     def elastic(self, member: str) -> tuple[float, float]:
-        """Young's modulus, MPa, and Poisson's ratio of a member by its name in the gear set: its own, else those of all."""
+        """What a member is made of: its own values, else those of all.
+
+        Parameters
+        ----------
+        member : str
+            Its name in the gear set.
+
+        Returns
+        -------
+        (float, float)
+            Young's modulus, MPa, and Poisson's ratio.
+
+        Examples
+        --------
+        >>> design.elastic("pinion")
+        (206000.0, 0.3)
+        """
         own = getattr(self._member(member), "material", None)
         of_all = self.material.youngs_modulus, self.material.poisson_ratio
         if own is None:
@@ -713,7 +756,23 @@ class Design(Table):
         return modulus, ratio
 
     def mount(self, member: str) -> MemberMount:
-        """How a member is held, by its name in the gear set."""
+        """How a member is held.
+
+        Parameters
+        ----------
+        member : str
+            Its name in the gear set.
+
+        Returns
+        -------
+        MemberMount
+            Keys of its shaft and bearings.
+
+        Examples
+        --------
+        >>> type(design.mount("pinion")).__name__
+        'MemberMount'
+        """
         return getattr(self._member(member), "mount", None) or MemberMount()
 
     def _member(self, name: str) -> Any:
@@ -722,25 +781,89 @@ class Design(Table):
 
     @staticmethod
     def table_named(member: str) -> str:
-        """What the keys of a member are called, by its name in the gear set: of planets, which are numbered ("planet_1"),
-        planet."""
+        """What the keys of a member are called: of planets, which are numbered ("planet_1"), planet.
+
+        Parameters
+        ----------
+        member : str
+            Its name in the gear set.
+
+        Returns
+        -------
+        str
+            Name of a table.
+
+        Examples
+        --------
+        >>> gm.PlanetaryDesign.table_named("planet_1")
+        'planet'
+        """
         return member.rstrip("0123456789").removesuffix("_")
 
     def sets(self, dotted: str) -> bool:
-        """Whether the design itself sets a (dotted) key, and does not leave it to its default."""
+        """Whether the design itself sets a key, and does not leave it to its default.
+
+        Parameters
+        ----------
+        dotted : str
+            The key, as "pinion.teeth".
+
+        Returns
+        -------
+        bool
+            False for what was derived.
+
+        Examples
+        --------
+        >>> design.sets("pinion.teeth"), design.sets("pressure_angle")
+        (True, False)
+        """
         return any(key == dotted for key, _ in self.own())
 
     def fill(self, derived: Mapping[str, float]) -> Self:
-        """The design with `derived_values` values, by dotted key, of what is still to be derived."""
+        """The design with values of what is still to be derived.
+
+        Parameters
+        ----------
+        derived : mapping of str to float
+            By dotted key, in the design's units, as `derived_values` has them.
+
+        Returns
+        -------
+        Design
+            In which they do not count as set.
+
+        Examples
+        --------
+        >>> design.fill(design.derived_values()) == design
+        True
+        """
         made = type(self)(**_fill(self.plain(), derived))
         made._count_as_set(self)
         return made
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """The design with other values of some (dotted) keys, in its own units, or without them where the value is None; what it
-        has derived stays, but what they replace.
+        """The design with other values of some keys; what it has derived stays, but what they replace.
 
-        Raises DesignError as the class does: also for a key that the design sets and one of `values` would replace.
+        Parameters
+        ----------
+        values : mapping of str to values
+            By dotted key, in the design's own units; None leaves a key out.
+
+        Returns
+        -------
+        Design
+            Validated anew.
+
+        Raises
+        ------
+        DesignError
+            As the class does: also for a key that the design sets and one of `values` would replace.
+
+        Examples
+        --------
+        >>> design.with_values({"pinion.teeth": 20}).pinion.teeth
+        20
         """
         gone = tuple(key for key, value in values.items() if value is None)
         kept = (
@@ -760,11 +883,40 @@ class Design(Table):
         return made.with_changed_keys(values)
 
     def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:
-        """Whether a derived value, by its dotted key, stays as it is when other keys get `values`: not where it would be wrong."""
+        """Whether a derived value stays as it is when other keys get values: not where it would be wrong.
+
+        Parameters
+        ----------
+        dotted : str
+            Key of the derived value.
+        values : mapping of str to values
+            What others get, by dotted key.
+
+        Returns
+        -------
+        bool
+            Whether it stays.
+
+        Examples
+        --------
+        >>> design.stays("pinion.tool_tip_radius", {"name": "other"})
+        True
+        """
         return True
 
     def derived_values(self) -> dict[str, float]:
-        """Defaults that follow from other keys, by dotted key, in the file's units."""
+        """Defaults that follow from other keys.
+
+        Returns
+        -------
+        dict of str to float
+            By dotted key, in the file's units.
+
+        Examples
+        --------
+        >>> isinstance(design.derived_values(), dict)
+        True
+        """
         mm = self.mm_per_unit
         return {
             "contact.phi1.start": -180.0 / self.counted_teeth,
@@ -793,7 +945,18 @@ class Design(Table):
         return MM_PER["inch"] / self.mm_per_unit / self.diametral_pitch
 
     def in_mm(self) -> Self:
-        """The same design with all lengths in mm."""
+        """The same design with all lengths in mm.
+
+        Returns
+        -------
+        Design
+            Whose `units` are "mm".
+
+        Examples
+        --------
+        >>> gm.load("samples/helical.toml", ["units=inch", "module=0.2", "pinion.face_width=2", "gear.face_width=2"]).in_mm().module
+        5.08
+        """
         if self.units == "mm":
             return self
         made = self.scale(self.mm_per_unit).model_copy(update={"units": "mm"})
@@ -801,17 +964,50 @@ class Design(Table):
         return made
 
     def resolve(self) -> dict[str, Any]:
-        """The design as a plain dict, every default filled in, in its own units; it loads back to the same design."""
+        """The design as a plain dict, every default filled in, in its own units.
+
+        Returns
+        -------
+        dict of str to values
+            It loads back to the same design.
+
+        Examples
+        --------
+        >>> gm.parse(design.resolve()).pinion == design.pinion
+        True
+        """
         return self.plain()
 
     @classmethod
     def key_lines(cls) -> Iterator[KeyLine]:
-        """Every key of the kind, in the order of the file."""
+        """Every key of the kind, in the order of the file.
+
+        Returns
+        -------
+        iterator of KeyLine
+            Key, unit, allowed range, default, meaning and source.
+
+        Examples
+        --------
+        >>> next(gm.HypoidDesign.key_lines()).key
+        'kind'
+        """
         return key_lines(cls)
 
     @classmethod
     def key_groups(cls) -> dict[str, list[KeyLine]]:
-        """The same, those of tables that may stand in several places once, under what they are called; the kind's own under ""."""
+        """Every key of the kind, those of tables that may stand in several places once.
+
+        Returns
+        -------
+        dict of str to list of KeyLine
+            Under what the tables are called; the kind's own under "".
+
+        Examples
+        --------
+        >>> next(iter(gm.HypoidDesign.key_groups()))
+        ''
+        """
         apart: dict[str, type[Table]] = {}
         own = list(key_lines(cls, apart=apart))
         return {"": own} | {name: list(key_lines(table)) for name, table in apart.items()}

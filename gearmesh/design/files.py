@@ -97,17 +97,18 @@ def toml(data: Mapping[str, Any]) -> str:
 
     Parameters
     ----------
-    data : mapping
-        As `Design.resolve()` gives it.
+    data : mapping of str to values
+        Tables, lists, texts, numbers and truth values.
 
     Returns
     -------
     str
-        Text of a file that `load` reads.
+        Text that reads back to the same table.
 
     Examples
     --------
-    >>> text = gm.toml(gm.load("samples/helical.toml").resolve())
+    >>> print(gm.toml({"module": 2.0}), end="")
+    module = 2.0
     """
     import tomli_w
 

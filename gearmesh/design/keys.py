@@ -258,7 +258,23 @@ class Table(BaseModel):
 
     @classmethod
     def name_in_texts(cls, dotted: str) -> str:
-        """What texts call a table, or a dotted key."""
+        """What texts call a table, or a dotted key.
+
+        Parameters
+        ----------
+        dotted : str
+            The table or key.
+
+        Returns
+        -------
+        str
+            As texts have it.
+
+        Examples
+        --------
+        >>> gm.CylindricalDesign.name_in_texts("pinion.teeth")
+        'pinion.teeth'
+        """
         head, dot, rest = dotted.partition(".")
         return cls.other_names.get(head, head) + dot + rest
 
@@ -290,17 +306,60 @@ class Table(BaseModel):
 
     @classmethod
     def names(cls) -> list[str]:
-        """The names of the fields, plain keys before tables, and tables by their rank."""
+        """The names of the fields, plain keys before tables, and tables by their rank.
+
+        Returns
+        -------
+        list of str
+            In the order of a file.
+
+        Examples
+        --------
+        >>> gm.CylindricalDesign.names()[0]
+        'kind'
+        """
         return list(_names(cls))
 
     @classmethod
     def key_of(cls, name: str) -> Key | None:
-        """The `Key` of a field, None for a table."""
+        """What is declared of a field.
+
+        Parameters
+        ----------
+        name : str
+            Of the field.
+
+        Returns
+        -------
+        Key or None
+            None for a table.
+
+        Examples
+        --------
+        >>> gm.CylindricalDesign.key_of("module").unit
+        'length'
+        """
         return next((m for m in cls.model_fields[name].metadata if isinstance(m, Key)), None)
 
     @classmethod
     def key_at(cls, dotted: str) -> Key | None:
-        """The `Key` of a dotted key, None where there is none."""
+        """What is declared of a dotted key.
+
+        Parameters
+        ----------
+        dotted : str
+            As "pinion.teeth".
+
+        Returns
+        -------
+        Key or None
+            None where there is none.
+
+        Examples
+        --------
+        >>> gm.CylindricalDesign.key_at("pinion.face_width").unit
+        'length'
+        """
         *tables, last = dotted.split(".")
         table: type[Table] | None = cls
         for name in tables:
@@ -309,7 +368,23 @@ class Table(BaseModel):
 
     @classmethod
     def table_of(cls, name: str) -> type[Table] | None:
-        """The class of the table behind a field, None for a plain key."""
+        """The class of the table behind a field.
+
+        Parameters
+        ----------
+        name : str
+            Of the field.
+
+        Returns
+        -------
+        type of Table or None
+            None for a plain key.
+
+        Examples
+        --------
+        >>> gm.CylindricalDesign.table_of("contact").__name__
+        'FlankContact'
+        """
         annotation = cls.model_fields[name].annotation
         for candidate in (annotation, *get_args(annotation)):
             if isinstance(candidate, type) and issubclass(candidate, Table):
@@ -317,7 +392,23 @@ class Table(BaseModel):
         return None
 
     def own(self, prefix: str = "") -> Iterator[tuple[str, Any]]:
-        """The keys that were set, not left to their defaults, dotted after `prefix`, and their values."""
+        """The keys that were set, not left to their defaults.
+
+        Parameters
+        ----------
+        prefix : str
+            What stands before their names.
+
+        Returns
+        -------
+        iterator of (str, value)
+            Dotted keys and their values.
+
+        Examples
+        --------
+        >>> dict(design.own())["pinion.teeth"]
+        18
+        """
         for name in self.names():
             value = getattr(self, name)
             if name not in self.model_fields_set or value is None:
@@ -336,7 +427,23 @@ class Table(BaseModel):
                 value._count_as_set(theirs)
 
     def scale(self, factor: float) -> Self:
-        """The same table with all lengths multiplied, curvatures divided."""
+        """The same table with all lengths multiplied, curvatures divided.
+
+        Parameters
+        ----------
+        factor : float
+            By which.
+
+        Returns
+        -------
+        Table
+            Of the same class.
+
+        Examples
+        --------
+        >>> design.scale(2.0).module
+        4.0
+        """
         changed: dict[str, Any] = {}
         for name in type(self).model_fields:
             value, key = getattr(self, name), self.key_of(name)
@@ -350,7 +457,18 @@ class Table(BaseModel):
         return made
 
     def plain(self) -> dict[str, Any]:
-        """The table as a plain dict that loads back to it, with defaults filled in; what is absent has none."""
+        """The table as a plain dict that loads back to it, with defaults filled in; what is absent has none.
+
+        Returns
+        -------
+        dict of str to values
+            Tables within it are dicts, too.
+
+        Examples
+        --------
+        >>> design.plain()["pinion"]["teeth"]
+        18
+        """
         replaced = {second for first, second in self.replaces if getattr(self, first) is not None}
         values = {name: getattr(self, name) for name in self.names() if name not in replaced}
         return {

@@ -46,16 +46,16 @@ class WorkshopDrawing:
         return tuple(letters.text for letters in self.page.canvas.letters if letters.text)
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Write the drawing, whole or not at all, with the same bytes every time.
+        """Write a .pdf, .svg or .png file, whole or not at all, with the same bytes every time.
 
         Parameters
         ----------
         path : str or os.PathLike
-            A .pdf, .svg or .png file.
+            The file.
 
         Returns
         -------
-        Path
+        pathlib.Path
             The file.
 
         Raises
@@ -65,7 +65,8 @@ class WorkshopDrawing:
 
         Examples
         --------
-        >>> gears.drawing("pinion").save("pinion.pdf")
+        >>> gears.drawing("pinion").save("pinion.svg").name
+        'pinion.svg'
         """
         target = Path(path)
         if target.suffix.lower() not in SUFFIXES:

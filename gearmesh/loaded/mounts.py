@@ -51,28 +51,28 @@ class FlexibleMount:
 
     @classmethod
     def of(cls, stiffness: ArrayLike, z: Length = 0.0) -> Self:
-        """Of a stiffness, at a point of the axis.
+        """The mount of a stiffness at a point of the axis.
 
         Parameters
         ----------
-        stiffness : (6, 6) or (6,)
-            N/mm, N, N mm/rad, displacements x, y, z before rotations about them; or its diagonal, in which inf is rigid.
-        z : Length
-            Of the point on the axis, mm.
+        stiffness : array_like, (6, 6) or (6,)
+            N/mm, N, N mm/rad, or its diagonal, in which inf is rigid.
+        z : float or str
+            Place on the axis, mm, or with a unit.
 
         Returns
         -------
         FlexibleMount
-            For `gears.loaded_contact(..., mounts={"pinion": ...})`.
+            Symmetric and above 0.
 
         Raises
         ------
         DesignError
-            Unless it is symmetric and above 0, and for a z that is no length.
+            For another stiffness, and for a z that is no length.
 
         Examples
         --------
-        >>> gm.FlexibleMount.of([2e5, 2e5, 1e5, 4e9, 4e9, np.inf], z="12mm")
+        >>> shaft = gm.FlexibleMount.of([2e5, 2e5, 1e5, np.inf, np.inf, np.inf])
         """
         place = in_mm("z", z)
         given = np.asarray(stiffness, dtype=float)
@@ -98,13 +98,50 @@ class FlexibleMount:
         return cls(np.linalg.inv(0.5 * (given + given.T)), place)
 
     def wrenches(self, mount: Mount, points: Array, forces: Array) -> Array:
-        """Forces and moments (..., 6) about the point, frame of the mount, of forces at points (..., 3), fixed frame."""
+        """Forces and moments about the point.
+
+        Parameters
+        ----------
+        mount : Mount
+            Where the member is held.
+        points, forces : array_like, (..., 3)
+            Places, mm, and forces, N, fixed frame.
+
+        Returns
+        -------
+        ndarray, (..., 6)
+            N and N mm, frame of the mount.
+
+        Examples
+        --------
+        >>> shaft = gm.FlexibleMount.of([2e5, 2e5, 1e5, np.inf, np.inf, np.inf])
+        >>> shaft.wrenches(gears.member("pinion").mount, np.zeros((4, 3)), np.ones((4, 3))).shape
+        (4, 6)
+        """
         own = mount.base.inverse
         r, f = own.point(points) - [0.0, 0.0, self.z], own.vector(forces)
         return np.concatenate((f, cross(r, f)), axis=-1)
 
     def displace(self, mount: Mount, displacement: Array) -> Mount:
-        """The mount after a displacement (6,) of its point."""
+        """The mount after a displacement of its point.
+
+        Parameters
+        ----------
+        mount : Mount
+            Where the member is held.
+        displacement : ndarray, (6,)
+            Translations, mm, and rotations, rad, frame of the mount.
+
+        Returns
+        -------
+        Mount
+            Where it is held then.
+
+        Examples
+        --------
+        >>> shaft = gm.FlexibleMount.of([2e5, 2e5, 1e5, np.inf, np.inf, np.inf])
+        >>> moved = shaft.displace(gears.member("pinion").mount, np.array([0.01, 0, 0, 0, 0, 0]))
+        """
         from scipy.spatial.transform import Rotation
 
         point = Rigid(np.eye(3), np.array([0.0, 0.0, self.z]))

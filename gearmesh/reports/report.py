@@ -73,16 +73,16 @@ class ReportPage:
         return f"<ReportPage: {self.title}, {len(self.html.encode()) / 1e6:.2f} MB>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Write the page, whole or not at all.
+        """Write the page to a .html file, whole or not at all.
 
         Parameters
         ----------
         path : str or os.PathLike
-            A .html file.
+            The file.
 
         Returns
         -------
-        Path
+        pathlib.Path
             The file.
 
         Raises
@@ -92,7 +92,8 @@ class ReportPage:
 
         Examples
         --------
-        >>> gears.report("50um").save("report.html")
+        >>> gears.report(0.05).save("report.html").name  # doctest: +SKIP
+        'report.html'
         """
         target = Path(path)
         if target.suffix.lower() != SUFFIX:

@@ -106,17 +106,18 @@ class Study(Result):
         Parameters
         ----------
         name : str
-            Of the column, as in `to_dict()`.
+            Of a key that is varied, or of a figure.
 
         Returns
         -------
-        (N,)
-            One for every row, NaN where there is none or it is a text.
+        ndarray, (N,)
+            NaN where there is none or it is a text.
 
         Examples
         --------
-        >>> bevel = gm.build(gm.load("samples/spiral_bevel_basic.toml"))
-        >>> bevel.study({"assembly.dV": "-0.1:0.1:3"}, record="cycle", workers=1).numbers("contact_ratio")
+        >>> study = gears.study({"assembly.dx": "0:0.1:2"}, record="cycle", workers=1)
+        >>> study.numbers("assembly.dx")
+        array([0. , 0.1])
         """
         return np.array([v if isinstance(v, int | float) else np.nan for v in self.columns[name]], dtype=float)
 
@@ -221,7 +222,18 @@ class Study(Result):
         return {**header(self.design), **Summary(self.summary)}
 
     def csv(self) -> str:
-        """One row per row of the study."""
+        """The rows as a table.
+
+        Returns
+        -------
+        str
+            CSV, one row per row of the study.
+
+        Examples
+        --------
+        >>> len(gears.study({"assembly.dx": "0:0.1:2"}, record="cycle", workers=1).csv().splitlines())
+        3
+        """
         from gearmesh.study.table import csv_text
 
         return csv_text(self.columns)
@@ -232,7 +244,18 @@ class Study(Result):
         (write_csv if target.suffix.lower() == ".csv" else write_parquet)(target, self.columns)
 
     def assemblies(self) -> list[AssemblyContact | str]:
-        """Contact of every row, to be drawn; or why it has none."""
+        """Contact of every row, to be drawn.
+
+        Returns
+        -------
+        list of AssemblyContact or str
+            Or why it has none.
+
+        Examples
+        --------
+        >>> len(gears.study({"assembly.dx": "0:0.1:2"}, record="path", workers=1).assemblies())
+        2
+        """
         return assembly_contacts(self.work, self.plan.rows(0, len(self.plan)))
 
 

@@ -15,21 +15,21 @@ from gearmesh.systems.system import complete_design, design_class, kinds, one_of
 
 
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complete: bool = True) -> Design:
-    """The design in a TOML or JSON file, or on standard input.
+    """The design in a TOML or JSON file. Names of other files in it are counted from its own folder.
 
     Parameters
     ----------
     path : str or os.PathLike
-        The file; "-" is standard input. Names of other files in it are counted from its own folder.
+        The file; "-" is standard input.
     overrides : sequence of str
         Keys that are put in before validation, as "pinion.teeth=25".
     complete : bool
-        Whether defaults that only geometry knows are filled in; else they are left open until gears are built of it.
+        Whether defaults that only geometry knows are filled in now, or left open until gears are built of it.
 
     Returns
     -------
     Design
-        Of the class of its `kind`.
+        Lengths and angles are in the file's units.
 
     Raises
     ------
@@ -38,8 +38,7 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complet
 
     Examples
     --------
-    >>> design = gm.load("samples/helical.toml", ["pinion.teeth=25"])
-    >>> design.pinion.teeth
+    >>> gm.load("samples/helical.toml", ["pinion.teeth=25"]).pinion.teeth
     25
     """
     data = files.read(path)
@@ -55,13 +54,13 @@ def parse(mapping: Mapping[str, Any]) -> Design:
 
     Parameters
     ----------
-    mapping : mapping
-        Keys as in a design file, with "kind".
+    mapping : mapping of str to values
+        Keys and tables as in a design file; lengths in its units, or texts with theirs.
 
     Returns
     -------
     Design
-        Of the class of its `kind`.
+        With the defaults that only geometry knows.
 
     Raises
     ------
@@ -70,9 +69,9 @@ def parse(mapping: Mapping[str, Any]) -> Design:
 
     Examples
     --------
-    >>> gear = {"teeth": 30, "face_width": 10}
-    >>> gm.parse({"kind": "cylindrical", "module": 1, "pinion": gear, "gear": gear}).kind
-    'cylindrical'
+    >>> tables = {"pinion": {"teeth": 18, "face_width": 10}, "gear": {"teeth": 24, "face_width": 10}}
+    >>> gm.parse({"kind": "cylindrical", "module": "2mm", **tables}).gear.teeth
+    24
     """
     return complete_design(parse_as_stated(mapping))
 
@@ -91,20 +90,21 @@ def new(kind: str) -> str:
     Parameters
     ----------
     kind : str
-        One of `kinds()`.
+        One of `kinds`.
 
     Returns
     -------
     str
-        TOML text, which loads as it stands.
+        TOML; it loads as it stands.
 
     Raises
     ------
     DesignError
-        Naming the nearest kind.
+        For another kind, naming the nearest.
 
     Examples
     --------
-    >>> text = gm.new("worm_drive")
+    >>> print(gm.new("hypoid").splitlines()[0])
+    # hypoid gears: bevel gears on offset axes, cut by head cutters on a cradle [ISO 23509; AB]
     """
     return template(design_class(kind))

@@ -187,7 +187,23 @@ class System(Generic[D]):
     is_single: Callable[[Mapping[str, Any]], bool] | None = None
 
     def of_keys(self, keys: Mapping[str, Any]) -> System[Any]:
-        """The system itself, or that of single members where the keys of a design are those of one."""
+        """The system itself, or that of single members where the keys of a design are those of one.
+
+        Parameters
+        ----------
+        keys : mapping of str to values
+            Keys and tables of a design.
+
+        Returns
+        -------
+        System
+            Of these keys.
+
+        Examples
+        --------
+        >>> gm.system("cylindrical").of_keys({"gear": {"teeth": 20}}).design.__name__
+        'SingleGearDesign'
+        """
         return self if self.single is None or self.is_single is None or not self.is_single(keys) else self.single
 
 
@@ -205,11 +221,11 @@ def register(system: System[Any]) -> None:
     Parameters
     ----------
     system : System
-        Its `kind` takes the place of one of the same name.
+        Its kind, its class of designs, and what is made of them.
 
     Examples
     --------
-    >>> gm.register(gm.system("helical_pump"))  # doctest: +SKIP
+    >>> gm.register(gm.system("beveloid"))
     """
     _REGISTERED[system.kind] = system
 
@@ -220,7 +236,7 @@ def kinds() -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Those that come with gearmesh, and those that were registered.
+        What the key `kind` of a design may be; of systems that were registered, too.
 
     Examples
     --------
@@ -236,22 +252,22 @@ def system(kind: Any) -> System[Any]:
     Parameters
     ----------
     kind : str
-        One of `kinds()`.
+        One of `kinds`.
 
     Returns
     -------
     System
-        What the program knows of it; `system(kind).design` is the class of its designs.
+        Its class of designs, and what is made of them.
 
     Raises
     ------
     DesignError
-        Naming the nearest kind.
+        For another kind, naming the nearest.
 
     Examples
     --------
-    >>> gm.system("hypoid").design.about.startswith("hypoid gears")
-    True
+    >>> gm.system("hypoid").design.__name__
+    'HypoidDesign'
     """
     if isinstance(kind, str) and kind not in _REGISTERED and kind in KINDS:
         for registered in import_module(f"gearmesh.systems.registered.{KINDS[kind].registered}").SYSTEMS:

@@ -30,16 +30,16 @@ class Picture:
         return f"<Picture: {self.scene.title}, {width} x {height}>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a file, whole or not at all.
+        """Draw into a .png file, whole or not at all.
 
         Parameters
         ----------
         path : str or os.PathLike
-            A .png file.
+            The file.
 
         Returns
         -------
-        Path
+        pathlib.Path
             The file.
 
         Raises
@@ -49,7 +49,8 @@ class Picture:
 
         Examples
         --------
-        >>> gears.picture("contact", size=(400, 300)).save("contact.png")
+        >>> gears.picture("pair", size=(160, 120)).save("pair.png").name  # doctest: +SKIP
+        'pair.png'
         """
         from gearmesh.view.opengl import missing_opengl_message
         from gearmesh.view.render import render
@@ -82,16 +83,16 @@ class Diagram:
         return f"<Diagram: {self.title}>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a file, whole or not at all.
+        """Draw into a .png, .svg or .pdf file, whole or not at all.
 
         Parameters
         ----------
         path : str or os.PathLike
-            A .png, .svg or .pdf file.
+            The file.
 
         Returns
         -------
-        Path
+        pathlib.Path
             The file.
 
         Raises
@@ -101,7 +102,8 @@ class Diagram:
 
         Examples
         --------
-        >>> gears.picture("te").save("te.svg")
+        >>> gears.picture("te").save("te.svg").name
+        'te.svg'
         """
         self.draw(Path(path))
         return Path(path)
@@ -124,16 +126,16 @@ class Animation:
         return f"<Animation: {self.scenes[0].title}, {len(self.scenes)} pictures>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a file, whole or not at all.
+        """Draw into a .gif file, whole or not at all.
 
         Parameters
         ----------
         path : str or os.PathLike
-            A .gif file.
+            The file.
 
         Returns
         -------
-        Path
+        pathlib.Path
             The file.
 
         Raises
@@ -143,7 +145,8 @@ class Animation:
 
         Examples
         --------
-        >>> gears.animation(size=(320, 240)).save("mesh.gif")
+        >>> gears.animation(size=(160, 120)).save("mesh.gif").name  # doctest: +SKIP
+        'mesh.gif'
         """
         from gearmesh.view.mesh_section import write_animation
 

@@ -117,18 +117,43 @@ class Cad(Result):
         return {**header(self.design), "cad": self.figures, "warnings": self.warnings}
 
     def to_build123d(self) -> build123d.Solid | build123d.Compound:
-        """The solid for build123d, or the assembly, a Compound whose children have names, colours and places.
+        """The solid for build123d, or the assembly, handed over in memory.
 
-        Shapes are handed over in memory. Raises OutputError where build123d is missing.
+        Returns
+        -------
+        build123d.Solid or build123d.Compound
+            The children of a Compound have names, colours and places.
+
+        Raises
+        ------
+        OutputError
+            Where build123d is missing.
+
+        Examples
+        --------
+        >>> gears.cad("pinion").to_build123d().is_valid  # doctest: +SKIP
+        True
         """
         from gearmesh.cad.programs.build123d_shapes import build123d_shape
 
         return build123d_shape(self.made)
 
     def to_cadquery(self) -> cadquery.Workplane | cadquery.Assembly:
-        """The solid on a Workplane for CadQuery, or the Assembly, in which parts and faces have names and colours.
+        """The solid for CadQuery, or the assembly, handed over in memory.
 
-        Shapes are handed over in memory. Raises OutputError where CadQuery is missing.
+        Returns
+        -------
+        cadquery.Workplane or cadquery.Assembly
+            Parts and faces of an Assembly have names and colours.
+
+        Raises
+        ------
+        OutputError
+            Where CadQuery is missing.
+
+        Examples
+        --------
+        >>> gears.cad("pinion").to_cadquery().faces().size()  # doctest: +SKIP
         """
         from gearmesh.cad.programs.cadquery_shapes import cadquery_shape
 

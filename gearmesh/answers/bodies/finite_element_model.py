@@ -78,20 +78,20 @@ class FiniteElementModel(Result):
         return {**header(self.design), "model": self.figures, "solution": None}
 
     def save(self, path: str | PathLike[str], *, timing: bool = True, program: str | None = None) -> Path:
-        """Write the model, or its figures, whole or not at all.
+        """Write the model (.inp, .msh, .vtu, .cdb) or its figures (.json).
 
         Parameters
         ----------
         path : str or os.PathLike
-            An .inp, .msh, .vtu or .cdb file; .json: the figures.
+            The file.
         timing : bool
             Whether JSON has the run times.
         program : str, optional
-            Whose .inp it is: "calculix" or "abaqus".
+            Whose .inp: "calculix" or "abaqus".
 
         Returns
         -------
-        Path
+        pathlib.Path
             The file.
 
         Raises
@@ -101,7 +101,8 @@ class FiniteElementModel(Result):
 
         Examples
         --------
-        >>> gears.finite_elements(members=["pinion"]).save("pinion.inp", program="abaqus")
+        >>> gears.finite_elements().save("pair.inp", program="abaqus").name
+        'pair.inp'
         """
         target = Path(path)
         if target.suffix.lower() == ".json":
@@ -112,7 +113,18 @@ class FiniteElementModel(Result):
         return target
 
     def to_pyvista(self) -> pyvista.UnstructuredGrid:
-        """The mesh for pyvista."""
+        """The mesh for PyVista.
+
+        Returns
+        -------
+        pyvista.UnstructuredGrid
+            Hexahedra, mm.
+
+        Examples
+        --------
+        >>> gears.finite_elements().to_pyvista().n_cells > 1000
+        True
+        """
         import pyvista
 
         mesh = self.model.mesh
@@ -127,12 +139,12 @@ class UnloadedFiniteElements(FiniteElementModel):
     train: GearTrain
 
     def solve(self, progress: Callable[[float, str], None] | None = None) -> NoReturn:
-        """Refuse: nothing loads the model of one gear.
+        """Nothing loads the model: it cannot be solved.
 
         Parameters
         ----------
         progress : callable, optional
-            Not called.
+            As of `FiniteElements.solve`.
 
         Raises
         ------
@@ -141,7 +153,10 @@ class UnloadedFiniteElements(FiniteElementModel):
 
         Examples
         --------
-        >>> gm.gear(30, module=1).finite_elements().solve()  # doctest: +SKIP
+        >>> gm.gear(18, module=2, face=10).finite_elements().solve()
+        Traceback (most recent call last):
+            ...
+        gearmesh.errors.ArgumentError: solve = true: needs a mating gear: add the table [pinion]
         """
         raise self.train.needs_pair("solve", True)
 

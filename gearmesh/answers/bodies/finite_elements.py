@@ -70,23 +70,23 @@ class FiniteElements(FiniteElementModel):
         Parameters
         ----------
         progress : callable, optional
-            Called with the share that is done, and what is being done.
+            Is told how far the work is (0 to 1) and what it is doing.
 
         Returns
         -------
         FiniteElementSolution
-            Stresses, contact pressure, rotation.
+            Rotation under load, contact pressure, stresses.
 
         Raises
         ------
         OutputError
-            Where CalculiX is not installed.
+            If it is not installed.
         NoSolutionError
-            Where it fails.
+            If it fails.
 
         Examples
         --------
-        >>> gears.finite_elements().solve()  # doctest: +SKIP
+        >>> gears.finite_elements().solve().headline  # doctest: +SKIP
         """
         return _solve(self, progress)
 

@@ -130,31 +130,69 @@ class Solid(Result):
         Parameters
         ----------
         place : Rigid
-            Own frame to the other, as of `gears.places`.
+            From the frame that it is in to the other.
 
         Returns
         -------
         Solid
-            Other solid; this one stays where it is.
+            Its figures stay.
 
         Examples
         --------
-        >>> gears.solid("gear", "50um").move(gears.places_at(5.0)["gear"])
+        >>> moved = gears.solid("gear", 0.05).move(gears.places["gear"])
         """
         return replace(self, mesh=self.mesh.move(place), place=place @ self.place)
 
     def to_pyvista(self) -> pyvista.PolyData:
-        """The mesh for pyvista, with regions and exact normals as cell data."""
+        """The mesh for PyVista.
+
+        Returns
+        -------
+        pyvista.PolyData
+            Triangles, mm, with regions and exact normals as cell data.
+
+        Examples
+        --------
+        >>> gears.solid("pinion", 0.05).to_pyvista().is_manifold
+        True
+        """
         return mesh_to_pyvista(self.mesh)
 
     def to_trimesh(self) -> trimesh.Trimesh:
-        """The mesh for trimesh."""
+        """The mesh for trimesh.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            Triangles, mm.
+
+        Examples
+        --------
+        >>> gears.solid("pinion", 0.05).to_trimesh().is_watertight
+        True
+        """
         import trimesh
 
         return trimesh.Trimesh(self.mesh.vertices, self.mesh.triangles, process=False)
 
     def to_manifold(self) -> manifold3d.Manifold:
-        """The mesh for manifold3d, with coordinates to the last digit. Raises DesignError for open surfaces."""
+        """The mesh for manifold3d, with coordinates to the last digit.
+
+        Returns
+        -------
+        manifold3d.Manifold
+            A body, mm.
+
+        Raises
+        ------
+        DesignError
+            For open surfaces.
+
+        Examples
+        --------
+        >>> gears.solid("pinion", 0.05).to_manifold().genus()
+        1
+        """
         from gearmesh.mesh.solid import manifold_of
 
         if self.open:
@@ -164,7 +202,22 @@ class Solid(Result):
     def to_build123d(self) -> build123d.Solid:
         """What is meshed for build123d: no triangles but the CAD solid, with spline faces within the mesh's tolerance.
 
-        Raises DesignError for what is no whole member, OutputError where build123d is missing.
+        Returns
+        -------
+        build123d.Solid
+            In the same frame, mm.
+
+        Raises
+        ------
+        DesignError
+            For what is no whole member.
+        OutputError
+            Where build123d is missing.
+
+        Examples
+        --------
+        >>> gears.solid("pinion", 0.05).to_build123d().is_valid  # doctest: +SKIP
+        True
         """
         from gearmesh.cad.programs.build123d_shapes import build123d_shape, require_build123d
 
@@ -172,9 +225,23 @@ class Solid(Result):
         return build123d_shape(self._part())
 
     def to_cadquery(self) -> cadquery.Workplane:
-        """The same for CadQuery, on a Workplane on which the faces of each region are tagged by its name.
+        """What is meshed for CadQuery: no triangles but the CAD solid, with spline faces within the mesh's tolerance.
 
-        Raises DesignError for what is no whole member, OutputError where CadQuery is missing.
+        Returns
+        -------
+        cadquery.Workplane
+            The faces of each region are tagged by its name.
+
+        Raises
+        ------
+        DesignError
+            For what is no whole member.
+        OutputError
+            Where CadQuery is missing.
+
+        Examples
+        --------
+        >>> gears.solid("pinion", 0.05).to_cadquery().faces().size()  # doctest: +SKIP
         """
         from gearmesh.cad.programs.cadquery_shapes import cadquery_shape, require_cadquery
 
@@ -232,13 +299,35 @@ class Solids(Result):
         return {**header(self.design), "mesh": meshes, "warnings": self.warnings}
 
     def to_pyvista(self) -> pyvista.MultiBlock:
-        """The meshes for pyvista, by their names."""
+        """The meshes for PyVista.
+
+        Returns
+        -------
+        pyvista.MultiBlock
+            By the names of the members.
+
+        Examples
+        --------
+        >>> gears.solids(0.05).to_pyvista().keys()
+        ['pinion', 'gear']
+        """
         import pyvista
 
         return pyvista.MultiBlock({name: part.to_pyvista() for name, part in self.parts.items()})
 
     def to_trimesh(self) -> trimesh.Scene:
-        """The meshes for trimesh, by their names."""
+        """The meshes for trimesh.
+
+        Returns
+        -------
+        trimesh.Scene
+            By the names of the members.
+
+        Examples
+        --------
+        >>> sorted(gears.solids(0.05).to_trimesh().geometry)
+        ['gear', 'pinion']
+        """
         import trimesh
 
         scene = trimesh.Scene()

@@ -159,8 +159,21 @@ class ToolPathAnswer(Result):
         return {**header(self.design), **Summary(self.measured)}
 
     def to_dict(self) -> dict[str, list[Any]]:
-        """All positions: number of space and pass from 1, whether the way there is rapid, the tool's tip x, y, z (mm) and unit axis
-        i, j, k, and the point of contact, NaN where there is none."""
+        """All positions of the path.
+
+        Returns
+        -------
+        dict of str to list
+            Number of space and pass from 1, whether the way there is rapid, the tool's tip x, y, z (mm) and unit axis i,
+            j, k, and the
+            point of contact, NaN where there is none.
+
+        Examples
+        --------
+        >>> path = gears.toolpath("pinion", "ball:1mm", "20um", spaces="1")  # doctest: +SKIP
+        >>> len(path.to_dict()["x_mm"]) > 100  # doctest: +SKIP
+        True
+        """
         motion = self.path.whole
         numbers = [motion.space + 1, motion.number + 1, motion.rapid]
         vectors = np.concatenate((motion.tips, motion.axes, motion.contacts), axis=1).T

@@ -105,7 +105,18 @@ class Contact(Result):
         return None if self.cycle is None or self.cycle.curve is None else self.cycle.curve.engagement
 
     def ease_off(self) -> EaseOffMap:
-        """How far the pinion's flank stays from the gear's, as `Gears.ease_off`."""
+        """How far the pinion's flank stays from the gear's, as `Gears.ease_off`.
+
+        Returns
+        -------
+        EaseOffMap
+            Distances, um, on a grid over the flank.
+
+        Examples
+        --------
+        >>> len(gears.contact([0.0]).ease_off().rows()) > 100
+        True
+        """
         return ease_off_of(self.design, self.pair, self.engagement)
 
     @cached_property
@@ -135,7 +146,18 @@ class Contact(Result):
         return side_contacts(self.pair, self.path, self.engagement, None if self.fit is None else self.fit.coast)
 
     def positions(self) -> list[PositionFigures]:
-        """The figures of `tca --json` at every position; NaN where there is nothing."""
+        """The figures of `tca --json` at every position.
+
+        Returns
+        -------
+        list of PositionFigures
+            One per position (P,); NaN where there is nothing.
+
+        Examples
+        --------
+        >>> len(gears.contact([0.0, 1.0]).positions())
+        2
+        """
         return list(self._positions)
 
     @cached_property
@@ -224,7 +246,18 @@ class Contact(Result):
         return FitDetails(None, verdict(None), UNMET) if UNMET in self.warnings else None
 
     def csv(self) -> str:
-        """One row per position, the columns of the JSON laid flat, empty where there is nothing; of whole turns theirs instead."""
+        """The positions as a table; of whole turns theirs instead.
+
+        Returns
+        -------
+        str
+            CSV, one row per position, the columns of the JSON laid flat, empty where there is nothing.
+
+        Examples
+        --------
+        >>> len(gears.contact([0.0, 1.0]).csv().splitlines())
+        3
+        """
         if self.turns is not None:
             return csv_text(TurnsDetails.of(self.turns).positions.rows)
         return csv_text([position.flat for position in self.positions()])

@@ -70,7 +70,18 @@ class EaseOffMap(Result):
         ]
 
     def rows(self) -> list[EaseOffPoint]:
-        """One per point: where on the flank (s from form point to tip, t from toe to heel), its place, ease-off and phi1."""
+        """The ease-off point by point.
+
+        Returns
+        -------
+        list of EaseOffPoint
+            Where on the flank (s from form point to tip, t from toe to heel), its place, mm, ease-off, um, and phi1, deg.
+
+        Examples
+        --------
+        >>> gears.ease_off().rows()[0].s
+        0.0
+        """
         i, j = self.map.distance.shape
         s, t = np.meshgrid(np.linspace(0.0, 1.0, i), np.linspace(0.0, 1.0, j), indexing="ij")
         return [

@@ -123,7 +123,18 @@ class CompositeTest(Result):
         }
 
     def csv(self) -> str:
-        """One row per position of the single-flank test."""
+        """The single-flank test as a table.
+
+        Returns
+        -------
+        str
+            CSV, one row per position.
+
+        Examples
+        --------
+        >>> len(gears.composite().csv().splitlines()) > 10
+        True
+        """
         return csv_text(TurnsDetails.of(self.single).positions.rows)
 
     def _write(self, target: Path) -> None:

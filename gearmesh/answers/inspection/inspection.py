@@ -116,12 +116,12 @@ class Inspection(Result):
         return None if self.basis is None else class_of(self.basis.sizes, self.deviations)
 
     def tolerance(self, symbol: str) -> float | None:
-        """The tolerance of a deviation in the class that is asked for.
+        r"""The tolerance of a deviation in the class that is asked for.
 
         Parameters
         ----------
         symbol : str
-            Of the deviation, as "F_alpha".
+            Of the deviation, as "F_p".
 
         Returns
         -------
@@ -130,7 +130,10 @@ class Inspection(Result):
 
         Examples
         --------
-        >>> gm.build(gm.load("samples/hypoid_measured.toml")).evaluate("pinion").tolerance("F_p")
+        >>> with open("pitch.csv", "w") as file:
+        ...     _ = file.write("tooth,right_um,left_um\n" + "".join(f"{k},{k % 3},{k % 2}\n" for k in range(18)))
+        >>> gears.evaluate("pinion", pitch="pitch.csv").tolerance("F_p") is None
+        False
         """
         if self.basis is None:
             return None
@@ -224,7 +227,20 @@ class Inspection(Result):
         return tables
 
     def to_dict(self) -> dict[str, list[Any]]:
-        """The classes of all figures."""
+        r"""The classes of all figures.
+
+        Returns
+        -------
+        dict of str to list
+            One row per deviation.
+
+        Examples
+        --------
+        >>> with open("pitch.csv", "w") as file:
+        ...     _ = file.write("tooth,right_um,left_um\n" + "".join(f"{k},{k % 3},{k % 2}\n" for k in range(18)))
+        >>> len(gears.evaluate("pinion", pitch="pitch.csv").to_dict()) > 0
+        True
+        """
         rows = [own.row for own in self.figures.classes]
         return {key: [row[key] for row in rows] for key in (rows[0] if rows else ())}
 

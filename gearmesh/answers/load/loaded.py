@@ -189,25 +189,25 @@ class LoadedContact(Result):
         }
 
     def share_at(self, rotation: Array, torque: int = 0) -> Array:
-        """Share of a torque on tooth pair 0 at rotations of the pinion.
+        """Share of one of the torques on tooth pair 0, linear between positions.
 
-        Between positions it is linear: of positions evenly spaced over a pitch shares of all pairs sum to 1 everywhere.
+        Of positions evenly spaced over a pitch shares of all pairs sum to 1 everywhere.
 
         Parameters
         ----------
-        rotation : (P,)
+        rotation : ndarray, (P,)
             Of the pinion, rad.
         torque : int
-            Number of the torque, from 0.
+            Number of the torque.
 
         Returns
         -------
-        (P,)
-            Shares from 0 to 1.
+        ndarray, (P,)
+            From 0 to 1; 0 where none.
 
         Examples
         --------
-        >>> gears.loaded_contact(50, [0.0, 3.0, 6.0]).share_at(np.radians([0.0, 2.0]))
+        >>> gears.loaded_contact(20.0).share_at(np.array([0.0]))  # doctest: +SKIP
         """
         load = self.mesh.loads[torque]
         number = np.arange(load.number.min() - 1, load.number.max() + 2)
@@ -314,7 +314,17 @@ class LoadedContact(Result):
         return columns([row.row for row in self.rows])
 
     def csv(self) -> str:
-        """One row per torque and position, the columns of the JSON laid flat; of tooth pairs those that are loaded anywhere."""
+        """The positions as a table.
+
+        Returns
+        -------
+        str
+            CSV, one row per torque and position, the columns of the JSON laid flat; of tooth pairs those that are loaded anywhere.
+
+        Examples
+        --------
+        >>> gears.loaded_contact(20.0).csv()  # doctest: +SKIP
+        """
         rows = self.rows
         known = {
             tooth_pair.column: dict.fromkeys(tooth_pair.flat, np.nan) for row in rows for tooth_pair in row.tooth_pairs

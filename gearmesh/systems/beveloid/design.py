@@ -118,7 +118,18 @@ class BeveloidDesign(PairDesign):
     contact: FlankContact = FlankContact()
 
     def derived_values(self) -> dict[str, float]:
-        """Tip roundings of the racks that the file leaves out; see the key's default."""
+        """Tip roundings of the racks that the file leaves out; see the key's default.
+
+        Returns
+        -------
+        dict of str to float
+            By dotted key, in the file's units.
+
+        Examples
+        --------
+        >>> sorted(gm.load("samples/beveloid_crossed.toml", complete=False).derived_values())[:2]
+        ['contact.delta', 'contact.phi1.start']
+        """
         return {
             **super().derived_values(),
             **{f"{name}.tool_tip_radius": self._rounding(getattr(self, name)) for name in ("pinion", "gear")},

@@ -161,7 +161,18 @@ class CircularArcDesign(PairDesign):
     contact: CircularArcContact = CircularArcContact()
 
     def derived_values(self) -> dict[str, float]:
-        """Rack and pitch radii that the file leaves out; see the keys' defaults."""
+        """Rack and pitch radii that the file leaves out; see the keys' defaults.
+
+        Returns
+        -------
+        dict of str to float
+            By dotted key, in the file's units.
+
+        Examples
+        --------
+        >>> sorted(gm.load("samples/circular_arc.toml", complete=False).derived_values())[:2]
+        ['center_distance', 'contact.delta']
+        """
         m, theta = self.given_module, math.radians(self.pressure_angle)
         radius = given_or(self.pinion.profile_radius, 1.35 * m)
         a, b = given_or(self.pinion.a, 0.3988 * m), given_or(self.pinion.b, 0.2439 * m)
@@ -182,7 +193,23 @@ class CircularArcDesign(PairDesign):
         return {**derived, **self._fillets(derived)}
 
     def arc_rack(self, name: str) -> ArcRack:
-        """The rack of a member, in the design's unit of length."""
+        """The rack of a member.
+
+        Parameters
+        ----------
+        name : str
+            "pinion" or "gear".
+
+        Returns
+        -------
+        ArcRack
+            In the design's unit of length.
+
+        Examples
+        --------
+        >>> type(gm.load("samples/circular_arc.toml").arc_rack("pinion")).__name__
+        'ArcRack'
+        """
         from gearmesh.systems.circular_arc.fillets import ArcRack
 
         spec = self.pinion if name == "pinion" else self.gear

@@ -518,7 +518,18 @@ class ToothingKeys(Design):
         return given_or(self.pressure_angle, 20.0)
 
     def derived_values(self) -> dict[str, float]:
-        """Defaults that the profile says; those that follow from the mesh are the system's to derive."""
+        """Defaults that the profile says; those that follow from the mesh are the system's to derive.
+
+        Returns
+        -------
+        dict of str to float
+            By dotted key, in the file's units.
+
+        Examples
+        --------
+        >>> sorted(gm.load("samples/helical.toml", complete=False).derived_values())[:2]
+        ['contact.delta', 'contact.phi1.start']
+        """
         defaults = super().derived_values()
         if self.transverse_pressure_angle is None:
             defaults["pressure_angle"] = 20.0
@@ -541,7 +552,23 @@ class ToothingKeys(Design):
         return {name: spec for name, spec in given.items() if spec is not None}
 
     def with_allowances(self) -> list[str]:
-        """Names of the members whose thickness is given. Raises a conflict where a backlash says the thicknesses, too."""
+        """Names of the members whose thickness is given.
+
+        Returns
+        -------
+        list of str
+            Of those that there are.
+
+        Raises
+        ------
+        DesignError
+            Where a backlash says the thicknesses, too.
+
+        Examples
+        --------
+        >>> design.with_allowances()
+        []
+        """
         names = [name for name, spec in self.specs.items() if spec.thickness_key is not None]
         for name in names:
             for key in ("backlash", "circumferential_backlash"):

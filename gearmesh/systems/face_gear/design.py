@@ -205,7 +205,18 @@ class FaceGearDesign(PairDesign):
     contact: FlankContact = FlankContact()
 
     def derived_values(self) -> dict[str, float]:
-        """Tool and blank that the file leaves out, but for what geometry has to say (`build.derived_values`)."""
+        """Tool and blank that the file leaves out, but for what geometry has to say (`build.derived_values`).
+
+        Returns
+        -------
+        dict of str to float
+            By dotted key, in the file's units.
+
+        Examples
+        --------
+        >>> sorted(gm.load("samples/face_gear.toml", complete=False).derived_values())[:2]
+        ['contact.delta', 'contact.phi1.start']
+        """
         rim = given_or(self.gear.rim, RIM * self.given_module)
         return {
             **super().derived_values(),

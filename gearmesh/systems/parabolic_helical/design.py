@@ -244,7 +244,18 @@ class ParabolicHelicalDesign(PairDesign):
         return 0.5 * self.pinion.teeth * self.given_module / math.cos(math.radians(self.helix_angle))
 
     def derived_values(self) -> dict[str, float]:
-        """Coast side, tools and the modified roll that the file leaves out; see the keys' defaults."""
+        """Coast side, tools and the modified roll that the file leaves out; see the keys' defaults.
+
+        Returns
+        -------
+        dict of str to float
+            By dotted key, in the file's units.
+
+        Examples
+        --------
+        >>> sorted(gm.load("samples/novikov.toml", complete=False).derived_values())[:2]
+        ['coast_pressure_angle', 'contact.delta']
+        """
         m = self.given_module
         arm = (
             self._pitch_radius * math.cos(math.radians(self.helix_angle)) / math.tan(math.radians(self.pressure_angle))
@@ -263,12 +274,44 @@ class ParabolicHelicalDesign(PairDesign):
         }
 
     def rack_space(self, name: str) -> float:
-        """Width (in the design's units) of the space of a member's rack at the pitch plane, without backlash."""
+        """Width of the space of a member's rack at the pitch plane, without backlash.
+
+        Parameters
+        ----------
+        name : str
+            "pinion" or "gear".
+
+        Returns
+        -------
+        float
+            In the design's units.
+
+        Examples
+        --------
+        >>> gm.load("samples/novikov.toml").rack_space("pinion") > 0
+        True
+        """
         b, pitch = self.rack_parameter, math.pi * self.given_module
         return pitch / (1.0 + b) if name == "pinion" else pitch * b / (1.0 + b)
 
     def rack_flanks(self, name: str) -> Flanks:
-        """Both flanks of a member's rack, design's units; each of the pair's four is set back by a quarter of the backlash."""
+        """Both flanks of a member's rack; each of the pair's four is set back by a quarter of the backlash.
+
+        Parameters
+        ----------
+        name : str
+            "pinion" or "gear".
+
+        Returns
+        -------
+        (Parabola, Parabola)
+            In the design's units.
+
+        Examples
+        --------
+        >>> len(gm.load("samples/novikov.toml").rack_flanks("pinion"))
+        2
+        """
         from gearmesh.tools.rack import Line, Parabola
 
         spec = self.pinion if name == "pinion" else self.gear
@@ -326,7 +369,18 @@ class ParabolicHelicalDesign(PairDesign):
         }
 
     def standards(self) -> dict[str, tuple[float, str]]:
-        """What the keys that adapt would be, and why they are not."""
+        """What the keys that adapt would be, and why they are not.
+
+        Returns
+        -------
+        dict of str to (float, str)
+            By dotted key.
+
+        Examples
+        --------
+        >>> isinstance(gm.load("samples/novikov.toml").standards(), dict)
+        True
+        """
         room = "the rack's tooth has no room for it"
         why = {
             "addendum": (ADDENDUM, "the tooth would be pointed, or nearly so"),

@@ -663,12 +663,44 @@ class FaceMilledDesign(BevelDesign):
         return DERIVED
 
     def ease_off(self, name: str) -> EaseOffTable | None:
-        """The ease-off that is asked of the pinion's side `name`: its own, or that of both."""
+        """The ease-off that is asked of a side of the pinion: its own, or that of both.
+
+        Parameters
+        ----------
+        name : str
+            "concave" or "convex".
+
+        Returns
+        -------
+        EaseOffTable or None
+            None where none is asked for.
+
+        Examples
+        --------
+        >>> gm.load("samples/spiral_bevel_basic.toml").ease_off("concave") is None
+        True
+        """
         own = self.pinion.side(name).ease_off
         return self.contact.ease_off if own is None else own
 
     def ease_off_key(self, name: str) -> str:
-        """The key under which it is."""
+        """The key of the ease-off that is asked of a side of the pinion.
+
+        Parameters
+        ----------
+        name : str
+            "concave" or "convex".
+
+        Returns
+        -------
+        str
+            Dotted.
+
+        Examples
+        --------
+        >>> gm.load("samples/spiral_bevel_basic.toml").ease_off_key("concave")
+        'contact.ease_off'
+        """
         return "contact.ease_off" if self.pinion.side(name).ease_off is None else f"pinion.{name}.ease_off"
 
     def plain(self) -> dict[str, Any]:
@@ -825,14 +857,43 @@ class FaceMilledDesign(BevelDesign):
         )
 
     def leans(self, name: str) -> bool:
-        """Whether tilt and swivel of a side of the pinion are still to be derived: for a gear that is not generated."""
+        """Whether tilt and swivel of a side of the pinion are still to be derived: for a gear that is not generated.
+
+        Parameters
+        ----------
+        name : str
+            "concave" or "convex".
+
+        Returns
+        -------
+        bool
+            Whether they are.
+
+        Examples
+        --------
+        >>> gm.load("samples/spiral_bevel_basic.toml").leans("concave")
+        False
+        """
         own = self.pinion.side(name)
         left = math.isnan(own.tilt) and math.isnan(own.swivel)
         return self.formate and left and any(getattr(own, key) is None for key in SYNTHESISED)
 
     def derived_values(self) -> dict[str, float]:
-        """Backlash, tilt, swivel and sliding bases that the file leaves out, but for what only geometry knows: sliding bases of
-        tilted cutters, and how they lean for a gear that is not generated. Both sides of the pinion are cut to one depth."""
+        """Backlash, tilt, swivel and sliding bases that the file leaves out.
+
+        But for what only geometry knows: sliding bases of tilted cutters, and how they lean for a gear that is not generated. Both
+        sides of the pinion are cut to one depth.
+
+        Returns
+        -------
+        dict of str to float
+            By dotted key, in the file's units.
+
+        Examples
+        --------
+        >>> sorted(gm.load("samples/spiral_bevel_basic.toml", complete=False).derived_values())[:2]
+        ['backlash', 'contact.delta']
+        """
         defaults = super().derived_values()
         if self.pinion.thickness is None:
             defaults["backlash"] = self._suggested_backlash

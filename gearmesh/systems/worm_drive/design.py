@@ -307,7 +307,18 @@ class WormDriveDesign(Design):
         return 0.5 * (self.reference_diameter + self.wheel.teeth * self.axial_module)
 
     def derived_values(self) -> dict[str, float]:
-        """What the file leaves out [DIN 3975]."""
+        """What the file leaves out [DIN 3975].
+
+        Returns
+        -------
+        dict of str to float
+            By dotted key, in the file's units.
+
+        Examples
+        --------
+        >>> sorted(gm.load("samples/worm_drive.toml", complete=False).derived_values())[:2]
+        ['center_distance', 'contact.delta']
+        """
         m, d1, wheel = self.axial_module, self.reference_diameter, self.wheel
         concave = self.worm.form == ThreadForm.ZC
         usual = self._zero_shift_distance + (CONCAVE_SHIFT * m if concave else 0.0)
