@@ -40,51 +40,79 @@ if TYPE_CHECKING:
     from gearmesh.answers.bodies.cad import Cad
     from gearmesh.answers.bodies.finite_element_model import FiniteElementModel, UnloadedFiniteElements
     from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
-    from gearmesh.answers.bodies.measuring_grid import MeasuringGrids
-    from gearmesh.answers.bodies.section import Section
+    from gearmesh.answers.bodies.measuring_grid import MeasuringGridFigures, MeasuringGrids
+    from gearmesh.answers.bodies.model_figures import CyclicFigures
+    from gearmesh.answers.bodies.section import Section, SectionFigures
     from gearmesh.answers.bodies.solid import Solid, Solids
-    from gearmesh.answers.bodies.toolpath import ToolPathAnswer
-    from gearmesh.answers.bodies.topography import FlankTopography
-    from gearmesh.answers.check import Check, RollTest
+    from gearmesh.answers.bodies.toolpath import ToolPathAnswer, ToolPathFigures
+    from gearmesh.answers.bodies.topography import FlankTopography, TopographyFigures
+    from gearmesh.answers.check import Check, RollTest, Verdict
     from gearmesh.answers.contact.contact import Contact
-    from gearmesh.answers.contact.ease_off import EaseOffMap
-    from gearmesh.answers.contact.vh import VHCheck
+    from gearmesh.answers.contact.ease_off import EaseOffMap, EaseOffPoint
+    from gearmesh.answers.contact.figures import PositionFigures
+    from gearmesh.answers.contact.sides import SideContact
+    from gearmesh.answers.contact.vh import PlaceFigures, TotalFigures, VHCheck
     from gearmesh.answers.exchange import RexsExport, RexsReading, load_rexs
-    from gearmesh.answers.inspection.composite import CompositeTest
-    from gearmesh.answers.inspection.correction import Correction
+    from gearmesh.answers.inspection.composite import CompositeFigures, CompositeTest
+    from gearmesh.answers.inspection.correction import Correction, CorrectionFigures
+    from gearmesh.answers.inspection.figures import InspectionFigures
+    from gearmesh.answers.inspection.flank_map import DeviationMap, MeasuredTrace
     from gearmesh.answers.inspection.inspection import Inspection
-    from gearmesh.answers.limits import Limits
+    from gearmesh.answers.limits import Limits, MemberLimitFigures
+    from gearmesh.answers.load.figures import LoadedFigures, LoadedPosition, LoadedTotals, ToothPairPosition
     from gearmesh.answers.load.loaded import LoadedContact
     from gearmesh.answers.pinned import Pinned
-    from gearmesh.answers.planetary_sizing import PlanetarySizing, size_planetary
-    from gearmesh.answers.result import Result
-    from gearmesh.answers.sheet import Compensation, DesignSheet
-    from gearmesh.answers.sizing import Sizing, size
+    from gearmesh.answers.planetary_sizing import PlanetarySizing, RejectedFigures, SetFigures, size_planetary
+    from gearmesh.answers.result import Result, RunTime
+    from gearmesh.answers.sheet import Compensation, DesignSheet, SettingFigures
+    from gearmesh.answers.sizing import CandidateFigures, Sizing, size
+    from gearmesh.answers.tables import Listing
     from gearmesh.api.gear import gear
     from gearmesh.api.gears import Gears, build
-    from gearmesh.design.core import Design
+    from gearmesh.cad.contours.curves import Contour
+    from gearmesh.cad.step import Part
+    from gearmesh.contact.engagement.engagement import Engagement
+    from gearmesh.contact.engagement.turns import FullTurns
+    from gearmesh.contact.path import ContactPath
+    from gearmesh.design.core import Design, MemberMount
     from gearmesh.design.files import toml
+    from gearmesh.design.keys import Key, KeyLine, Table
     from gearmesh.drawing.drawing import WorkshopDrawing
     from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
-    from gearmesh.loaded.mounts import FlexibleMount as FlexibleMount
+    from gearmesh.figures import Entry, Figure, Summary
+    from gearmesh.kernel.motion.rigid import Rigid
+    from gearmesh.loaded.mounts import FlexibleMount
+    from gearmesh.mesh.triangles import TriangleMesh
+    from gearmesh.metrology.second_order import SecondOrder
+    from gearmesh.metrology.tolerances import FigureClass, GearClass
     from gearmesh.reports.report import ReportPage
     from gearmesh.reports.run import Report
-    from gearmesh.study.largest_errors import LargestErrors
+    from gearmesh.study.largest_errors import KeyRange, LargestErrors
+    from gearmesh.study.rows.patterns import AssemblyContact
+    from gearmesh.study.statistics import Effect
     from gearmesh.study.study import Study
+    from gearmesh.study.summary import StudySummary
+    from gearmesh.study.variance import VarianceShare
     from gearmesh.systems.beveloid.design import BeveloidDesign
     from gearmesh.systems.circular_arc.design import CircularArcDesign
-    from gearmesh.systems.cylindrical.design import CylindricalDesign
+    from gearmesh.systems.circular_arc.fillets import ArcRack
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
     from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
+    from gearmesh.systems.cylindrical.planetary.sizing import SetCandidate
     from gearmesh.systems.cylindrical.rack.design import RackDesign, SingleRackDesign
     from gearmesh.systems.cylindrical.single.design import SingleGearDesign
     from gearmesh.systems.designs import load, new, parse
     from gearmesh.systems.face_gear.design import FaceGearDesign
     from gearmesh.systems.parabolic_helical.design import ModifiedInvoluteDesign, NovikovDesign
     from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
-    from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.design import EaseOffTable, SpiralBevelDesign
     from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
-    from gearmesh.systems.system import System, kinds, register, system
+    from gearmesh.systems.system import System, ToolPart, kinds, register, system
     from gearmesh.systems.worm_drive.design import WormDriveDesign
+    from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
+    from gearmesh.teeth.mount import Mount
+    from gearmesh.teeth.region import Side
+    from gearmesh.tools.rack import Parabola
     from gearmesh.view.picture import Animation, Diagram, Picture
 
 #: said here alone: pyproject.toml has it from here
@@ -92,52 +120,101 @@ __version__ = "0.10.0"
 
 __all__ = [
     "Animation",
+    "ArcRack",
+    "AssemblyContact",
     "BeveloidDesign",
     "Cad",
+    "CandidateFigures",
     "Check",
     "CircularArcDesign",
     "Compensation",
+    "CompositeFigures",
     "CompositeTest",
     "ConjugateDesign",
     "Contact",
+    "ContactPath",
+    "Contour",
     "Correction",
+    "CorrectionFigures",
+    "CyclicFigures",
     "CylindricalDesign",
+    "CylindricalMember",
     "Design",
     "DesignError",
     "DesignSheet",
+    "DeviationMap",
     "Diagram",
     "EaseOffMap",
+    "EaseOffPoint",
+    "EaseOffTable",
+    "Effect",
+    "Engagement",
+    "Entry",
     "FaceGearDesign",
+    "Figure",
+    "FigureClass",
     "FiniteElementDecks",
     "FiniteElementModel",
     "FiniteElementSolution",
     "FiniteElements",
     "FlankTopography",
     "FlexibleMount",
+    "FullTurns",
+    "GearClass",
+    "GearPair",
+    "GearTrain",
     "GearmeshError",
     "Gears",
     "HypoidDesign",
     "Inspection",
+    "InspectionFigures",
+    "Key",
+    "KeyLine",
+    "KeyRange",
     "LargestErrors",
     "Limits",
+    "Listing",
     "LoadedContact",
+    "LoadedFigures",
+    "LoadedPosition",
+    "LoadedTotals",
+    "MeasuredTrace",
+    "MeasuringGridFigures",
     "MeasuringGrids",
+    "Member",
+    "MemberLimitFigures",
+    "MemberMount",
     "ModifiedInvoluteDesign",
+    "Mount",
     "NoSolutionError",
     "NovikovDesign",
     "OutputError",
+    "Parabola",
+    "Part",
     "Picture",
     "Pinned",
+    "PlaceFigures",
     "PlanetaryDesign",
     "PlanetarySizing",
+    "PositionFigures",
     "RackDesign",
+    "RejectedFigures",
     "Report",
     "ReportPage",
     "Result",
     "RexsExport",
     "RexsReading",
+    "Rigid",
     "RollTest",
+    "RunTime",
+    "SecondOrder",
     "Section",
+    "SectionFigures",
+    "SetCandidate",
+    "SetFigures",
+    "SettingFigures",
+    "Side",
+    "SideContact",
     "SingleGearDesign",
     "SingleRackDesign",
     "Sizing",
@@ -145,10 +222,21 @@ __all__ = [
     "Solids",
     "SpiralBevelDesign",
     "Study",
+    "StudySummary",
+    "Summary",
     "System",
+    "Table",
+    "ToolPart",
     "ToolPathAnswer",
+    "ToolPathFigures",
+    "ToothPairPosition",
+    "TopographyFigures",
+    "TotalFigures",
+    "TriangleMesh",
     "UnloadedFiniteElements",
     "VHCheck",
+    "VarianceShare",
+    "Verdict",
     "WorkshopDrawing",
     "WormDriveDesign",
     "build",
@@ -177,54 +265,116 @@ _HOMES = {
         "FiniteElementSolution",
         "FiniteElements",
     ),
-    "gearmesh.answers.bodies.measuring_grid": ("MeasuringGrids",),
-    "gearmesh.answers.bodies.section": ("Section",),
+    "gearmesh.answers.bodies.measuring_grid": (
+        "MeasuringGridFigures",
+        "MeasuringGrids",
+    ),
+    "gearmesh.answers.bodies.model_figures": ("CyclicFigures",),
+    "gearmesh.answers.bodies.section": (
+        "Section",
+        "SectionFigures",
+    ),
     "gearmesh.answers.bodies.solid": (
         "Solid",
         "Solids",
     ),
-    "gearmesh.answers.bodies.toolpath": ("ToolPathAnswer",),
-    "gearmesh.answers.bodies.topography": ("FlankTopography",),
+    "gearmesh.answers.bodies.toolpath": (
+        "ToolPathAnswer",
+        "ToolPathFigures",
+    ),
+    "gearmesh.answers.bodies.topography": (
+        "FlankTopography",
+        "TopographyFigures",
+    ),
     "gearmesh.answers.check": (
         "Check",
         "RollTest",
+        "Verdict",
     ),
     "gearmesh.answers.contact.contact": ("Contact",),
-    "gearmesh.answers.contact.ease_off": ("EaseOffMap",),
-    "gearmesh.answers.contact.vh": ("VHCheck",),
+    "gearmesh.answers.contact.ease_off": (
+        "EaseOffMap",
+        "EaseOffPoint",
+    ),
+    "gearmesh.answers.contact.figures": ("PositionFigures",),
+    "gearmesh.answers.contact.sides": ("SideContact",),
+    "gearmesh.answers.contact.vh": (
+        "PlaceFigures",
+        "TotalFigures",
+        "VHCheck",
+    ),
     "gearmesh.answers.exchange": (
         "RexsExport",
         "RexsReading",
         "load_rexs",
     ),
-    "gearmesh.answers.inspection.composite": ("CompositeTest",),
-    "gearmesh.answers.inspection.correction": ("Correction",),
+    "gearmesh.answers.inspection.composite": (
+        "CompositeFigures",
+        "CompositeTest",
+    ),
+    "gearmesh.answers.inspection.correction": (
+        "Correction",
+        "CorrectionFigures",
+    ),
+    "gearmesh.answers.inspection.figures": ("InspectionFigures",),
+    "gearmesh.answers.inspection.flank_map": (
+        "DeviationMap",
+        "MeasuredTrace",
+    ),
     "gearmesh.answers.inspection.inspection": ("Inspection",),
-    "gearmesh.answers.limits": ("Limits",),
+    "gearmesh.answers.limits": (
+        "Limits",
+        "MemberLimitFigures",
+    ),
+    "gearmesh.answers.load.figures": (
+        "LoadedFigures",
+        "LoadedPosition",
+        "LoadedTotals",
+        "ToothPairPosition",
+    ),
     "gearmesh.answers.load.loaded": ("LoadedContact",),
     "gearmesh.answers.pinned": ("Pinned",),
     "gearmesh.answers.planetary_sizing": (
         "PlanetarySizing",
+        "RejectedFigures",
+        "SetFigures",
         "size_planetary",
     ),
-    "gearmesh.answers.result": ("Result",),
+    "gearmesh.answers.result": (
+        "Result",
+        "RunTime",
+    ),
     "gearmesh.answers.sheet": (
         "Compensation",
         "DesignSheet",
+        "SettingFigures",
     ),
     "gearmesh.answers.sizing": (
+        "CandidateFigures",
         "Sizing",
         "size",
     ),
+    "gearmesh.answers.tables": ("Listing",),
     "gearmesh.api.gear": ("gear",),
     "gearmesh.api.gears": (
         "Gears",
         "build",
     ),
-    "gearmesh.reports.report": ("ReportPage",),
-    "gearmesh.reports.run": ("Report",),
-    "gearmesh.design.core": ("Design",),
+    "gearmesh.cad.contours.curves": ("Contour",),
+    "gearmesh.cad.step": ("Part",),
+    "gearmesh.contact.engagement.engagement": ("Engagement",),
+    "gearmesh.contact.engagement.turns": ("FullTurns",),
+    "gearmesh.contact.path": ("ContactPath",),
+    "gearmesh.design.core": (
+        "Design",
+        "MemberMount",
+    ),
     "gearmesh.design.files": ("toml",),
+    "gearmesh.design.keys": (
+        "Key",
+        "KeyLine",
+        "Table",
+    ),
     "gearmesh.drawing.drawing": ("WorkshopDrawing",),
     "gearmesh.errors": (
         "DesignError",
@@ -232,13 +382,39 @@ _HOMES = {
         "NoSolutionError",
         "OutputError",
     ),
+    "gearmesh.figures": (
+        "Entry",
+        "Figure",
+        "Summary",
+    ),
+    "gearmesh.kernel.motion.rigid": ("Rigid",),
     "gearmesh.loaded.mounts": ("FlexibleMount",),
-    "gearmesh.study.largest_errors": ("LargestErrors",),
+    "gearmesh.mesh.triangles": ("TriangleMesh",),
+    "gearmesh.metrology.second_order": ("SecondOrder",),
+    "gearmesh.metrology.tolerances": (
+        "FigureClass",
+        "GearClass",
+    ),
+    "gearmesh.reports.report": ("ReportPage",),
+    "gearmesh.reports.run": ("Report",),
+    "gearmesh.study.largest_errors": (
+        "KeyRange",
+        "LargestErrors",
+    ),
+    "gearmesh.study.rows.patterns": ("AssemblyContact",),
+    "gearmesh.study.statistics": ("Effect",),
     "gearmesh.study.study": ("Study",),
+    "gearmesh.study.summary": ("StudySummary",),
+    "gearmesh.study.variance": ("VarianceShare",),
     "gearmesh.systems.beveloid.design": ("BeveloidDesign",),
     "gearmesh.systems.circular_arc.design": ("CircularArcDesign",),
-    "gearmesh.systems.cylindrical.design": ("CylindricalDesign",),
+    "gearmesh.systems.circular_arc.fillets": ("ArcRack",),
+    "gearmesh.systems.cylindrical.design": (
+        "CylindricalDesign",
+        "CylindricalMember",
+    ),
     "gearmesh.systems.cylindrical.planetary.design": ("PlanetaryDesign",),
+    "gearmesh.systems.cylindrical.planetary.sizing": ("SetCandidate",),
     "gearmesh.systems.cylindrical.rack.design": (
         "RackDesign",
         "SingleRackDesign",
@@ -255,15 +431,27 @@ _HOMES = {
         "NovikovDesign",
     ),
     "gearmesh.systems.spiral_bevel.conjugate.design": ("ConjugateDesign",),
-    "gearmesh.systems.spiral_bevel.design": ("SpiralBevelDesign",),
+    "gearmesh.systems.spiral_bevel.design": (
+        "EaseOffTable",
+        "SpiralBevelDesign",
+    ),
     "gearmesh.systems.spiral_bevel.hypoid_design": ("HypoidDesign",),
     "gearmesh.systems.system": (
         "System",
+        "ToolPart",
         "kinds",
         "register",
         "system",
     ),
     "gearmesh.systems.worm_drive.design": ("WormDriveDesign",),
+    "gearmesh.teeth.gear_train": (
+        "GearPair",
+        "GearTrain",
+        "Member",
+    ),
+    "gearmesh.teeth.mount": ("Mount",),
+    "gearmesh.teeth.region": ("Side",),
+    "gearmesh.tools.rack": ("Parabola",),
     "gearmesh.view.picture": (
         "Animation",
         "Diagram",

@@ -124,7 +124,7 @@ class RollTest(Result):
 
         Examples
         --------
-        >>> len(gears.roll(gears.contact([0.0, 1.0])).patches(gears.train.pair(0), "pinion"))
+        >>> len(gears.roll(gears.contact([0.0, 1.0])).patches(gears.pairs[0], "pinion"))
         2
         """
         gap_maps = []

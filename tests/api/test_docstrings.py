@@ -16,7 +16,14 @@ import gearmesh as gm
 
 #: parameters that are no argument of a user
 OWN = {"self", "cls"}
+#: what users ask: other public classes are figures and parts of gears, which are looked into
+ASKED = (gm.Result, gm.Gears, gm.Design, gm.GearmeshError, gm.System, gm.FlexibleMount)
 SECTIONS = ("Parameters", "Returns", "Raises", "Examples")
+
+
+def is_asked(thing: type) -> bool:
+    """Whether a class is one that users ask or save."""
+    return issubclass(thing, ASKED) or hasattr(thing, "save")
 
 
 def functions() -> Iterator[tuple[str, Any]]:
@@ -26,6 +33,8 @@ def functions() -> Iterator[tuple[str, Any]]:
         thing = getattr(gm, name)
         if not inspect.isclass(thing):
             yield name, thing
+            continue
+        if not is_asked(thing):
             continue
         for owner in thing.__mro__:
             for key, value in vars(owner).items() if owner.__module__.startswith("gearmesh") else ():
