@@ -232,8 +232,7 @@ class Gears(SolvedGears):
             The space between two teeth as a solid, as a broach or an electrode fills it, up to the tip surface.
         offset : float or str
             By how much all surfaces of the teeth move along their normals, mm, positive away from the member's material:
-            stock, or a
-            spark gap; negative: clearance.
+            stock, or a spark gap; negative: clearance.
         file : str or os.PathLike, optional
             The file that it is meant for: the mesh is proved as that will hold it, as some formats have single precision.
 
@@ -1179,8 +1178,8 @@ class Gears(SolvedGears):
         ----------
         view : str
             In three dimensions: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap" (the
-            pattern that the
-            roll test finds), "pair" (all in mesh), "section" (the mesh cut open across the teeth), "tool" (a member with the tool
+            pattern that the roll test finds), "pair" (all in mesh), "section" (the mesh cut open across the teeth),
+            "tool" (a member with the tool
             that generates it, in its position when it generates the middle of the flank; `member` "worm": with the worm that grinds
             it), "contact_lines" (the tooth and its tool, with the lines along which they touch at several generating rotations),
             "loaded" (a member's tooth with the largest pressure that each place of its flank sees), "stress" (contact pressure and
@@ -1325,12 +1324,10 @@ class Gears(SolvedGears):
         ----------
         vary : mapping of str to list or str, optional
             By dotted key a list of values or a text "low:high:count" (all combinations are rows), or with `sample`
-            "low:high", to be
-            sampled evenly.
+            "low:high", to be sampled evenly.
         tolerance : mapping of str to str, or str or os.PathLike, optional
             By key a text as "normal:0:20um", or a TOML file of them. "class:6", or of the key class, is that of flanks in
-            this class
-            of ISO 1328-1.
+            this class of ISO 1328-1.
         sample : int, optional
             Number of sampled rows.
         method : str

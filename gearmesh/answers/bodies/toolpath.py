@@ -165,8 +165,7 @@ class ToolPathAnswer(Result):
         -------
         dict of str to list
             Number of space and pass from 1, whether the way there is rapid, the tool's tip x, y, z (mm) and unit axis i,
-            j, k, and the
-            point of contact, NaN where there is none.
+            j, k, and the point of contact, NaN where there is none.
 
         Examples
         --------
