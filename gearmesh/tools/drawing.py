@@ -6,14 +6,15 @@ Surfaces of revolution are turned once round; racks and shapers go along the fac
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
 
+from gearmesh.kernel.envelope.helicoid import half_plane
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import AXIS, Array
+from gearmesh.kernel.numeric.algebra import AXIS, Array, components, unit
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet
 
 #: points across a tool's flank and its tip rounding, round a surface of revolution, along a rack
@@ -22,6 +23,8 @@ ACROSS, TIP, AROUND, ALONG = 25, 17, 361, 61
 SHOWN, BEYOND = 1.5, 0.1
 #: spaces of a rack that are shown on either side of the middle one
 SPACES = 2
+#: pitches of a thread that are shown along its axis on either side of the middle, and points on a turn of it
+PITCHES, TURN = 2.5, 97
 
 
 @dataclass(frozen=True)
@@ -67,10 +70,11 @@ Drawn = tuple[tuple[ToolSheet, ...], tuple[Array, ...]]
 
 
 class Drawing(Protocol):
-    """How a tool is shown: `turning`: it has an axis of its own; `as_part`: by a mesh of its own instead of sheets."""
+    """How a tool is shown: `axis`: the frame whose z axis is its own, over the tool's frame, None where it has none; `as_part`: by
+    a mesh of its own instead of sheets."""
 
     @property
-    def turning(self) -> bool: ...
+    def axis(self) -> Rigid | None: ...
     @property
     def as_part(self) -> bool: ...
 
@@ -82,7 +86,7 @@ class Drawing(Protocol):
 class PartDrawing:
     """A tool that is a part of its own, such as a worm."""
 
-    turning: bool = True
+    axis: Rigid | None = field(default_factory=Rigid.identity)
     as_part: bool = True
 
     def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
@@ -94,7 +98,7 @@ class TurnedDrawing:
     """A surface of revolution about the tool's z axis: flank and tip of all sides, the tip plane or rim between two, and their
     section at the point."""
 
-    turning: bool = True
+    axis: Rigid | None = field(default_factory=Rigid.identity)
     as_part: bool = False
 
     def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
@@ -134,7 +138,7 @@ class StraightDrawing:
     shaper (None), and the tip planes between them."""
 
     radius: float | None = None
-    turning: bool = False
+    axis: Rigid | None = None
     as_part: bool = False
 
     def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
@@ -158,3 +162,65 @@ class StraightDrawing:
             for before, after in pairwise(shifts):
                 points = np.stack((high_end + before, low_end + after))
                 yield ToolSheet("land", points, np.broadcast_to(normal, points.shape))
+
+
+@dataclass(frozen=True)
+class ThreadDrawing:
+    """A hob: flanks, tip roundings, tips and roots of its `threads` about the z axis of the frame `axis` (over the tool's), `screw`
+    (mm/rad) their axial advance, signed; the gashes are not shown."""
+
+    axis: Rigid
+    screw: float
+    threads: int
+    as_part: bool = False
+
+    @property
+    def _pitch(self) -> float:
+        return 2.0 * np.pi * abs(self.screw) / self.threads
+
+    def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
+        point = self.axis.inverse.point(at.point)
+        turn = float(np.arctan2(point[1], point[0]))
+        lines = [self._line(side, float(at.parameters[1])) for side in sides]
+        parts = [part for line in lines for part in line]
+        outlines = [np.concatenate([points for _, points, _ in line]) for line in lines]
+        if len(outlines) == 2:
+            low, high = sorted(outlines, key=lambda line: float(line[-1, 1]))
+            outlines, inwards = [np.concatenate((low, high[::-1]))], np.array([[-1.0, 0.0], [-1.0, 0.0]])
+            parts.append(("land", np.stack((low[-1], high[-1])), inwards))
+            parts.append(("root", np.stack((high[0], low[0] + [0.0, self._pitch])), inwards))
+        sheets = [self._sheet(*part, k, point[2]) for part in parts for k in range(self.threads)]
+        drawn = []
+        for line in outlines:
+            # the thread that the point is on
+            number = np.rint((point[2] - self.screw * turn - line[:, 1].mean()) / self._pitch)
+            drawn.append(self.axis.point(self._wind(line, np.array([turn]), number)[:, 0]))
+        return tuple(sheets), tuple(drawn)
+
+    def _line(self, side: DrawnSide, v: float) -> list[tuple[str, Array, Array]]:
+        """Flank and fillet of a side: radius and height (K, 2) in the axial section through the thread about z = 0, and normals
+        there, into the tool."""
+        line = []
+        for region, surface, p in side.parts(side.tip):
+            jet = surface.tool.jet(*surface.on_tool(p, np.full_like(p, v)))
+            here = self.axis.inverse
+            line.append((region, *half_plane(here.point(jet.r), here.vector(jet.n), self.screw)))
+        shift = np.rint(line[-1][1][-1, 1] / self._pitch) * self._pitch
+        return [(region, points - [0.0, shift], normals) for region, points, normals in line]
+
+    def _sheet(self, region: str, points: Array, normals: Array, number: int, middle: float) -> ToolSheet:
+        """A part of the section (K, 2) of a thread, wound about the axis on either side of the height `middle`, mm."""
+        half = PITCHES * self._pitch / abs(self.screw)
+        angles = (middle - number * self._pitch) / self.screw + np.linspace(-half, half, int(half / np.pi * TURN))
+        wound = self._wind(points, angles, number)
+        # at right angles to the screw motion
+        around = -self.screw * normals[:, 1] / points[:, 0]
+        c, s = np.cos(angles), np.sin(angles)
+        n_x, n_y = (normals[:, :1] * a + around[:, None] * b for a, b in ((c, -s), (s, c)))
+        inwards = unit(components(n_x, n_y, normals[:, 1:]))
+        return ToolSheet(region, self.axis.point(wound), self.axis.vector(inwards))
+
+    def _wind(self, points: Array, angles: Array, number: float) -> Array:
+        """Points (K, A, 3), own frame, of a section (K, 2) wound to angles (A,), rad, that many pitches along the axis."""
+        rho, z = points[:, :1], points[:, 1:] + number * self._pitch
+        return components(rho * np.cos(angles), rho * np.sin(angles), z + self.screw * angles)

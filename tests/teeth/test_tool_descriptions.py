@@ -133,7 +133,7 @@ class Eroded:
 
 @dataclass(frozen=True)
 class WireDrawing:
-    turning: bool = False
+    axis: None = None
     as_part: bool = False
 
     def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> tuple[tuple[ToolSheet, ...], tuple[Array, ...]]:

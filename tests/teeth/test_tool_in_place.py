@@ -12,6 +12,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.system import worm
+from gearmesh.systems.worm_drive.build import wheel_hob
 from gearmesh.teeth.generation.tool_in_place import ToolInPlace, tool_in_place
 from gearmesh.teeth.region import Side
 from gearmesh.view.projection import flank_projection
@@ -159,3 +160,43 @@ def test_unknown_tool_is_refused() -> None:
         gears.picture("tool", "rack")
     with pytest.raises(DesignError, match="phi1 = 3"):
         gears.picture("tool", "pinion", phi1=3.0)
+
+
+@pytest.mark.parametrize(
+    "changes", [[], ["hob.reference_diameter=75", "shaft_angle=82", "worm.right_hand=false", "worm.threads=1"]], ids=str
+)
+def test_hob_of_a_worm_wheel_touches_its_flank_and_does_not_cut_into_it(changes: list[str]) -> None:
+    """By the section of its thread alone, which is drawn: seven teeth of the wheel, in the screw motion's section."""
+    gears = gm.build(gm.load(SAMPLES / "worm_drive.toml", changes))
+    tooth, side = gears.members["wheel"].tooth, gears.pairs[0].flanks[1]
+    tool = tool_in_place(tooth, side)
+    assert {sheet.region for sheet in tool.sheets} == {"flank", "fillet", "land", "root"}
+    hob = wheel_hob(gears.design)
+    to_hob = (tool.tool_to_own @ hob.place(1)).inverse
+    screw, pitch = hob.thread.hand * hob.thread.screw, hob.thread.axial_pitch
+
+    def section(r: Array) -> tuple[Array, Array]:
+        own = to_hob.point(r)
+        return np.hypot(own[..., 0], own[..., 1]), own[..., 2] - screw * np.arctan2(own[..., 1], own[..., 0])
+
+    (outline,) = tool.outlines
+    rho, z = section(tool.tool_to_own.point(outline))
+    half = len(rho) // 2
+    low, high = (CubicSpline(*np.unique((r, h), axis=1)) for r, h in ((rho[:half], z[:half]), (rho[half:], z[half:])))
+    middle = 0.5 * (z[half - 1] + z[half])
+
+    def depth(r: Array) -> Array:
+        at, height = section(r)
+        height = middle + np.remainder(height - middle + 0.5 * pitch, pitch) - 0.5 * pitch
+        return np.where(at > rho.min(), np.minimum(height - low(at), high(at) - height), -np.inf)
+
+    grid = tooth.sections(np.linspace(0.0, 1.0, 21))
+    for region in tooth.regions:
+        points = tooth.grid(region, np.linspace(0.0, 1.0, 15), grid).points.reshape(-1, 3)
+        for k in range(-3, 4):
+            away, at = depth(turned := Rigid.about_z(k * tooth.pitch_angle).point(points)), section(turned)[0]
+            # as far as a spline through the 42 points of a side goes, whose curvature jumps where flank and rounding meet
+            assert away[at < hob.tip_radius].max(initial=-1.0) < 1e-3
+    assert depth(tool.touching.r) == pytest.approx(0.0, abs=1e-6)
+    normals = np.concatenate([sheet.normals.reshape(-1, 3) for sheet in tool.sheets])
+    assert np.abs(np.linalg.norm(normals, axis=1) - 1.0).max() < 1e-12

@@ -30,6 +30,7 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.worm_drive.thread import LAND, Rounding, WormThread
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import Dimension, ToolDescription
+from gearmesh.tools.drawing import ThreadDrawing
 
 
 @dataclass(frozen=True)
@@ -148,7 +149,8 @@ class WormHob:
             Dimension("tip diameter", 2.0 * self.tip_radius, "mm", "d_a0"),
             Dimension("lead angle", math.degrees(thread.lead_angle), "deg", "gamma_0"),
         )
-        return ToolDescription("hob", dimensions=dimensions, tip_radius=self.rounding_radius)
+        drawing = ThreadDrawing(self.place(1), thread.hand * thread.screw, thread.threads)
+        return ToolDescription("hob", drawing, dimensions, tip_radius=self.rounding_radius)
 
     def root(self, half: float) -> LandLevel:
         """The root that the hob's tips leave on a face of +-`half` mm. Raises DesignError where they do not reach its ends."""

@@ -15,11 +15,11 @@ import numpy as np
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet
 from gearmesh.teeth.generation.tool_in_place import generation
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.drawing import ToolSheet
 
 #: lines that are shown, points of the flank across and along on which they are looked for, and Newton steps on to them
@@ -91,7 +91,7 @@ def tool_contact(tooth: Tooth, which: Side, count: int = COUNT) -> ToolContact:
 
     return ToolContact(
         side.tool.name,
-        tuple(_sheets(side, (flank, fillet), parameters)),
+        tuple(_sheets(tooth, which, (flank, fillet), parameters)),
         ToolSheet("flank", active.r, active.n),
         ToolSheet("flank", generated.r, generated.n),
         tuple(line(float(at)) for at in low + (high - low) * steps),
@@ -100,18 +100,35 @@ def tool_contact(tooth: Tooth, which: Side, count: int = COUNT) -> ToolContact:
 
 
 def _sheets(
-    side: ToothSide, surfaces: tuple[GeneratedSurface, GeneratedSurface], parameters: Array
+    tooth: Tooth, which: Side, surfaces: tuple[GeneratedSurface, GeneratedSurface], parameters: Array
 ) -> Iterator[ToolSheet]:
     """The tool's flank and tip rounding about what generates points (I, J, 2) of the tooth's flank."""
-    flank, fillet = surfaces
+    (flank, fillet), side = surfaces, tooth.side(which)
     across, v = parameters[..., 0], _along(flank, parameters)
     top = across.max() if side.tip > side.form_point[0] else across.min()
-    for region, surface, p in (
-        ("flank", flank, np.linspace(top, side.form_point[0], ACROSS)),
-        ("fillet", fillet, np.linspace(side.form_point[1], side.root, TIP)),
+    # both meet in the form point, and may have other parameters there
+    stations = tooth.stations(np.linspace(0.0, 1.0, parameters.shape[1]))
+    meeting = [
+        along(surface, np.full_like(stations, p), stations, tooth.blank.axial)[0]
+        for surface, p in zip((side.flank, side.fillet), side.form_point, strict=True)
+    ]
+    for region, surface, p, own in (
+        ("flank", flank, np.linspace(top, side.form_point[0], ACROSS), v),
+        ("fillet", fillet, np.linspace(side.form_point[1], side.root, TIP), _extended(v, *meeting)),
     ):
-        jet = surface.tool.jet(p[:, None], v)
+        jet = surface.tool.jet(p[:, None], own)
         yield ToolSheet(region, jet.r, jet.n)
+
+
+def _extended(x: Array, known: Array, values: Array) -> Array:
+    """Values (K,) at x (K,) by straight lines between `known` places (N,) and beyond."""
+    order = np.argsort(known)
+    known, values = known[order], values[order]
+    inside = np.interp(x, known, values)
+    (low, low_rate), (high, high_rate) = (
+        (known[k], (values[j] - values[i]) / (known[j] - known[i])) for k, i, j in ((0, 0, 1), (-1, -2, -1))
+    )
+    return np.asarray(inside + np.minimum(x - low, 0.0) * low_rate + np.maximum(x - high, 0.0) * high_rate)
 
 
 def _with_gaps(parts: list[Array]) -> Array:

@@ -71,14 +71,17 @@ def tool_in_place(tooth: Tooth, which: Side) -> ToolInPlace:
     sides = [_draw_side(generated_side) for generated_side in (side, *_others(tooth, which, (motion, tool_to_own)))]
     reach = [tooth.flank_grid(flank_side, [0.0, 1.0], [0.0, 1.0]).parameters[..., 1] for flank_side in Side]
     place = DrawnPlace(middle, at_point.r, (float(np.min(reach)), float(np.max(reach))), tooth.pitch_angle)
-    own_axis = MachineAxis(f"axis of the {side.tool.name}", tool_to_own.translation, tool_to_own.vector(AXIS))
+    own_axes: tuple[MachineAxis, ...] = ()
+    if drawing.axis is not None:
+        stands = tool_to_own @ drawing.axis
+        own_axes = (MachineAxis(f"axis of the {side.tool.name}", stands.translation, stands.vector(AXIS)),)
     return ToolInPlace(
         side.tool,
         tool_to_own,
         at_point.move(tool_to_own),
         (float(u), float(v)),
         *drawing.draw(sides, place),
-        ((own_axis,) if drawing.turning else ()) + flank.axes(*motion),
+        own_axes + flank.axes(*motion),
     )
 
 
@@ -95,7 +98,7 @@ def not_drawn(side: ToothSide, view: str) -> DesignError:
         "view",
         view,
         reason=f"the {side.tool.name} that cuts this flank cannot be shown",
-        allowed="a flank of head cutters, rack cutters, shapers, grinding worms or disks",
+        allowed="a flank of head cutters, rack cutters, shapers, hobs, grinding worms or disks",
     )
 
 
