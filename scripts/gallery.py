@@ -43,7 +43,7 @@ PAIRS = {
     "worm_drive": 0.05,
 }
 #: designs of which another member's tooth is shown than the first's
-MEMBERS = {"worm_drive": "wheel", "worm_drive_dual_lead": "wheel"}
+MEMBERS = {"worm_drive": "wheel", "worm_drive_dual_lead": "wheel", "worm_drive_zk_oversize": "wheel"}
 #: figures that are read, not only looked at
 LARGE = {"bevel_machine_frames": (800, 900), "te_under_torque": (880, 660)}
 #: designs whose flanks are shown in their planes, and how large
@@ -52,7 +52,7 @@ PLANE = (900, 600)
 #: designs whose flanks are shown under torques (Nm), and the one of them at which a tooth is
 LOADED = {"spiral_bevel_basic": ("20,60,150", "60")}
 #: designs of which a member is shown with its tool
-TOOLS = {"spiral_bevel_basic": "gear"}
+TOOLS = {"spiral_bevel_basic": "gear", "worm_drive_zk_oversize": "wheel"}
 #: designs of which a member is shown with its grinding worm
 GROUND = ("face_gear",)
 #: designs of which the tool of a member is shown with its lines of contact

@@ -198,5 +198,8 @@ def test_hob_of_a_worm_wheel_touches_its_flank_and_does_not_cut_into_it(changes:
             away, at = depth(turned := Rigid.about_z(k * tooth.pitch_angle).point(points)), section(turned)[0]
             assert away[at < hob.form_radius].max(initial=-1.0) < DEEP
     assert depth(tool.touching.r) == pytest.approx(0.0, abs=1e-6)
+    for sheet in tool.sheets:
+        if sheet.region == "flank":
+            assert np.abs(depth(tool.tool_to_own.point(sheet.points[1:-1]))).max() < DEEP
     normals = np.concatenate([sheet.normals.reshape(-1, 3) for sheet in tool.sheets])
     assert np.abs(np.linalg.norm(normals, axis=1) - 1.0).max() < 1e-12
