@@ -52,7 +52,7 @@ PLANE = (900, 600)
 #: designs whose flanks are shown under torques (Nm), and the one of them at which a tooth is
 LOADED = {"spiral_bevel_basic": ("20,60,150", "60")}
 #: designs of which a member is shown with its tool
-TOOLS = {"spiral_bevel_basic": "gear", "worm_drive_zk_oversize": "wheel"}
+TOOLS = {"spiral_bevel_basic": "gear"}
 #: designs of which a member is shown with its grinding worm
 GROUND = ("face_gear",)
 #: designs of which the tool of a member is shown with its lines of contact

@@ -114,13 +114,13 @@ def _sheets(
     ]
     for region, surface, p, own in (
         ("flank", flank, np.linspace(top, side.form_point[0], ACROSS), v),
-        ("fillet", fillet, np.linspace(side.form_point[1], side.root, TIP), _extended(v, *meeting)),
+        ("fillet", fillet, np.linspace(side.form_point[1], side.root, TIP), _interpolate(v, *meeting)),
     ):
         jet = surface.tool.jet(p[:, None], own)
         yield ToolSheet(region, jet.r, jet.n)
 
 
-def _extended(x: Array, known: Array, values: Array) -> Array:
+def _interpolate(x: Array, known: Array, values: Array) -> Array:
     """Values (K,) at x (K,) by straight lines between `known` places (N,) and beyond."""
     order = np.argsort(known)
     known, values = known[order], values[order]
