@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 from oracles.scripts import script
 
 guides = script("guides")
+NOTEBOOKS = sorted(guides.GUIDES.glob("*.ipynb"))
 
 GUIDE = """# Two and two
 
@@ -140,3 +142,21 @@ def test_guides_have_titles_and_small_pictures_and_nothing_else_lies_there() -> 
 @pytest.mark.parametrize("path", guides.guides(), ids=lambda path: path.stem)
 def test_a_guide_prints_what_it_says(path: Path, tmp_path: Path) -> None:
     guides.run(path, tmp_path)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_small_and_has_been_run(path: Path) -> None:
+    """All cells have run in their order, and none has failed."""
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    code = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    assert [cell["execution_count"] for cell in code] == list(range(1, len(code) + 1))
+    assert not [output for cell in code for output in cell["outputs"] if output["output_type"] == "error"]
+    assert path.stat().st_size < 150_000
+    assert "".join(notebook["cells"][0]["source"]).startswith("# ")
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_shows_what_is_kept(path: Path, tmp_path: Path) -> None:
+    script("notebooks").run(path, tmp_path)
