@@ -15,8 +15,6 @@ from gearmesh.check.heightfield import MeshFlank
 from gearmesh.check.members import roll_teeth
 from gearmesh.check.windings import turns
 from gearmesh.contact.flanks import analyse
-from gearmesh.errors import DesignError
-from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.mesh.solid import gear_solid, prove
 
 FILE = Path(__file__).parents[1] / "corpus" / "thread_beveloid_one_tooth.toml"
@@ -58,12 +56,6 @@ def test_a_thread_drives_its_wheel_uniformly_and_the_roll_test_agrees() -> None:
     (other,) = roll_teeth(pair, path.phi1[6:7], cells=40, guess_phi2=path.phi2[6:7] + 2.0 * np.pi / 30.0)
     assert other is not None
     assert 0.0 < abs(other.phi2 - path.phi2[6] - 2.0 * np.pi / 30.0) < 0.01
-
-
-def test_finite_elements_need_neighbours() -> None:
-    tooth = gm.build(gm.load(FILE)).members["pinion"].tooth
-    with pytest.raises(DesignError, match=r"teeth = 1: .*at least 2"):
-        hex_mesh(tooth, np.array([0]), plain_grid(Cells(flank=5, fillet=4, thickness=2, rim=2, face=7)))
 
 
 def area(corners: NDArray[np.float64]) -> float:

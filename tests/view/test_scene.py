@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
@@ -197,9 +198,10 @@ def test_closest_gap_is_the_smallest_over_the_positions():
 
 
 def pair_in(*mounts):
-    """A pair of members without teeth in these mounts."""
+    """A pair of members in these mounts, of whose teeth the number alone is known."""
     pinion, gear = (
-        Member(name, None, None, mount=mount) for name, mount in zip(("pinion", "gear"), mounts, strict=True)
+        Member(name, SimpleNamespace(teeth=20), None, mount=mount)
+        for name, mount in zip(("pinion", "gear"), mounts, strict=True)
     )
     return GearPair(pinion, gear, (Side.RIGHT, Side.RIGHT), 1, -1.0, 0.00635)
 
