@@ -661,6 +661,19 @@ class Gears(SolvedGears):
 
         return Diagram(inspection.headline, lambda file: plot_inspection(file, inspection))
 
+    def theoretical_chart(self, member: str) -> Diagram:
+        """Profile and helix charts of the exact flanks of a cylindrical gear, with the band of its tolerance class (K charts).
+
+        Raises DesignError for other gears.
+        """
+        from gearmesh.answers.inspection.inspection import inspect
+        from gearmesh.metrology.measured_teeth import MeasuredTeeth
+        from gearmesh.view.diagrams.k_chart import plot_k_chart
+        from gearmesh.view.picture import Diagram
+
+        nominal = inspect(self.design, self.train, member, MeasuredTeeth())
+        return Diagram(f"{member}: theoretical charts", lambda file: plot_k_chart(file, nominal))
+
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
         """All that modifications remove of a flank, as a grid of amounts.
 

@@ -31,7 +31,7 @@ def read_rexs(path: str | os.PathLike[str]) -> RexsModel:
     name, content = os.fspath(path), file_bytes(path, LARGEST, WANTED)
     if Path(path).suffix.lower() == ZIP:
         content = _unzip(content, name)
-    if content.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
+    if content.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"{", b"[")):
         try:
             model = model_of_json(content.decode("utf-8-sig"), name)
         except UnicodeDecodeError as failure:

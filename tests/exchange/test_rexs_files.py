@@ -140,6 +140,8 @@ NO_VALUE = '{"model": {"version": "1.7", "components": [{"id": 1, "attributes": 
         (FILE.replace('type="stage"', 'type="pair"'), "a.rexs", "no relation says which its gears are"),
         (FILE.replace("cylindrical_stage", "chain"), "a.rexs", "has no stage of these types: cylindrical_stage,"),
         ("{", "a.rexsj", "line 1, column 2"),
+        ("[1]", "a.rexsj", "the file is not an object"),
+        (100_000 * "[", "a.rexsj", "nested too deeply"),
         ('{"model": 3}', "a.rexsj", "model is not an object"),
         ('{"model": {"version": "1.7", "components": {"id": 1}}}', "a.rexsj", "components is not an array"),
         (NO_VALUE, "a.rexsj", "attribute a without a value"),

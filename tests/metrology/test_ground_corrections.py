@@ -8,15 +8,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from oracles.built import built_sample
 from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.inspection.correction import correct_settings, residual_text
+from gearmesh.answers.inspection.inspection import inspect
 from gearmesh.answers.inspection.machine_settings import OF_GRINDER
+from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.metrology.measured_teeth import InvoluteFlank
+from gearmesh.metrology.measured_teeth import InvoluteFlank, MeasuredTeeth
 from gearmesh.systems.designs import load
 from gearmesh.systems.system import system_of
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
@@ -152,3 +155,25 @@ def test_other_settings_are_refused(options: list[str], message: str, tmp_path: 
     file.write_text(residual_text(ground(built_sample("helical"), "pinion", {Side.RIGHT: {"helix_slope": 0.004}})))
     told = refused("correct", SAMPLES / "helical.toml", "--member", "pinion", "--measured", file, *options)
     assert message in told
+
+
+def test_theoretical_charts_have_the_band_of_the_class(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lines of the profile chart: the design trace, and two as far apart as F_aT, over the range of evaluation."""
+    from gearmesh.view.diagrams import k_chart
+
+    drawn: list[Figure] = []
+    monkeypatch.setattr(k_chart, "save_figure", lambda figure, _: drawn.append(figure))
+    keys = ("pinion.modifications.profile_crowning=0.006", "accuracy_class=7")
+    gears = built_sample("helical", *keys)
+    gears.theoretical_chart("pinion").save(tmp_path / "k.png")
+    inspection = inspect(gears.design, gears.train, "pinion", MeasuredTeeth())
+    profile = drawn[0].axes[1]
+    design, upper, lower = (np.array(line.get_xdata()) for line in profile.lines[:3])
+    assert upper - lower == pytest.approx(inspection.tolerance("F_a"))
+    assert design[[0, 200, 400]] == pytest.approx([-6.0, 0.0, -6.0], abs=1e-6)
+    first, last = involute_of(gears, "pinion").profile.evaluated
+    height = np.array(profile.lines[1].get_ydata())
+    assert first <= height.min() < first + 0.1
+    assert last - 0.1 < height.max() <= last
+    with pytest.raises(DesignError, match="no theoretical profile and helix charts"):
+        built_sample("hypoid").theoretical_chart("pinion").save(tmp_path / "k.png")

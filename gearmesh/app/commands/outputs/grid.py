@@ -41,6 +41,15 @@ def grid(
         Path | None,
         typer.Option("-o", "--output", metavar="FILE", help="Write a .csv or .txt file.", show_default=False),
     ] = None,
+    chart: Annotated[
+        Path | None,
+        typer.Option(
+            "--chart",
+            metavar="FILE",
+            help="Draw theoretical profile and helix charts of a cylindrical gear, with the band of its class: .png, .svg, .pdf.",
+            show_default=False,
+        ),
+    ] = None,
     json_file: Json = None,
     settings: Set = None,
 ) -> None:
@@ -51,13 +60,17 @@ def grid(
     """
     if output is not None:
         refuse_suffix(output, ".csv", ".txt")
-    for file in (output, json_file):
+    if chart is not None:
+        refuse_suffix(chart, ".png", ".svg", ".pdf")
+    for file in (output, chart, json_file):
         refuse_unwritable(file)
     gears = load_gears(design_file, settings)
     with working("measuring grid"):
         points = gears.measuring_grid(member, flank, grid=shape, margins=margins, surface=surface, ball=ball)
     if output is not None:
         points.save(output)
+    if chart is not None:
+        gears.theoretical_chart(member).save(chart)
     write_text(json_file, points.json)
     if json_file != "-":
         show(points.listings)

@@ -1,0 +1,86 @@
+"""Theoretical profile and helix charts: what a machine that measures exact flanks would draw, with the band of the class (K chart).
+
+A trace is minus what the modifications remove in the middle of the face, or at mid height, over the range of evaluation shaded:
+
+    design trace     solid
+    . . . .          two design traces as far apart as the class allows for the total deviation, the design's in their middle
+
+A measured trace that lies between them, moved as a whole, is within the class.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.answers.inspection.inspection import Inspection
+from gearmesh.errors import ArgumentError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.metrology.evaluation import TraceRange
+from gearmesh.teeth.region import Side
+from gearmesh.view.diagrams.modification_diagrams import IN_CLOSED_FORM, TRACE, flank_map
+from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, GROUND, INK
+
+#: size (inches) of the figure
+SIZE = (11.0, 7.5)
+
+
+def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
+    """The charts of both flanks of a member of which nothing was measured. Raises DesignError for flanks that are no involutes, or
+    have deviations, OutputError where the file cannot be written."""
+    from matplotlib.figure import Figure
+
+    involute = None if inspection.basis is None else inspection.basis.involute
+    flanks = [inspection.member.tooth.side(side).flank for side in Side]
+    if involute is None or not all(isinstance(flank, IN_CLOSED_FORM) for flank in flanks):
+        raise ArgumentError(
+            "member",
+            inspection.member.name,
+            reason="its flanks have no theoretical profile and helix charts",
+            allowed="cylindrical gears with the modifications of their design alone",
+        )
+    figure = Figure(figsize=SIZE, dpi=150, layout="constrained")
+    rows = figure.subplots(2, 2, gridspec_kw={"height_ratios": (1.2, 1.0)})
+    for column, side in enumerate((Side.LEFT, Side.RIGHT)):
+        own = flank_map(inspection.member, side, TRACE)
+        half = TRACE // 2
+        profile, helix = -own.removed[:, half], -own.removed[half]
+        _draw(rows[0, column], own.length, profile, involute.profile, inspection.tolerance("F_a"), upwards=True)
+        _draw(rows[1, column], own.z, helix, involute.helix_trace, inspection.tolerance("F_b"), upwards=False)
+        rows[0, column].set(xlabel="deviation (µm), + is material", ylabel="roll length (mm)")
+        rows[0, column].set_title(f"{side} flank: profile, mid face", fontsize=10, color=INK)
+        rows[1, column].set(xlabel="z along the face (mm)", ylabel="deviation (µm), + is material")
+        rows[1, column].set_title(f"{side} flank: helix, mid height", fontsize=10, color=INK)
+    asked = "" if inspection.basis is None else f", class {inspection.basis.asked} [{inspection.basis.sizes.standard}]"
+    figure.suptitle(f"{inspection.member.name}: theoretical charts{asked}", color=INK)
+    save_figure(figure, file)
+
+
+def _draw(
+    axes: Any, positions: Array, trace: Array, evaluated: TraceRange, total: float | None, *, upwards: bool
+) -> None:
+    """A trace (N,), um, at positions (N,), mm, and the band of a total tolerance (um)."""
+
+    def draw(x: Array, y: Array, **style: Any) -> None:
+        axes.plot(*((y, x) if upwards else (x, y)), **style)
+
+    low, high = sorted(evaluated.evaluated)
+    draw(positions, trace, color=CURVES[0], lw=1.4, label="design")
+    if total is not None:
+        inside = (positions >= low) & (positions <= high)
+        for k, sign in enumerate((0.5, -0.5)):
+            label = "" if k else f"total tolerance, {total:g} µm"
+            draw(positions[inside], trace[inside] + sign * total, color=EDGE, lw=1.1, ls=":", label=label)
+    (axes.axhspan if upwards else axes.axvspan)(low, high, facecolor=GROUND, edgecolor="none", zorder=0)
+    (axes.axvline if upwards else axes.axhline)(0.0, color=FAINT, lw=0.9)
+    # nothing removed must not look like a signal
+    room = max(1.5 * float(np.ptp(trace)), 2.0 * (total or 0.0), 10.0)
+    middle = 0.5 * float(trace.max() + trace.min())
+    (axes.set_xlim if upwards else axes.set_ylim)(middle - room, middle + room)
+    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.set_axisbelow(True)
+    axes.legend(fontsize=7, framealpha=0.85, loc="best")
+    axes.tick_params(labelsize=8, colors=INK)
