@@ -666,12 +666,11 @@ class Gears(SolvedGears):
 
         Raises DesignError for other gears.
         """
-        from gearmesh.answers.inspection.inspection import inspect
-        from gearmesh.metrology.measured_teeth import MeasuredTeeth
+        from gearmesh.answers.inspection.inspection import nominal_inspection
         from gearmesh.view.diagrams.k_chart import plot_k_chart
         from gearmesh.view.picture import Diagram
 
-        nominal = inspect(self.design, self.train, member, MeasuredTeeth())
+        nominal = nominal_inspection(self.design, self.train, member)
         return Diagram(f"{member}: theoretical charts", lambda file: plot_k_chart(file, nominal))
 
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:

@@ -138,6 +138,7 @@ def test_noise_is_smoothed_and_outliers_are_reported(spur: gm.Gears, tmp_path: P
     (tmp_path / "grid.csv").write_text("\n".join(rows))
     gears = gm.build(spur.design.with_values({"measured.pinion_right": str(tmp_path / "grid.csv")}))
     assert any("far from their neighbours: line 26 (3" in warning for warning in gears.warnings)
+    assert any("1 of 45 points of its grid have no deviation" in warning for warning in gears.warnings)
 
 
 def test_planets_that_were_measured_stay_alike(tmp_path: Path) -> None:
@@ -204,3 +205,15 @@ def test_points_of_the_other_flank_are_told_apart(spur: gm.Gears, tmp_path: Path
     write_points(tmp_path / "left.csv", other.points)
     with pytest.raises(GearmeshError, match=r"measured\.pinion_right.*they fit the left flank within"):
         gm.build(spur.design.with_values({"measured.pinion_right": str(tmp_path / "left.csv")}))
+
+
+def test_points_of_a_gear_of_the_other_hand_are_told_apart(tmp_path: Path) -> None:
+    """Both ways in which a helical gear can be its mirror image: across the plane of a tooth, and across that of mid face."""
+    helical = gm.build(gm.load(SAMPLES / "helical.toml"))
+    points = helical.members["pinion"].tooth.flank_grid("right", [0.1, 0.5, 0.9], [0.1, 0.4, 0.9]).points
+    for mirror, flank in (([1.0, -1.0, 1.0], "right"), ([1.0, 1.0, -1.0], "left")):
+        write_points(tmp_path / "other.csv", points * np.array(mirror))
+        with pytest.raises(
+            GearmeshError, match=f"they fit the {flank} flank of the mirror image, a gear of the other hand"
+        ):
+            gm.build(helical.design.with_values({"measured.pinion_right": str(tmp_path / "other.csv")}))

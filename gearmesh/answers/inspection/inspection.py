@@ -281,3 +281,8 @@ def inspect(design: Design, train: GearTrain, name: str, measured: MeasuredTeeth
             )
     basis = system_of(design).inspection
     return Inspection(design, member, measured, None if basis is None else basis(design, train, name))
+
+
+def nominal_inspection(design: Design, train: GearTrain, name: str) -> Inspection:
+    """A member of which nothing was measured: what it would be inspected by. Raises as `inspect`."""
+    return inspect(design, train, name, MeasuredTeeth())

@@ -27,6 +27,8 @@ FIRST = 2000
 ROUNDS, SMALLEST_MOVE = 12, 1e-8
 #: distances (mm) of another flank's or hand's points, and over those of the right one, from which on it is not this flank
 FAR, CLEARLY = 0.02, 5.0
+#: part of the points that must have feet on the flank: a few of them fit any flank somewhere
+MOST_OF = 0.5
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,11 @@ class Alignment:
     def rms(self) -> float:
         return _rms(self.feet)
 
+    @property
+    def on_flank(self) -> bool:
+        """Whether most of the points lie beside the flank."""
+        return float(np.mean(np.isfinite(np.concatenate([foot.distances for foot in self.feet.values()])))) > MOST_OF
+
 
 def align(tooth: Tooth, points: Mapping[Side, Array], *, axial: bool) -> Alignment:
     """Points (N, 3), mm, of one flank of a tooth or of both, moved to where they fit best; the `axial` position is free, or given.
@@ -50,8 +57,8 @@ def align(tooth: Tooth, points: Mapping[Side, Array], *, axial: bool) -> Alignme
     """
     projections = {side: FlankProjection(tooth, side) for side in Side}
     made = _fit(tooth, projections, points, axial)
-    if made.rms > FAR:
-        _refuse_mixed_up(tooth, projections, points, axial, made.rms)
+    if made.rms > FAR or not made.on_flank:
+        _refuse_mixed_up(tooth, projections, points, axial, made)
     return made
 
 
@@ -123,20 +130,24 @@ def _refuse_mixed_up(
     projections: Mapping[Side, FlankProjection],
     points: Mapping[Side, Array],
     axial: bool,
-    rms: float,
+    made: Alignment,
 ) -> None:
     """Raise where the points fit better as those of other flanks, or mirrored."""
     names = " and ".join(points)
     mirrored = {side: own * np.array([1.0, -1.0, 1.0]) for side, own in points.items()}
+    other_names = " and ".join(side.other for side in points)
+    of_mirror = "flank of the mirror image, a gear of the other hand"
     others = {
-        f"the {' and '.join(side.other for side in points)} flank": {side.other: own for side, own in points.items()},
-        f"the {names} flank of the mirror image, a gear of the other hand": mirrored,
+        f"the {other_names} flank": {side.other: own for side, own in points.items()},
+        f"the {names} {of_mirror}": mirrored,
+        f"the {other_names} {of_mirror}": {side.other: own for side, own in mirrored.items()},
     }
     for words, tried in others.items():
         other = _fit(tooth, projections, tried, axial)
-        if other.rms * CLEARLY < rms:
+        if other.on_flank and other.rms * CLEARLY < (made.rms if made.on_flank else FAR):
+            how = f"within {1e3 * made.rms:.3g} um" if made.on_flank else "with a few of them alone"
             raise ArgumentError(
                 "points",
-                reason=f"they fit {words} within {1e3 * other.rms:.3g} um, and the {names} flank within {1e3 * rms:.3g} um",
+                reason=f"they fit {words} within {1e3 * other.rms:.3g} um, and the {names} flank {how}",
                 allowed=f"points of the {names} flank",
             )

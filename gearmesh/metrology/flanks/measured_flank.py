@@ -152,6 +152,11 @@ def _flank(
     if np.abs(d[on]).max() < MEANT_IN_MM and np.abs(d[on]).max() > 0.0:
         notes.append(f"all deviations are below {1e3 * MEANT_IN_MM:g} um: were they meant in mm?")
     whole = _whole_grid(table, feet, d, on) if mode.stiffness in (None, 0.0) else None
+    missing, every = _missing(table, on)
+    if missing and whole is None:
+        notes.append(
+            f"{missing} of {every} points of its grid have no deviation: the flank is the spline that bends least near the others"
+        )
     smooth = smooth_deviations(feet.s[on], feet.t[on], d[on], mode.stiffness)
     far = np.flatnonzero(on)[smooth.outliers]
     if far.size:
@@ -181,6 +186,16 @@ def _whole_grid(table: PointTable, feet: FootPoints, d: Array, on: Array) -> Dev
     order = np.argsort(i * shape[1] + j)
     points, normals = (values[order].reshape(*shape, 3) for values in (feet.points, feet.normals))
     return DeviationGrid(points, normals, d[order].reshape(shape))
+
+
+def _missing(table: PointTable, on: Array) -> tuple[int, int]:
+    """How many points of a grid, whose rows and columns the file numbers, have no deviation on the flank, and how many it has; none
+    without such numbers."""
+    lines = table.side_by_side(LINES)
+    if lines is None or not np.isfinite(lines).all():
+        return 0, 0
+    rows, columns = (np.unique(lines[:, k]).size for k in (0, 1))
+    return max(rows * columns - int(on.sum()), 0), rows * columns
 
 
 def _refuse_large(table: PointTable, d: Array) -> None:

@@ -18,7 +18,6 @@ import numpy as np
 from gearmesh.answers.inspection.inspection import Inspection
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.metrology.evaluation import TraceRange
 from gearmesh.teeth.region import Side
 from gearmesh.view.diagrams.modification_diagrams import IN_CLOSED_FORM, TRACE, flank_map
 from gearmesh.view.diagrams.plots import save_figure
@@ -48,8 +47,10 @@ def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
         own = flank_map(inspection.member, side, TRACE)
         half = TRACE // 2
         profile, helix = -own.removed[:, half], -own.removed[half]
-        _draw(rows[0, column], own.length, profile, involute.profile, inspection.tolerance("F_a"), upwards=True)
-        _draw(rows[1, column], own.z, helix, involute.helix_trace, inspection.tolerance("F_b"), upwards=False)
+        _draw(
+            rows[0, column], own.length, profile, involute.profile.evaluated, inspection.tolerance("F_a"), upwards=True
+        )
+        _draw(rows[1, column], own.z, helix, involute.helix_trace.evaluated, inspection.tolerance("F_b"), upwards=False)
         rows[0, column].set(xlabel="deviation (µm), + is material", ylabel="roll length (mm)")
         rows[0, column].set_title(f"{side} flank: profile, mid face", fontsize=10, color=INK)
         rows[1, column].set(xlabel="z along the face (mm)", ylabel="deviation (µm), + is material")
@@ -60,14 +61,14 @@ def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
 
 
 def _draw(
-    axes: Any, positions: Array, trace: Array, evaluated: TraceRange, total: float | None, *, upwards: bool
+    axes: Any, positions: Array, trace: Array, ends: tuple[float, float], total: float | None, *, upwards: bool
 ) -> None:
-    """A trace (N,), um, at positions (N,), mm, and the band of a total tolerance (um)."""
+    """A trace (N,), um, at positions (N,), mm, and between the ends of its evaluation the band of a total tolerance (um)."""
 
     def draw(x: Array, y: Array, **style: Any) -> None:
         axes.plot(*((y, x) if upwards else (x, y)), **style)
 
-    low, high = sorted(evaluated.evaluated)
+    low, high = sorted(ends)
     draw(positions, trace, color=CURVES[0], lw=1.4, label="design")
     if total is not None:
         inside = (positions >= low) & (positions <= high)
