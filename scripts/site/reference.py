@@ -152,6 +152,12 @@ def directive(name: str) -> list[str]:
     return [*lines, "```", ""]
 
 
+def fields_of(name: str) -> str:
+    """The public fields of a public class, in their order."""
+    fields = getattr(getattr(gm, name), "__dataclass_fields__", {})
+    return ", ".join(code(field) for field in fields if not field.startswith("_"))
+
+
 def kinds_of_design() -> dict[str, list[str]]:
     """Names of the exported design classes, and the kinds whose designs they are."""
     names: dict[str, list[str]] = {}
@@ -172,7 +178,8 @@ def python_pages(folder: Path) -> None:
     """One page for each group of public names, and their index."""
     assigned = [name for *_, names in PYTHON for name in names]
     designs = kinds_of_design()
-    missing = set(gm.__all__) - {*assigned, *designs}
+    parts = [name for name in gm.__all__ if name not in {*assigned, *designs} and inspect.isclass(getattr(gm, name))]
+    missing = set(gm.__all__) - {*assigned, *designs, *parts}
     if missing or len(assigned) != len(set(assigned)):
         raise ValueError(f"public names on no page, or on two: {sorted(missing)}")
     for file, title, about, names in PYTHON:
@@ -191,7 +198,20 @@ def python_pages(folder: Path) -> None:
             *table(("class", "what", "keys"), rows),
         ],
     )
-    listed = [*(file for file, *_ in PYTHON), "designs"]
+    page(
+        folder / "parts.md",
+        "Types within answers",
+        [
+            "What attributes of gears and answers are, for annotations. Units and meanings of figures are on their own page,",
+            "[figures](../figures.md).",
+            "",
+            *table(
+                ("class", "what", "fields"),
+                ((code(name), summary(getattr(gm, name)), fields_of(name)) for name in parts),
+            ),
+        ],
+    )
+    listed = [*(file for file, *_ in PYTHON), "designs", "parts"]
     body = [
         "All public names are those of `import gearmesh as gm`. Lengths are in mm, or texts with their unit, as `10um` or",
         "`0.5in`; angles in degrees, torques in Nm. Shapes of arrays: (P,) is one number for each of P positions, (..., 3) are",
