@@ -143,7 +143,7 @@ class Inspection(Result):
     def headline(self) -> str:
         classes = self.gear_class
         if classes is None or not classes.deciding:
-            return f"{self.member.name}: no figure has a tolerance"
+            return f"{self.member.name}: measured deviations, none of which has a tolerance"
         limits = ", ".join(classes.limiting)
         if classes.overall is None:
             return f"{self.member.name}: coarser than class {classes_end(self.basis)} [{classes.standard}], by {limits}"
