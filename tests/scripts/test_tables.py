@@ -14,7 +14,15 @@ TEXT = "before\n<!-- bench:a -->\nold\n<!-- /bench -->\nbetween\n<!-- bench:b --
 
 tables = script("tables")
 #: scripts beside the bench that write tables
-OTHERS = ("stress.py", "bevel_sweep.py", "study_bench.py", "load_bench.py", "load_checks.py")
+OTHERS = (
+    "stress.py",
+    "bevel_sweep.py",
+    "worm_sweep.py",
+    "start_bench.py",
+    "study_bench.py",
+    "load_bench.py",
+    "load_checks.py",
+)
 
 
 def test_a_table_has_the_columns_asked_for_and_numbers_at_the_right() -> None:
@@ -79,6 +87,9 @@ def test_every_block_of_the_documents_is_written_by_a_script() -> None:
     assert set(re.findall(r'^    "(\w+)":', columns[0], re.MULTILINE)) == set(blocks["scripts/README.md"]) - {
         "machine",
         "stress",
+        "worm",
+        "start",
+        "dependencies",
         "bevel",
         "loads",
         "truth",
