@@ -189,6 +189,8 @@ def test_jets_of_threads_and_wheels(form: str) -> None:
         [OVERSIZED],
         ["worm.form=ZA", "worm.right_hand=false", "shaft_angle=80", OVERSIZED],
         ["worm.dual_lead=0.02"],
+        ["worm.form=ZN", "hob.threads=3", "hob.reference_diameter=90"],
+        ["hob.threads=1"],
     ],
     ids=str,
 )
@@ -263,6 +265,10 @@ def test_a_hob_like_the_worm_makes_no_transmission_error(form: str) -> None:
     [
         (["hob.reference_diameter=58"], "hob.reference_diameter = 58 mm: smaller than the worm's, .* at least 60 mm"),
         (["worm.form=ZK", "worm.disk_diameter=20"], "worm.disk_diameter = 20 mm: .* more than 22 mm"),
+        (
+            ["hob.threads=16"],
+            "hob.threads = 16: a hob of the reference diameter 60 mm has no lead angle then; .* at most 12",
+        ),
         (["wheel.throat_radius=23"], "wheel.throat_radius = 23 mm: the throat is inside the worm's root; .* 24 mm"),
         (["worm.lead_angle=9"], "worm.reference_diameter = 60(.0)?: cannot be given together with lead_angle"),
         (["wheel.outside_diameter=190"], "wheel.outside_diameter = 190 mm: .* more than 200 mm"),

@@ -110,6 +110,14 @@ def _refuse_tools(design: WormDriveDesign) -> None:
             reason="smaller than the worm's, whose threads would cut into the wheel at both end faces",
             allowed=f"at least {at_least(d1)} mm",
         )
+    most = math.ceil(design.hob.reference_diameter / design.normal_module) - 1
+    if (design.hob.threads or spec.threads) > most:
+        raise DesignError(
+            "hob.threads",
+            design.hob.threads or spec.threads,
+            reason=f"a hob of the reference diameter {design.hob.reference_diameter:.6g} mm has no lead angle then",
+            allowed=f"at most {most}",
+        )
     depth = (spec.addendum + spec.dedendum) * m
     if spec.form in (ThreadForm.ZK, ThreadForm.ZC) and spec.disk_diameter <= 2.0 * depth:
         raise DesignError(
