@@ -76,83 +76,7 @@ PYTHON = (
     ),
     ("errors", "Errors", "", ("GearmeshError", "DesignError", "OutputError", "NoSolutionError")),
     ("systems", "Gear systems of your own", "", ("kinds", "system", "register", "System")),
-    (
-        "rows",
-        "Rows and figures of answers",
-        "What answers have in their columns; unit, symbol and meaning of each figure: [figures](../figures.md).",
-        (
-            "AssemblyContact",
-            "CandidateFigures",
-            "CompositeFigures",
-            "CorrectionFigures",
-            "CyclicFigures",
-            "DeviationMap",
-            "EaseOffPoint",
-            "Effect",
-            "Entry",
-            "Figure",
-            "FigureClass",
-            "GearClass",
-            "InspectionFigures",
-            "KeyRange",
-            "Listing",
-            "LoadedFigures",
-            "LoadedPosition",
-            "LoadedTotals",
-            "MeasuredTrace",
-            "MeasuringGridFigures",
-            "MemberLimitFigures",
-            "PlaceFigures",
-            "PositionFigures",
-            "RejectedFigures",
-            "RunTime",
-            "SecondOrder",
-            "SectionFigures",
-            "SetFigures",
-            "SettingFigures",
-            "SideContact",
-            "StudySummary",
-            "Summary",
-            "ToolPathFigures",
-            "ToothPairPosition",
-            "TopographyFigures",
-            "TotalFigures",
-            "VarianceShare",
-            "Verdict",
-        ),
-    ),
-    (
-        "parts",
-        "What gears and designs are made of",
-        "For annotations, and to look into; methods that are not shown here may change.",
-        (
-            "ArcRack",
-            "ContactPath",
-            "Contour",
-            "CylindricalMember",
-            "EaseOffTable",
-            "Engagement",
-            "FullTurns",
-            "GearPair",
-            "GearTrain",
-            "Key",
-            "KeyLine",
-            "Member",
-            "MemberMount",
-            "Mount",
-            "Parabola",
-            "Part",
-            "Rigid",
-            "SetCandidate",
-            "Side",
-            "Table",
-            "ToolPart",
-            "TriangleMesh",
-        ),
-    ),
 )
-#: pages whose classes are shown without their methods
-LOOKED_INTO = ("rows", "parts")
 
 
 #: members of public classes that are of use to the program alone
@@ -214,13 +138,13 @@ def own_members(owner: type) -> list[str]:
     return [name for name in names if inspect.getdoc(getattr(owner, name))]
 
 
-def directive(name: str, members: bool) -> list[str]:
-    """What autodoc makes an entry of a public name of, of a class with or without its `members`."""
+def directive(name: str) -> list[str]:
+    """What autodoc makes an entry of a public name of."""
     value = getattr(gm, name)
     lines = [f"## {name}", "", "```{eval-rst}", ".. py:currentmodule:: gearmesh", ""]
     if inspect.isclass(value):
         lines += [f".. autoclass:: gearmesh.{name}"]
-        for member in own_members(value) if members else ():
+        for member in own_members(value):
             is_value = isinstance(inspect.getattr_static(value, member), property | cached_property)
             lines += ["", f"   .. auto{'property' if is_value else 'method'}:: gearmesh.{name}.{member}"]
     else:
@@ -259,8 +183,7 @@ def python_pages(folder: Path) -> None:
     if missing or len(assigned) != len(set(assigned)):
         raise ValueError(f"public names on no page, or on two: {sorted(missing)}")
     for file, title, about, names in PYTHON:
-        entries = (line for name in names for line in directive(name, file not in LOOKED_INTO))
-        page(folder / f"{file}.md", title, [about, "", *entries])
+        page(folder / f"{file}.md", title, [about, "", *(line for name in names for line in directive(name))])
     rows = [
         [code(name), summary(getattr(gm, name)), ", ".join(f"[{kind}](../keys/{kind}.md)" for kind in kinds)]
         for name, kinds in designs.items()
