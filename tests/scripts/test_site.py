@@ -111,7 +111,9 @@ def test_links_anchors_and_files_are_there(site: Path, pages: dict[Path, Page]) 
 def test_the_reference_has_all_that_the_program_has(pages: dict[Path, Page], site: Path) -> None:
     python = {place for path, page in pages.items() if path.parent.name == "python" for place in page.places}
     tables = [(site / f"reference/python/{name}.html").read_text(encoding="utf-8") for name in ("designs", "parts")]
-    listed = {name for name in gm.__all__ if f"gearmesh.{name}" in python or any(f">{name}<" in text for text in tables)}
+    listed = {
+        name for name in gm.__all__ if f"gearmesh.{name}" in python or any(f">{name}<" in text for text in tables)
+    }
     assert set(gm.__all__) - listed == set()
     assert "gearmesh.Gears.loaded_contact" in python
     commands: Any = typer.main.get_command(cli.command_line())
