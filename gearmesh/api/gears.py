@@ -664,7 +664,25 @@ class Gears(SolvedGears):
     def theoretical_chart(self, member: str) -> Diagram:
         """Profile and helix charts of the exact flanks of a cylindrical gear, with the band of its tolerance class (K charts).
 
-        Raises DesignError for other gears.
+        Parameters
+        ----------
+        member : str
+            Its name, as "pinion".
+
+        Returns
+        -------
+        Diagram
+            `save("k.svg")` draws it.
+
+        Raises
+        ------
+        DesignError
+            For other gears.
+
+        Examples
+        --------
+        >>> gears.theoretical_chart("pinion").save("k.svg").name
+        'k.svg'
         """
         from gearmesh.answers.inspection.inspection import nominal_inspection
         from gearmesh.view.diagrams.k_chart import plot_k_chart
