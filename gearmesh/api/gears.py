@@ -677,11 +677,12 @@ class Gears(SolvedGears):
         Raises
         ------
         DesignError
-            For other gears.
+            When it is drawn, for gears without modifications and for other gears.
 
         Examples
         --------
-        >>> gears.theoretical_chart("pinion").save("k.svg").name
+        >>> relieved = gm.build(gm.load("samples/spur_relieved.toml"))
+        >>> relieved.theoretical_chart("pinion").save("k.svg").name
         'k.svg'
         """
         from gearmesh.answers.inspection.inspection import nominal_inspection
