@@ -61,6 +61,8 @@ TURN_STATIONS = 24
 STEEP, SCREW_PLACES, SAME_SCREW = 1.8, 3, 1e-6
 #: share of their mean by which the advances of both sides may differ, of threads of two leads
 MOST_APART = 0.5
+#: angle (rad) that is left of the groove of a single thread where it has run out, at least
+NARROWEST_GROOVE = np.pi / 6.0
 #: stations at which a tooth is tried before anything else is made of it
 PROOF_STATIONS = 9
 #: share of a link from its ends within which a break is none of its seams
@@ -219,8 +221,12 @@ class Tooth:
     @property
     def _smooth_stretches(self) -> tuple[float, ...]:
         """t from 0 to 1 between which quadrature of sections is exact: breaks of the face, and where higher derivatives jump."""
-        bends = self._inner([*self.right.face_bends, *self.left.face_bends])
-        return (0.0, *np.union1d(self.face_breaks, bends).tolist(), 1.0)
+        return (0.0, *np.union1d(self.face_breaks, self._bends).tolist(), 1.0)
+
+    @property
+    def _bends(self) -> Array:
+        """t inside (0, 1), ascending, where higher derivatives jump along the face."""
+        return self._inner([*self.right.face_bends, *self.left.face_bends])
 
     @cached_property
     def unmodified_tooth(self) -> Tooth:
@@ -268,7 +274,8 @@ class Tooth:
         t = np.atleast_1d(np.asarray(t, dtype=float))
         stations = self.stations(t)
         right, left = (self._ends(side, t) for side in Side)
-        # threads go round the axis many times: their angles run on; lands are less than half a turn wide, roots than three quarters
+        # threads go round the axis many times: their angles run on; lands are less than half a turn wide, but of the run-outs of a
+        # single thread, roots less than three quarters
         right = replace(right, tip_angle=self.joint.running(right.tip_angle))
         left = replace(left, root_angle=self.joint.running(left.root_angle))
         width = self._width_of_land(right.tip_angle, left.tip_angle, t)
@@ -312,13 +319,15 @@ class Tooth:
         """Axial advance (mm/rad, negative of left-hand threads) of a thread; None of other teeth.
 
         Threads are screw surfaces, as their tools leave them, whose way along the helix is `STEEP` times that along the axis; with
-        a screw parameter for either side it is their mean.
+        a screw parameter for either side it is their mean. Run-outs at their ends are none: the middle between bends counts.
         """
         if self.joint.travel is not None or self.windings == 0.0:
             return None
         tooth, screws = self.unmodified_tooth, []
+        ends = np.array([0.0, *self._bends, 1.0])
+        along = np.linspace(ends[ends < 0.5].max(), ends[ends > 0.5].min(), SCREW_PLACES)
         for side in Side:
-            grid = tooth.flank_grid(side, np.linspace(0.0, 1.0, SCREW_PLACES), np.linspace(0.0, 1.0, SCREW_PLACES))
+            grid = tooth.flank_grid(side, np.linspace(0.0, 1.0, SCREW_PLACES), along)
             # of a screw surface the motion along the helix is at right angles to all normals
             around = grid.points[..., 1] * grid.normals[..., 0] - grid.points[..., 0] * grid.normals[..., 1]
             own = around / grid.normals[..., 2]
@@ -622,6 +631,9 @@ class Tooth:
     def _width_of_land(self, right: Array, left: Array, t: Array) -> Array:
         """Angle (T,), rad, between the tips of both sides at t (T,). Raises TrimError where the tooth is pointed."""
         width = self.joint.within(left - right)
+        if self.teeth == 1 and self._bends.size:
+            # the land of a run-out, whose groove vanishes, goes round nearly a turn
+            width = np.where(width < -NARROWEST_GROOVE, width + 2.0 * np.pi, width)
         if (width <= 0.0).any():
             k = int(np.argmin(width))
             raise TrimError("pointed", float(t[k]), "the tooth is pointed")

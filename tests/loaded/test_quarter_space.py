@@ -8,6 +8,7 @@ from oracles.fe_blocks import block, graded
 from scipy.sparse import csr_array
 
 from gearmesh.contact.hertz import STEEL, Material
+from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import assemble
 from gearmesh.loaded.compliance.contact_compliance import ContactCompliance
@@ -49,6 +50,12 @@ def test_free_ends_are_those_of_elements() -> None:
     apart = more - held_back(x, d, y, material.poisson_ratio) * image
     np.testing.assert_allclose((apart - np.median(apart)) / image, 0.0, atol=0.05)
     assert abs(np.median(apart)) < 0.08
+
+
+@pytest.mark.quick
+def test_elements_inside_out_have_no_compliance() -> None:
+    with pytest.raises(NoSolutionError, match="turned inside out"):
+        LayeredStiffness.of(csr_array(np.diag([2.0, 1.0, -1e-3])), np.array([0, 0, 1]))
 
 
 @pytest.mark.quick

@@ -55,6 +55,13 @@ def test_flanks_of_threads_are_the_helicoids(worm: dict[str, Any], second_order:
     assert scaled_jacobian(mesh.nodes, mesh.elements).min() > 0.4
 
 
+def test_run_outs_change_no_thread_between_them() -> None:
+    """The same nodes as of a thread cut square, over half a turn in the middle; the end of a run-out is none of a screw surface."""
+    square, withdrawn = (meshed(tooth_of(design(length=40.0, run_out=way))) for way in (0.0, 10.0))
+    np.testing.assert_allclose(withdrawn.nodes, square.nodes, rtol=0, atol=1e-9)
+    assert scaled_jacobian(withdrawn.nodes, withdrawn.elements).min() > 0.4
+
+
 def test_volume_of_a_screwed_section() -> None:
     """A section in a half plane sweeps its area times the way of its centroid about the axis: by Gauss over the radius, from the
     thread's axial thickness; the hexahedra are short of it by second order."""

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 
 if TYPE_CHECKING:
@@ -34,8 +35,11 @@ class LayeredStiffness:
 
     @staticmethod
     def of(stiffness: csr_array, layer: Index) -> LayeredStiffness:
-        """Factor of a stiffness (N, N), of which unknown k is in layer `layer` (N,); those of layer -1 are left out (held)."""
-        from scipy.linalg import cholesky, solve_triangular
+        """Factor of a stiffness (N, N), of which unknown k is in layer `layer` (N,); those of layer -1 are left out (held).
+
+        Raises NoSolutionError where elements are turned inside out.
+        """
+        from scipy.linalg import LinAlgError, cholesky, solve_triangular
 
         members = tuple(np.flatnonzero(layer == k) for k in range(int(layer.max()) + 1))
         diagonal: list[Array] = []
@@ -47,7 +51,11 @@ class LayeredStiffness:
                 coupling = rows[:, members[k - 1]].toarray()
                 lower.append(solve_triangular(diagonal[-1], coupling.T, lower=True, check_finite=False).T)
                 block -= lower[-1] @ lower[-1].T
-            diagonal.append(cholesky(block, lower=True, overwrite_a=True, check_finite=False))
+            try:
+                diagonal.append(cholesky(block, lower=True, overwrite_a=True, check_finite=False))
+            except LinAlgError as failure:
+                reason = "the finite elements of a tooth are turned inside out: no compliance follows from them"
+                raise NoSolutionError(reason=reason, remedy="fe shows them in a picture") from failure
         return LayeredStiffness(members, tuple(diagonal), tuple(lower))
 
     def forward(self, loads: csr_array) -> Array:
