@@ -149,8 +149,9 @@ def test_teeth_of_a_solid_are_at_their_places() -> None:
         r = mesh.vertices[np.unique(mesh.triangles[mesh.regions == names.index(f"flank_{side}")])]
         radii = np.hypot(r[:, 0], r[:, 1])
         own, radii = r[radii > 22.7], radii[radii > 22.7]
-        place = np.interp(radii, np.hypot(line[:, 0], line[:, 1]), side.sign * np.arctan2(line[:, 1], line[:, 0]))
-        away = np.arctan2(own[:, 1], own[:, 0]) - side.sign * place
+        place = np.interp(radii, np.hypot(line[:, 0], line[:, 1]), np.arctan2(line[:, 1], line[:, 0]))
+        place = place if side is Side.RIGHT else -place
+        away = np.arctan2(own[:, 1], own[:, 0]) - place
         number = np.round(away / (np.pi / 8.0)).astype(int)
         arcs = 24.0 * (away - number * np.pi / 8.0)
         assert set(number % 16) == set(range(16))
