@@ -137,7 +137,8 @@ class NearPairs:
         apart = np.atleast_2d(other.origin - own.origin)
         both = np.cross(own.axis, other.axis)
         # parallel or meeting axes: out of the own axis
-        apart = np.where(np.abs(dot(apart, both)) > 0.0, dot(apart, both)[..., None] * both, apart)
+        along = dot(apart, both)[..., None]
+        apart = np.where(np.abs(along) > 0.0, along * both, apart)
         towards = own.base.inverse.vector(apart)
         angle = np.arctan2(towards[..., 1], towards[..., 0])
         return own.sign * (self.turns[member] - own.zero) - angle
