@@ -1,0 +1,599 @@
+"""Gears that are asked for bodies: solids, CAD, sections, measuring grids, tool paths, finite elements."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, overload
+
+import numpy as np
+
+from gearmesh.answers.questions import SolvedGears
+from gearmesh.lengths import Length, in_mm
+from gearmesh.progress import Progress, silent
+
+if TYPE_CHECKING:
+    import build123d
+    import cadquery
+
+    from gearmesh.answers.bodies.cad import Cad
+    from gearmesh.answers.bodies.finite_element_model import UnloadedFiniteElements
+    from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements
+    from gearmesh.answers.bodies.measuring_grid import MeasuringGrids
+    from gearmesh.answers.bodies.section import Section
+    from gearmesh.answers.bodies.solid import Solid, Solids
+    from gearmesh.answers.bodies.toolpath import ToolPathAnswer
+    from gearmesh.answers.bodies.topography import FlankTopography
+
+
+class ModelledGears(SolvedGears):
+    """The gears of a design, and what is made of their bodies."""
+
+    # ---------------------------------------------------------------- solids
+
+    @overload
+    def solid(  # type: ignore[overload-overlap]  # no member has this name
+        self,
+        member: Literal["both", "all"],
+        tolerance: Length | None = None,
+        *,
+        offset: Length = 0.0,
+        file: str | PathLike[str] | None = None,
+    ) -> Solids: ...
+    @overload
+    def solid(
+        self,
+        member: str,
+        tolerance: Length | None = None,
+        *,
+        teeth: int | None = None,
+        sector: int | None = None,
+        flank_only: str | None = None,
+        space: bool = False,
+        offset: Length = 0.0,
+        file: str | PathLike[str] | None = None,
+    ) -> Solid: ...
+    def solid(
+        self,
+        member: str,
+        tolerance: Length | None = None,
+        *,
+        teeth: int | None = None,
+        sector: int | None = None,
+        flank_only: str | None = None,
+        space: bool = False,
+        offset: Length = 0.0,
+        file: str | PathLike[str] | None = None,
+    ) -> Solid | Solids:
+        """One member as a watertight mesh within a tolerance, or its worm as a part.
+
+        Parameters
+        ----------
+        member : str
+            Its name; "worm" is the worm that grinds one, "both" or "all" are all members in mesh, as of `solids`.
+        tolerance : Length, optional
+            Largest distance between mesh and exact gear, both ways, mm; by default the design's.
+        teeth : int, optional
+            The open surfaces of only so many teeth.
+        sector : int, optional
+            Only so many pitches, fewer than all, closed by two cut faces through the middles of roots, which are the regions
+            cut_right and cut_left: one is the other, turned, to the last node.
+        flank_only : str, optional
+            The "right" or "left" flanks alone, or "both", as open surfaces with exact normals at their vertices.
+        space : bool
+            The space between two teeth as a solid, as a broach or an electrode fills it, up to the tip surface.
+        offset : float or str
+            By how much all surfaces of the teeth move along their normals, mm, positive away from the member's material:
+            stock, or a spark gap; negative: clearance.
+        file : str or os.PathLike, optional
+            The file that it is meant for: the mesh is proved as that will hold it, as some formats have single precision.
+
+        Returns
+        -------
+        Solid
+            `save("pinion.stl")` writes it; `measured` has the bound of the deviation and the volume. Solids of all members.
+
+        Raises
+        ------
+        DesignError
+            For a member that there is not, and for an offset that is too large, with the largest that works.
+
+        Examples
+        --------
+        >>> solid = gears.solid("pinion", tolerance=0.05)
+        >>> solid.figures["watertight"], solid.save("pinion.stl").name
+        (True, 'pinion.stl')
+        """
+        from gearmesh.answers.bodies.extract import Extract
+        from gearmesh.answers.bodies.solid import TOGETHER, refuse_parts, solid_of
+
+        extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth)
+        if member in TOGETHER and member not in self.members:
+            refuse_parts(teeth=teeth, sector=sector, flank_only=flank_only, space=space or None)
+            return self.solids(tolerance, offset=offset, file=file)
+        return solid_of(self, member, self.within(tolerance), teeth, file, extract)
+
+    def solids(
+        self,
+        tolerance: Length | None = None,
+        *,
+        offset: Length = 0.0,
+        file: str | PathLike[str] | None = None,
+        phi1: float = 0.0,
+    ) -> Solids:
+        """All members as watertight meshes, placed as they mesh (fixed frame).
+
+        Parameters
+        ----------
+        tolerance : float or str, optional
+            Largest distance from the exact surfaces, mm, or with a unit; by default the design's.
+        offset : float or str
+            As of `solid`.
+        file : str or os.PathLike, optional
+            As of `solid`.
+        phi1 : float
+            Rotation of the first pair's pinion, deg.
+
+        Returns
+        -------
+        Solids
+            The solids by the names of the members.
+
+        Raises
+        ------
+        NoSolutionError
+            Where the pair has no contact there.
+
+        Examples
+        --------
+        >>> gears.solids(tolerance=0.05).save("pair.3mf").name
+        'pair.3mf'
+        """
+        from gearmesh.answers.bodies.extract import Extract
+        from gearmesh.answers.bodies.solid import solids_of
+
+        return solids_of(self, self.within(tolerance), file, Extract.of(offset), phi1)
+
+    def cad(
+        self,
+        member: str | None = None,
+        tolerance: Length | None = None,
+        *,
+        teeth: int | None = None,
+        sector: int | None = None,
+        flank_only: str | None = None,
+        space: bool = False,
+        offset: Length = 0.0,
+        phi1: float = 0.0,
+    ) -> Cad:
+        """One member as a CAD solid in its own frame, or all of them placed as they mesh; or a space, a sector, open surfaces.
+
+        Parameters
+        ----------
+        member : str, optional
+            Its name; by default all members.
+        tolerance : float or str, optional
+            Largest distance of the faces from the exact surfaces, mm, or with a unit; 0.0001 mm.
+        teeth : int, optional
+            All surfaces of so many teeth, as open shells.
+        sector : int, optional
+            So many pitches, between the faces cut_right and cut_left.
+        flank_only : str, optional
+            The "right" or "left" flanks or "both", as open shells.
+        space : bool
+            The space between two teeth.
+        offset : float or str
+            As of `solid`.
+        phi1 : float
+            Rotation of the first pair's pinion, deg, at which all members are placed (fixed frame).
+
+        Returns
+        -------
+        Cad
+            `save("pair.step")` writes it; `to_build123d` and `to_cadquery` hand it over in memory.
+
+        Raises
+        ------
+        OutputError
+            Where OpenCASCADE is missing.
+        NoSolutionError
+            Where the pair has no contact at phi1.
+
+        Examples
+        --------
+        >>> gears.cad("pinion", tolerance="10um").save("pinion.step").name
+        'pinion.step'
+        """
+        from gearmesh.answers.bodies.cad import cad_of
+        from gearmesh.answers.bodies.extract import Extract
+        from gearmesh.cad.brep import TOLERANCE
+
+        extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth)
+        return cad_of(self, member, self.within(tolerance, TOLERANCE), extract, phi1, teeth)
+
+    def to_build123d(self, tolerance: Length | None = None, *, phi1: float = 0.0) -> build123d.Compound:
+        """All members as an assembly for build123d: `cad(tolerance=tolerance, phi1=phi1).to_build123d()`.
+
+        Parameters
+        ----------
+        tolerance : float or str, optional
+            As of `cad`.
+        phi1 : float
+            As of `cad`, deg.
+
+        Returns
+        -------
+        build123d.Compound
+            Its children have names, colours and places.
+
+        Raises
+        ------
+        OutputError
+            Where build123d is missing.
+        NoSolutionError
+            Where the pair has no contact at phi1.
+
+        Examples
+        --------
+        >>> [part.label for part in gears.to_build123d().children]  # doctest: +SKIP
+        ['pinion', 'gear']
+        """
+        return self.cad(None, tolerance, phi1=phi1).to_build123d()
+
+    def to_cadquery(self, tolerance: Length | None = None, *, phi1: float = 0.0) -> cadquery.Assembly:
+        """All members as an assembly for CadQuery: `cad(tolerance=tolerance, phi1=phi1).to_cadquery()`.
+
+        Parameters
+        ----------
+        tolerance : float or str, optional
+            As of `cad`.
+        phi1 : float
+            As of `cad`, deg.
+
+        Returns
+        -------
+        cadquery.Assembly
+            Parts and faces have names and colours.
+
+        Raises
+        ------
+        OutputError
+            Where CadQuery is missing.
+        NoSolutionError
+            Where the pair has no contact at phi1.
+
+        Examples
+        --------
+        >>> gears.to_cadquery().save("pair.step")  # doctest: +SKIP
+        """
+        return self.cad(None, tolerance, phi1=phi1).to_cadquery()
+
+    def section(
+        self,
+        member: str,
+        z: Length | None = None,
+        tolerance: Length | None = None,
+        *,
+        curves: str = "splines",
+        offset: Length = 0.0,
+    ) -> Section:
+        """The transverse section of one member, as contours for drawings, wires and lasers.
+
+        Parameters
+        ----------
+        member : str
+            Its name, as "pinion".
+        z : float or str, optional
+            Its place, mm, or with a unit; mid face.
+        tolerance : float or str, optional
+            Largest distance from the exact section, or from its parallel, mm, or with a unit; 0.0001 mm.
+        curves : str
+            "splines", "arcs" or "polyline": flanks and fillets are cubic splines, arcs that are tangent to each other, or chords;
+            "polyline" makes chords of all arcs too. With "arcs" and "polyline" a DXF file has one closed polyline for
+            every contour.
+        offset : float or str
+            Distance of the contours from the section, mm, or with a unit: positive away from the material, all round teeth, bore,
+            keyway and holes, as for a wire whose radius and spark gap it is; negative into the material. Where the tool does not
+            reach, in inner corners sharper than itself, the contour is trimmed; `measured.stock_left` is the most that is
+            left there.
+
+        Returns
+        -------
+        Section
+            `save("pinion.dxf")` writes it.
+
+        Raises
+        ------
+        DesignError
+            For a member that there is not or whose end faces are not planes, for z beyond its face, and for an offset that a
+            contour has no room for.
+        NoSolutionError
+            Where the tolerance is not met.
+
+        Examples
+        --------
+        >>> gears.section("pinion", curves="arcs", offset="0.135mm", tolerance="1um").save("pinion.dxf").name
+        'pinion.dxf'
+        """
+        from gearmesh.answers.bodies.section import section_of
+        from gearmesh.cad.brep import TOLERANCE
+
+        place = None if z is None else in_mm("z", z)
+        return section_of(self, member, place, self.within(tolerance, TOLERANCE), curves, in_mm("offset", offset))
+
+    def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
+        """All that modifications remove of a flank, as a grid of amounts.
+
+        Parameters
+        ----------
+        member : str
+            Its name, as "pinion".
+        flank : str
+            "right" or "left".
+        tolerance : float or str, optional
+            Largest error of a flank that is read from the grid, mm, or with a unit; 1e-5 mm.
+
+        Returns
+        -------
+        FlankTopography
+            `save("right.csv")` writes the file that the key `topography` reads.
+
+        Raises
+        ------
+        DesignError
+            For a member or flank that there is not, and for flanks that are not modified.
+
+        Examples
+        --------
+        >>> crowned = gm.build(design.with_values({"pinion.modifications.profile_crowning": 0.01}))
+        >>> crowned.topography("pinion").save("right.csv").name
+        'right.csv'
+        """
+        from gearmesh.answers.bodies.topography import TOLERANCE, flank_topography
+
+        within = self.within(tolerance, TOLERANCE)
+        return flank_topography(self.design, self.member(member), flank, within)
+
+    def measuring_grid(
+        self,
+        member: str,
+        flank: str = "both",
+        *,
+        grid: tuple[int, int] | str = (5, 9),
+        margins: tuple[float, float] | str = (0.1, 0.1),
+        surface: str = "flank",
+        ball: Length | None = None,
+    ) -> MeasuringGrids:
+        """Nominal points and unit normals of the exact flanks of a member, for measuring machines.
+
+        Parameters
+        ----------
+        member : str
+            Name of the member.
+        flank : str
+            "right", "left" or "both".
+        grid : tuple of int, or str
+            Points from root to tip and from toe to heel, (5, 9) or "5x9"; one row or column lies in the middle.
+        margins : tuple of float, or str
+            Shares of profile and face width beside their edges that have no points, (0.1, 0.1) or "0.1,0.1".
+        surface : str
+            "flank", "fillet" or "all".
+        ball : Length
+            Diameter of the probe's ball, mm, whose centres are written too.
+
+        Returns
+        -------
+        MeasuringGrids
+            `save("pinion.csv")` writes a .csv or .txt file, which with a column `deviation_um` added is one that the table
+            `measured` of a design reads.
+
+        Raises
+        ------
+        DesignError
+            For a member, flank, surface, grid, margins or ball that cannot be.
+
+        Examples
+        --------
+        >>> gears.measuring_grid("pinion", ball="2mm").save("pinion.csv").name
+        'pinion.csv'
+        """
+        from gearmesh.answers.bodies.measuring_grid import measuring_grid_of, numbers_of
+
+        shape = numbers_of("grid", grid, "x", int)
+        shares = numbers_of("margins", margins, ",", float)
+        size = None if ball is None else in_mm("ball", ball)
+        return measuring_grid_of(self.design, self.member(member), flank, shape, shares, surface, size)
+
+    def toolpath(
+        self,
+        member: str,
+        tool: str,
+        scallop: Length,
+        *,
+        stock: Length = 0.0,
+        tolerance: Length | None = None,
+        flank: str = "both",
+        surfaces: str = "all",
+        spaces: int | str = 0,
+        order: str = "zigzag",
+        lead: float | None = None,
+        tilt: float | None = None,
+        feed: float = 500.0,
+    ) -> ToolPathAnswer:
+        """How a ball-end cutter finishes the spaces between the teeth of a member on a five-axis machine, proved on exact surfaces.
+
+        Parameters
+        ----------
+        member : str
+            Its name.
+        tool : str
+            "ball:D", "ball:D,L" or "ball:D,L,H": diameter of ball and shank, length of the shank beyond the ball's centre, by
+            default five diameters, and diameter of the holder that begins there.
+        scallop : Length
+            The most that is left over the exact surfaces, chords included, mm.
+        stock : Length
+            What is left over them on purpose, along the normals, mm.
+        tolerance : Length, optional
+            The part of the scallop that chords between points may take, mm; by default a tenth.
+        flank, surfaces : str
+            What is finished: "right", "left" or "both"; "all", flanks with fillets and root, or "flanks" alone.
+        spaces : int or str
+            The number of the space, that of the tooth after it (0 is on the x axis), or "all" of all rows of teeth.
+        order : str
+            Feed order, "zigzag" or "one-way".
+        lead, tilt : float, optional
+            Angles of the tool axis from the middle of the space, deg: towards the heel, and away from the flank that is cut; by
+            default the least with which the shank is clear of all teeth.
+        feed : float
+            mm/min, for .cls files.
+
+        Returns
+        -------
+        ToolPathAnswer
+            `save("pinion.cls")` writes an APT cutter location file, .csv and .vtp hold the same positions.
+
+        Raises
+        ------
+        DesignError
+            For a ball larger than fits into the space or its fillets, with the largest that does, and for other input.
+        NoSolutionError
+            Where the shank is not clear of the teeth, with the longest that is, or what is left cannot be met.
+
+        Examples
+        --------
+        >>> gears.toolpath("pinion", "ball:1mm,30mm", "10um").save("pinion.cls").name
+        'pinion.cls'
+        """
+        from gearmesh.answers.bodies.toolpath import tool_path_of
+
+        return tool_path_of(
+            self,
+            member,
+            tool,
+            scallop,
+            stock=stock,
+            tolerance=tolerance,
+            flank=flank,
+            surfaces=surfaces,
+            spaces=spaces,
+            order=order,
+            lead=lead,
+            tilt=tilt,
+            feed=feed,
+        )
+
+    # ---------------------------------------------------------------- finite elements
+
+    def finite_elements(
+        self,
+        phi1: float = 0.0,
+        *,
+        members: Sequence[str] | None = None,
+        rotation: float | None = None,
+        friction: float = 0.0,
+        pair: int | str = 0,
+        sector: int | None = None,
+    ) -> FiniteElements | UnloadedFiniteElements:
+        """A model of the teeth in mesh, as fine as the design's table fe says, ready to be written or solved.
+
+        Parameters
+        ----------
+        phi1 : float
+            Rotation of the pinion, deg.
+        members : sequence of str, optional
+            Only some of the pair.
+        rotation : float, optional
+            Of the pinion under load, deg, in place of the design's torque.
+        friction : float
+            Coefficient of Coulomb on the flanks.
+        pair : int or str
+            Number of the mesh, or its members as "sun-planet_1".
+        sector : int, optional
+            So many pitches of one member, a divisor of its teeth, with cyclic symmetry: loads and supports are those of
+            every sector.
+
+        Returns
+        -------
+        FiniteElements or UnloadedFiniteElements
+            Of a gear without a mating gear: held as in a pair, not loaded, with evenly spaced lines, in its own frame.
+
+        Raises
+        ------
+        DesignError
+            For what needs a mating gear where there is none.
+
+        Examples
+        --------
+        >>> gears.finite_elements().save("pair.inp").name
+        'pair.inp'
+        """
+        if not self.train.pairs:
+            from gearmesh.answers.bodies.finite_element_model import unloaded_elements_of
+
+            asked = {"phi1": phi1, "rotation": rotation, "friction": friction, "pair": pair}
+            return unloaded_elements_of(self.design, self.train, self.warnings, members, asked, sector)
+        from gearmesh.answers.bodies.finite_elements import finite_elements_of
+
+        angle = None if rotation is None else float(np.radians(rotation))
+        return finite_elements_of(
+            self.design, self.train.pair(pair), self.warnings, float(np.radians(phi1)), members, angle, friction, sector
+        )
+
+    def finite_element_decks(
+        self,
+        folder: str | PathLike[str],
+        phi1: Sequence[float],
+        *,
+        members: Sequence[str] | None = None,
+        rotation: float | None = None,
+        friction: float = 0.0,
+        pair: int | str = 0,
+        program: str | None = None,
+        progress: Progress = silent,
+    ) -> FiniteElementDecks:
+        """Decks of `finite_elements` at several positions, with a script run.sh that solves them in order.
+
+        Parameters
+        ----------
+        folder : str or os.PathLike
+            Where they are written.
+        phi1 : sequence of float
+            Rotations of the pinion, deg.
+        members, rotation, friction, pair
+            As of `finite_elements`.
+        program : str, optional
+            Whose decks: "calculix" or "abaqus".
+        progress : callable, optional
+            Is told how far the work is (0 to 1) and what it is doing.
+
+        Returns
+        -------
+        FiniteElementDecks
+            The files, and the figures of the models.
+
+        Raises
+        ------
+        OutputError
+            For a folder that cannot be written.
+
+        Examples
+        --------
+        >>> len(gears.finite_element_decks("decks", [0.0, 2.0]).rows)
+        2
+        """
+        from gearmesh.answers.bodies.finite_elements import finite_element_decks_of
+
+        angle = None if rotation is None else float(np.radians(rotation))
+        return finite_element_decks_of(
+            self.design,
+            self.train.pair(pair),
+            Path(folder),
+            [float(np.radians(angle)) for angle in phi1],
+            self.warnings,
+            members,
+            angle,
+            friction,
+            program,
+            progress=progress,
+        )
