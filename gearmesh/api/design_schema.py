@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, TypeAlias
 
 from gearmesh import __version__
 from gearmesh.design.core import Design
 from gearmesh.design.keys import Key, Table, key_lines
 
+#: a JSON Schema, or a part of one
+JsonSchema: TypeAlias = dict[str, Any]
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 #: characters of a text at most, and numbers of a stiffness: its diagonal, or its rows
 TEXT, STIFFNESS = 80, 6
 
 
-def design_schema(design: type[Design], kind: str) -> dict[str, Any]:
+def design_schema(design: type[Design], kind: str) -> JsonSchema:
     """The schema of the files of a kind, draft 2020-12; `$id` has the version of gearmesh.
 
     It knows names, types, choices and the limits that no unit changes. What keys say of each other, and limits of lengths, which
     are in the file's units, are checked when the file is loaded.
     """
-    tables: dict[str, Any] = {}
+    tables: JsonSchema = {}
     schema = _table(design, tables)
     schema["properties"]["kind"] = {"const": kind, "description": "gear system"}
     return {
@@ -33,7 +35,7 @@ def design_schema(design: type[Design], kind: str) -> dict[str, Any]:
     }
 
 
-def _table(table: type[Table], tables: dict[str, Any]) -> dict[str, Any]:
+def _table(table: type[Table], tables: JsonSchema) -> JsonSchema:
     """A table; those within it go to `tables` once each, by the names of their classes."""
     properties, required = {}, []
     said = {line.key: line for line in key_lines(table)}
@@ -57,7 +59,7 @@ def _table(table: type[Table], tables: dict[str, Any]) -> dict[str, Any]:
     return {"type": "object", "properties": properties, "required": required, "additionalProperties": False}
 
 
-def _value(key: Key) -> dict[str, Any]:
+def _value(key: Key) -> JsonSchema:
     """What a key accepts; also a list of it."""
     if key.unit == "stiffness":
         return {"type": "array", "minItems": STIFFNESS, "maxItems": STIFFNESS}
@@ -65,7 +67,7 @@ def _value(key: Key) -> dict[str, Any]:
     return {"type": "array", "items": one, "maxItems": key.most} if key.most else one
 
 
-def _one_value(key: Key) -> dict[str, Any]:
+def _one_value(key: Key) -> JsonSchema:
     match key.unit:
         case "choice":
             return {"enum": list(key.choices)}
@@ -75,7 +77,7 @@ def _one_value(key: Key) -> dict[str, Any]:
             return {"type": "string", "minLength": 1}
         case "flag":
             return {"type": "boolean"}
-    number: dict[str, Any] = {"type": "integer" if key.unit == "count" else "number"}
+    number: JsonSchema = {"type": "integer" if key.unit == "count" else "number"}
     # 0 is a limit in every unit of length, others are in mm
     if key.power and key.low >= 0.0:
         number["exclusiveMinimum" if key.above or key.low > 0.0 else "minimum"] = 0.0

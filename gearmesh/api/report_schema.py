@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
 from gearmesh import __version__
 from gearmesh.answers.bodies.solid import SolidFigures
@@ -12,7 +11,7 @@ from gearmesh.answers.contact.figures import CycleSummary, PathSummary, SlideSum
 from gearmesh.answers.contact.fit import FitSummary
 from gearmesh.answers.contact.turns import TurnsSummary
 from gearmesh.answers.load.figures import LoadedFigures
-from gearmesh.api.design_schema import DIALECT
+from gearmesh.api.design_schema import DIALECT, JsonSchema
 from gearmesh.figures import MEMBER, UNITS, Figure, Figures
 from gearmesh.systems.system import kinds
 
@@ -23,14 +22,14 @@ ANGLE, TRAVEL = UNITS["arcsec"], UNITS["um"]
 NUMBER = {"type": ["number", "null"]}
 
 
-def report_schema() -> dict[str, Any]:
+def report_schema() -> JsonSchema:
     """The schema of report.json, draft 2020-12; `$id` has the version of gearmesh.
 
     Names of sections are complete. Within them a kind of gears may have figures beside those that are described here: the
     page of all figures has them.
     """
     contact, loaded = figures_schema(*CONTACT), figures_schema(LoadedFigures)
-    sections: dict[str, Any] = {
+    sections: JsonSchema = {
         "gearmesh": {"type": "string", "description": "version that wrote the report"},
         "design": {
             "type": "object",
@@ -67,20 +66,20 @@ def report_schema() -> dict[str, Any]:
     }
 
 
-def by_name(description: str, of: dict[str, Any]) -> dict[str, Any]:
+def by_name(description: str, of: JsonSchema) -> JsonSchema:
     """An object whose keys are names."""
     return {"type": "object", "description": description, "additionalProperties": of}
 
 
-def rows(description: str, kind: type[Figures]) -> dict[str, Any]:
+def rows(description: str, kind: type[Figures]) -> JsonSchema:
     """A list of figures of one kind."""
     return {"type": "array", "description": description, "items": figures_schema(kind)}
 
 
-def figures_schema(*kinds_of_figures: type[Figures]) -> dict[str, Any]:
+def figures_schema(*kinds_of_figures: type[Figures]) -> JsonSchema:
     """Figures of some kinds beside each other, those of members by a pattern of their keys."""
-    properties: dict[str, Any] = {}
-    patterns: dict[str, Any] = {}
+    properties: JsonSchema = {}
+    patterns: JsonSchema = {}
     for kind in kinds_of_figures:
         for figure in kind.declared_figures():
             if figure.timing:
@@ -96,7 +95,7 @@ def figures_schema(*kinds_of_figures: type[Figures]) -> dict[str, Any]:
     return {"type": "object", "properties": properties} | ({"patternProperties": patterns} if patterns else {})
 
 
-def figure_schema(figure: Figure) -> dict[str, Any]:
+def figure_schema(figure: Figure) -> JsonSchema:
     """A figure: what is a number of a unit, a whole number or a vector says so; null is what is not known."""
     unit = f" [{figure.unit}]" if figure.unit else ""
     symbol = f", {figure.symbol}" if figure.symbol else ""
