@@ -24,7 +24,7 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import END_EDGES, Region
+from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 
@@ -123,10 +123,6 @@ class StripPatch:
     column: int
     pointed: bool
     deviation: float
-
-    @property
-    def region(self) -> Region:
-        return END_EDGES[self.end]
 
     @property
     def net(self) -> tuple[Array, Array, Array]:

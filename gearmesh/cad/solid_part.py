@@ -23,11 +23,11 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
-from gearmesh.teeth.blank.body import Body, end_regions
+from gearmesh.teeth.blank.body import Body, end_edges, end_regions
 from gearmesh.teeth.blank.features import Opening
 from gearmesh.teeth.blank.halves import HalfEnd
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import END_EDGES, Region
+from gearmesh.teeth.region import Region
 
 #: relative error of a face's share of the volume
 QUADRATURE = 1e-8
@@ -41,7 +41,8 @@ def solid_part(member: Member, teeth: SplineTooth) -> Part:
     """
     require_occ()
     member.check_alike()
-    chamfers = tuple(region for region, strip in zip(END_EDGES, teeth.strips, strict=True) if strip)
+    edges = end_edges(teeth.tooth.blank.axial)
+    chamfers = tuple(region for region, strip in zip(edges, teeth.strips, strict=True) if strip)
     return whole_part(member, tuple(_faces(member, teeth)), (*teeth.tooth.regions, *member.body_regions, *chamfers))
 
 

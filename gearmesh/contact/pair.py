@@ -15,7 +15,7 @@ from gearmesh.kernel.surface.levels import Level, Shifted
 from gearmesh.kernel.surface.surface import Surface
 
 MEMBERS = ("pinion", "gear")
-#: edges of a flank, as answers name them; a fillet has a root instead of tip and form point
+#: edges of a flank, the ends as the face begins and ends; a fillet has a root instead of tip and form point
 EDGES = ("tip", "toe", "heel")
 FORM_POINT, ROOT = "joint", "root"
 #: corners inside a flank, along the face and up the profile: as many as linear reliefs of two tables make
@@ -178,9 +178,9 @@ def along_face(number: int) -> bool:
     return NUMBERED[number][1] not in ("toe", "heel", *RIDGES)
 
 
-def edge_name(number: int) -> str:
-    """Name of an edge by its number in `Pair.bounds`."""
+def edge_name(pair: Pair, number: int) -> str:
+    """Name of an edge of a pair by its number in `Pair.bounds`, as answers have it."""
     if number == CORNER:
         return "corner"
     member, name = NUMBERED[number]
-    return f"{MEMBERS[member]}_{name}"
+    return f"{MEMBERS[member]}_{pair.flanks[member].edge_name(name)}"

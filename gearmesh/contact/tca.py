@@ -144,7 +144,7 @@ def _result(pair: Pair, asked: Array, rotation: Array, contacts: Contacts, start
         phi2=contacts.x[keep, 4],
         te=(te - reference)[keep],
         kind=kind[keep],
-        edge=_edge_names(contacts)[keep],
+        edge=_edge_names(pair, contacts)[keep],
         status=contacts.status[keep],
         residual=gap[keep],
         point=one.r[keep],
@@ -181,9 +181,9 @@ def contact_jets(pair: Pair, rotation: Array, contacts: Contacts) -> tuple[tuple
     return (own[0], own[1]), (fixed[0], fixed[1])
 
 
-def _edge_names(contacts: Contacts) -> NDArray[np.str_]:
+def _edge_names(pair: Pair, contacts: Contacts) -> NDArray[np.str_]:
     """Names of the edges in contact (N,), two joined by "+"."""
     names = np.full(len(contacts.x), "", dtype="<U32")
     for k in np.flatnonzero(contacts.edges[:, 0] >= 0):
-        names[k] = "+".join(edge_name(int(number)) for number in contacts.edges[k] if number >= 0)
+        names[k] = "+".join(edge_name(pair, int(number)) for number in contacts.edges[k] if number >= 0)
     return names

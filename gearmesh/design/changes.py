@@ -1,4 +1,5 @@
-"""Defaults that have changed, by the version that changed them: the warnings for a design that states its version.
+"""Defaults that have changed, by the version that changed them, and keys that mean something else since: the warnings for a design
+that states its version.
 
 Whoever changes a default raises the version and adds an entry here and to gearmesh/CHANGES.md.
 """
@@ -105,6 +106,30 @@ CHANGES: tuple[Change, ...] = (
 )
 
 
+@dataclass(frozen=True)
+class Meaning:
+    """Keys of a member's table that mean something else since `version`, of members whose `flag` is set: what, in words."""
+
+    version: str
+    flag: str
+    keys: tuple[str, ...]
+    what: str
+
+
+#: ends of internal gears; the newest version last
+MEANINGS = (
+    Meaning(
+        "0.11.0",
+        "internal",
+        (
+            *(f"end_{edge}_{end}" for edge in ("chamfer", "rounding") for end in ("toe", "heel")),
+            *("toe_bore.diameters", "heel_bore.diameters", "bolts.depth"),
+        ),
+        "the toe of an internal gear is its end at z < 0, and no longer the other one",
+    ),
+)
+
+
 def parse_version(version: str) -> tuple[int, int, int]:
     """A version as numbers, "0.2" as (0, 2, 0). Raises ValueError for what is none."""
     if not _VERSION.fullmatch(version):
@@ -120,6 +145,11 @@ def changes_since(version: str, kind: str) -> tuple[Change, ...]:
         for change in CHANGES
         if parse_version(change.version) > parse_version(version) and (not change.kinds or kind in change.kinds)
     )
+
+
+def meanings_since(version: str) -> tuple[Meaning, ...]:
+    """What keys mean something else since a version."""
+    return tuple(meaning for meaning in MEANINGS if parse_version(meaning.version) > parse_version(version))
 
 
 def unknown_version(stated: str, own: str) -> str:

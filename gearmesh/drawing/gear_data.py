@@ -18,8 +18,10 @@ from gearmesh.drawing.facts import DataRow, Facts, number
 from gearmesh.systems import system as systems
 from gearmesh.systems.common.plain_sheet import MASS
 from gearmesh.systems.system import DrawnRows, SheetTable
+from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.end_edge import SHARP
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import HEEL, TOE
 
 #: keys that are said elsewhere on the sheet
 ELSEWHERE = (
@@ -68,7 +70,7 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
 
 def _end_chamfers(member: Member) -> list[DataRow]:
     """A row for the broken edges of the end faces, if there are any."""
-    ends = member.tooth.blank.ends
+    ends, names = member.tooth.blank.ends, end_names(member.tooth.blank.axial)
     if ends == SHARP:
         return []
     toe, heel = (
@@ -77,7 +79,7 @@ def _end_chamfers(member: Member) -> list[DataRow]:
         else f"R {number(end.width)} mm"
         if end.rounded
         else f"{number(end.width)} mm x {number(np.degrees(np.arctan2(end.depth, end.width)), 2)}°"
-        for end in ends
+        for end in (ends[names.index(TOE)], ends[names.index(HEEL)])
     )
     name = "rounding" if any(end is not None and end.rounded for end in ends) else "chamfer"
     if any(end is not None and not end.rounded for end in ends) and name == "rounding":

@@ -48,7 +48,7 @@ def edge_loads(gears: GearPair, load: PairLoad, positions: int) -> list[EdgeLoad
     for member, flank, own in zip(gears.both, solver_pair(gears).flanks, places, strict=True):
         for name, level in flank.edges.items():
             if name not in flank.smooth:
-                names.append(f"{member.name}_{name}")
+                names.append(f"{member.name}_{flank.edge_name(name)}")
                 outside.append(level.value(own))
     nearest = np.argmax(outside, axis=0)
     loads = []

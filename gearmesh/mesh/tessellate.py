@@ -24,8 +24,9 @@ from gearmesh.mesh.links.lines import denser, stations
 from gearmesh.mesh.links.link_mesh import LinkLines, LinkMesh, mesh_link, thin_link
 from gearmesh.mesh.links.plan import LinkPlan, link_plans
 from gearmesh.mesh.patch import PatchMesh
+from gearmesh.teeth.blank.body import end_edges
 from gearmesh.teeth.end_strip import EndStrip
-from gearmesh.teeth.region import END_EDGES, Region
+from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 
@@ -75,9 +76,8 @@ class ToothMesh:
     def end_meshes(self, rows: int = 1) -> dict[Region, EndMesh]:
         """The chamfers of its end faces, in so many rows of triangles at least; none of a few links."""
         strips = self.tooth.end_strips if self.whole else (None, None)
-        return {
-            END_EDGES[end]: self._end_mesh(strip, end, rows) for end, strip in enumerate(strips) if strip is not None
-        }
+        names = end_edges(self.tooth.blank.axial)
+        return {names[end]: self._end_mesh(strip, end, rows) for end, strip in enumerate(strips) if strip is not None}
 
     def _end_mesh(self, strip: EndStrip, end: int, rows: int) -> EndMesh:
         key = end, rows
@@ -119,7 +119,7 @@ class ToothMesh:
         lines = tuple(of[first] for of, first in zip(numbers, firsts, strict=True))
         welded = Welded(np.concatenate(points), np.concatenate(triangles), ends[0], ends[1], lines)
         for region, mesh in self.end_meshes(end_rows).items():
-            welded = welded.with_end(END_EDGES.index(region), mesh)
+            welded = welded.with_end(end_edges(self.tooth.blank.axial).index(region), mesh)
         return welded
 
 

@@ -461,14 +461,21 @@ def _in_units(design: Design, dotted: str, value: Any) -> Any:
 
 
 def _of_other_defaults(design: Design) -> tuple[str, ...]:
-    """What to say of a design of an older version: keys that it leaves out and whose defaults have changed since."""
-    from gearmesh.design.changes import changes_since
+    """What to say of a design of an older version: keys that it leaves out and whose defaults have changed since, and those that
+    mean something else."""
+    from gearmesh.design.changes import changes_since, meanings_since
 
     if design.gearmesh is None:
         return ()
     changed = [change for change in changes_since(design.gearmesh, design.kind) if not design.sets(change.key)]
     lines = "; ".join(f"{change.key}: {change.old} -> {change.new} ({change.version})" for change in changed)
-    return (f"defaults have changed since gearmesh {design.gearmesh}: {lines}",) if changed else ()
+    said = [f"defaults have changed since gearmesh {design.gearmesh}: {lines}"] if changed else []
+    for meaning in meanings_since(design.gearmesh):
+        tables = [name for name in type(design).model_fields if getattr(getattr(design, name), meaning.flag, False)]
+        keys = [key for table in tables for name in meaning.keys if design.sets(key := f"{table}.{name}")]
+        if keys:
+            said.append(f"{', '.join(keys)}: since gearmesh {meaning.version} {meaning.what}")
+    return tuple(said)
 
 
 def worm(design: Design) -> ToolPart:

@@ -20,8 +20,9 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.levels import Level, station_normal
+from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Side
+from gearmesh.teeth.region import HEEL, TOE, Side
 
 #: points of the outline along each edge
 EDGE = 41
@@ -48,8 +49,9 @@ class FlankFrame:
         tooth = member.tooth
         levels = (tooth.blank.axial, tooth.blank.across)
         steps, ends, thirds = np.linspace(0.0, 1.0, EDGE), [0.0, 1.0], [0.0, 0.5, 1.0]
+        way = slice(None, None, 1 if end_names(tooth.blank.axial) == (TOE, HEEL) else -1)
         cross, along, up = (
-            _values(levels, tooth.flank_grid(side, *grid).points)
+            _values(levels, tooth.flank_grid(side, *grid).points[:, way])
             for grid in ((thirds, thirds), (ends, steps), (steps, ends))
         )
         signs = np.sign([cross[1, 2, 0] - cross[1, 0, 0], cross[2, 1, 1] - cross[0, 1, 1]])

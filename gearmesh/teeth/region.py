@@ -72,8 +72,10 @@ class Region(StrEnum):
 FLANKS = {Side.RIGHT: Region.FLANK_RIGHT, Side.LEFT: Region.FLANK_LEFT}
 FILLETS = {Side.RIGHT: Region.FILLET_RIGHT, Side.LEFT: Region.FILLET_LEFT}
 EDGES = {Side.RIGHT: Region.EDGE_RIGHT, Side.LEFT: Region.EDGE_LEFT}
-#: chamfers of the end faces at toe and heel
-END_EDGES = (Region.EDGE_TOE, Region.EDGE_HEEL)
+#: the ends of the face, plane end faces there, and the broken edges of end faces
+TOE, HEEL = "toe", "heel"
+END_FACES = {TOE: Region.FACE_TOE, HEEL: Region.FACE_HEEL}
+END_EDGES = {TOE: Region.EDGE_TOE, HEEL: Region.EDGE_HEEL}
 _SIDES = {region: side for regions in (FLANKS, FILLETS, EDGES) for side, region in regions.items()}
 
 #: regions that a body may have, in the order of the files, which list them all; and those listed only where there are any

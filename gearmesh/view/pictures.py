@@ -18,6 +18,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.generation.contact_lines import tool_contact
@@ -333,7 +334,8 @@ class ToothViews:
         if name not in self.meshes:
             self.meshes[name] = _fine_and_rest(body)
         fine, rest = self.meshes[name]
-        return ToothView(fine, flank_projection(body, _side(gears, name)), rest, _pattern_grid(gears, name))
+        grid, ends = _pattern_grid(gears, name), end_names(body.tooth.blank.axial)
+        return ToothView(fine, flank_projection(body, _side(gears, name)), rest, grid, ends=ends)
 
 
 def tooth_view(gears: GearPair, name: str) -> ToothView:

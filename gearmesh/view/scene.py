@@ -17,6 +17,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import HEEL, TOE
 from gearmesh.view.palette import COMPOUND, OUTLINE, PATH
 
 Project = Callable[[Array], Array]
@@ -254,7 +255,7 @@ class ToothView:
 
     `fine` is the tooth in contact, `context` a coarse mesh of what surrounds it; `project` takes
     points (..., 3) near the flank to the closest points of the exact flank, and to NaN beyond its trimmed edges. `grid` (I, J, 3)
-    are points of that flank, from root to tip and from toe to heel; the camera looks at it along its mean normal.
+    are points of that flank, from root to tip and between its `ends`; the camera looks at it along its mean normal.
     """
 
     fine: TriangleMesh
@@ -263,6 +264,7 @@ class ToothView:
     grid: Array | None = None
     title: str = ""
     size: tuple[int, int] = (1600, 1200)
+    ends: tuple[str, str] = (TOE, HEEL)
 
     @property
     def lift(self) -> float:

@@ -267,7 +267,7 @@ def edge_words(view: ToothView, camera: Camera) -> tuple[Word, ...]:
     j = int(np.abs((view.grid[i] - camera.focus) @ camera.axes[0]).argmin())
     middle = view.grid[i, j]
     words = (Word(word, view.grid[k, j], middle) for word, k in (("tip", -1), ("root", 0)))
-    return (*(_end_word(view, view.grid, camera, word, k) for word, k in (("toe", 0), ("heel", -1))), *words)
+    return (*(_end_word(view, view.grid, camera, word, k) for word, k in zip(view.ends, (0, -1), strict=True)), *words)
 
 
 def _end_word(view: ToothView, grid: Array, camera: Camera, word: str, end: int) -> Word:

@@ -99,6 +99,19 @@ def test_a_design_of_an_older_version_is_told_what_has_changed_since(tmp_path: P
 
 
 @pytest.mark.quick
+def test_keys_of_one_end_of_an_older_ring_are_warned_of() -> None:
+    keys = ["gear.toe_bore={diameters=[170],lengths=[2]}", "gear.rim=20", "pinion.end_chamfer_toe=0.2"]
+    for version, count in (("0.10", 1), (gm.__version__, 0)):
+        design = gm.load(SAMPLES / "internal.toml", [*keys, f'gearmesh="{version}"'])
+        said = [
+            line
+            for line in gm.build(design).warnings
+            if line.startswith("gear.toe_bore.diameters: since gearmesh 0.11.0 the toe")
+        ]
+        assert len(said) == count
+
+
+@pytest.mark.quick
 def test_a_version_that_is_none_or_newer_is_refused_in_one_line() -> None:
     sample = SAMPLES / "spur.toml"
     line = refused("tca", sample, "--set", 'gearmesh="99.0"')

@@ -17,6 +17,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid, thickness_angle
 from gearmesh.metrology.flanks.point_file import point_text
+from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 
@@ -172,11 +173,12 @@ class MeasuringGrids(Result):
     def comments(self) -> list[str]:
         """What the head of a file says."""
         of_all = self.measured
+        first, last = end_names(self.member.tooth.blank.axial)
         lines = [
             f"measuring grid of gearmesh {__version__}: {self.design.name or self.design.kind}, {self.member.name}",
             "frame: z is the gear's axis, x through the middle of a tooth at mid face; origin as in the design's drawings",
             f"datum: axis z; end faces of the body from z = {of_all.toe_end:.9g} mm (toe) to {of_all.heel_end:.9g} mm (heel)",
-            "rows from root to tip, columns from toe to heel; right flank: y < 0; normals point out of the material",
+            f"rows from root to tip, columns from {first} to {last}; right flank: y < 0; normals point out of the material",
             "units: mm; deviations to add in a column deviation_um, along the normal, positive = more material",
         ]
         if of_all.thickness_angle is not None:

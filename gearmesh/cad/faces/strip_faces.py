@@ -15,6 +15,7 @@ from gearmesh.cad.turned import Loop, Trace
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.teeth.blank.body import end_edges
 
 #: moves a curve or surface of tooth 1 to another tooth, by how many pitches
 Move = Callable[[Any, int], Any]
@@ -32,7 +33,8 @@ def strip_faces(
     total = teeth.count * count
     inner = [corners[(k * links + patch.column) % len(corners)] for k in range(teeth.count) for patch in patches]
     outer = _outline_vertices(teeth, patches)
-    drawn = [DrawnFace.of_spline(patch.region, (0, 1), patch.net, outward=teeth.outward) for patch in patches]
+    region = end_edges(teeth.tooth.blank.axial)[end]
+    drawn = [DrawnFace.of_spline(region, (0, 1), patch.net, outward=teeth.outward) for patch in patches]
     lines, above = list[Any](), list[Any]()
     for n in range(total):
         k, j = divmod(n, count)
@@ -52,9 +54,7 @@ def strip_faces(
         low = point_edge(inner[n], float(patch.s_knots[-1])) if patch.link is None else below[k * links + patch.link]
         toe, heel = (low, above[n]) if end else (above[n], low)
         shape = part.face(move(part.surface, k), Sides(toe, [lines[(n + 1) % total]], heel, [lines[n]]))
-        faces.append(
-            NamedFace(shape, f"{part.region}_{k + 1}{teeth.half.suffix}", patch.region, 0 if k else teeth.count)
-        )
+        faces.append(NamedFace(shape, f"{region}_{k + 1}{teeth.half.suffix}", region, 0 if k else teeth.count))
     edges = [made for n, made in enumerate(above) if not patches[n % count].pointed]
     return faces, _loop(teeth, patches, edges, outer[0])
 

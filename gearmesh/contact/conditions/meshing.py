@@ -24,7 +24,9 @@ from gearmesh.contact.first_touch.heights import FlankHeights, heights
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle, unit
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import HEEL, TOE
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,10 @@ class Flank:
         if mount.joint is self.mount.joint:
             object.__setattr__(flank, "_unmoved", self._unmoved or self)
         return flank
+
+    def edge_name(self, edge: str) -> str:
+        """What answers call an edge: solvers call the end where the face begins its toe (`end_names`)."""
+        return dict(zip((TOE, HEEL), end_names(self.axial), strict=True)).get(edge, edge)
 
     def smooth_about(self, u: float, v: float) -> Surface | None:
         """The surface as it is about a place, going on over corners; None where there are none."""

@@ -20,6 +20,7 @@ from gearmesh.mesh.hexahedra.grading import Spacing, uniform
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh
 from gearmesh.mesh.hexahedra.layers import Base, Chart, Layers, layers
 from gearmesh.mesh.hexahedra.section_lattice import HalfLattice, Lines, tooth_lattice
+from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.region import FLANKS, Side
 from gearmesh.teeth.section import breaks
 from gearmesh.teeth.tooth import Tooth
@@ -321,7 +322,8 @@ def toothed_rim(
         for place in np.intersect1d(teeth, list(fine.own)).tolist()
     }
     closed = tooth.screw is None and len(teeth) == tooth.joint.cycle(tooth.teeth)
-    layout = _Layout([lattices[place] for place in teeth.tolist()], closed, step, edges)
+    ends = end_names(tooth.blank.axial)
+    layout = _Layout([lattices[place] for place in teeth.tolist()], closed, step, edges, ends)
     return layout.mesh(sections.places(teeth), reaches_bore)
 
 
@@ -370,8 +372,15 @@ def least_room(tooth: Tooth, t: Array) -> float:
 class _Layout:
     """Numbering of the nodes of several neighbouring teeth, and the elements and faces between them."""
 
-    def __init__(self, teeth: list[tuple[HalfLattice, HalfLattice]], closed: bool, step: int, edges: int) -> None:
-        self._teeth, self._closed, self._step, self._edges = teeth, closed, step, edges
+    def __init__(
+        self,
+        teeth: list[tuple[HalfLattice, HalfLattice]],
+        closed: bool,
+        step: int,
+        edges: int,
+        ends: tuple[str, str],
+    ) -> None:
+        self._teeth, self._closed, self._step, self._edges, self._ends = teeth, closed, step, edges, ends
         lower, upper = teeth[0][0].lower, teeth[0][0].upper
         self._rows, self._columns, self._layers = lower.shape[:3]
         self._across = upper.shape[1]
@@ -463,7 +472,8 @@ class _Layout:
         def faces(which: Index, face: int) -> Index:
             return np.stack((which.ravel(), np.full(which.size, face)), axis=1)
 
-        sets = {"toe": faces(numbers[:, :, 0], 0), "heel": faces(numbers[:, :, -1], 1)}
+        first_end, last_end = self._ends
+        sets = {first_end: faces(numbers[:, :, 0], 0), last_end: faces(numbers[:, :, -1], 1)}
         if part == "upper":
             flank = len(numbers) - self._edges
             sets[f"flank_{side}_{k + 1}"] = faces(numbers[:flank, 0], outer)

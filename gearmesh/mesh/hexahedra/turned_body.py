@@ -36,7 +36,7 @@ from gearmesh.mesh.hexahedra.meridian_grid import (
     meridian_grid,
     rim_corners,
 )
-from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.blank.body import Body, end_names
 from gearmesh.teeth.region import CUT_REGIONS, Region
 from gearmesh.teeth.tooth import Tooth
 
@@ -49,7 +49,7 @@ BODY_SIZE = 0.5 * RIM_DEPTH
 #: least number of stations between two corners of the body on the rim, as of a web's faces
 LEAST_BETWEEN = 2
 #: names of sets
-CORE, TOE, HEEL, BODY, SHAFT_END = "core", "toe", "heel", "body", "shaft_end"
+CORE, BODY, SHAFT_END = "core", "body", "shaft_end"
 
 Index = NDArray[np.int64]
 
@@ -131,7 +131,8 @@ def _outline(tooth: Tooth, stations: Array, bore: str) -> MeridianOutline:
             if 0 <= k < len(names) and body.bands[k] is Region.SHAFT:
                 names[k] = SHAFT_END
     points = np.array((stations[0], *body.profile, stations[-1]))
-    return MeridianOutline(points, (TOE, *names, HEEL))
+    first, last = end_names(tooth.blank.axial)
+    return MeridianOutline(points, (first, *names, last))
 
 
 def _axes(tooth: Tooth, grid: HexGrid, rim: float) -> tuple[int, int]:

@@ -15,9 +15,11 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.end_edge import EndChamfer, EndChamfers
 from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import HEEL, TOE
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
@@ -71,7 +73,8 @@ def with_end_chamfers(member: Member, spec: EndEdges) -> Member:
 
     Raises DesignError naming the key, its value and the largest that fits.
     """
-    widths, radii = end_widths(spec), _end_radii(spec)
+    order = [(TOE, HEEL).index(name) for name in end_names(member.tooth.blank.axial)]
+    widths, radii = ([both[end] for end in order] for both in (end_widths(spec), _end_radii(spec)))
     if not any((*widths, *radii)):
         return member
     slope = np.tan(np.radians(ANGLE if spec.end_chamfer_angle is None else spec.end_chamfer_angle))

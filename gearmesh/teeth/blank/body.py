@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from gearmesh.kernel.surface.levels import Level, station_normal
-from gearmesh.teeth.region import Region
+from gearmesh.teeth.region import END_EDGES, END_FACES, HEEL, TOE, Region
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,8 @@ class PlaneFace:
 class Body:
     """A body of revolution under (or, of an internal gear, around) the teeth.
 
-    `profile`: points (rho, z), mm, in the axial half plane, from the toe's end face round by the side away from the teeth to
-    the heel's; `bands`: the region of each band between neighbouring points.
+    `profile`: points (rho, z), mm, in the axial half plane, from the end face where teeth begin (t = 0) round by the side away
+    from them to the one where they end; `bands`: the region of each band between neighbouring points.
     """
 
     profile: tuple[tuple[float, float], ...]
@@ -123,24 +123,26 @@ class Body:
     def with_stepped_bore(self, toe: Sequence[TurnedStep], heel: Sequence[TurnedStep]) -> Body:
         """The body with steps of its bore, or of the outside of a ring, each in order from its end inwards."""
         points, names, band = list(self.profile), list(self.bands), Region.RIM if self.around else Region.BORE
-        for steps, heelward in ((heel, True), (toe, False)):
+        # the end of the profile first: its steps of a ring have the region of its outside
+        for steps, heelward in ((heel, True), (toe, False))[:: self.rise]:
             if not steps:
                 continue
-            at = names.index(band) + heelward
-            inwards = self.heel_sign * (-1.0 if heelward else 1.0)
+            last = heelward != self.around
+            at = names.index(band) + last
+            inwards = -1.0 if heelward else 1.0
             radius, z = points[at]
             there = [(steps[0].radius, z)]
             for step, after in zip(steps, (*(step.radius for step in steps[1:]), radius), strict=True):
                 z += inwards * step.length
                 there += [(step.radius, z), (after, z)]
             bands = [steps[0].region] * (len(there) - 1)
-            points[at : at + 1] = there[::-1] if heelward else there
+            points[at : at + 1] = there[::-1] if last else there
             names[at:at] = bands
         return Body(tuple(points), tuple(names))
 
     @property
-    def heel_sign(self) -> int:
-        """1 where the heel is at larger z than the toe, -1 else: of an internal gear."""
+    def rise(self) -> int:
+        """1 where the profile ends at larger z than it begins, -1 else: of an internal gear."""
         return -1 if self.around else 1
 
     def plane_faces(self, flat_ends: bool) -> list[PlaneFace]:
@@ -164,10 +166,9 @@ class Body:
         through = len(faces) == 2
         if depth is None and through:
             return faces[0].z, faces[1].z
-        # seen from the heel's side
-        heel = next((face.z for face in faces if face.up == (self.heel_sign > 0)), None)
+        heel = next((face.z for face in faces if face.up), None)
         if depth is not None and heel is not None and (not through or depth < faces[1].z - faces[0].z):
-            return (heel - depth, heel) if self.heel_sign > 0 else (heel, heel + depth)
+            return heel - depth, heel
         raise ValueError("does not go from one plane face to another")
 
     @property
@@ -264,9 +265,25 @@ def _turned_steps(
     return points, bands
 
 
+def end_names(level: Level) -> tuple[str, str]:
+    """What the ends at t = 0 and t = 1 of teeth on stations of a level are called.
+
+    Between plane end faces the toe is the one at smaller z, where teeth of an internal gear end; else they begin there.
+    """
+    across, up = station_normal(level)
+    return (HEEL, TOE) if across == 0.0 and up < 0.0 else (TOE, HEEL)
+
+
+def end_edges(level: Level) -> tuple[Region, Region]:
+    """Regions of the broken edges at the ends t = 0 and t = 1 on stations of a level."""
+    first, last = (END_EDGES[name] for name in end_names(level))
+    return first, last
+
+
 def end_regions(level: Level) -> tuple[Region, Region]:
-    """Regions of the toothed end faces at toe and heel on stations of a level: planes, cones or cylinders."""
+    """Regions of the toothed end faces at t = 0 and t = 1 on stations of a level: planes, cones or cylinders."""
     across, up = station_normal(level)
     if across == 0.0:
-        return Region.FACE_TOE, Region.FACE_HEEL
+        first, last = (END_FACES[name] for name in end_names(level))
+        return first, last
     return (Region.INNER_CYLINDER, Region.OUTER_CYLINDER) if up == 0.0 else (Region.FRONT_CONE, Region.BACK_CONE)

@@ -251,6 +251,6 @@ class BodyFeatures:
         made: list[Opening] = []
         for pattern in self.patterns:
             low, high = body.levels(pattern.reach, flat_ends, pattern.depth)
-            floor = None if pattern.depth is None else (low if body.heel_sign > 0 else high)
+            floor = None if pattern.depth is None else low
             made += [Opening(pattern.region, curves, low, high, pattern.reach, floor) for curves in pattern.outlines]
         return tuple(made)

@@ -17,6 +17,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet
+from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.generation.tool_in_place import generation
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
@@ -45,7 +46,7 @@ class ToolContact:
 
     `sheets`: its surface about what generates the flank; `active`: the points (I, J, 3) and normals, into the tool, of what does,
     from the tooth's root to its tip; `flank`: what they generate, in the member's own frame. `rolls`: whether the lines are
-    given by the generating rotation; else by the feed.
+    given by the generating rotation; else by the feed. `ends`: what the first and the last column of points are called.
     """
 
     name: str
@@ -54,6 +55,7 @@ class ToolContact:
     flank: ToolSheet
     lines: tuple[ContactLine, ...]
     rolls: bool
+    ends: tuple[str, str]
 
 
 def tool_contact(tooth: Tooth, which: Side, count: int = COUNT) -> ToolContact:
@@ -96,6 +98,7 @@ def tool_contact(tooth: Tooth, which: Side, count: int = COUNT) -> ToolContact:
         ToolSheet("flank", generated.r, generated.n),
         tuple(line(float(at)) for at in low + (high - low) * steps),
         rolls,
+        end_names(tooth.blank.axial),
     )
 
 

@@ -47,7 +47,7 @@ def tool_contact_scene(
     camera = frame(seen[2], seen[1], np.concatenate((_near(tool).reshape(-1, 3), shown)), size, MARGIN)
     grid = placed.point(tool.flank.points)
     i, j = (n // 2 for n in grid.shape[:2])
-    words = tuple(Word(word, grid[i, k], grid[i, j]) for word, k in (("toe", 0), ("heel", -1)))
+    words = tuple(Word(word, grid[i, k], grid[i, j]) for word, k in zip(tool.ends, (0, -1), strict=True))
     bodies = (SceneBody(mesh, Rigid.identity(), TOOL), SceneBody(tooth, placed, STEEL))
     return Scene(bodies, camera, tuple(curves), words=words, title=title, size=size)
 

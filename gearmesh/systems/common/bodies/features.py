@@ -71,9 +71,9 @@ class UnderTeeth:
 
     @cached_property
     def root(self) -> Array:
-        """Line (N, 2) of the roots of all rows, (rho, z), from the heel's end of the body to the toe's."""
+        """Line (N, 2) of the roots of all rows, (rho, z), from the end of the body's profile to its beginning."""
         lines = np.concatenate([self._line(Region.ROOT, half) for half in self.halves])
-        return lines[np.argsort(-self.body.heel_sign * lines[:, 1])] if self.flat else lines[::-1]
+        return lines[np.argsort(-self.body.rise * lines[:, 1])] if self.flat else lines[::-1]
 
     @cached_property
     def least_rim(self) -> float:
