@@ -12,6 +12,7 @@ of planes.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,8 +21,9 @@ import numpy as np
 from gearmesh.cad.brep import NARROWEST, Patch, SplineTooth
 from gearmesh.cad.faces.drawn_face import Sides
 from gearmesh.cad.occ import PRECISION, edge, face, point, spline_curve, straight2d, straight_edge, vertex, wire
-from gearmesh.cad.solid_part import LinkCurves, drawn_faces, link_border, whole_part
+from gearmesh.cad.solid_part import LinkCurves, drawn_faces, link_border, opening_faces, whole_part
 from gearmesh.cad.step import NamedFace, Part, require_occ
+from gearmesh.cad.turned import Prism
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLETS, Region
@@ -147,10 +149,12 @@ def bar_part(member: Member) -> tuple[Part, float]:
     down = [[straight_edge(vertices[n][row], under[n][row]) for row in (0, 1)] for n in (0, -1)]
     across_back = [straight_edge(*column) for column in under]
     along_back = [straight_edge(under[0][row], under[1][row]) for row in (0, 1)]
+    walls, holes = _bolt_holes(member)
+    faces += walls
     for row, region, z in ((0, Region.FACE_TOE, -1.0), (1, Region.FACE_HEEL, 1.0)):
         outline = [*((edges[row], True) for edges in across), (down[1][row], True), (along_back[row], False)]
         outline.append((down[0][row], False))
-        shape = _plane(corners[0, row], np.array([0.0, 0.0, z]), outline if row else _reverse(outline))
+        shape = _plane(corners[0, row], np.array([0.0, 0.0, z]), outline if row else _reverse(outline), holes[row])
         faces.append(NamedFace(shape, region, region))
     for n, sense in ((0, -1.0), (1, 1.0)):
         outline = [(along[-n], True), (down[n][1], True), (across_back[n], False), (down[n][0], False)]
@@ -261,12 +265,13 @@ def _closed_bar(
              Sides(roots[1][0], [across_top[1]], roots[1][1], along[-1]))  # fmt: skip
     for number, side in zip((1, tooth.teeth + 1), sides, strict=True):
         faces.append(NamedFace(_plane(ends[0, 0], up, side.wire), f"root_{number}", Region.ROOT))
+    walls, holes = _bolt_holes(member)
+    faces += walls
     for row, region, z in ((0, Region.FACE_TOE, -1.0), (1, Region.FACE_HEEL, 1.0)):
         loop = [(roots[0][row], True), *outline[row], (roots[1][row], True), (down[1][row], True)]
         loop += [(along_back[row], False), (down[0][row], False)]
-        faces.append(
-            NamedFace(_plane(ends[0, row], np.array([0.0, 0.0, z]), loop if row else _reverse(loop)), region, region)
-        )
+        shape = _plane(ends[0, row], np.array([0.0, 0.0, z]), loop if row else _reverse(loop), holes[row])
+        faces.append(NamedFace(shape, region, region))
     for n, sense in ((0, -1.0), (1, 1.0)):
         loop = [(across_top[n], True), (down[n][1], True), (across_back[n], False), (down[n][0], False)]
         normal = sense * np.cross(ends[n, 1] - ends[n, 0], up)
@@ -334,12 +339,20 @@ def _reverse(sides: list[tuple[Any, bool]]) -> list[tuple[Any, bool]]:
     return [(edge, not forward) for edge, forward in reversed(sides)]
 
 
-def _plane(origin: Array, normal: Array, sides: list[tuple[Any, bool]]) -> Any:
-    """A plane face with edges counterclockwise about its outward normal."""
+def _bolt_holes(member: Member) -> tuple[list[NamedFace], tuple[list[Any], list[Any]]]:
+    """The walls and floors of the holes across a bar, and the wires of their mouths, clockwise about the outward normals of toe and
+    heel."""
+    cuts = [(opening, Prism.of(opening.curves, (opening.low, opening.high))) for opening in member.openings]
+    toe = [wire(*((edge, True) for edge in cut.edges[0])) for opening, cut in cuts if opening.floor is None]
+    return opening_faces(cuts), (toe, [cut.wire_at(1) for _, cut in cuts])
+
+
+def _plane(origin: Array, normal: Array, sides: list[tuple[Any, bool]], holes: Sequence[Any] = ()) -> Any:
+    """A plane face with edges counterclockwise about its outward normal, and the wires of holes in it."""
     from OCP.Geom import Geom_Plane
     from OCP.gp import gp_Dir
 
-    return face(Geom_Plane(point(origin), gp_Dir(*normal.tolist())), [wire(*sides)], True)
+    return face(Geom_Plane(point(origin), gp_Dir(*normal.tolist())), [wire(*sides), *holes], True)
 
 
 def _extrude(arc: BarArc, way: Array, sides: list[tuple[Any, bool]]) -> Any:

@@ -92,7 +92,8 @@ def member_section(member: Member, z: float, tolerance: float) -> MemberSection:
     z = min(max(z, low), high)
     if member.tooth.joint.travel is not None:
         bar, deviation = _bar(member, z, tolerance)
-        return MemberSection(member.name, z, (Contour(TEETH, bar, True),), deviation)
+        holes = [Contour(name, curves, False) for name, curves in _openings(member, z)]
+        return MemberSection(member.name, z, (Contour(TEETH, bar, True), *holes), deviation)
     teeth, deviation = _outline(member, z, tolerance)
     circles = _circles(member, z)
     # from outside inwards material begins and ends; the teeth bound an external gear outside, an internal one inside

@@ -354,7 +354,7 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
         faces += [NamedFace(bore.faces[0], "bore", "bore")]
         faces += [NamedFace(wall, f"keyway_{i + 1}", "keyway") for i, wall in enumerate(bore.faces[1:])]
     cuts = [(opening, Prism.of(opening.curves, (opening.low, opening.high))) for opening in member.openings]
-    faces += _openings(cuts)
+    faces += opening_faces(cuts)
 
     def holes_in(z: float, inner: float, outer: float) -> list[Any]:
         """Wires of the openings in a plane face at z between two radii."""
@@ -395,7 +395,7 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
     return faces
 
 
-def _openings(cuts: list[tuple[Opening, Prism]]) -> list[NamedFace]:
+def opening_faces(cuts: list[tuple[Opening, Prism]]) -> list[NamedFace]:
     """The walls and floors of all openings, counted by their regions."""
     faces, counts = list[NamedFace](), dict[Region, int]()
     for opening, cut in cuts:

@@ -19,7 +19,7 @@ from gearmesh.drawing.dimensions import Span, note, room, stack
 from gearmesh.drawing.facts import Facts, diameter, number
 from gearmesh.drawing.outline import Outline, end_of_teeth, outline_of, tip_edges
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.blank.features import Drilling, Spokes
+from gearmesh.teeth.blank.features import Drilling, HoleRow, Spokes
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 
@@ -29,6 +29,8 @@ BETWEEN, BEYOND, PITCH = 10.0, 4.0, 3.0
 FEW, NOTHING = 5, 1e-6
 #: regions of steps that have a length of their own
 STEPS = (Region.HUB, Region.SHAFT, Region.COUNTERBORE, Region.RIM)
+#: mm on paper: height of a text over the teeth of a rack
+ABOVE_TEETH = 5.0
 #: points on each curve of an opening
 CURVE = 33
 
@@ -476,9 +478,9 @@ class RackViews:
     def size(self, scale: float) -> tuple[float, float]:
         back, tip = self.heights
         first, last = self.ends
-        return room(2) + (last - first + self.width) * scale + BETWEEN + 2.0 * BEYOND, (tip - back) * scale + room(
-            1
-        ) + BEYOND
+        above = BEYOND if self.member.features.row is None else BEYOND + ABOVE_TEETH
+        wide = room(2) + (last - first + self.width) * scale + BETWEEN + 2.0 * BEYOND
+        return wide, (tip - back) * scale + room(1) + above
 
     def draw(self, canvas: Canvas, scale: float, left: float, low: float) -> None:
         back, tip = self.heights
@@ -498,14 +500,46 @@ class RackViews:
         canvas.line((x - BEYOND, level), (x + scale * length + BEYOND, level), pen=Pen.CHAIN)
         stack(canvas, spans([(0.0, tip - back, tip - back), (0.0, -back, -back)], y, x), x, -1, upright=True)
         stack(canvas, spans([(0.0, length, length)], x, y), y, -1, upright=False)
+        row = self.member.features.row
+        if row is not None:
+            self._holes(canvas, row, np.array([x - scale * first, level]), scale)
         # section
         x += scale * length + BETWEEN + BEYOND
         root = float(self.outline.rows[0].root[0, 1])
         corners = [(0.0, 0.0), (self.width, 0.0), (self.width, root - back), (0.0, root - back)]
         body = np.array([(x + scale * a, y + scale * b) for a, b in corners])
-        canvas.hatch([body])
+        holes = []
+        if row is not None:
+            deep = self.width if row.depth is None else row.depth
+            low_end, high_end = (level + scale * reach for reach in row.reach)
+            across = np.array([x + scale * (self.width - deep), x + scale * self.width])
+            holes = [np.column_stack((across[[0, 1, 1, 0]], [low_end, low_end, high_end, high_end]))]
+            middle = level + scale * row.height
+            canvas.line((x - 2.0, middle), (x + scale * self.width + 2.0, middle), pen=Pen.CHAIN)
+        canvas.hatch([body, *holes])
+        for hole in holes:
+            _draw_outline(canvas, hole, -1.0)
         _draw_outline(canvas, body, -1.0)
         teeth = [(0.0, root - back), (0.0, tip - back), (self.width, tip - back), (self.width, root - back)]
         canvas.line(*[(x + scale * a, y + scale * b) for a, b in teeth])
         canvas.line((x - 2.0, level), (x + scale * self.width + 2.0, level), pen=Pen.CHAIN)
         stack(canvas, spans([(0.0, self.width, self.width)], x, y), y, -1, upright=False)
+
+    def _holes(self, canvas: Canvas, row: HoleRow, origin: Array, scale: float) -> None:
+        """The holes of a row in the front view, `origin` (2,) on paper where y and the reference plane are 0, and their sizes."""
+        places = origin + scale * row.centres[:, ::-1]
+        for x, y in places:
+            canvas.circle(float(x), float(y), 0.5 * scale * row.diameter)
+            reach = 0.5 * scale * row.diameter + 1.5
+            canvas.line((x, y - reach), (x, y + reach), pen=Pen.CHAIN)
+        ends = places[[0, -1]] + np.array([[-1.0, 0.0], [1.0, 0.0]]) * (0.5 * scale * row.diameter + 1.5)
+        canvas.line(*map(tuple, ends.tolist()), pen=Pen.CHAIN)
+        over = row.height - self.heights[0]
+        text = f"{row.count} \N{MULTIPLICATION SIGN} {diameter(row.diameter)}, {number(over)} over the back"
+        if row.count > 1:
+            text += f", every {number(row.pitch)}"
+        if row.depth is not None:
+            text += f", {number(row.depth)} deep"
+        tip = places[0] + 0.5 * scale * row.diameter * np.array([1.0, 1.0]) / np.sqrt(2.0)
+        top = float(origin[1]) + scale * self.heights[1] + ABOVE_TEETH
+        note(canvas, (float(tip[0]), float(tip[1])), (float(tip[0]) + 0.5 * (top - float(tip[1])), top), text)

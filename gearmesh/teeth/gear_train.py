@@ -221,7 +221,7 @@ class Member:
     def body_regions(self) -> tuple[Region, ...]:
         """Regions of the body in the order of the files."""
         if self.tooth.joint.travel is not None:
-            return BAR_REGIONS
+            return BAR_REGIONS if self.features.row is None else (*BAR_REGIONS, self.features.row.region)
         features = self.features.rare_regions
         gaps = features or self.gaps
         rare = gaps or self.holes is not None or self.plain_body.web is not None

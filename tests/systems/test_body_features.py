@@ -124,6 +124,22 @@ CASES = {
         lambda plain: -disc(62, thickness(plain) - 9.0, 50) - 7 * disc(3, thickness(plain)),
         8,
     ),
+    "rack with blind holes": Case(
+        "rack",
+        "rack",
+        (),
+        ("bolts={count=5,diameter=6,height=8,depth=17}",),
+        lambda _: -5 * disc(6, 17),
+        0,
+    ),
+    "rack with holes": Case(
+        "rack",
+        "rack",
+        ("tip_rounding=0.3",),
+        ("bolts={count=3,diameter=6,pitch=60}",),
+        lambda _: -3 * disc(6, 24),
+        3,
+    ),
     "face gear": Case(
         "face_gear",
         "gear",
@@ -190,6 +206,24 @@ def test_step_files_have_them_as_planes_cylinders_and_cones(case: str) -> None:
     )
 
 
+@pytest.mark.parametrize("case", ["rack with blind holes", pytest.param("rack with holes", marks=pytest.mark.sweep)])
+def test_holes_across_a_bar_are_cylinders_in_step_files(case: str) -> None:
+    pytest.importorskip("OCP")
+    from gearmesh.cad.bar import bar_part, has_straight_faces, spline_bar_part
+    from gearmesh.cad.solid_part import volume
+
+    parts = [
+        bar_part(one)[0] if has_straight_faces(one) else spline_bar_part(one, spline_tooth(one.tooth, 1e-3))
+        for one in both(case)
+    ]
+    assert volume(parts[0]) - volume(parts[1]) == pytest.approx(CASES[case].added(both(case)[1]), rel=1e-9)
+    walls = 2 if case == "rack with blind holes" else 1
+    assert [face.region for face in parts[0].faces].count("bolt") == walls * both(case)[0].features.row.count
+    # sections and the sheet have them, too
+    areas = [member_section(one, 0.5, 1e-4).area for one in both(case)]
+    assert areas[1] - areas[0] == pytest.approx(both(case)[0].features.row.count * disc(6, 1.0), rel=1e-9)
+
+
 def test_rounded_spokes_lose_what_their_corners_have() -> None:
     """Outlines of lines and arcs are closed and smooth; a corner between two tangents at a right angle has (1 - pi / 4) r^2."""
     whole = member("spur", "gear", "bore=20", "spokes={count=4,width=9,corner_radius=2}")
@@ -229,7 +263,7 @@ UNEVEN = {
     "ring": (("internal", "gear", "rim=20", "bolts={count=1,diameter=9,depth=7}"), 0.005),
     "conical": (("beveloid_crossed", "gear", "bolts={count=1,diameter=9,circle=90}"), 0.005),
     "bevel": (("spiral_bevel_basic", "pinion", "keyway={width=4,depth=2}"), 0.005),
-    "rack": (("rack", "rack", "length=300"), 0.005),
+    "rack": (("rack", "rack", "length=300", "bolts={count=2,diameter=6,pitch=31,height=7,depth=9}"), 0.005),
 }
 
 
@@ -305,7 +339,17 @@ REFUSED = [
     ("internal", "gear", ["heel_shaft={diameters=[20],lengths=[5]}"], "an internal gear has none"),
     ("spiral_bevel_basic", "gear", ["bolts={count=6,diameter=4,circle=150,depth=15}"], "leaves no rim at the roots"),
     ("spiral_bevel_basic", "gear", ["web={thickness=9,rim_diameter=170}"], "less than what leaves 0.5 whole depths"),
-    ("rack", "rack", ["bolts={count=6,diameter=4}"], "a rack is a plain bar"),
+    ("rack", "rack", ["hub={diameter=6,length=4}"], "a rack is a bar"),
+    (
+        "rack",
+        "rack",
+        ["bolts={count=6,diameter=4,height=18}"],
+        "leaves no rim at the roots; allowed is at least 2.25 mm",
+    ),
+    ("rack", "rack", ["bolts={count=6,diameter=4,height=2}"], "break out of the back; allowed is more than 2 mm"),
+    ("rack", "rack", ["bolts={count=6,diameter=4,pitch=4}"], "the holes overlap; allowed is more than 4 mm"),
+    ("rack", "rack", ["bolts={count=6,diameter=4,pitch=38}"], "allowed is a pitch of less than 37.4976 mm"),
+    ("rack", "rack", ["bolts={count=6,diameter=4,depth=24}"], "allowed is less than the face width, 24 mm"),
 ]
 
 

@@ -53,7 +53,7 @@ class Boss:
 
 
 class Pattern(Protocol):
-    """Openings of the same shape, evenly spaced round the axis."""
+    """Openings of the same shape, evenly spaced round the axis, or along a bar."""
 
     @property
     def region(self) -> Region:
@@ -69,7 +69,7 @@ class Pattern(Protocol):
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Radii (mm) between which they are."""
+        """Radii (mm) between which they are, or heights over a bar's reference plane."""
 
     @property
     def outlines(self) -> tuple[Outline, ...]:
@@ -97,6 +97,34 @@ class Drilling:
     @property
     def reach(self) -> tuple[float, float]:
         return 0.5 * (self.circle - self.diameter), 0.5 * (self.circle + self.diameter)
+
+    @property
+    def outlines(self) -> tuple[Outline, ...]:
+        return tuple((PlaneArc.circle(0.5 * self.diameter, centre),) for centre in self.centres)
+
+
+@dataclass(frozen=True)
+class HoleRow:
+    """Bolt holes across a bar: their number, diameter, distance from one to the next, `height` of their centres over the reference
+    plane, and y of the middle of the row, mm."""
+
+    count: int
+    diameter: float
+    pitch: float
+    height: float
+    middle: float
+    depth: float | None = None
+    region: Region = Region.BOLT
+
+    @property
+    def centres(self) -> Array:
+        """Where they are, (count, 2), mm."""
+        along = self.middle + self.pitch * (np.arange(self.count) - 0.5 * (self.count - 1))
+        return np.stack((np.full(self.count, self.height), along), axis=-1)
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        return self.height - 0.5 * self.diameter, self.height + 0.5 * self.diameter
 
     @property
     def outlines(self) -> tuple[Outline, ...]:
@@ -183,7 +211,7 @@ class Opening:
 @dataclass(frozen=True)
 class BodyFeatures:
     """What a body has beside its web and bore. Steps are in order: of shafts from the body outwards, of bores from their ends
-    inwards."""
+    inwards. `row`: the bolt holes of a bar."""
 
     keyway: Slot | None = None
     hub: Boss | None = None
@@ -195,11 +223,12 @@ class BodyFeatures:
     heel_bore: tuple[TurnedStep, ...] = ()
     bolts: Drilling | None = None
     spokes: Spokes | None = None
+    row: HoleRow | None = None
 
     @property
     def patterns(self) -> tuple[Pattern, ...]:
         """What is cut beside the bore."""
-        return tuple(pattern for pattern in (self.holes, self.bolts, self.spokes) if pattern is not None)
+        return tuple(pattern for pattern in (self.holes, self.bolts, self.spokes, self.row) if pattern is not None)
 
     @property
     def is_cut(self) -> bool:
@@ -209,7 +238,7 @@ class BodyFeatures:
     @property
     def uncut(self) -> BodyFeatures:
         """What of them is turned."""
-        return replace(self, keyway=None, holes=None, bolts=None, spokes=None)
+        return replace(self, keyway=None, holes=None, bolts=None, spokes=None, row=None)
 
     def without(self, pattern: Pattern) -> BodyFeatures:
         """The same but for one of the patterns."""
@@ -218,6 +247,7 @@ class BodyFeatures:
             holes=None if self.holes is pattern else self.holes,
             bolts=None if self.bolts is pattern else self.bolts,
             spokes=None if self.spokes is pattern else self.spokes,
+            row=None if self.row is pattern else self.row,
         )
 
     @property
@@ -229,7 +259,7 @@ class BodyFeatures:
             "bore steps": self.toe_bore or self.heel_bore,
             "keyway": self.keyway,
             "holes": self.holes,
-            "bolt holes": self.bolts,
+            "bolt holes": self.bolts or self.row,
             "spokes": self.spokes,
         }
         return tuple(name for name, there in has.items() if there)

@@ -123,6 +123,8 @@ def _bar(member: Member) -> Moments:
         length = side * (middle - begin) + member.overhang
         there = np.stack((back + height * x, begin + way + side * length * y, z), axis=-1)
         whole += Moments.of(there, amount * length)
+    for outline, *between in member.prisms:
+        whole -= prism(outline, *between)
     return whole
 
 

@@ -17,7 +17,7 @@ from gearmesh.design.core import (
     UnloadedElementTable,
     refuse_both_edges,
 )
-from gearmesh.design.keys import DERIVED, Key, conflict
+from gearmesh.design.keys import DERIVED, Key, Table, conflict
 from gearmesh.design.measured import RackMeasured
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PinionRunout
@@ -32,12 +32,40 @@ PINION, RACK = "pinion", "rack"
 ROUNDED = 1e-9
 
 
+class BoltRow(Table):
+    """Bolt holes across the bar, evenly spaced along it, the row in its middle."""
+
+    listed_apart: ClassVar[str] = "bolt holes of the rack"
+
+    count: Annotated[int, Key("count", "number of holes", low=1, high=1000)]
+    diameter: Annotated[float, Key("length", "diameter of each hole", low=0, above=True)]
+    pitch: Annotated[
+        float | None,
+        Key(
+            "length",
+            "distance from one hole to the next",
+            low=0,
+            above=True,
+            default="length of the bar over their number",
+        ),
+    ] = None
+    height: Annotated[
+        float | None,
+        Key("length", "height of their centres over the back", low=0, above=True, default="half way from back to root"),
+    ] = None
+    depth: Annotated[
+        float | None,
+        Key("length", "depth of blind holes, from the heel's face; without it they go through", low=0, above=True),
+    ] = None
+
+
 class RackTable(Modified):
     """The rack: a bar with teeth, as many pitches long as it has teeth, or longer."""
 
     rank: ClassVar[int] = 0
     absent: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        BODY_TABLES, "a rack is a plain bar: it has no hub, shaft or bore, and no holes yet"
+        (table for table in BODY_TABLES if table != "bolts"),
+        "a rack is a bar: it has no hub, shaft or bore, only bolts",
     )
 
     teeth: Annotated[
@@ -85,6 +113,7 @@ class RackTable(Modified):
     ] = DERIVED
     tip_chamfer: TipChamfer = None
     tip_rounding: TipRounding = None
+    bolts: BoltRow | None = None
     thickness_allowance: ThicknessAllowance | None = None
     thickness_made: ThicknessMade = "middle"
     material: MemberMaterial | None = None

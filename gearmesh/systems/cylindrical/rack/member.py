@@ -12,7 +12,7 @@ whatever profile shift and distance; the displacement grows towards -y of the fi
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,7 +24,8 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.flat import FlatLevel
 from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.kernel.surface.stations import TrimError
-from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.common.bodies.body import LEAST_RIM
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import ROOT
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
@@ -32,6 +33,7 @@ from gearmesh.systems.common.tooth_edges import edge_refusal, tip_edge
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.blank.features import BodyFeatures, HoleRow
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Region, Side
@@ -41,7 +43,7 @@ from gearmesh.tools.description import HeightZero, ToolDescription
 from gearmesh.tools.rack import Line, RackSurface
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.rack.design import RackTable
+    from gearmesh.systems.cylindrical.rack.design import BoltRow, RackTable
 
 
 @dataclass(frozen=True)
@@ -218,7 +220,70 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
         return {"l_R": p, "u_R": v}
 
     member = Member(name, tooth, source_parameters, overhang=spec.overhang)
-    return member if table is None else with_modifications(member, table)
+    if table is None:
+        return member
+    if table.bolts is not None:
+        member = replace(member, features=BodyFeatures(row=_bolt_row(member, table.bolts)))
+    return with_modifications(member, table)
+
+
+def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
+    """The bolt holes of a bar. Raises DesignError naming key, value and limit where they do not stay in it."""
+    key, tooth = f"{member.name}.bolts", member.tooth
+    root, back = float(tooth.blank.root.at(0.0)), tooth.blank.body.profile[0][0]
+    # the ends go along the tooth traces, so that holes are nearest to one of them on one of the faces
+    places, middle = tooth.joint.places(tooth.teeth), tooth.root_middle(np.array(tooth.blank.extent))
+    ways = tooth.joint.to(np.array([places[0], places[-1] + 1]) * tooth.pitch_angle).translation[:, 1:2]
+    ends = middle + ways + member.overhang * np.array([[-1.0], [1.0]])
+    first, last = float(ends[0].max()), float(ends[1].min())
+    pitch = float(ends[1, 0] - ends[0, 0]) / bolts.count if bolts.pitch is None else bolts.pitch
+    height = 0.5 * (root - back) if bolts.height is None else bolts.height
+    row = HoleRow(bolts.count, bolts.diameter, pitch, back + height, float(ends.mean()), bolts.depth)
+    if bolts.count > 1 and not bolts.diameter < pitch:
+        raise DesignError(
+            f"{key}.pitch",
+            pitch,
+            unit="mm",
+            reason="the holes overlap",
+            allowed=f"more than {at_least(bolts.diameter)} mm",
+        )
+    low, high = row.reach
+    least = LEAST_RIM * float(tooth.blank.tip.at(0.0) - root)
+    if high > root - least:
+        left = max(root - high, 0.0)
+        raise DesignError(
+            f"{key}.{'diameter' if bolts.height is None else 'height'}",
+            bolts.diameter if bolts.height is None else height,
+            unit="mm",
+            reason=f"leaves {f'a rim of {left:.3g} mm' if left else 'no rim'} at the roots",
+            allowed=f"at least {at_least(least)} mm of rim, {LEAST_RIM:g} whole depths",
+        )
+    if not low > back:
+        raise DesignError(
+            f"{key}.height",
+            height,
+            unit="mm",
+            reason="the holes break out of the back",
+            allowed=f"more than {at_least(0.5 * bolts.diameter)} mm",
+        )
+    reach = np.abs(row.centres[[0, -1], 1] - row.middle).max() + 0.5 * bolts.diameter
+    room = min(row.middle - first, last - row.middle)
+    if not reach < room:
+        most = (2.0 * room - bolts.diameter) / max(bolts.count - 1, 1)
+        stated = "pitch" if bolts.pitch is not None else "count"
+        raise DesignError(
+            f"{key}.{stated}",
+            pitch if bolts.pitch is not None else bolts.count,
+            unit="mm" if bolts.pitch is not None else "",
+            reason="the holes break out of the ends of the bar",
+            allowed=f"a pitch of less than {at_most(most)} mm" if most > bolts.diameter else "fewer or smaller holes",
+        )
+    width = float(np.ptp(tooth.blank.extent))
+    if bolts.depth is not None and not bolts.depth < width:
+        raise DesignError(
+            f"{key}.depth", bolts.depth, unit="mm", allowed=f"less than the face width, {at_most(width)} mm"
+        )
+    return row
 
 
 def _side(rack: RackTooth, helix: float, side: int) -> ToothSide:
