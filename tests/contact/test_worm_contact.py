@@ -7,7 +7,7 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 from gearmesh.contact.conditions.bent_lines import pieces
-from gearmesh.contact.conditions.meshing import Conditions, Flank
+from gearmesh.contact.conditions.meshing import Bound, Conditions, Flank
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
@@ -62,3 +62,15 @@ def test_path_of_line_contact_is_the_middle_of_the_longest_piece() -> None:
         runs = line[None] if len(line) == 13 else np.stack((line[:13], line[14:]))
         lengths = np.linalg.norm(np.diff(runs, axis=1), axis=-1).sum(axis=1)
         assert np.linalg.norm(runs[lengths.argmax(), 6] - point) < 1e-9
+
+
+def test_repeated_conditions_keep_what_bounds_each_position() -> None:
+    """Places at stations of their own: asked together and some of them apart."""
+    pair = solver_pair(pair_of(load(SAMPLES / "helical.toml"))).parts[0]
+    phi1, stations = np.zeros(3), np.array([1.0, 2.0, 4.0])
+    x = np.tile(touches(pair, phi1[:1])[0].x, (3, 1))
+    plain = Conditions(pair.flanks, phi1, pair.length, (Bound(0, pair.pinion.axial, stations),))
+    some = np.array([2, 0, 2])
+    f = plain(x[some], some)[0]
+    np.testing.assert_array_equal(plain.repeat(some)(x[some], np.arange(3))[0], f)
+    assert np.ptp(f[:, 3:], axis=0).max() > 1.0

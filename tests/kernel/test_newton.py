@@ -173,3 +173,28 @@ def test_a_constant_jacobian_may_be_a_read_only_broadcast() -> None:
     solution = solve(linear, np.zeros((3, 2)), tolerance=1e-14)
     assert solution.converged.all()
     np.testing.assert_allclose(solution.values, [[0.4, 0.2]] * 3, rtol=1e-14)
+
+
+@pytest.mark.parametrize("most", [None, 7])
+def test_shorter_steps_together_are_those_one_by_one(most: int | None) -> None:
+    """Members that need none, several or too many halvings: the same to the bit, in fewer evaluations."""
+    rng = np.random.default_rng(5)
+    matrix, other, constant = rng.normal(size=(40, 2, 2)), rng.normal(size=(40, 2, 2)), rng.normal(size=(40, 2))
+    evaluations = {1: 0, 64: 0}
+
+    def solved(at_once: int) -> list[NDArray[np.generic]]:
+        def wavy(x: Array, index: Index) -> tuple[Array, Array]:
+            evaluations[at_once] += 1
+            line = (matrix[index] * x[:, None]).sum(axis=-1)
+            f = line**3 + (other[index] * np.sin(3.0 * x)[:, None]).sum(axis=-1) - constant[index]
+            return f, 3.0 * line[..., None] ** 2 * matrix[index] + other[index] * (3.0 * np.cos(3.0 * x))[:, None]
+
+        start = 3.0 * np.random.default_rng(6).normal(size=(40, 2))
+        solution = solve(wavy, start, tolerance=1e-10, max_evaluations=most, at_once=at_once)
+        return [solution.values, solution.status, solution.residual]
+
+    one_by_one, together = solved(1), solved(64)
+    for a, b in zip(one_by_one, together, strict=True):
+        np.testing.assert_array_equal(a, b)
+    assert {int(Status.CONVERGED), int(Status.STALLED)} <= set(one_by_one[1].tolist()) or most is not None
+    assert evaluations[64] < 0.8 * evaluations[1] or most is not None

@@ -122,6 +122,10 @@ class Bound:
     def target_of(self, index: NDArray[np.intp]) -> Array | float:
         return self.target if np.ndim(self.target) == 0 else np.asarray(self.target)[index]
 
+    def rows(self, index: NDArray[np.intp]) -> Bound:
+        """The bound at some of the positions, in their order."""
+        return self if np.ndim(self.target) == 0 else replace(self, target=self.target_of(index))
+
 
 @dataclass(frozen=True)
 class Touch:
@@ -188,7 +192,10 @@ class Conditions:
             flanks.append(flank.remount(flank.mount.rows(index)))
         across = None if self.across is None else self.across[index]
         choice = None if self.choice is None else self.choice[index]
-        return replace(self, flanks=(flanks[0], flanks[1]), phi1=self.phi1[index], across=across, choice=choice)
+        bounds = tuple(bound.rows(index) for bound in self.bounds)
+        return replace(
+            self, flanks=(flanks[0], flanks[1]), phi1=self.phi1[index], bounds=bounds, across=across, choice=choice
+        )
 
     def mounts(self, index: NDArray[np.intp]) -> tuple[Mount, Mount]:
         """Mounts of both members at the positions `index`."""
@@ -242,7 +249,8 @@ class Conditions:
                 k = where[own[on]]
                 member[k] = bound.member
                 bends[k, 0] = gradient[on]
-                bends[k, 1], bends[k, 2] = (bound.level.hessian(r[on], d[on]) for d in (r_u, r_v))
+                both = bound.level.hessian(np.tile(r[on], (2, 1)), np.concatenate((r_u[on], r_v[on])))
+                bends[k, 1], bends[k, 2] = both[: on.size], both[on.size :]
         normals = self._normals(at, index, bounded, spin, values, rows)
         edges = self._tangency(at, tangent_to, bends, member, spin, values, rows)
         return _Last(values, rows, normals, edges)

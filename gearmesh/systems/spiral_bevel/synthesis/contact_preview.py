@@ -6,7 +6,7 @@ Of untrimmed flanks as they are cut; what bounds the teeth is asked of the blank
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,8 +37,10 @@ if TYPE_CHECKING:
 
 #: positions either way, and pitches that they reach
 STEPS, REACH = 8, 1.0
-#: residual of a position over the mean normal module, and Newton steps at most
-TOLERANCE, ITERATIONS = 1e-7, 10
+#: residual of a position over the mean normal module, and how it is solved for: one length of a step an evaluation, since settings
+#: that are searched for depend on the last digits
+TOLERANCE = 1e-7
+solve = partial(newton.solve, max_iterations=10, at_once=1)
 #: points of the gear's flank, along and up, that may touch before the path does; their heights over that of the tooth in its middle
 GRID, HIGHEST = (9, 26), 1.3
 #: parts of the steps up in which lags are looked at
@@ -165,7 +167,7 @@ class ContactPreviews:
 
         tolerance = TOLERANCE * blank.mean_normal_module
         with np.errstate(all="ignore"):
-            solution = newton.solve(same_circle, start, tolerance=tolerance, max_iterations=ITERATIONS)
+            solution = solve(same_circle, start, tolerance=tolerance)
             surface = flank.jet(solution.values[:, 0], solution.values[:, 1]).r
         ahead = (polar_angle(r) - polar_angle(surface) + np.pi) % (2.0 * np.pi) - np.pi
         lag = SIDES[self.name] * sense * ratio * ahead
@@ -295,7 +297,7 @@ def _path(flanks: tuple[Flank, Flank], x: Array, pitch: float, length: float) ->
     """phi (K,), pitches, ascending, and unknowns (K, 5) of contacts on either side of that at phi1 = 0, as far as they go on."""
     step = REACH / STEPS
     at_mean = Conditions(flanks, np.zeros(1), length)
-    first = newton.solve(at_mean, x[None], tolerance=TOLERANCE * length, max_iterations=ITERATIONS)
+    first = solve(at_mean, x[None], tolerance=TOLERANCE * length)
     if not first.converged[0]:
         raise NoSolutionError(reason="the flanks do not meet at the mean point")
     known = {0: first.values[0]}
@@ -312,7 +314,7 @@ def _path(flanks: tuple[Flank, Flank], x: Array, pitch: float, length: float) ->
             else:
                 starts.append(3.0 * (before[0] - before[1]) + before[2])
         conditions = Conditions(flanks, np.array(going) * (k * step * pitch), length)
-        solution = newton.solve(conditions, np.array(starts), tolerance=TOLERANCE * length, max_iterations=ITERATIONS)
+        solution = solve(conditions, np.array(starts), tolerance=TOLERANCE * length)
         known |= {way * k: x for way, x, good in zip(going, solution.values, solution.converged, strict=True) if good}
         going = [way for way in going if way * k in known]
         if not going:
