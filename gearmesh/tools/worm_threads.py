@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.kernel.envelope.helicoid import Generatrix, swept
-from gearmesh.kernel.numeric.algebra import AXIS, Array, components, cross, dot
+from gearmesh.kernel.numeric.algebra import AXIS, Array, about_axis, components, dot
 from gearmesh.tools.profile import Profile
 
 #: Newton steps to the point in which a disk touches, and the angle (rad) that counts as none
@@ -99,19 +99,19 @@ class DiskLine:
 
         for _ in range(STEPS):
             r, n, r_d, n_d = disk(delta)
-            path = cross(AXIS, r) + self.screw * AXIS
-            f_d = dot(n_d, path) + dot(n, cross(AXIS, r_d))
+            path = about_axis(r) + self.screw * AXIS
+            f_d = dot(n_d, path) + dot(n, about_axis(r_d))
             step = dot(n, path) / f_d
             delta = delta - step
             if not (np.abs(step) > ARRIVED).any():
                 break
         r, n, r_d, n_d = disk(delta)
         inward, _ = _towards(delta, round_)
-        path = cross(AXIS, r) + self.screw * AXIS
+        path = about_axis(r) + self.screw * AXIS
         r_p = tangents[..., :1] * inward - tangents[..., 1:] * across
         n_p = turned[..., :1] * inward - turned[..., 1:] * across
-        f_d = dot(n_d, path) + dot(n, cross(AXIS, r_d))
-        rate = -((dot(n_p, path) + dot(n, cross(AXIS, r_p))) / f_d)[..., None]
+        f_d = dot(n_d, path) + dot(n, about_axis(r_d))
+        rate = -((dot(n_p, path) + dot(n, about_axis(r_p))) / f_d)[..., None]
         return Generatrix(r, n, r_p + rate * r_d, n_p + rate * n_d)
 
 

@@ -80,10 +80,15 @@ class Envelope:
         """Solve the equation of meshing at (u, v) (...,) and return everything known there."""
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
         tool = self.tool.jet(u, v)
-        phi, iterations = self._solve(tool)
+        if self.motion.linear:
+            iterations, (phi, velocity, f_phi) = 0, self._closed_form(tool)
+            state = self.motion.at(phi)
+        else:
+            phi, iterations = self._solve(tool)
+            state = self.motion.at(phi)
+            velocity, f_phi = _velocity(state, tool.r), dot(tool.n, _velocity_change(state, tool.r))
         spend(phi.size, iterations + 1, linear=self.motion.linear)
-        state = self.motion.at(phi)
-        velocity, spin = _velocity(state, tool.r), cross(state.omega, tool.n)
+        spin = cross(state.omega, tool.n)
         return Generation(
             tool,
             phi,
@@ -93,7 +98,7 @@ class Envelope:
             # n . (Omega x r_u) = -(Omega x n) . r_u
             f_u=dot(tool.n_u, velocity) - dot(spin, tool.r_u),
             f_v=dot(tool.n_v, velocity) - dot(spin, tool.r_v),
-            f_phi=dot(tool.n, cross(state.omega_phi, tool.r) + state.tau_phi),
+            f_phi=f_phi,
             iterations=iterations,
         )
 
@@ -139,9 +144,7 @@ class Envelope:
         return on_tool.move(g.state.tool_to_blank)
 
     def _solve(self, tool: Jet) -> tuple[Array, int]:
-        """phi (...,) and the number of iterations."""
-        if self.motion.linear:
-            return self._closed_form(tool), 0
+        """phi (...,) and the number of iterations, of a motion that is not linear."""
         if self.motion.unmodified_motion is None:
             return self._bracket(tool)
         phi = self._harmonic(tool)
@@ -172,7 +175,7 @@ class Envelope:
         for iteration in range(1, POLISHING + 1):
             state = self.motion.at(phi)
             f = dot(tool.n, _velocity(state, tool.r))
-            step = f / dot(tool.n, cross(state.omega_phi, tool.r) + state.tau_phi)
+            step = f / dot(tool.n, _velocity_change(state, tool.r))
             phi = phi - step
             if not (np.abs(step) > POLISHED).any():
                 return phi, iteration
@@ -183,11 +186,12 @@ class Envelope:
         """The motion at phi = 0."""
         return self.motion.at(np.zeros(()))
 
-    def _closed_form(self, tool: Jet) -> Array:
+    def _closed_form(self, tool: Jet) -> tuple[Array, Array, Array]:
+        """phi (...,), the velocity (..., 3) there and df/dphi (...,): omega is constant, tau linear in phi."""
         start = self._rest
-        f = dot(tool.n, _velocity(start, tool.r))
-        f_phi = dot(tool.n, cross(start.omega_phi, tool.r) + start.tau_phi)
-        return -f / f_phi
+        velocity, f_phi = _velocity(start, tool.r), dot(tool.n, start.tau_phi)
+        phi = -dot(tool.n, velocity) / f_phi
+        return phi, velocity + phi[..., None] * start.tau_phi, f_phi
 
     def _bracket(self, tool: Jet) -> tuple[Array, int]:
         r, n = tool.r.reshape(-1, 3), tool.n.reshape(-1, 3)
@@ -208,3 +212,8 @@ class Envelope:
 
 def _velocity(state: MotionState, r: Array) -> Array:
     return cross(state.omega, r) + state.tau
+
+
+def _velocity_change(state: MotionState, r: Array) -> Array:
+    """Derivative by phi (..., 3) of the velocity of tool points r (..., 3)."""
+    return cross(state.omega_phi, r) + state.tau_phi

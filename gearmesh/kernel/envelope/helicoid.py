@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import AXIS, Array, about_z, cross, dot
+from gearmesh.kernel.numeric.algebra import AXIS, Array, about_axis, about_z, cross, dot
 from gearmesh.kernel.surface.surface import Jet
 
 Signs = tuple[float, float, float]
@@ -41,11 +41,11 @@ def swept(c: Array, along: tuple[Array, Array], c_p: Array, screw: float) -> Gen
 
     The normal is tangent x (e_z x c + P e_z), with P = `screw` in mm/rad.
     """
-    (t, t_p), path = along, cross(AXIS, c) + screw * AXIS
+    (t, t_p), path = along, about_axis(c) + screw * AXIS
     normal = cross(t, path)
     size = 1.0 / np.sqrt(dot(normal, normal))[..., None]
     n = normal * size
-    change = (cross(t_p, path) + cross(t, cross(AXIS, c_p))) * size
+    change = (cross(t_p, path) + cross(t, about_axis(c_p))) * size
     return Generatrix(c, n, c_p, change - n * dot(n, change)[..., None])
 
 
@@ -65,12 +65,15 @@ class Helicoid:
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
-        signs, at = np.array(self.signs), self.curve.at(u)
-        cosine, sine = np.cos(v), np.sin(v)
-        r, r_u, n, n_u = (about_z(cosine, sine, signs * a) for a in (at.c + self.lift * AXIS, at.c_p, at.n, at.n_p))
-        n, n_u = self.outward * n, self.outward * n_u
+        return self.sweep(self.curve.at(u), v)
+
+    def sweep(self, at: Generatrix, v: Array) -> Jet:
+        """Jet where points of the curve are swept to, at angles v (...,)."""
+        own = np.empty((4, *at.c.shape))
+        own[0], own[1], own[2], own[3] = at.c + self.lift * AXIS, at.c_p, self.outward * at.n, self.outward * at.n_p
+        r, r_u, n, n_u = about_z(np.cos(v), np.sin(v), np.array(self.signs) * own)
         rise = self.screw * AXIS
-        return Jet(r + v[..., None] * rise, n, r_u, cross(AXIS, r) + rise, n_u, cross(AXIS, n))
+        return Jet(r + v[..., None] * rise, n, r_u, about_axis(r) + rise, n_u, about_axis(n))
 
     def axial_section(self, p: Array) -> tuple[Array, Array]:
         """Points (..., 2) and unit normals (..., 2) of the section by the half plane y = 0, x > 0, as x and z, at p (...,)."""

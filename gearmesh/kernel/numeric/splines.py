@@ -30,15 +30,21 @@ class Polynomials:
 
     def __call__(self, x: Array, order: int = 0) -> Array:
         """Values, or derivatives of an order, (..., of one value) at x (...,)."""
-        last = self.coefficients.shape[1] - 1
-        piece = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, last)
+        return self.derivatives(x, order)[0]
+
+    def derivatives(self, x: Array, *orders: int) -> list[Array]:
+        """Derivatives of several orders at x (...,), as one by one."""
+        inner = self.breaks[1:-1]
+        piece = inner.searchsorted(x, side="right")
         beyond = np.asarray(x - self.breaks[piece]).reshape(*np.shape(x), *(1,) * (self.coefficients.ndim - 2))
-        degree = len(self.coefficients) - 1
-        value = np.zeros((*np.shape(x), *self.coefficients.shape[2:]))
-        for power in range(degree, order - 1, -1):
-            factor = factorial(power) // factorial(power - order)
-            value = value * beyond + factor * self.coefficients[degree - power, piece]
-        return value
+        degree, own = len(self.coefficients) - 1, self.coefficients[:, piece]
+        values = []
+        for order in orders:
+            value = np.zeros_like(own[0])
+            for power in range(degree, order - 1, -1):
+                value = value * beyond + factorial(power) // factorial(power - order) * own[degree - power]
+            values.append(value)
+        return values
 
 
 def spline_through(x: Array, values: Array, degree: int) -> Polynomials:

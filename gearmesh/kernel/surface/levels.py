@@ -251,10 +251,10 @@ class CurveLevel:
 
     def hessian(self, r: Array, w: Array) -> Array:
         a, along = self.axial.value(r), self.axial.gradient(r)
-        bend = self.curve(a, 2) * dot(along, w)
-        slope = self.curve(a, 1)[..., None]
+        slope, bend = self.curve.derivatives(a, 1, 2)
+        bend = bend * dot(along, w)
         hessian: Array = self.sign * (
-            bend[..., None] * along + slope * self.axial.hessian(r, w) - self.across.hessian(r, w)
+            bend[..., None] * along + slope[..., None] * self.axial.hessian(r, w) - self.across.hessian(r, w)
         )
         return hessian
 
@@ -282,7 +282,8 @@ class ScrewLevel:
 
     def hessian(self, r: Array, w: Array) -> Array:
         a, along = self.axial.value(r), self.axial.gradient(r)
-        bend = self.curve(a, 2) * dot(along, w)
-        by_curve = bend[..., None] * along + self.curve(a, 1)[..., None] * self.axial.hessian(r, w)
+        slope, bend = self.curve.derivatives(a, 1, 2)
+        bend = bend * dot(along, w)
+        by_curve = bend[..., None] * along + slope[..., None] * self.axial.hessian(r, w)
         hessian: Array = self.radius * (self.joint.angle_hessian(r, w) - by_curve)
         return hessian

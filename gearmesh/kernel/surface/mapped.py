@@ -20,6 +20,12 @@ class Mapping:
     b_u: Array
     b_v: Array
 
+    def over(self, own: Jet) -> Jet:
+        """The jet by u, v of a surface whose jet at a, b is its `own`."""
+        r_u, n_u = own.along(self.a_u, self.b_u)
+        r_v, n_v = own.along(self.a_v, self.b_v)
+        return Jet(own.r, own.n, r_u, r_v, n_u, n_v)
+
 
 @dataclass(frozen=True)
 class MappedSurface:
@@ -30,7 +36,4 @@ class MappedSurface:
 
     def jet(self, u: Array, v: Array) -> Jet:
         at = self.mapping(u, v)
-        own = self.surface.jet(at.a, at.b)
-        r_u, n_u = own.along(at.a_u, at.b_u)
-        r_v, n_v = own.along(at.a_v, at.b_v)
-        return Jet(own.r, own.n, r_u, r_v, n_u, n_v)
+        return at.over(self.surface.jet(at.a, at.b))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, rotation_about, turn
+from gearmesh.kernel.numeric.algebra import AXIS, Array, about_axis, dot, rotation_about, turn
 from gearmesh.kernel.surface.surface import Jet, Surface
 
 #: Angles (...,), rad, at z (...,), mm, and their first two derivatives by z
@@ -34,7 +34,7 @@ class Twisted:
         psi, k, bend = self.rate * z, np.full_like(z, self.rate), np.zeros_like(z)
         if self.more is not None:
             psi, k, bend = (own + addition for own, addition in zip((psi, k, bend), self.more(z), strict=True))
-        swept = cross(AXIS, flat.r)
+        swept = about_axis(flat.r)
         around = k[..., None] * swept
         lean = dot(flat.n, around)
         shorter = 1.0 / np.sqrt(1.0 + lean * (lean - 2.0 * n_z))
@@ -43,11 +43,11 @@ class Twisted:
         def carry(r_q: Array, n_q: Array) -> tuple[Array, Array]:
             """Derivatives of point and normal, seen in the turned section, for those of the cylinder."""
             z_q = r_q[..., 2:]
-            lean_q = dot(n_q, around) + k * dot(flat.n, cross(AXIS, r_q)) + bend * z_q[..., 0] * dot(flat.n, swept)
+            lean_q = dot(n_q, around) + k * dot(flat.n, about_axis(r_q)) + bend * z_q[..., 0] * dot(flat.n, swept)
             normal_q = (n_q - lean_q[..., None] * AXIS) * shorter[..., None]
             longer = lean * lean_q - lean_q * n_z - lean * n_q[..., 2]
             normal_q = normal_q - (longer * shorter**2)[..., None] * normal
-            return r_q + around * z_q, normal_q + k[..., None] * z_q * cross(AXIS, normal)
+            return r_q + around * z_q, normal_q + k[..., None] * z_q * about_axis(normal)
 
         r_u, n_u = carry(flat.r_u, flat.n_u)
         r_v, n_v = carry(flat.r_v, flat.n_v)

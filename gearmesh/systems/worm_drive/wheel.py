@@ -23,9 +23,9 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel, LandLevel
-from gearmesh.kernel.surface.mapped import MappedSurface, Mapping
+from gearmesh.kernel.surface.mapped import Mapping
 from gearmesh.kernel.surface.meridian import CircularMeridian, CylinderMeridian, Joined, Meridian, Straight
-from gearmesh.kernel.surface.surface import PlacedSurface, Surface
+from gearmesh.kernel.surface.surface import Jet, PlacedSurface, Surface
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.worm_drive.thread import LAND, Rounding, WormThread
 from gearmesh.teeth.tooth_side import ToothSide
@@ -34,8 +34,8 @@ from gearmesh.tools.drawing import ThreadDrawing
 
 
 @dataclass(frozen=True)
-class FaceParameters:
-    """Parameters (p, v) of a hob's flank `own` by which lines p = const go on across a throated face: p is that of the profile in
+class FaceFlank:
+    """A hob's flank `own` by parameters (p, v) of which lines p = const go on across a throated face: p is that of the profile in
     the plane v = 0 through the axis, v (mm) over `height` the tangent of the polar angle.
 
     At the form point, of radius `outer` (mm) and parameter `form_point`, nothing changes; the lines towards the tip of the wheel
@@ -47,7 +47,8 @@ class FaceParameters:
     form_point: float
     height: float
 
-    def __call__(self, u: Array, v: Array) -> Mapping:
+    def jet(self, u: Array, v: Array) -> Jet:
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
         away, depth = np.hypot(self.height, v), self.outer - self.height
         share, rate = (self.outer - away) / depth, -v / away / depth
         a, a_v = self.form_point + (u - self.form_point) * share, (u - self.form_point) * rate
@@ -57,7 +58,8 @@ class FaceParameters:
         # the curve itself winds about the axis
         turned = -mirror * (x * y_p - y * x_p) / (x**2 + y**2)
         b = np.arctan2(v, self.height) - mirror * np.arctan2(y, x)
-        return Mapping(a, b, share + np.zeros_like(a), a_v, turned * share, self.height / away**2 + turned * a_v)
+        mapping = Mapping(a, b, share, a_v, turned * share, self.height / away**2 + turned * a_v)
+        return mapping.over(self.own.sweep(at, b))
 
 
 def crossed_axes(tilt: float) -> Array:
@@ -115,10 +117,9 @@ class WormHob:
         return Envelope(PlacedSurface(surface, self.place(side)), self.roll)
 
     def flank(self, side: int, height: float) -> Envelope:
-        """The flank of a side of the wheel's tooth, parameters as of `FaceParameters` with the `height`."""
+        """The flank of a side of the wheel's tooth, parameters as of `FaceFlank` with the `height`."""
         own = self.thread.flank(self._side(side), -1)
-        mapping = FaceParameters(own, self.form_radius, self.rounding.form_point[0], height)
-        return self.generate(MappedSurface(own, mapping), side)
+        return self.generate(FaceFlank(own, self.form_radius, self.rounding.form_point[0], height), side)
 
     def fillet(self, side: int) -> Envelope:
         """The fillet of a side of the wheel's tooth."""
