@@ -52,7 +52,8 @@ class Involute:
 class Shaper:
     """An involute spur shaper, lengths in mm, `pressure_angle` in rad.
 
-    `addendum` and `tip_radius` are lengths; `profile_shift` (in modules) thickens its teeth and is part of the addendum.
+    `addendum` and `tip_radius` are lengths; `profile_shift` (in modules) thickens its teeth and is part of the addendum; `thicker`
+    (mm, on the pitch circle) thickens them without it.
     Raises DesignError, naming key, value and limit, for a tip that is pointed or has no room for its rounding.
     """
 
@@ -62,6 +63,7 @@ class Shaper:
     addendum: float
     tip_radius: float = 0.0
     profile_shift: float = 0.0
+    thicker: float = 0.0
 
     def __post_init__(self) -> None:
         if self.top_radius <= self.base_radius:
@@ -112,7 +114,7 @@ class Shaper:
     def theta_0(self) -> float:
         """Half of the space's width on the base circle, rad [LF04 18.5.3]; a profile shift makes it narrower."""
         tangent = np.tan(self.pressure_angle)
-        half_space = (0.5 * np.pi - 2.0 * self.profile_shift * tangent) / self.teeth
+        half_space = (0.5 * np.pi - 2.0 * self.profile_shift * tangent - self.thicker / self.module) / self.teeth
         return float(half_space - (tangent - self.pressure_angle))
 
     @property

@@ -8,14 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.measuring import along_normals
 from oracles.places import SAMPLES
-from scipy.optimize import root
 
 import gearmesh as gm
 from gearmesh.answers.inspection.correction import correct_settings, residual_text
 from gearmesh.design.core import Design
 from gearmesh.errors import GearmeshError
-from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems import system as systems
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
 from gearmesh.teeth.region import Side
@@ -38,23 +37,6 @@ def hypoid() -> Design:
     """With every setting stated."""
     design = gm.load(SAMPLES / "hypoid.toml")
     return systems.pin(design, systems.build(design))
-
-
-def along_normals(tooth: Tooth, side: Side, nominal: Tooth, shape: tuple[int, int] = (5, 9)) -> DeviationGrid:
-    """How far a flank is from a nominal one on the lines through its points: intersections, found by a library."""
-    s, t = (np.linspace(0.1, 0.9, count) for count in shape)
-    lines = nominal.flank_grid(side, s, t)
-    flank = tooth.side(side).flank
-    values = np.empty(shape)
-    for i, j in np.ndindex(shape):
-        p, n, start = lines.points[i, j], lines.normals[i, j], lines.parameters[i, j]
-
-        def gap(x: Array, p: Array = p, n: Array = n) -> Array:
-            point: Array = flank.jet(*(np.array([value]) for value in x[:2])).r[0]
-            return point - p - 0.01 * x[2] * n
-
-        values[i, j] = 0.01 * root(gap, [*start, 0.0], tol=1e-13).x[2]
-    return DeviationGrid(lines.points, lines.normals, values)
 
 
 def pinion(design: Design, values: dict[str, float] | None = None) -> Tooth:

@@ -8,11 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, root
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
 
 #: largest residual of a measurement, mm and rad, and steps that it may take
 TOLERANCE, STEPS = 1e-11, 60
@@ -192,3 +194,20 @@ def fillet_tangent(member: Member, beta: float, angle: float) -> tuple[float, fl
     sides = np.linalg.norm(b - a) * np.linalg.norm(c - b) * np.linalg.norm(a - c)
     x, half = contour(q)
     return 2.0 * float(half), float(x), float(sides / (2.0 * twice_area))
+
+
+def along_normals(tooth: Tooth, side: Side, nominal: Tooth, shape: tuple[int, int] = (5, 9)) -> DeviationGrid:
+    """How far a flank is from a nominal one on the lines through its points: intersections, found by a library."""
+    s, t = (np.linspace(0.1, 0.9, count) for count in shape)
+    lines = nominal.flank_grid(side, s, t)
+    flank = tooth.side(side).flank
+    values = np.empty(shape)
+    for i, j in np.ndindex(shape):
+        p, n, start = lines.points[i, j], lines.normals[i, j], lines.parameters[i, j]
+
+        def gap(x: Array, p: Array = p, n: Array = n) -> Array:
+            point: Array = flank.jet(*(np.array([value]) for value in x[:2])).r[0]
+            return point - p - 0.01 * x[2] * n
+
+        values[i, j] = 0.01 * root(gap, [*start, 0.0], tol=1e-13).x[2]
+    return DeviationGrid(lines.points, lines.normals, values)

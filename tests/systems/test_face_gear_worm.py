@@ -19,7 +19,7 @@ from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems import system
 from gearmesh.systems.designs import load
 from gearmesh.systems.face_gear.grinding import Grinding
-from gearmesh.systems.face_gear.worm_thread import grinding_of
+from gearmesh.systems.face_gear.worm_thread import grinding_in_place
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region, Side
 
@@ -31,7 +31,7 @@ def design(*overrides: str, sample: str = "face_gear") -> Any:
 
 
 def grinding(*overrides: str, sample: str = "face_gear") -> Grinding:
-    return grinding_of(design(*overrides, sample=sample))
+    return grinding_in_place(design(*overrides, sample=sample))
 
 
 def outside(found: Grinding, r: Array, psi: Array) -> Array:

@@ -20,7 +20,7 @@ from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
 from gearmesh.teeth.region import Side
 
 #: tables of a member that are machines
-MACHINES = ("concave", "convex", "cutter")
+MACHINES = ("concave", "convex", "cutter", "machine")
 #: processes that cut both sides of the pinion at once: settings are those of both
 COMPLETING = ("completing", "formate_completing")
 #: settings that both sides have in common whatever the process: they set the depth of the cut
@@ -30,6 +30,10 @@ INDEX = "index_angle"
 #: tables of a member whose flanks are ground with modifications, and what a grinder corrects of them; thickness is its infeed's
 GROUND = {f"modifications_{side}": side for side in Side}
 OF_GRINDER = ("profile_slope", "profile_crowning", "profile_twist", "helix_slope", "helix_crowning")
+#: settings of a tool that rolls with the gear, as a shaper does or the worm in its place; `THICKNESS`: of both flanks alone, as
+#: it turns one; `SWIVEL`: of the worm, whose feed takes up what it does to the flanks to first order
+THICKNESS, SWIVEL = "thickness", "worm_angle"
+OF_ROLLING = ("shaft_angle", "offset", "axial_position", "pressure_angle", THICKNESS)
 #: settings that are moved where none are named, and those that may be named
 USUAL = (
     "radial",
@@ -39,11 +43,12 @@ USUAL = (
     "sliding_base",
     "machine_root_angle",
     INDEX,
+    *OF_ROLLING,
 )
 ROLL = tuple(f"modified_roll_c{k}" for k in range(2, 7))
 #: of the blades, of one side each
 OF_BLADES = ("tip_radius", "blade_angle", "outside.blade_angle", "inside.blade_angle")
-MOVABLE = (*USUAL, "cradle_angle", "tilt", "swivel", *ROLL, "point_width", *OF_BLADES)
+MOVABLE = (*USUAL, SWIVEL, "cradle_angle", "tilt", "swivel", *ROLL, "point_width", *OF_BLADES)
 #: polynomials in the cradle's rotation, moved by one coefficient: helical_motion.1 is that of q
 MOTIONS = tuple(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical"))
 ORDERS = range(1, 7)
@@ -51,6 +56,8 @@ ORDERS = range(1, 7)
 #: factor by which the step may change for that, and what counts as none
 STEPS, STEP = {"length": 0.01, "angle": 0.01}, 1e-4
 MOVED, FACTOR, NONE = 2e-3, 1e3, 1e-9
+#: by how much the step is less where there is no tooth with it
+SMALLER = 4.0
 #: changes for which effects are stated: of a length (mm), an angle (deg), else
 STATED, STATED_NUMBER = {"length": 0.01, "angle": 1.0 / 60.0}, 1e-4
 
@@ -107,7 +114,7 @@ def _ground_settings(design: Design, own: str) -> tuple[MovableSetting, ...]:
             "kind",
             design.kind,
             reason=f"its {own} is not cut with machine settings, and its flanks are not modified",
-            allowed="bevel and hypoid gears, and members with tables of modifications",
+            allowed="bevel, hypoid and face gears, and members with tables of modifications",
         )
     return made
 
@@ -192,8 +199,16 @@ class CutFlanks:
         size = float(np.sqrt(np.mean(self._after(setting, step) ** 2)))
         if not size > NONE:
             return np.zeros_like(self.rotation)
-        step *= float(np.clip(MOVED / size, 1.0 / FACTOR, FACTOR))
-        return np.asarray((self._after(setting, step) - self._after(setting, -step)) / (2.0 * step))
+        factor = float(np.clip(MOVED / size, 1.0 / FACTOR, FACTOR))
+        while True:
+            by = step * factor
+            try:
+                return np.asarray((self._after(setting, by) - self._after(setting, -by)) / (2.0 * by))
+            except DesignError:
+                # a setting that moves the flanks little may have no room for so much of it
+                if factor <= 1.0:
+                    raise
+                factor = max(factor / SMALLER, 1.0)
 
     def _after(self, setting: MovableSetting, change: float) -> Array:
         """Displacements (N,), mm, by the change of one setting. Raises ArgumentError where points are beside the flank."""
@@ -246,7 +261,8 @@ def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSett
     whole = len(flanks.grids) == len(Side)
     for setting in every:
         # what both sides have in common is left alone where one was measured
-        if setting.plain_name in (*USUAL, *OF_GRINDER) and (whole or len(setting.keys) == 1):
+        of_one = len(setting.keys) == 1 and setting.name != THICKNESS
+        if setting.plain_name in (*USUAL, *OF_GRINDER) and (whole or of_one):
             try:
                 column = flanks.sensitivity(setting)
             except DesignError:

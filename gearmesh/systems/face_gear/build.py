@@ -35,6 +35,7 @@ from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, round_tips
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.face_gear.design import CLEARANCE
+from gearmesh.systems.face_gear.grinding import Grinding
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.systems.face_gear.pinion_root import clear_root, unlike_standard
 from gearmesh.systems.system import Displacements
@@ -48,6 +49,7 @@ from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Line, RackSurface
 from gearmesh.tools.shaper import Shaper
+from gearmesh.tools.shaper_worm import ShaperWorm
 
 if TYPE_CHECKING:
     from gearmesh.systems.face_gear.design import FaceGearDesign
@@ -67,7 +69,7 @@ def build(design: FaceGearDesign) -> GearTrain:
     """
     shaped = shaped_gear(design)
     place = middle(design, shaped)
-    gear = _gear(design, shaped, place)
+    gear = _gear(design, cut_gear(design, shaped), place)
     flank = Side(design.contact.flank)
     first, second = _mounts(design, shaped, place)
     pair = GearPair(
@@ -93,16 +95,31 @@ def shaped_gear(design: FaceGearDesign) -> ShapedGear:
     )
     rounding = min(TIP_RADIUS * m, ROOM * sharp.largest_tip_radius) if np.isnan(radius) else radius * m
     angle = float(np.radians(design.shaft_angle))
-    shaped = ShapedGear(replace(sharp, tip_radius=rounding), design.gear.teeth, angle, design.offset)
-    if not design.offset**2 < (farthest := shaped.largest_offset) ** 2:
+    return _complete_flank(
+        "offset", ShapedGear(replace(sharp, tip_radius=rounding), design.gear.teeth, angle, design.offset)
+    )
+
+
+def _complete_flank(key: str, shaped: ShapedGear) -> ShapedGear:
+    """A shaped gear. Raises DesignError for an offset, by its key, at which it has no complete flanks."""
+    if not shaped.offset**2 < (farthest := shaped.largest_offset) ** 2:
         raise DesignError(
-            "offset",
-            design.offset,
+            key,
+            shaped.offset,
             unit="mm",
             reason="the shaper generates no complete flank there",
             allowed=f"less than {at_most(farthest)} mm either way",
         )
     return shaped
+
+
+def cut_gear(design: FaceGearDesign, shaped: ShapedGear) -> ShapedGear:
+    """The gear that the shaper of a complete design generates with the settings of the machine, before it is displaced along its
+    axis. Raises DesignError for settings that make no flank."""
+    machine, nominal = design.gear.machine, shaped.shaper
+    shaper = replace(nominal, pressure_angle=float(np.radians(machine.pressure_angle)), thicker=machine.thickness)
+    cut = replace(shaped, shaper=shaper, shaft_angle=float(np.radians(machine.shaft_angle)), offset=machine.offset)
+    return _complete_flank("gear.machine.offset", cut)
 
 
 def derived_values(design: FaceGearDesign) -> dict[str, float]:
@@ -145,15 +162,16 @@ def covered_range(shaped: ShapedGear, radii: tuple[float, float]) -> tuple[float
     return float(inner), float(outer)
 
 
-def shaping(shaped: ShapedGear, place: float) -> Chain:
+def shaping(shaped: ShapedGear, place: float, depth: float = 0.0) -> Chain:
     """Motion of shaper over face gear by psi_s (rad) [LF04 18.5.5-6], the tool's origin on the pitch line at z = `place` mm.
 
-    The tool's frame is that of `tools.shaper`: turned by 180 deg about the shaper's axis.
+    The tool's frame is that of `tools.shaper`: turned by 180 deg about the shaper's axis. `depth` (mm): how far the shaper is
+    displaced along the gear's axis.
     """
     to_tool = (-shaped.shaper.pitch_radius, 0.0, place)
     return Chain(
         (
-            Step(rate=shaped.ratio, angle0=-shaped.lean(place)),
+            Step(rate=shaped.ratio, angle0=-shaped.lean(place), offset=(0.0, 0.0, depth)),
             Step(rate=1.0, angle0=np.pi, base=gear_base(shaped.shaft_angle, -shaped.offset).inverse),
             Step(offset=to_tool),
         ),
@@ -161,10 +179,10 @@ def shaping(shaped: ShapedGear, place: float) -> Chain:
     )
 
 
-def generate(shaped: ShapedGear, place: float, profile: Profile, side: int) -> Envelope:
+def generate(shaped: ShapedGear, place: float, profile: Profile, side: int, depth: float = 0.0) -> Envelope:
     """What a profile of the shaper generates: `side` +1 the right side of the gear's tooth, -1 the left."""
     # of the two tangents from the instantaneous axis to the base circle, the one on the side of the flank
-    return Envelope(RackSurface(profile, 0.0, 0.0, side), shaping(shaped, place), branch=1)
+    return Envelope(RackSurface(profile, 0.0, 0.0, side), shaping(shaped, place, depth), branch=1)
 
 
 # ---------------------------------------------------------------- face gear
@@ -174,7 +192,11 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
     _check_face(design, shaped)
     blank = _blank(design, shaped)
     sides = [_side(design, shaped, place, side) for side in (1, -1)]
-    tooth = Tooth(shaped.teeth, sides[0], sides[1], blank, bottom=_bottom(shaped, place))
+    tooth = Tooth(
+        shaped.teeth, sides[0], sides[1], blank, bottom=_bottom(shaped, place, design.gear.machine.axial_position)
+    )
+    if design.gear.machine.tool == "worm":
+        tooth = grinding_of(design, shaped, place).grind(tooth)
     try:
         tooth.prove()
     except TrimError as failure:
@@ -193,11 +215,23 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
     return with_end_chamfers(Member("gear", tooth, source_parameters, body_features(design.gear, under)), design.gear)
 
 
+def grinding_of(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Grinding:
+    """The worm of a complete design in the place of the shaper, at the settings of the machine, which stands at z = `place` mm.
+
+    Raises DesignError for a worm that cannot exist.
+    """
+    machine, spec = design.gear.machine, design.worm
+    worm = ShaperWorm(shaped.shaper, spec.pitch_radius, spec.threads, 1 if spec.right_hand else -1)
+    swivelled = float(np.radians(machine.worm_angle)) - worm.crossing_angle
+    return Grinding(shaped, worm, place, machine.axial_position, swivelled)
+
+
 def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -> ToothSide:
     shaper = shaped.shaper
     own = shaped if side > 0 else shaped.mirror_image
-    tip = own.theta_at_height(design.gear.addendum * design.given_module, np.array(place))
-    flank, fillet = (generate(shaped, place, profile, side) for profile in (shaper.involute, shaper.rounding))
+    tip = own.theta_at_height(_tip_height(design, shaped), np.array(place))
+    depth = design.gear.machine.axial_position
+    flank, fillet = (generate(shaped, place, profile, side, depth) for profile in (shaper.involute, shaper.rounding))
     return ToothSide(
         flank=flank,
         fillet=fillet,
@@ -209,20 +243,30 @@ def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -
     )
 
 
-def _bottom(shaped: ShapedGear, place: float) -> Bottom | None:
+def _tip_height(design: FaceGearDesign, shaped: ShapedGear) -> float:
+    """Height (mm) of the gear's tips over the pitch cone of the gear that the tool generates."""
+    return design.gear.addendum * design.given_module + _deeper(design, shaped)
+
+
+def _deeper(design: FaceGearDesign, shaped: ShapedGear) -> float:
+    """How much deeper (mm), across its axis, the shaper cuts as it is displaced along the gear's."""
+    return design.gear.machine.axial_position * float(np.sin(shaped.shaft_angle))
+
+
+def _bottom(shaped: ShapedGear, place: float, depth: float) -> Bottom | None:
     """The root that the shaper's top cylinder generates where it sweeps no cone: on crossed axes that are not at 90 deg."""
     if abs(shaped.offset * np.cos(shaped.shaft_angle)) < STRAIGHT * shaped.shaper.module:
         return None
     shaper = shaped.shaper
     # the tooth between this space and the one before
     before = np.pi + 2.0 * np.pi / shaper.teeth - shaper.root
-    return Bottom(generate(shaped, place, shaper.top, 1), (before, shaper.root))
+    return Bottom(generate(shaped, place, shaper.top, 1, depth), (before, shaper.root))
 
 
 def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
     """Refuse radii beyond undercut and pointing, and tips that the shaper's involute does not reach."""
-    spec, m = design.gear, design.given_module
-    inner, outer = shaped.undercut_radius(), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
+    spec, m, height = design.gear, design.given_module, _tip_height(design, shaped)
+    inner, outer = shaped.undercut_radius(), shaped.pointing_radius(height, spec.top_land * m)
     if spec.inner_radius < inner:
         raise DesignError(
             "gear.inner_radius",
@@ -247,7 +291,7 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
                 allowed="radii on either side of the path",
             )
     # the involute begins lowest where the pressure angle is least: on the pitch line at the inner cylinder
-    highest = shaped.highest(spec.inner_radius) / m
+    highest = (shaped.highest(spec.inner_radius) - _deeper(design, shaped)) / m
     if spec.addendum > highest:
         raise DesignError(
             "gear.addendum",
@@ -258,12 +302,14 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
 
 
 def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
-    """Cylinders at toe and heel; tip and root are the cones that lines parallel to the shaper's axis sweep."""
-    spec, shaper = design.gear, shaped.shaper
+    """Cylinders at toe and heel; tip and root are the cones that lines parallel to the axes of pinion and shaper sweep."""
+    spec, nominal = design.gear, shaped_gear(design)
     # normal towards the shaper's axis; both are distances from the apex along it
-    towards = shaped.shaft_angle + 0.5 * np.pi
-    tip = ConeLevel(towards, shaped.cone_offset(spec.addendum * design.given_module))
-    root = ConeLevel(towards, shaped.cone_offset(-shaper.addendum))
+    towards = nominal.shaft_angle + 0.5 * np.pi
+    tip = ConeLevel(towards, nominal.cone_offset(spec.addendum * design.given_module))
+    cut = ConeLevel(shaped.shaft_angle + 0.5 * np.pi)
+    deep = cut.normal[1] * spec.machine.axial_position
+    root = ConeLevel(cut.angle, shaped.cone_offset(-shaped.shaper.addendum) + deep)
     inner, outer = spec.inner_radius, spec.outer_radius
     across, up = root.normal
     root_z = [(root.offset - across * rho) / up for rho in (inner, outer)]

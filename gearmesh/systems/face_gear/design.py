@@ -26,6 +26,8 @@ CLEARANCE = 0.25
 LEAST_CLEARANCE, LEAST_LAND = 0.1, 0.05
 #: Rim under the root of the face gear, in modules, where it is not given; its web, in rims.
 RIM, WEB = 3.0, 0.6
+#: Degrees by which the machine's shaft angle may differ from that of the pair.
+MISSET = 5.0
 
 
 class FaceGearPinion(MemberTable, Modified):
@@ -64,6 +66,55 @@ class FaceGearPinion(MemberTable, Modified):
             low=0,
             high=2,
             default="0.25, or what the rack has room for and clears the gear's tips",
+        ),
+    ] = DERIVED
+
+
+class FaceGearMachine(Table):
+    """Settings of the machine that makes the face gear's flanks, which assembly and pinion do not follow."""
+
+    tool: Annotated[
+        str,
+        Key("choice", "what makes the flanks: the shaper, or the worm in its place", choices=("shaper", "worm")),
+    ] = "shaper"
+    shaft_angle: Annotated[
+        float,
+        Key(
+            "angle",
+            f"angle between the gear's axis and the shaper's, at most {MISSET:g} deg from that of the pair",
+            low=30 - MISSET,
+            high=150 + MISSET,
+            default="that of the pair",
+        ),
+    ] = DERIVED
+    offset: Annotated[
+        float, Key("length", "shortest distance of the axes of gear and shaper", default="that of the pair")
+    ] = DERIVED
+    axial_position: Annotated[
+        float, Key("length", "how far the tool is displaced along the gear's axis: > 0 cuts deeper")
+    ] = 0.0
+    pressure_angle: Annotated[
+        float,
+        Key(
+            "angle",
+            "pressure angle of the shaper, or that the worm is dressed for",
+            low=10,
+            high=35,
+            default="that of the pair",
+        ),
+    ] = DERIVED
+    thickness: Annotated[
+        float,
+        Key("length", "how much the shaper's teeth, or the worm's thread, are thicker, on the shaper's pitch circle"),
+    ] = 0.0
+    worm_angle: Annotated[
+        float,
+        Key(
+            "angle",
+            "angle between the worm's axis and the shaper's",
+            low=30,
+            high=150,
+            default="90 deg, + its lead angle with right-hand threads, else -",
         ),
     ] = DERIVED
 
@@ -109,6 +160,7 @@ class FaceGearGear(GearBody):
         float | None, Key("length", "bore diameter; 0 = no bore", low=0, default="40 % of the inner diameter")
     ] = None
     holes: Holes | None = None
+    machine: FaceGearMachine = FaceGearMachine()
 
 
 class ShaperTool(Table):
@@ -217,7 +269,12 @@ class FaceGearDesign(PairDesign):
         >>> sorted(gm.load("samples/face_gear.toml", complete=False).derived_values())[:2]
         ['contact.delta', 'contact.phi1.start']
         """
-        rim = given_or(self.gear.rim, RIM * self.given_module)
+        rim, radius = (
+            given_or(self.gear.rim, RIM * self.given_module),
+            given_or(self.worm.pitch_radius, self.shaper.teeth * self.given_module),
+        )
+        # of a worm that can exist
+        lead = math.degrees(math.asin(min(0.5 * self.worm.threads * self.given_module / radius, 1.0)))
         return {
             **super().derived_values(),
             "shaper.addendum": self.pinion.addendum + deepest(self._has_land, LEAST_CLEARANCE, CLEARANCE),
@@ -225,6 +282,10 @@ class FaceGearDesign(PairDesign):
             "gear.rim": rim,
             "gear.web": WEB * rim,
             "worm.pitch_radius": self.shaper.teeth * self.given_module,
+            "gear.machine.shaft_angle": self.shaft_angle,
+            "gear.machine.offset": self.offset,
+            "gear.machine.pressure_angle": self.pressure_angle,
+            "gear.machine.worm_angle": 90.0 + (lead if self.worm.right_hand else -lead),
         }
 
     def _has_land(self, clearance: float) -> bool:
@@ -244,6 +305,17 @@ class FaceGearDesign(PairDesign):
             )
         if self.gear.teeth < self.shaper.teeth:
             raise conflict("gear.teeth", self.gear.teeth, must_be=f"at least those of the shaper, {self.shaper.teeth}")
+        return self
+
+    @model_validator(mode="after")
+    def _machine(self) -> Self:
+        angle = given_or(self.gear.machine.shaft_angle, self.shaft_angle)
+        if abs(angle - self.shaft_angle) > MISSET:
+            raise conflict(
+                "gear.machine.shaft_angle",
+                angle,
+                must_be=f"{self.shaft_angle - MISSET:g} to {self.shaft_angle + MISSET:g}, near shaft_angle",
+            )
         return self
 
     @model_validator(mode="after")

@@ -6,6 +6,7 @@ long the worm must be, and how far they stay from the thread's singular points.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,27 +15,36 @@ import numpy as np
 from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
 from gearmesh.kernel.motion.feed_motion import FeedMotion
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.tools.profile import Profile
 from gearmesh.tools.shaper_worm import ShaperWorm
 
 #: points along the face and across the profile at which ground and shaped flanks are compared
 STATIONS, ACROSS = 25, 13
 #: rounds from the section of the feed to that of the contact, which are Z apart
 ROUNDS = 30
+#: mm by which a section of the start may still change
+SAME = 1e-9
 
 
 @dataclass(frozen=True)
 class Grinding:
-    """A worm that grinds a face gear; `place` (mm): the middle of the face along the shaper's axis, where the feed is 0."""
+    """A worm that grinds a face gear; `place` (mm): the middle of the face along the shaper's axis, where the feed is 0.
+
+    `depth` (mm): how far it is displaced along the gear's axis; `swivelled` (rad): how much larger the angle between its axis and
+    the shaper's is than where it grinds what the shaper generates.
+    """
 
     shaped: ShapedGear
     worm: ShaperWorm
     place: float
+    depth: float = 0.0
+    swivelled: float = 0.0
 
     def own(self, side: Side) -> tuple[ShapedGear, ShaperWorm]:
         """Gear and worm whose right flank, or its mirror image, is that of a side."""
@@ -43,8 +53,8 @@ class Grinding:
 
     def motion(self) -> FeedMotion:
         """Motion of the worm's frame over the gear's: the roll is the shaper's turn (rad), the feed (mm) along its axis."""
-        base, tool = gear_base(self.shaped.shaft_angle, -self.shaped.offset).inverse, self.worm.to_shaper
-        start = base.point(tool.translation + np.array([0.0, 0.0, self.place]))
+        base, tool = gear_base(self.shaped.shaft_angle, -self.shaped.offset).inverse, self.worm_to_shaper
+        start = base.point(tool.translation + np.array([0.0, 0.0, self.place])) + np.array([0.0, 0.0, self.depth])
         return FeedMotion(
             turn=self.shaped.ratio,
             tool_turn=self.worm.turn,
@@ -54,30 +64,58 @@ class Grinding:
             angle0=-self.shaped.lean(self.place),
         )
 
+    @property
+    def worm_to_shaper(self) -> Rigid:
+        """The worm's frame over the shaper's as it stands; x of both is the common perpendicular of their axes."""
+        nominal = self.worm.to_shaper
+        # its axis, along y, turns towards -z
+        return Rigid(rotation_about("x", -self.swivelled) @ nominal.rotation, nominal.translation)
+
     def flank(self, side: Side) -> FeedEnvelope:
         """The ground flank in the gear's frame, parameters theta_s (rad) and the feed (mm)."""
-        shaper, (gear, worm) = self.shaped.shaper, self.own(side)
+        shaper = self.shaped.shaper
 
-        def start(theta: Array, feed: Array) -> tuple[Array, Array]:
+        def normal(theta: Array) -> tuple[Array, Array]:
+            return shaper.theta_0 + theta, np.full_like(theta, shaper.base_radius)
+
+        return self._generated(side, shaper.involute, normal)
+
+    def fillet(self, side: Side) -> FeedEnvelope:
+        """The ground fillet, parameters those of the shaper's tip rounding and the feed (mm)."""
+        shaper = self.shaped.shaper
+
+        def normal(q: Array) -> tuple[Array, Array]:
+            at = np.array([shaper.pitch_radius, 0.0]) - shaper.rounding.section(q)[0]
+            return q, at[..., 0] * np.cos(q) + at[..., 1] * np.sin(q)
+
+        return self._generated(side, shaper.rounding, normal)
+
+    def _generated(self, side: Side, profile: Profile, normal: Callable[[Array], tuple[Array, Array]]) -> FeedEnvelope:
+        """What the thread of a profile of the shaper generates; of its `normal` the angle (rad) in the shaper's section and how
+        far (mm) it passes from the shaper's axis, by the profile's parameter."""
+        gear, worm = self.own(side)
+
+        def start(u: Array, feed: Array) -> tuple[Array, Array]:
             """Where the lines of contact of shaper and gear and of shaper and worm cross."""
+            angle, arm = normal(np.asarray(u, dtype=float))
             z = self.place + np.asarray(feed, dtype=float)
             for _ in range(ROUNDS):
-                kappa = gear.pressure_angle(z)
-                z = self.place + feed + worm.along(kappa)
-            psi = kappa - theta - shaper.theta_0
-            return worm.along(kappa), side.sign * psi
+                kappa = gear.pressure_angle(z, arm)
+                before, z = z, self.place + feed + worm.along_arm(kappa, arm)[0]
+                if not (np.abs(z - before) > SAME).any():
+                    break
+            return worm.along_arm(kappa, arm)[0], side.sign * (kappa - angle)
 
-        return FeedEnvelope(self.worm.thread(shaper.involute, side.sign), self.motion(), start)
+        return FeedEnvelope(self.worm.thread(profile, side.sign), self.motion(), start)
 
     def grind(self, tooth: Tooth) -> Tooth:
-        """A shaped tooth with the ground flanks instead."""
-        right, left = (self._grind_side(tooth.side(side), self.flank(side)) for side in Side)
+        """A shaped tooth with ground flanks and fillets instead."""
+        right, left = (self._grind_side(tooth.side(side), side) for side in Side)
         return replace(tooth, right=right, left=left)
 
-    def _grind_side(self, side: ToothSide, flank: FeedEnvelope) -> ToothSide:
-        """The side with its ground flank; the fillet is still the shaper's."""
-        assert side.generation is not None
-        return replace(side, flank=flank, tool=self.worm.description, generation=(flank, side.generation[1]))
+    def _grind_side(self, side: ToothSide, which: Side) -> ToothSide:
+        flank, fillet = self.flank(which), self.fillet(which)
+        return replace(side, flank=flank, fillet=fillet, tool=self.worm.description, generation=(flank, fillet))
 
     def difference(self, tooth: Tooth) -> float:
         """Largest distance (mm) of the ground flanks from the shaped ones, at points of the trimmed tooth."""

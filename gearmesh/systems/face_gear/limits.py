@@ -121,11 +121,15 @@ class ShapedGear:
         outward = z * np.sin(self.shaft_angle) + self.cone_offset(height) * np.cos(self.shaft_angle)
         return -self.cone_offset(height) + self._over(outward, y)
 
-    def pressure_angle(self, z: Array) -> Array:
-        """kappa (...,), rad, in the shaper's sections at z (...,) mm from the apex; NaN where nothing is generated."""
+    def pressure_angle(self, z: Array, arm: Array | None = None) -> Array:
+        """kappa (...,), rad, in the shaper's sections at z (...,) mm from the apex; NaN where nothing is generated.
+
+        `arm` (...,), mm: how far from the shaper's axis the normal passes, by default the involute's.
+        """
         along = z * self.axis_slope
         with np.errstate(invalid="ignore"):
-            return np.arctan2(self._aside, along) + np.arccos(self.shaper.base_radius / np.hypot(along, self._aside))
+            past = (self.shaper.base_radius if arm is None else arm) / np.hypot(along, self._aside)
+            return np.arctan2(self._aside, along) + np.arccos(past)
 
     def distance(self, kappa: Array) -> Array:
         """z (...,), mm, of the section with the pressure angle kappa."""

@@ -36,7 +36,7 @@ from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.kernel.surface.surface import Jet, PlacedSurface, Surface
 from gearmesh.systems.common.bodies.body import bore_radius
 from gearmesh.systems.common.bounds import at_most
-from gearmesh.systems.face_gear.build import build, middle, shaped_gear
+from gearmesh.systems.face_gear.build import build, cut_gear, grinding_of, middle, shaped_gear
 from gearmesh.systems.face_gear.grinding import Grinding
 from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.blank.blank import Blank
@@ -237,7 +237,7 @@ def worm_part(design: FaceGearDesign) -> ToolPart:
 
     Raises DesignError as `grinding_worm`.
     """
-    tooth = build(design).pairs[0].gear.tooth
+    tooth = _shaped_tooth(design)
     grinding, part = _make(design, tooth)
     worm = grinding.worm
     figures = GrindingFigures(
@@ -251,9 +251,20 @@ def worm_part(design: FaceGearDesign) -> ToolPart:
     return replace(part, figures=Summary(part.figures, figures), ground="gear", tooth=grinding.grind(tooth))
 
 
+def grinding_in_place(design: FaceGearDesign) -> Grinding:
+    """The worm of a design (in mm) on its gear. Raises DesignError for a worm that cannot exist."""
+    shaped = shaped_gear(design)
+    return grinding_of(design, cut_gear(design, shaped), middle(design, shaped))
+
+
+def _shaped_tooth(design: FaceGearDesign) -> Tooth:
+    """The tooth of the gear (design in mm) as a shaper makes it with the settings of the machine."""
+    return build(design.with_values({"gear.machine.tool": "shaper"})).pairs[0].gear.tooth
+
+
 def _make(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
     """The worm of a design (in mm) on the tooth of its gear, and as a part with the figures of its length. Raises DesignError."""
-    grinding, spec = grinding_of(design), design.worm
+    grinding, spec = grinding_in_place(design), design.worm
     shaped, height = grinding.shaped, design.gear.addendum * design.given_module
     reach = grinding.reach(tooth)
     # the gear's tips are on a cone: off 90 deg they are not at one height across the worm
@@ -262,23 +273,16 @@ def _make(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
     return grinding, grinding_worm(grinding.worm, tip, reach, spec.length, spec.bore)
 
 
-def pinned_values(design: FaceGearDesign, train: GearTrain) -> dict[str, float]:
-    """Length and bore of the worm of a complete design in mm and the gear set built of it; nothing where there is none."""
+def pinned_values(design: FaceGearDesign, _: GearTrain) -> dict[str, float]:
+    """Length and bore of the worm of a complete design in mm; nothing where there is none."""
     try:
-        part = _make(design, train.pairs[0].gear.tooth)[1]
+        part = _make(design, _shaped_tooth(design))[1]
     except DesignError:
         return {}
     return {
         "worm.length": part.figures["length_mm"],
         "worm.bore": 2.0 * float(part.member.tooth.blank.body.bore_radius),
     }
-
-
-def grinding_of(design: FaceGearDesign) -> Grinding:
-    """The worm of a design (in mm) in place on its gear. Raises DesignError for a worm that cannot exist."""
-    shaped, spec = shaped_gear(design), design.worm
-    worm = ShaperWorm(shaped.shaper, spec.pitch_radius, spec.threads, 1 if spec.right_hand else -1)
-    return Grinding(shaped, worm, middle(design, shaped))
 
 
 def grinding_worm(

@@ -67,8 +67,8 @@ def correct(
     json_file: Json = None,
     changes: Set = None,
 ) -> None:
-    """Machine settings of bevel and hypoid gears, and corrections of ground flanks (slopes, crownings, twist), that take measured
-    deviations away, and the contact that they give.
+    """Machine settings of bevel, hypoid and face gears, and corrections of ground flanks (slopes, crownings, twist), that take
+    measured deviations away, and the contact that they give.
 
     Least squares on the exact flanks. The new settings are for the machine: the design that they are written to has the deviations
     with the other sign.
