@@ -216,7 +216,7 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
 
 
 def grinding_of(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Grinding:
-    """The worm of a complete design in the place of the shaper, at the settings of the machine, which stands at z = `place` mm.
+    """The worm of a complete design in the shaper's place, at the settings of the machine; `place` (mm): the middle of the face.
 
     Raises DesignError for a worm that cannot exist.
     """

@@ -66,7 +66,7 @@ class Grinding:
 
     @property
     def worm_to_shaper(self) -> Rigid:
-        """The worm's frame over the shaper's as it stands; x of both is the common perpendicular of their axes."""
+        """The worm's frame over the shaper's at its angle; x of both is the common perpendicular of their axes."""
         nominal = self.worm.to_shaper
         # its axis, along y, turns towards -z
         return Rigid(rotation_about("x", -self.swivelled) @ nominal.rotation, nominal.translation)
@@ -78,7 +78,7 @@ class Grinding:
         def normal(theta: Array) -> tuple[Array, Array]:
             return shaper.theta_0 + theta, np.full_like(theta, shaper.base_radius)
 
-        return self._generated(side, shaper.involute, normal)
+        return self._envelope(side, shaper.involute, normal)
 
     def fillet(self, side: Side) -> FeedEnvelope:
         """The ground fillet, parameters those of the shaper's tip rounding and the feed (mm)."""
@@ -88,9 +88,9 @@ class Grinding:
             at = np.array([shaper.pitch_radius, 0.0]) - shaper.rounding.section(q)[0]
             return q, at[..., 0] * np.cos(q) + at[..., 1] * np.sin(q)
 
-        return self._generated(side, shaper.rounding, normal)
+        return self._envelope(side, shaper.rounding, normal)
 
-    def _generated(self, side: Side, profile: Profile, normal: Callable[[Array], tuple[Array, Array]]) -> FeedEnvelope:
+    def _envelope(self, side: Side, profile: Profile, normal: Callable[[Array], tuple[Array, Array]]) -> FeedEnvelope:
         """What the thread of a profile of the shaper generates; of its `normal` the angle (rad) in the shaper's section and how
         far (mm) it passes from the shaper's axis, by the profile's parameter."""
         gear, worm = self.own(side)
