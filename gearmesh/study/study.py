@@ -406,11 +406,14 @@ def work_and_nominal(
         if reason:
             raise NoSolutionError(reason=f"the design itself: {reason}")
         for name in figures:
-            by_group.setdefault(name, group)
+            by_group.setdefault(name, known.get(name, group))
         return Summary(nominal_figures, figures)
 
-    for k, group in enumerate(GROUPS):
-        nominal_figures = ask(group, GROUPS[: k + 1])
+    # no more than is recorded: a mesh cycle takes as long as the paths of hundreds of rows
+    recorded = {group for name, group in known.items() if {name, group, "all"} & set(tokens)}
+    last = max((GROUPS.index(group) for group in recorded - {LOAD, TURNS}), default=0)
+    nominal_figures = ask(GROUPS[last], GROUPS[: last + 1])
+    by_group = dict(sorted(by_group.items(), key=lambda item: GROUPS.index(item[1])))
     turning = {TURNS, *(name for name, group in known.items() if group == TURNS)}
     if turning & set(tokens):
         nominal_figures = ask(TURNS, (GROUPS[0], TURNS))
@@ -421,9 +424,7 @@ def work_and_nominal(
         nominal_figures = ask(LOAD, (GROUPS[0], LOAD))
     _refuse_unknown(tokens, allowed, by_group)
     names = tuple(name for name, group in by_group.items() if {name, group, "all"} & set(tokens))
-    of = {by_group[name] for name in names}
-    last = max((GROUPS.index(group) for group in of - {LOAD, TURNS}), default=0)
-    groups = (*GROUPS[: last + 1], *sorted(of & {LOAD, TURNS}))
+    groups = (*GROUPS[: last + 1], *sorted({by_group[name] for name in names} & {LOAD, TURNS}))
     length, height = map(PathFigures.key_of, ("contact_length", "contact_height"))
     middle = nominal_figures[length], nominal_figures[height]
     work = replace(whole, keys=keys, groups=groups, names=names, reference=middle)
