@@ -332,41 +332,43 @@ def _edges_next(
 ) -> list[tuple[int, Array, int, int, float]]:
     """Edges to try next, each with its position, start, second edge (-1: none) and the advance that may be there at most."""
     spawned: list[tuple[int, Array, int, int, float]] = []
-    for k in np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0)):
-        tried.add((int(trial.position[k]), int(trial.edges[k, 0]), -1))
-    for k in np.flatnonzero(trial.rises & leading):
-        own, crossed = (int(edge) for edge in trial.edges[k])
+    # plain numbers: rows of arrays, one by one, take ten times as long
+    position, edges, most = trial.position.tolist(), trial.edges.tolist(), trial.most.tolist()
+    outside, smooth = (trial.beyond > EDGE_SLACK).tolist(), pair.smooth.tolist()
+    there = [number for number, bound in enumerate(pair.bounds) if bound is not None]
+
+    def spawn(k: int, x: Array, first: int, second: int, mark: int) -> None:
+        key = (position[k], first, mark)
+        if key not in tried:
+            tried.add(key)
+            spawned.append((position[k], x, first, second, most[k]))
+
+    for k in np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0)).tolist():
+        tried.add((position[k], edges[k][0], -1))
+    for k in np.flatnonzero(trial.rises & leading).tolist():
+        own, crossed = edges[k]
         # from an edge inwards, from where two cross along either of them
         for edge, mark in ((-1, own),) if crossed < 0 else ((own, -1), (crossed, -1)):
-            key = (int(trial.position[k]), edge, mark)
-            if key not in tried:
-                tried.add(key)
-                spawned.append((key[0], trial.x[k], edge, -1, float(trial.most[k])))
-    for k in np.flatnonzero(~trial.good & leading):
-        first, second = trial.edges[k]
-        beyond = trial.beyond[k]
+            spawn(k, trial.x[k], edge, -1, mark)
+    for k in np.flatnonzero(~trial.good & leading).tolist():
+        first, second = edges[k]
         x = trial.x[k] if second >= 0 else trial.start[k]
+        over = [number for number, out in enumerate(outside[k]) if out]
         if second < 0:
             # and that one alone
-            for other in np.flatnonzero((beyond > EDGE_SLACK) & ~pair.smooth):
-                key = (int(trial.position[k]), int(other), -1)
-                if key not in tried:
-                    tried.add(key)
-                    spawned.append((key[0], trial.x[k], key[1], -1, float(trial.most[k])))
+            for other in over:
+                if not smooth[other]:
+                    spawn(k, trial.x[k], other, -1, -1)
         if first < 0:
             continue
         if second < 0:
             # past a smooth end the tooth goes on, unless its own edge is one
-            sharp = np.ones(len(pair.bounds), dtype=bool) if pair.smooth[first] else ~pair.smooth
-            over = np.flatnonzero((beyond > EDGE_SLACK) & sharp)
-            others = over if over.size else np.flatnonzero(sharp)
+            others = [number for number in over if smooth[first] or not smooth[number]]
+            if not others:
+                others = [number for number in there if smooth[first] or not smooth[number]]
             pairs = [(first, other) for other in others if other != first and pair.bounds[other] is not None]
         else:
-            others = np.flatnonzero(beyond > EDGE_SLACK)
-            pairs = [(edge, other) for other in others if other not in (first, second) for edge in (first, second)]
+            pairs = [(edge, other) for other in over if other not in (first, second) for edge in (first, second)]
         for a, b in pairs:
-            key = (int(trial.position[k]), int(min(a, b)), int(max(a, b)))
-            if key not in tried:
-                tried.add(key)
-                spawned.append((int(trial.position[k]), x, key[1], key[2], float(trial.most[k])))
+            spawn(k, x, min(a, b), max(a, b), max(a, b))
     return spawned
