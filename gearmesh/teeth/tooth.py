@@ -70,7 +70,10 @@ CLOSEST = 1e-3
 #: half the step of s over which drawn curves are differentiated
 HALF_STEP = 1e-6
 #: rounds, and parts in each, in which the interval between two of them is divided: places cost less than rounds
-BREAK_ROUNDS, BREAK_PARTS = 10, 16
+BREAK_ROUNDS, BREAK_PARTS = 5, 256
+
+#: flank parameters (T,) and jets of the tips of the right and the left side
+Tips = tuple[tuple[Array, Jet], tuple[Array, Jet]]
 
 
 @dataclass(frozen=True)
@@ -166,7 +169,7 @@ class Tooth:
 
     def _coarse_ends(self, which: Side) -> Ends:
         """Where the links of one side end at a few stations from the middle, the first of them, outwards."""
-        return self._ends(which, np.array([0.5, 0.0, 0.25, 0.75, 1.0]), root=False)
+        return self.ends(which, np.array([0.5, 0.0, 0.25, 0.75, 1.0]))
 
     @cached_property
     def sharp_ends(self) -> Tooth:
@@ -272,8 +275,12 @@ class Tooth:
     def sections(self, t: ArrayLike) -> Sections:
         """Trim both sides at stations t (T,)."""
         t = np.atleast_1d(np.asarray(t, dtype=float))
+        return self._sections(t, self._tips(t))
+
+    def _sections(self, t: Array, tips: Tips) -> Sections:
+        """The same where the flanks' tips are known."""
         stations = self.stations(t)
-        right, left = (self._ends(side, t) for side in Side)
+        right, left = (self._ends(side, t, tip) for side, tip in zip(Side, tips, strict=True))
         # threads go round the axis many times: their angles run on; lands are less than half a turn wide, but of the run-outs of a
         # single thread, roots less than three quarters
         right = replace(right, tip_angle=self.joint.running(right.tip_angle))
@@ -286,7 +293,7 @@ class Tooth:
 
     def ends(self, which: Side, t: Array) -> Ends:
         """Where the links of one side end at t (T,), but for the root's angle (NaN); the other side is not asked."""
-        return self._ends(which, t, root=False)
+        return self._ends(which, t, self._tip(self.side(which), self.stations(t), t), root=False)
 
     @cached_property
     def even(self) -> Sections:
@@ -362,22 +369,25 @@ class Tooth:
         """Trim the tooth at PROOF_STATIONS from toe to heel, and where loops of flanks with two cusps end. Raises TrimError
         where it cannot be."""
         t = np.linspace(0.0, 1.0, PROOF_STATIONS)
-        self.prove_land(t)
-        for which in Side:
-            if self._folds(self.side(which)):
-                t = np.append(t, np.clip(self.breaks_of(which)[:, None] + np.array([-BESIDE, BESIDE]), 0.0, 1.0))
-        self.sections(t)
+        tips = self._tips(t)
+        self._prove_land(t, tips)
+        looped = [self.breaks_of(which) for which in Side if self._folds(self.side(which))]
+        if looped:
+            beside = np.concatenate(looped)[:, None] + np.array([-BESIDE, BESIDE])
+            t = np.append(t, np.clip(beside, 0.0, 1.0))
+            tips = self._tips(t)
+        self._sections(t, tips)
 
     def prove_land(self, t: Array) -> None:
         """Trim the flanks at the tip alone, at t (T,), a fiftieth of the work. Raises TrimError where the tooth is pointed.
 
         Tip roundings and chamfers are known to `sections` alone.
         """
+        self._prove_land(t, self._tips(t))
+
+    def _prove_land(self, t: Array, tips: Tips) -> None:
         if self.tip_edge is None and self.right.tip_corner is None:
-            right, left = (
-                self.joint.angle(self._tip(self.side(side), self.stations(t), t)[1].r)
-                for side in (Side.RIGHT, Side.LEFT)
-            )
+            right, left = (self.joint.angle(jet.r) for _, jet in tips)
             self._width_of_land(right, left, t)
 
     def prove_root(self, t: Array) -> None:
@@ -534,10 +544,9 @@ class Tooth:
         dv = -dot(gradient, grid.jet.r_u) / dot(gradient, grid.jet.r_v)
         return grid.points, (grid.jet.r_u + grid.jet.r_v * dv[..., None]) * rate[..., None]
 
-    def _ends(self, which: Side, t: Array, *, root: bool = True) -> Ends:
-        """Where the links of one side end; without `root` the root's angle is left out (NaN)."""
-        side, stations = self.side(which), self.stations(t)
-        tip, tip_jet = self._tip(side, stations, t)
+    def _ends(self, which: Side, t: Array, at_tip: tuple[Array, Jet], *, root: bool = True) -> Ends:
+        """Where the links of one side end, from its tip; without `root` the root's angle is left out (NaN)."""
+        side, stations, (tip, tip_jet) = self.side(which), self.stations(t), at_tip
         tip_point, tip_corner = tip_jet.r, np.full_like(stations, np.nan)
         form_point_flank, form_point_fillet, undercut = form_point(
             side,
@@ -574,6 +583,11 @@ class Tooth:
         radii = (float(self.joint.radius(r)[0]) for r in (begins, tip.r[[k]]))
         lost = "no flank is left between the form point (radius {:.6g} mm) and the tip ({:.6g} mm)".format(*radii)
         raise TrimError("flank", float(t[k]), lost)
+
+    def _tips(self, t: Array) -> Tips:
+        """Where the flanks of both sides have their tip at t (T,), as `_tip`."""
+        right, left = (self._tip(self.side(which), self.stations(t), t) for which in Side)
+        return right, left
 
     def _tip(self, side: ToothSide, stations: Array, t: Array) -> tuple[Array, Jet]:
         """Flank parameter p (T,) and the flank's jet on the tip's level, or where its tip chamfer or rounding begins, at each
