@@ -80,6 +80,8 @@ KINDS = (
     ("novikov", "worm"),
     ("circular_arc", "pinion"),
     ("modified_involute", "pinion"),
+    ("worm_drive", "worm"),
+    ("worm_drive", "wheel"),
 )
 #: one member of each kind that teeth are made in another way
 EVERY_WAY = (
@@ -94,6 +96,9 @@ EVERY_WAY = (
     ("spiral_bevel_basic", "pinion"),
     ("hypoid", "pinion"),
     ("spiral_bevel_geometry1", "pinion"),
+    ("worm_drive", "worm"),
+    ("worm_drive", "wheel"),
+    ("worm_drive_zk_oversize", "worm"),
 )
 #: CPU seconds and bytes that a row of `tolerances` may take at most
 MOST_SECONDS, MOST_BYTES = 60, 2 * 1024**3
@@ -187,6 +192,8 @@ ANALYSES = (
     "face_gear_conjugate",
     "novikov",
     "modified_involute",
+    "worm_drive",
+    "worm_drive_zk_oversize",
 )
 
 
@@ -231,6 +238,18 @@ MANY = {
         phi1 = np.linspace(-0.5, 0.5, 21) * pair.pitch
         def work(): many_assemblies(pair, tuple(bases), phi1)
     """,
+    "worm_drive, hob 10 % larger, 1,000 assemblies of 21 positions": """
+        design = gm.load("samples/worm_drive.toml", ["hob.reference_diameter=66"])
+        pair = solver_pair(gm.build(design).pairs[0])
+        rng = np.random.default_rng(0)
+        bases = []
+        for flank in (pair.pinion, pair.gear):
+            shifts = rng.normal(scale=0.02, size=(1000, 3))
+            base = flank.mount.base
+            bases.append(Rigid(np.broadcast_to(base.rotation, (1000, 3, 3)), base.translation + shifts))
+        phi1 = np.linspace(-0.5, 0.5, 21) * pair.pitch
+        def work(): many_assemblies(pair, tuple(bases), phi1)
+    """,
 }
 
 
@@ -241,8 +260,9 @@ def many() -> list[dict[str, Any]]:
         code = "\n".join(
             (
                 "import resource, time, numpy as np, gearmesh as gm",
-                "from gearmesh.contact import contact_path, solver_pair",
                 "from gearmesh.contact.assemblies import many_assemblies",
+                "from gearmesh.contact.flanks import solver_pair",
+                "from gearmesh.contact.tca import contact_path",
                 "from gearmesh.kernel.motion.rigid import Rigid",
                 textwrap.dedent(program),
                 "started = time.perf_counter(); work()",
@@ -376,7 +396,8 @@ def kinds(quick: bool) -> list[dict[str, Any]]:
 def _member(sample: str, name: str) -> Member:
     """A member of a sample, or the worm that grinds one."""
     design = gm.load(SAMPLES / f"{sample}.toml", HELICAL[1] if sample == HELICAL[0] else [])
-    return worm(design).member if name == "worm" else gm.build(design).members[name]
+    members = gm.build(design).members
+    return members[name] if name in members else worm(design).member
 
 
 def border(tooth: Tooth, region: Region, error: float) -> float:
@@ -456,6 +477,8 @@ def solids_and_stl(folder: Path, repeats: int) -> list[dict[str, Any]]:
     members = {
         "helical, pinion": gm.build(gm.load(SAMPLES / f"{HELICAL[0]}.toml", HELICAL[1])).members["pinion"],
         "novikov, worm": worm(gm.load(SAMPLES / "novikov.toml")).member,
+        "worm_drive, worm": _member("worm_drive", "worm"),
+        "worm_drive, wheel": _member("worm_drive", "wheel"),
     }
     rows, file = [], folder / "solid_10um.stl"
     for part, member in members.items():
