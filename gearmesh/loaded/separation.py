@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Flank
+from gearmesh.contact.engagement.pitch_turns import flanks_ahead
 from gearmesh.contact.flanks import solver_pair, touching_jets
 from gearmesh.contact.hertz import line_contact, point_contact
 from gearmesh.contact.pair import MEMBERS, Pair
@@ -79,7 +80,8 @@ SQUARE = 0.7
 class NearPairs:
     """Tooth pairs (M,) that may touch under load at rotations `phi1` (P,), rad, of the pinion; `phi2` (P,): the gear's, unloaded.
 
-    Of every pair its `position` in phi1 and its `number`: k does at phi1 what pair 0 does at phi1 - k pitches; so do `turns` (2, M)
+    Of every pair its `position` in phi1 and its `number`: k does at phi1 what pair 0 does at phi1 - k pitches, but for the pitch
+    deviations of its flanks; so do `turns` (2, M)
     count, rad, of both members. `path`: its first touch; there `axes` (M, 3, 3), columns x, y and the normal out of the pinion, and
     relative curvatures `kappa` (M, 2), 1/mm, along x and y. `half` (M,) of double helical gears, 0 or 1: what stands here of the
     other half is where `images` bring it, by the pinion's plane of symmetry; the gear's mount in `mounts` has then a base for every
@@ -167,12 +169,13 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     near = [own.near(advance, limit) for own in engagements]
     position, number = (np.concatenate(column) for column in zip(*near, strict=True))
     half = np.repeat(np.arange(len(rows)), [len(numbers[0]) for numbers in near])
-    own = phi1[position] - gears.pitch * number
+    first, second = _ahead(gears, number)
+    own = phi1[position] - gears.pitch * number + first
     paths = [contact_path(engagement.pair, own[half == k]) for k, engagement in enumerate(engagements)]
     touching = [touching_jets(row, path) for row, path in zip(rows, paths, strict=True)]
     jets = [_join(jets_of_rows) for jets_of_rows in zip(*touching, strict=True)]
     path = _join(paths)
-    turns = path.rotation, pair.ratio * path.rotation + pair.drive * advance[position]
+    turns = path.rotation, pair.ratio * (path.rotation - first) + second + pair.drive * advance[position]
     e1, e2 = tangent_basis(jets[0])
     relative = relative_curvature(jets[0], jets[1], e1, e2)
     ellipse, own_kappa = contact_ellipse(relative, e1, e2, 1.0), principal(relative)
@@ -193,12 +196,17 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     return NearPairs(pair, phi1, phi2, position, number, half, turns, (pinion, gear), path, axes, kappa, gears.images)
 
 
+def _ahead(gears: GearPair, number: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Angles, rad, by which flanks of tooth pairs are ahead of their places; 0 where teeth are alike."""
+    return flanks_ahead(gears, number) if gears.uneven else (np.zeros(number.shape), np.zeros(number.shape))
+
+
 class _Followed:
     """Advances, drive (phi2 - phi1 N1/N2), rad, of tooth pairs on either side of that next to phi1 (P,), as far as they are
     near."""
 
     def __init__(self, gears: GearPair, phi1: Array) -> None:
-        self.pair = solver_pair(gears)
+        self.pair, self._gears = solver_pair(gears), gears
         self._phi1, self._pitch = phi1, gears.pitch
         self._first = np.round(phi1 / gears.pitch).astype(np.intp)
         self._numbers = np.arange(-PAIRS, PAIRS + 1)
@@ -235,9 +243,11 @@ class _Followed:
 
     def _solve(self, numbers: NDArray[np.intp]) -> tuple[Array, Array]:
         """Advances, and levers at the gear, mm (P, K), of pairs of `numbers` (K,) beyond the first one."""
-        own = (self._phi1[:, None] - self._pitch * (self._first[:, None] + numbers)).ravel()
-        path = contact_path(self.pair, own)
-        advance = np.where(path.touching, self.pair.drive * (path.phi2 - self.pair.ratio * path.rotation), -np.inf)
+        every = self._first[:, None] + numbers
+        first, second = _ahead(self._gears, every)
+        path = contact_path(self.pair, (self._phi1[:, None] - self._pitch * every + first).ravel())
+        te = path.phi2 - self.pair.ratio * path.rotation + (self.pair.ratio * first - second).ravel()
+        advance = np.where(path.touching, self.pair.drive * te, -np.inf)
         lever = np.abs(dot(path.normal, self.pair.gear.mount.velocity(path.point)))
         shape = len(self._phi1), len(numbers)
         return advance.reshape(shape), lever.reshape(shape)

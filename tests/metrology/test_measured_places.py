@@ -207,3 +207,40 @@ def test_runout_of_a_bevel_gear_needs_pitch_deviations() -> None:
     with pytest.raises(DesignError, match=r"measured\.pinion_runout_um: how a ball rests in its spaces is not known"):
         gm.build(design).train  # noqa: B018
     assert PitchDeviations.of_single([0.0, 1.0]).index.tolist() == [-0.5, 0.0]
+
+
+def loaded_spur(pinion: Array, positions: Array, torque: float, *keys: str) -> gm.LoadedContact:
+    """Under a torque, Nm, at pinion rotations, rad, with index deviations (16,), mm, of the pinion's right flanks."""
+    gears = spur(*keys, as_key("pinion_pitch_right", pinion), as_key("pinion_pitch_left", pinion))
+    return gears.loaded_contact([torque], np.degrees(positions))
+
+
+@pytest.mark.sweep
+def test_load_meets_the_flanks_where_they_are() -> None:
+    """Under hardly any torque the error is that over whole turns; and a tooth that is far behind carries nothing of a large one."""
+    index = 1e-3 * np.random.default_rng(5).normal(scale=4.0, size=16)
+    gears = spur(as_key("pinion_pitch_right", index), as_key("pinion_pitch_left", index))
+    turns = whole_turns(gears.train.pairs[0])
+    k = np.array([3, 40, 97, 170])
+    light = loaded_spur(index, turns.phi1[k], 1e-3)
+    apart = light.mesh.unloaded - turns.te[k]
+    assert np.ptp(turns.te[k]) > 5.0 * ARCSEC
+    assert np.ptp(apart) < 1e-8
+    # the tooth that meets the gear at phi1 = 0 is behind, as angles fall with phi1; or ahead, and has it all
+    apart = np.zeros(16)
+    apart[0] = 0.2
+    at = gears.train.pairs[0].pitch * np.array([-0.2, 0.0, 0.3])
+    for index, alone in ((apart, False), (-apart, True)):
+        (load,) = loaded_spur(index, at, 100.0).mesh.loads
+        for k in range(at.size):
+            force = load.force[load.position == k]
+            own = force[load.number[load.position == k] == 0].sum()
+            assert force.sum() > 1000.0
+            assert own == pytest.approx(force.sum() if alone else 0.0)
+
+
+def test_bodies_that_repeat_a_tooth_say_so(tmp_path: Path) -> None:
+    gears = spur(as_key("pinion_pitch_right", 1e-3 * np.arange(16.0)))
+    line = "pinion: its teeth are at their nominal places"
+    assert any(warning.startswith(line) for warning in gears.finite_elements(members=("pinion",)).warnings)
+    assert any(warning.startswith(line) for warning in gears.cad("pinion").warnings)

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.answers.bodies.extract import WHOLE, Extract
+from gearmesh.answers.bodies.extract import WHOLE, Extract, at_nominal_places
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
@@ -287,7 +287,7 @@ def cad_of(
     for alike in _alike([part.member for part in wanted]):
         body, left_out = extract.repeat(extract.shift(alike[0]))
         warnings += left_out
-        warnings += [f"{own.name}: its teeth are at their nominal places" for own in alike if own.index.uneven]
+        warnings += [at_nominal_places(own) for own in alike if own.index.uneven]
         part, figures = make(body, tolerance, extract.offset or None)
         # planet_1, planet_2 and planet_3 are three times the part planet
         part = replace(part, name=part.name.rstrip("0123456789").rstrip("_")) if len(alike) > 1 else part

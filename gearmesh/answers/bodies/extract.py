@@ -21,6 +21,12 @@ if TYPE_CHECKING:
 BOTH = "both"
 
 
+def at_nominal_places(member: Member) -> str:
+    """What to say of a body that repeats one tooth, of a member with pitch deviations."""
+    where = "its teeth are at their nominal places, as one is repeated"
+    return f"{member.name}: {where}; meshes of whole solids and load have pitch deviations"
+
+
 @dataclass(frozen=True)
 class SectorFigures(Figures):
     """A sector of a member, between two congruent cut faces."""
@@ -126,7 +132,7 @@ class Extract:
         if member.index.uneven:
             if self.space or self.flanks or self.sector is not None:
                 made = self.mesh(replace(member, index=EVEN), tolerance, teeth)
-                return replace(made, warnings=(*made.warnings, f"{member.name}: its teeth are at their nominal places"))
+                return replace(made, warnings=(*made.warnings, at_nominal_places(member)))
             member = placed_teeth(member)
         member = self.shift(member)
         if self.space:

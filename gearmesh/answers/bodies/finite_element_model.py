@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from gearmesh.answers.bodies.extract import at_nominal_places
 from gearmesh.answers.bodies.model_figures import CyclicFigures, MeshFigures, UnloadedModelFigures
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
@@ -229,9 +230,10 @@ def bad_shapes(models: Iterable[MeshFigures]) -> list[str]:
     )
 
 
-def omissions(members: Iterable[Member], whole: bool) -> list[str]:
+def omissions(members: Collection[Member], whole: bool) -> list[str]:
     """Parts of the bodies of members that the model does not have, with the `whole` body or a rim alone, reported once."""
     parts: dict[str, list[str]] = {}
+    lines = [at_nominal_places(member) for member in members if member.index.uneven]
     turned = False
     for member in members:
         web = ("web",) if member.plain_body.web is not None else ()
@@ -245,9 +247,9 @@ def omissions(members: Iterable[Member], whole: bool) -> list[str]:
         if whole and (core := core_radius(member.tooth, member.body)):
             parts.setdefault(f"core of {2.0 * core:.3g} mm round the axis", []).append(member.name)
     if not parts:
-        return []
+        return lines
     what = ", ".join(f"{part} ({', '.join(names)})" for part, names in parts.items())
     if whole:
-        return [f"the finite-element model has none of: {what}"]
+        return [f"the finite-element model has none of: {what}", *lines]
     remedy = '; fe.body = "whole" has those that are turned' if turned else ""
-    return [f"the finite-element model has no shaft and none of: {what}{remedy}"]
+    return [f"the finite-element model has no shaft and none of: {what}{remedy}", *lines]

@@ -40,6 +40,11 @@ from gearmesh.teeth.gear_train import GearPair
 
 #: positions in a pitch
 POSITIONS = 21
+#: of gears with pitch deviations
+OF_SOME_PAIRS = (
+    "pitch deviations: every tooth pair is loaded differently; figures are for those in contact at these positions, with their "
+    "flanks where they are, and for others with --phi1"
+)
 #: acute angle between axes, rad, up to which a pair is one with parallel axes and an error of assembly
 NEARLY_PARALLEL = 0.01
 
@@ -398,7 +403,7 @@ def loaded_contact_of(
     mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
     unloaded = np.nan if cycle is None else cycle.peak_to_peak
     if pair.uneven:
-        warnings = (*warnings, "pitch deviations: under load teeth are taken to be at their places")
+        warnings = (*warnings, OF_SOME_PAIRS)
     return LoadedContact(
         design, pair, mesh, (*warnings, *_warnings(pair, mesh, unloaded)), time.perf_counter() - started, cycle
     )

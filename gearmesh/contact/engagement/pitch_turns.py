@@ -93,10 +93,7 @@ def shifted_advance(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array
     phase = np.arange(per_pitch) / per_pitch
     number = np.arange(pitches)[:, None, None] + away
     place = np.broadcast_to((phase[:, None] - away) * pair.pitch, (pitches, per_pitch, away.size))
-    first, second = (
-        _ahead(member, side)[np.mod(-int(member.mount.sign) * sense * number, member.tooth.teeth)]
-        for member, side, sense in zip(pair.both, pair.flanks, (1, int(np.sign(pair.ratio))), strict=True)
-    )
+    first, second = flanks_ahead(pair, number)
     there = (place + first).ravel()
     inside = (there >= followed.phi1[0]) & (there <= followed.phi1[-1])
     advance = np.full(there.shape, -np.inf)
@@ -109,6 +106,16 @@ def shifted_advance(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array
     if not np.isfinite(greatest).all():
         raise NoSolutionError(reason="the teeth lose contact, so there is no transmission error over whole turns")
     return greatest, np.repeat(np.arange(pitches), per_pitch) + away[leading]
+
+
+def flanks_ahead(pair: GearPair, number: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Angles (...,), rad, by which the flanks of pinion and gear are ahead of their places, as phi1 and phi2 count: of tooth pairs
+    by their numbers, pair k being where pair 0 was k pitches before."""
+    first, second = (
+        _ahead(member, side)[np.mod(-int(member.mount.sign) * sense * number, member.tooth.teeth)]
+        for member, side, sense in zip(pair.both, pair.flanks, (1, int(np.sign(pair.ratio))), strict=True)
+    )
+    return first, second
 
 
 def _ahead(member: Member, side: Side) -> Array:
