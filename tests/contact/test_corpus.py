@@ -47,6 +47,10 @@ def wide() -> GearPair:
     "contact_beveloid_edge_17",
     "contact_beveloid_edge_18",
     "contact_spiral_bevel_conjugate_edge_15",
+    "contact_worm_drive_concave_four",
+    "contact_worm_drive_inch_single_za",
+    "contact_worm_drive_zi_errors",
+    "contact_worm_drive_zn_100deg",
 )
 @pytest.mark.parametrize("file", CORPUS, ids=lambda file: file.stem)
 def test_the_flanks_touch_where_they_roll(file: Path) -> None:

@@ -31,6 +31,8 @@ EQUAL = 1e-12
 RISE = 1e-12
 #: normals that differ by less agree
 AGREE = 1e-8
+#: what marks an edge that is solved for from where an edge k crosses it: ALONG - k
+ALONG = -2
 #: edges added to what is solved for, at most: two cross, and a third may take the place of one of them
 ROUNDS = 4
 #: evaluations of the conditions in a round; the few places that take more go on so often, together with those of the next
@@ -158,7 +160,7 @@ def refine_candidates(
         best[position], last[position], most[position] = ahead[order], good[order], advance[order]
         better = np.flatnonzero(best > _rank(contacts.advance, contacts.edges))
         contacts.take(better, trial, last[better], number, most[better])
-        trial = _next(pair, trial, contacts, tried if edges else None)
+        trial = _next(pair, phi1, trial, contacts, tried if edges else None)
 
 
 def _rank(advance: Array, edges: NDArray[np.intp]) -> Array:
@@ -303,7 +305,7 @@ def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_
     return ellipse.line, ellipse.crossing
 
 
-def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, int, int]] | None) -> Trial:
+def _next(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, tried: set[tuple[int, int, int]] | None) -> Trial:
     """What to try for places that came out beyond an edge, or nowhere, and may still be ahead: that edge alone, and its crossing
     with their own, which is nearer to where they were started than to where their edge led them, but for what has been `tried`;
     without that no edge. What is not solved yet goes on."""
@@ -311,7 +313,11 @@ def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, in
     leading = trial.most >= contacts.advance[trial.position]
     unsolved = np.flatnonzero((trial.goes > 0) & leading)
     if tried is not None:
-        spawned = _edges_next(pair, trial, leading, tried)
+        # what is ahead already may be followed upwards, even where less was expected there
+        advance = np.where(trial.good, advances_of(pair, phi1, trial.x, trial.position), -np.inf)
+        ahead = trial.rises & (advance >= contacts.advance[trial.position] - EQUAL)
+        trial.most = np.where(ahead, np.maximum(trial.most, advance), trial.most)
+        spawned = _edges_next(pair, trial, leading | ahead, tried)
     count = len(spawned)
     position = np.array([place[0] for place in spawned], dtype=np.intp)
     x = np.array([place[1] for place in spawned]).reshape(count, 5)
@@ -347,8 +353,9 @@ def _edges_next(
         tried.add((position[k], edges[k][0], -1))
     for k in np.flatnonzero(trial.rises & leading).tolist():
         own, crossed = edges[k]
-        # from an edge inwards, from where two cross along either of them
-        for edge, mark in ((-1, own),) if crossed < 0 else ((own, -1), (crossed, -1)):
+        # from an edge inwards; from where two cross along either of them, though that was solved for from elsewhere before: along
+        # one edge the advance may have several summits
+        for edge, mark in ((-1, own),) if crossed < 0 else ((own, ALONG - crossed), (crossed, ALONG - own)):
             spawn(k, trial.x[k], edge, -1, mark)
     for k in np.flatnonzero(~trial.good & leading).tolist():
         first, second = edges[k]
