@@ -1,13 +1,14 @@
-"""The samples that come with the package: design files, and scripts that compute a figure from some of them.
+"""The samples that come with the package: design files, scripts that compute a figure from some of them, guides and notebooks.
 
 In a checkout and in an editable install they are the folder `samples` beside the package; the wheel carries them inside it,
-as `sample_files` (see pyproject.toml).
+as `sample_files` (see pyproject.toml), without the pictures of guides.
 """
 
 from __future__ import annotations
 
 import ast
 import difflib
+import json
 import re
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -17,24 +18,36 @@ from gearmesh.errors import ArgumentError, OutputError
 
 #: What a sample can be: a design or a script.
 SUFFIXES = (".toml", ".py")
+#: What a guide can be: a text with commands and programs, or a notebook.
+GUIDES = (".md", ".ipynb")
 #: names of other files in a design
 _NAMED = re.compile(r'^\w+ = "([\w-]+\.csv)"', re.MULTILINE)
 
 
 def names() -> list[str]:
     """All samples in alphabetical order, by file name without the suffix: "spur", "fig9_beveloid_ellipse"."""
-    return sorted(_files())
+    return sorted(name for name, file in _files().items() if file.name.endswith(SUFFIXES))
+
+
+def guides() -> list[str]:
+    """All guides in their order, then all notebooks, by file name without the suffix: "01-spur-pair", "gears-in-3d"."""
+    return sorted(name for name, file in _files().items() if file.name.endswith(GUIDES))
 
 
 def text(name: str) -> str:
-    """What is in a sample. Raises DesignError, with the name that is nearest, for one that does not exist."""
+    """What is in a sample or a guide. Raises DesignError, with the name that is nearest, for one that does not exist."""
     return _find(name).read_text(encoding="utf-8")
 
 
 def headline(name: str) -> str:
-    """What a sample is, in a few words: its comment or docstring up to the first colon or end of a sentence."""
+    """What a sample is, in a few words: its comment or docstring up to the first colon or end of a sentence, or a guide's title."""
     lines = text(name).splitlines()
-    if _find(name).name.endswith(".py"):
+    file = _find(name).name
+    if file.endswith(".ipynb"):
+        lines = "".join(json.loads("\n".join(lines))["cells"][0]["source"]).splitlines()
+    if file.endswith(GUIDES):
+        return lines[0].removeprefix("# ")
+    if file.endswith(".py"):
         opening = ast.get_docstring(ast.parse("\n".join(lines))) or ""
     else:
         comment = [line.lstrip("# ") if line.startswith("#") else "" for line in lines]
@@ -43,8 +56,8 @@ def headline(name: str) -> str:
 
 
 def copy(name: str, folder: str | Path) -> Path:
-    """Write a sample into an existing folder, with the files that it names, and say where it is; the scripts want their designs
-    beside them.
+    """Write a sample or a guide into an existing folder, with the files that it names, and say where it is; the scripts want
+    their designs beside them, guides copy what they use themselves.
 
     Raises DesignError for a sample that does not exist, OutputError for a file that is there already or cannot be written.
     """
@@ -52,7 +65,8 @@ def copy(name: str, folder: str | Path) -> Path:
 
     sample = _find(name)
     named = sorted(set(_NAMED.findall(text(name)))) if sample.name.endswith(SUFFIXES[0]) else []
-    targets = {Path(folder) / file: _folder().joinpath(file) for file in (sample.name, *named)}
+    targets = {Path(folder) / file: _folder().joinpath(file) for file in named}
+    targets = {Path(folder) / sample.name: sample, **targets}
     for target in targets:
         if target.exists():
             raise OutputError("cannot write", target, reason="it exists already")
@@ -62,9 +76,9 @@ def copy(name: str, folder: str | Path) -> Path:
 
 
 def _find(name: str) -> Traversable:
-    """The file of a sample, named with or without its suffix."""
+    """The file of a sample or guide, named with or without its suffix."""
     files = _files()
-    stem = next((name.removesuffix(s) for s in SUFFIXES if name.endswith(s)), name)
+    stem = next((name.removesuffix(s) for s in (*SUFFIXES, *GUIDES) if name.endswith(s)), name)
     if stem in files and name in (stem, files[stem].name):
         return files[stem]
     close = difflib.get_close_matches(stem, list(files), n=1, cutoff=0.55)
@@ -73,7 +87,11 @@ def _find(name: str) -> Traversable:
 
 
 def _files() -> dict[str, Traversable]:
-    return {entry.name.rpartition(".")[0]: entry for entry in _folder().iterdir() if entry.name.endswith(SUFFIXES)}
+    entries = [
+        *(entry for entry in _folder().iterdir() if entry.name.endswith(SUFFIXES)),
+        *(entry for entry in (_folder() / "guides").iterdir() if entry.name.endswith(GUIDES)),
+    ]
+    return {entry.name.rpartition(".")[0]: entry for entry in entries if entry.name != "README.md"}
 
 
 def _folder() -> Traversable:

@@ -27,6 +27,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -293,17 +294,20 @@ def guides() -> list[Path]:
     return sorted(GUIDES.glob("[0-9][0-9]-*.md"))
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def run_named(
+    about: str | None, what: str, files: list[Path], run: Callable[..., None], verdict: Callable[[Path], str]
+) -> None:
+    """Run the guides or notebooks that the command line names, or all; exits with 1 if one of them fails."""
+    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME")
-    parser.add_argument("--write", action="store_true", help="write what is printed and drawn into the guides")
+    parser.add_argument("--write", action="store_true", help=f"write what is printed and drawn into the {what}s")
     parser.add_argument(
         "--keep", type=Path, metavar="FOLDER", help="run in FOLDER/NAME, emptied first, and keep what is written there"
     )
     options = parser.parse_args()
-    paths = {path.stem: path for path in guides()}
+    paths = {path.stem: path for path in files}
     if unknown := [name for name in options.names if name not in paths]:
-        parser.error(f"no guide is called {unknown[0]}; there are {', '.join(paths)}")
+        parser.error(f"no {what} is called {unknown[0]}; there are {', '.join(paths)}")
     failed = False
     for name, path in paths.items():
         if options.names and name not in options.names:
@@ -318,8 +322,12 @@ def main() -> None:
                 failed = True
                 print(error, file=sys.stderr)
             else:
-                print(f"{name}: as it says", flush=True)
+                print(f"{name}: {verdict(path)}", flush=True)
     sys.exit(failed)
+
+
+def main() -> None:
+    run_named(__doc__, "guide", guides(), run, lambda path: "as it says")
 
 
 if __name__ == "__main__":

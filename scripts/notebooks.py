@@ -1,6 +1,6 @@
 """The notebooks of samples/guides, run as Jupyter runs them: each in a folder of its own.
 
-Usage: python scripts/notebooks.py [NAME ...] [--write]
+Usage: python scripts/notebooks.py [NAME ...] [--write] [--keep FOLDER]
 
 Needs nbclient and ipykernel. What a cell prints must be what is kept under it, numbers to the digits that are printed; of what
 else it shows, as pictures, tables and sliders, the kinds must be the same. `--write` keeps what is shown now, pictures with few
@@ -9,17 +9,14 @@ colours.
 
 from __future__ import annotations
 
-import argparse
 import base64
 import io
-import sys
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import nbformat
 from gallery import painted
-from guides import GUIDES, PATIENCE, GuideError, environment, refreshed
+from guides import GUIDES, PATIENCE, GuideError, environment, refreshed, run_named
 from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
 
@@ -105,26 +102,7 @@ def fewer_colours(encoded: str) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="NAME")
-    parser.add_argument("--write", action="store_true", help="keep what the cells show now")
-    options = parser.parse_args()
-    paths = {path.stem: path for path in notebooks()}
-    if unknown := [name for name in options.names if name not in paths]:
-        parser.error(f"no notebook is called {unknown[0]}; there are {', '.join(paths)}")
-    failed = False
-    for name, path in paths.items():
-        if options.names and name not in options.names:
-            continue
-        with tempfile.TemporaryDirectory() as folder:
-            try:
-                run(path, Path(folder), write=options.write)
-            except GuideError as error:
-                failed = True
-                print(error, file=sys.stderr)
-            else:
-                print(f"{name}: as it shows, {path.stat().st_size / 1000:.0f} kB", flush=True)
-    sys.exit(failed)
+    run_named(__doc__, "notebook", notebooks(), run, lambda path: f"as it shows, {path.stat().st_size / 1000:.0f} kB")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ Usage: python scripts/validation.py [NAME ...] [--write]
 Each function whose name begins with `of_` computes one line or several: published tables, samples of standards, closed forms,
 second routes that share no equation with the solver; and from the tables of scripts/README.md, which other scripts measured,
 those against CalculiX and over random designs. Printed figures are those of the tests, which hold every line within a stated
-tolerance (`pip install ".[test]"`). NAME is the name of such a function without `of_`. All take 20 s of a processor.
+tolerance (`pip install ".[test]"`). NAME is the name of such a function without `of_`. All take two minutes of a processor.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -26,8 +27,8 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "scripts" / "site" / "pages" / "validation.md"
 MEASURED = ROOT / "scripts" / "README.md"
 #: the tests have the printed figures, and routes of their own
-for folder in (ROOT / "tests", ROOT / "tests" / "systems", ROOT / "tests" / "contact", ROOT / "tests" / "check"):
-    sys.path.append(str(folder))
+for folder in ("", "systems", "contact", "check", "metrology", "study", "loaded"):
+    sys.path.append(str(ROOT / "tests" / folder))
 TITLES = {
     "claim": "claim",
     "reference": "reference",
@@ -296,6 +297,161 @@ def of_worm() -> Iterator[Line]:
         "0",
         "",
         f"{worst:.1g} rad",
+    )
+
+
+def of_vh() -> Iterator[Line]:
+    """V and H, applied: where the gears then turn at the ratio of their teeth, by the solver of contact."""
+    vh = import_module("test_vh_check")
+    design = vh.DESIGNS["basic"]()
+    blank, worst, places = vh.basic_blank(design.in_mm()), 0.0, 0
+    for row in (row.row for row in vh.gm.build(design).vh().rows):
+        moved = {"contact.side": row["side"], "assembly.dV": row["v_mm"], "assembly.dA": row["h_mm"]}
+        wanted = blank.gear.inner_cone_distance + vh.SHARES[row["place"]] * blank.gear.face_width
+        vertices = vh.vertices(vh.pair_of(design.with_values(moved)))
+        worst = max(worst, min(abs(vh.along(blank, path) - wanted) for path in vertices))
+        places += 1
+    yield Line(
+        "V-H check, `spiral_bevel_basic`: V and H bring the contact to toe, middle and heel",
+        "contact of the pair so displaced, where n . v12 = 0",
+        f"{places} places of both sides",
+        "",
+        f"{worst:.1g} mm along the cone distance",
+    )
+
+
+def of_measured() -> Iterator[Line]:
+    """Measured flanks, settings corrected from them, pitch deviations."""
+    flanks, corrections = import_module("test_measured_flanks"), import_module("test_corrections")
+    composite = import_module("test_composite")
+    with TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        for sample, name in (("beveloid_crossed", "gear"), ("hypoid", "pinion")):
+            design = flanks.gm.load(ROOT / "samples" / f"{sample}.toml")
+            distances = flanks.through_points(design, flanks.gm.build(design).members[name], folder / f"{name}.csv")[1]
+            yield Line(
+                f"measured flank, {name} of `{sample}`",
+                "its measured points, by projection",
+                f"{distances.size} points",
+                "",
+                f"{np.abs(distances).max():.1g} mm",
+            )
+        keys, points = flanks.crowned_and_measured(folder)
+        error = np.abs(points.path.te - keys.path.te).max() / ARCSEC
+        backlash = abs(points.summary["backlash_min_deg"] - keys.summary["backlash_min_deg"])
+        yield Line(
+            "contact of a measured gear with crownings and slopes",
+            "the design that has these by its keys",
+            f"TE of {np.ptp(keys.path.te) / ARCSEC:.2f} arcsec",
+            f"{np.ptp(points.path.te) / ARCSEC:.2f} arcsec",
+            f"{error:.1g} arcsec, backlash {backlash:.1g} deg",
+        )
+        plain = flanks.gm.load(ROOT / "samples" / "hypoid.toml")
+        hypoid = corrections.systems.pin(plain, corrections.systems.build(plain))
+        off = corrections.CHANGES["radial"]
+        corrections.measured(folder / "pinion.csv", hypoid, {"radial": off})
+        made = corrections.correct_settings(hypoid, "pinion", folder / "pinion.csv")
+        changes = {s.name: c for s, c in zip(made.settings, made.solution.changes, strict=True)}
+        left = max(np.abs(residual.values).max() for residual in made.residual.values())
+        yield Line(
+            "corrected settings of a hypoid pinion, cut with one setting off, 12 free",
+            "what it was cut with; deviations by intersections along normals",
+            f"radial {1e3 * off:.4f} um",
+            f"{-1e3 * changes['concave.radial']:.4f} um",
+            f"{1e3 * abs(changes['concave.radial'] + off):.1g} um; residual {1e3 * left:.1g} um",
+        )
+    lead, turns = composite.lead_of_involute_teeth()
+    stated, own = np.ptp(lead) / ARCSEC, turns.peak_to_peak / ARCSEC
+    yield Line(
+        "total single-flank deviation of gears with random pitch deviations, 16/32",
+        "involute teeth in closed form",
+        f"{stated:.4f} arcsec",
+        f"{own:.4f} arcsec",
+        f"{abs(own - stated):.1g} arcsec",
+    )
+
+
+def of_studies() -> Iterator[Line]:
+    """Rows against designs alone; shares of the variance in closed form and by scipy."""
+    rows, variance = import_module("test_study_rows"), import_module("test_variance")
+    worst = max(
+        abs(study.columns[name][row] / alone[name] - 1.0)
+        for study, row, alone in rows.rows_and_designs()
+        for name in rows.ALIKE
+    )
+    yield Line(
+        "row of a study: errors of assembly and a rebuilt key together",
+        "the design with these keys, alone",
+        f"{len(rows.ALIKE)} figures of 2 rows",
+        "",
+        f"{worst:.1g} relative",
+    )
+    plan = variance.sample_plan(variance.CUBE, 2048, "saltelli", 1)
+    keys, values = variance.ishigami(plan)
+    shares = variance.variance_shares(plan, keys, "y", values)
+    off = max(max(abs(s.first - variance.FIRST[s.key]), abs(s.total - variance.TOTAL[s.key])) for s in shares)
+    yield Line(
+        "shares of the variance, first and total order, 10,240 rows",
+        "Ishigami's function in closed form",
+        "6 figures",
+        "",
+        f"{off:.1g} of 1",
+    )
+    table = values.reshape(-1, 1, 2048)
+    by_scipy = variance.sobol_indices(func={"f_A": table[0], "f_B": table[1], "f_AB": table[2:]}, n=2048)
+    own = np.array([[s.first, s.total] for s in shares])
+    yield Line(
+        "the same rows",
+        "scipy.stats.sobol_indices",
+        "6 figures",
+        "",
+        f"{np.abs(own - np.column_stack((by_scipy.first_order, by_scipy.total_order))).max():.1g} of 1",
+    )
+
+
+def of_worm_load() -> Iterator[Line]:
+    """A worm drive under torque: equilibrium, Hertz, its mirror image."""
+    worm = import_module("test_worm_load")
+    torque = np.array([2e4])
+    right = worm.loaded(worm.PHI1, torque)
+    yield Line(
+        "worm drive under 20 Nm: torque of the wheel, without friction",
+        "i T1",
+        "400 Nm",
+        f"{1e-3 * right.gear_torque.mean():.2f} Nm",
+        f"{np.abs(right.gear_torque / (20.0 * torque) - 1.0).max():.1g} relative",
+    )
+    moments = np.bincount(right.loads[0].position, right.loads[0].moment)
+    yield Line(
+        "moments of all its lines of contact together",
+        "T1",
+        "20 Nm",
+        "",
+        f"{np.abs(moments / torque - 1.0).max():.1g} relative",
+    )
+    peaks, hertz = worm.peaks_and_hertz()
+    yield Line(
+        "pressure across lines of contact of a worm drive",
+        "Hertz, curvature of the conjugate flanks in closed form",
+        f"{peaks.size} places, up to {hertz.max():.0f} MPa",
+        f"up to {peaks.max():.0f} MPa",
+        f"{100.0 * np.abs(peaks / hertz - 1.0).max():.1g} %",
+    )
+    left, right = (worm.loaded(worm.PHI1, torque, hand=hand, hob=44.0) for hand in (False, True))
+    yield Line(
+        "left-hand worm drive of an oversized hob under load",
+        "mirror image of the right-hand one",
+        "rotation, load of each line",
+        "",
+        f"{apart(left, right):.1g} relative",
+    )
+
+
+def apart(left: Any, right: Any) -> float:
+    """Largest relative difference of rotations and of the loads that lines of contact carry."""
+    forces = [np.sort(found.loads[0].force) for found in (left, right)]
+    return max(
+        np.abs(left.rotation / right.rotation - 1.0).max(), np.abs(forces[0] - forces[1]).max() / forces[1].max()
     )
 
 

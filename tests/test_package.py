@@ -28,6 +28,9 @@ def test_all_samples_have_a_name_and_a_headline() -> None:
         assert 15 <= len(samples.headline(path.stem)) <= 105
     assert samples.headline("spur").endswith("on a centre distance of 90 mm")
     assert samples.headline("fig9_beveloid_ellipse") == "How round is the contact of beveloid gears?"
+    assert len(samples.guides()) >= 15
+    assert samples.headline("01-spur-pair") == "Order a pair of spur gears"
+    assert samples.headline("gears-in-3d.ipynb") == "Gears in 3-D"
 
 
 @pytest.mark.parametrize(
@@ -80,10 +83,12 @@ def test_an_installed_package_has_them_inside(tmp_path: Path) -> None:
     ((source, target),) = wheel["sources"].items()
     shutil.copytree(ROOT / source, tmp_path / target, ignore=hidden)
     program = (
-        "import json; from gearmesh import samples as s; print(json.dumps([s.__file__, s.names(), s.text('spur')]))"
+        "import json; from gearmesh import samples as s; "
+        "print(json.dumps([s.__file__, s.names(), s.guides(), s.text('spur')]))"
     )
     run = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
-    file, names, text = json.loads(run.stdout)
+    file, names, guides, text = json.loads(run.stdout)
+    assert guides == samples.guides()
     assert Path(file).is_relative_to(tmp_path)
     assert names == samples.names()
     assert text == samples.text("spur")

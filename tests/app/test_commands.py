@@ -65,11 +65,19 @@ def test_a_new_file_of_every_kind_loads_and_builds(kind: str, here: Path) -> Non
 
 @pytest.mark.quick
 def test_samples_are_listed_and_copied(here: Path) -> None:
-    listed = [line.split()[0] for line in run("sample")[1].splitlines()[1:] if line[0] != " "]
-    assert listed == sorted(path.stem for path in SAMPLES.iterdir() if path.suffix in (".toml", ".py"))
-    for name, file in (("spur", "spur.toml"), ("fig9_beveloid_ellipse.py", "fig9_beveloid_ellipse.py")):
-        assert run("sample", name) == (0, f"{file}\n", "")
-        assert (here / file).read_bytes() == (SAMPLES / file).read_bytes()
+    listed = [line.split()[0] for line in run("sample")[1].splitlines() if line and line[0] != " "]
+    guides = sorted(path.stem for path in (SAMPLES / "guides").iterdir() if path.suffix in (".md", ".ipynb"))
+    designs = sorted(path.stem for path in SAMPLES.iterdir() if path.suffix in (".toml", ".py"))
+    assert listed == ["sample", *designs, "guide", *(name for name in guides if name != "README")]
+    for name, file in (
+        ("spur", "spur.toml"),
+        ("fig9_beveloid_ellipse.py", "fig9_beveloid_ellipse.py"),
+        ("01-spur-pair", "guides/01-spur-pair.md"),
+        ("gears-in-3d", "guides/gears-in-3d.ipynb"),
+    ):
+        copied = here / Path(file).name
+        assert run("sample", name) == (0, f"{copied.name}\n", "")
+        assert copied.read_bytes() == (SAMPLES / file).read_bytes()
     assert refused("sample", "spur") == "cannot write spur.toml: it exists already"
     assert refused("sample", "spurr") == 'name = "spurr": no sample has this name; did you mean "spur"?'
     assert refused("sample", "spur", "-o", "nowhere") == "cannot write to nowhere: it is not a folder"

@@ -13,7 +13,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.answers.inspection.composite import composite_test
 from gearmesh.contact.engagement.pitch_turns import pitch_turns
-from gearmesh.contact.engagement.turns import full_turns
+from gearmesh.contact.engagement.turns import FullTurns, full_turns
 from gearmesh.contact.fit.tight_mesh import tight_mesh
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
@@ -43,19 +43,14 @@ def shifted(pair: GearPair, pinion: dict[Side, Array], gear: dict[Side, Array] |
     return replace(pair, pinion=members[0], gear=members[1])
 
 
-@pytest.mark.quick
-def test_involute_teeth_lead_by_their_pitch_deviations() -> None:
-    """Where a tooth pair is alone in the middle of its engagement, the gear is as far ahead as its two flanks: at every meeting of
-    16 and 32 teeth. So the total single-flank deviation is their range; between them the gear is nowhere behind either."""
-    design = design_of(*SPUR)
-    pair = pair_of(design)
+def lead_of_involute_teeth() -> tuple[Array, FullTurns]:
+    """How far the gear is ahead at every meeting of 16 and 32 teeth with random pitch deviations, and the whole turns."""
+    pair = pair_of(design_of(*SPUR))
     random = np.random.default_rng(5)
     radii = 24.0, 48.0
     index = [2e-3 * random.uniform(-1.0, 1.0, teeth) for teeth in (16, 32)]
     first, second = (own / radius for own, radius in zip(index, radii, strict=True))
     both = shifted(pair, *(dict.fromkeys(Side, own) for own in (first, second)))
-    turns = pitch_turns(both)
-    assert turns.pitches == 32
     number = np.arange(32)
     s1, s2 = (int(mount.sign) for mount in pair.mounts)
     # at phi1 = k pitches tooth k of the pinion, counted backwards as it turns forwards, is where tooth 0 was
@@ -63,6 +58,16 @@ def test_involute_teeth_lead_by_their_pitch_deviations() -> None:
         pair.ratio * s1 * first[(-s1 * number) % 16]
         - s2 * second[(-s2 * np.sign(pair.ratio).astype(int) * number) % 32]
     )
+    return lead, pitch_turns(both)
+
+
+@pytest.mark.quick
+def test_involute_teeth_lead_by_their_pitch_deviations() -> None:
+    """Where a tooth pair is alone in the middle of its engagement, the gear is as far ahead as its two flanks. So the total
+    single-flank deviation is their range; between them the gear is nowhere behind either."""
+    lead, turns = lead_of_involute_teeth()
+    assert turns.pitches == 32
+    number = np.arange(32)
     te = turns.te.reshape(32, -1)
     alone = [j for j in range(te.shape[1]) if np.unique(turns.carrier.reshape(32, -1)[:, j] - number).size == 1]
     assert alone
@@ -70,6 +75,7 @@ def test_involute_teeth_lead_by_their_pitch_deviations() -> None:
         k = turns.carrier.reshape(32, -1)[:, j]
         assert te[:, j] - te[0, j] == pytest.approx(lead[k % 32] - lead[k[0] % 32], abs=1e-10)
     assert turns.peak_to_peak == pytest.approx(np.ptp(lead), rel=1e-6)
+    pair, first = pair_of(design_of(*SPUR)), np.zeros(16)
     with pytest.raises(DesignError, match="must be 16, one a tooth"):
         shifted(pair, {pair.flanks[0]: first[:-1]})
     eccentric = pair_of(design_of(*SPUR, "assembly.gear_eccentricity=0.01"))

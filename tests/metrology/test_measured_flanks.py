@@ -46,6 +46,14 @@ def write_points(path: Path, points: Array) -> None:
     path.write_text("x_mm,y_mm,z_mm\n" + rows)
 
 
+def through_points(design: gm.Design, nominal: Member, path: Path) -> tuple[Member, Array]:
+    """A member whose right flank is measured at a grid of points, and how far these are from its flank."""
+    grid = write_deviations(path, nominal, Side.RIGHT)
+    measured = grid.points + wavy(grid.s[:, None], grid.t)[..., None] * grid.normals
+    real = gm.build(design.with_values({f"measured.{nominal.name}_right": str(path)})).members[nominal.name]
+    return real, FlankProjection(real.tooth, Side.RIGHT).foot_points(measured.reshape(-1, 3)).distances
+
+
 @pytest.fixture(scope="module")
 def spur() -> gm.Gears:
     return gm.build(gm.load(SAMPLES / "spur.toml"))
@@ -81,12 +89,8 @@ def test_real_flanks_go_through_what_was_measured(sample: str, member: str, tmp_
     """At the points to rounding; points in space, turned by two pitches and a bit, give the same flank."""
     design = gm.load(SAMPLES / f"{sample}.toml")
     nominal = gm.build(design).members[member]
-    grid = write_deviations(tmp_path / "grid.csv", nominal, Side.RIGHT)
-    d = wavy(grid.s[:, None], grid.t)
-    measured = grid.points + d[..., None] * grid.normals
-    real = gm.build(design.with_values({f"measured.{member}_right": str(tmp_path / "grid.csv")})).members[member]
-    feet = FlankProjection(real.tooth, Side.RIGHT).foot_points(measured.reshape(-1, 3))
-    np.testing.assert_allclose(feet.distances, 0.0, atol=1e-11)
+    real, distances = through_points(design, nominal, tmp_path / "grid.csv")
+    np.testing.assert_allclose(distances, 0.0, atol=1e-11)
 
     cloud = real.tooth.flank_grid(Side.RIGHT, np.linspace(0.05, 0.95, 40), np.linspace(0.05, 0.95, 90))
     away = turn_about_axis(cloud.points.reshape(-1, 3), 2.0 * nominal.tooth.pitch_angle + 1e-3, 0.0)
@@ -101,8 +105,8 @@ def test_real_flanks_go_through_what_was_measured(sample: str, member: str, tmp_
     assert np.abs(rest).max() < 1e-4
 
 
-def test_a_measured_flank_is_that_of_the_design_that_made_it(tmp_path: Path) -> None:
-    """Transmission error and backlash with points of a gear that has crownings and slopes, and with these keys."""
+def crowned_and_measured(folder: Path) -> tuple[gm.Contact, gm.Contact]:
+    """Contact of a gear that has crownings and slopes by its keys, and by points of its flanks."""
     design = gm.load(SAMPLES / "spur.toml")
     keys = {"helix_crowning": 0.012, "profile_crowning": 0.008, "profile_slope": -0.004}
     crowned = gm.build(design.with_values({f"gear.modifications.{key}": value for key, value in keys.items()}))
@@ -112,9 +116,14 @@ def test_a_measured_flank_is_that_of_the_design_that_made_it(tmp_path: Path) -> 
         numbers = np.moveaxis(np.indices(grid.shape), 0, -1)
         rows = np.concatenate((numbers, grid.points, grid.normals, np.zeros((*grid.shape, 1))), axis=-1).reshape(-1, 9)
         lines = "".join(",".join([str(side), *map(repr, row)]) + "\n" for row in rows.tolist())
-        files[f"measured.gear_{side}"] = str(tmp_path / f"{side}.csv")
-        (tmp_path / f"{side}.csv").write_text(HEAD + lines)
-    one, other = crowned.contact(), gm.build(design.with_values(files)).contact()
+        files[f"measured.gear_{side}"] = str(folder / f"{side}.csv")
+        (folder / f"{side}.csv").write_text(HEAD + lines)
+    return crowned.contact(), gm.build(design.with_values(files)).contact()
+
+
+def test_a_measured_flank_is_that_of_the_design_that_made_it(tmp_path: Path) -> None:
+    """Transmission error and backlash."""
+    one, other = crowned_and_measured(tmp_path)
     np.testing.assert_allclose(other.path.te, one.path.te, atol=2e-8)
     assert other.summary["backlash_min_deg"] == pytest.approx(one.summary["backlash_min_deg"], abs=1e-5)
     assert np.ptp(one.path.te) > 1e-5

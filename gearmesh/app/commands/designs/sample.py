@@ -1,4 +1,4 @@
-"""The command `sample`: the design files that come with the package."""
+"""The command `sample`: the design files, guides and notebooks that come with the package."""
 
 from __future__ import annotations
 
@@ -17,10 +17,12 @@ def sample(
     name: Annotated[str | None, typer.Argument(metavar="[NAME]", show_default=False)] = None,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to copy it to.")] = Path(),
 ) -> None:
-    """List the samples that come with the package, or copy one into a folder."""
+    """List the samples, guides and notebooks that come with the package, or copy one into a folder."""
     if name is None:
-        rows = [(one, samples.headline(one)) for one in samples.names()]
-        show([Listing("", ("sample", "what"), rows)])
+        show(
+            Listing("", (title, "what"), [(one, samples.headline(one)) for one in names])
+            for title, names in (("sample", samples.names()), ("guide", samples.guides()))
+        )
         return
     if not output.is_dir():
         raise OutputError("cannot write to", output, reason="it is not a folder")
