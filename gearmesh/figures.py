@@ -35,6 +35,8 @@ UNITS = {
     "modules": "_modules",
     "s": "",
 }
+#: what counts as 0 where people read a figure, by its unit: above what rounding leaves, far below what anybody measures
+RESOLUTION = {"mm": 1e-9, "mm2": 1e-9, "um": 1e-6, "deg": 1e-9, "arcsec": 1e-6, "MPa": 1e-6, "N": 1e-6, "Nm": 1e-9}
 #: where the name of a member stands in a key
 MEMBER = "{member}"
 
@@ -47,7 +49,7 @@ class Figure:
     `optional`: left out where an answer has none; `whole`: a whole number; `vector`: x, y and z, which are columns of their own in
     a table; `nullable`: a vector that is None in JSON where it is not known; `bare`: a table of its own, whose names are columns as
     they are; what is not `shown` has no column; `singular`: key of one number of a list, without unit
-    and its number; `timing`: a run time, which differs from run to run."""
+    and its number; `timing`: a run time, which differs from run to run; `rounding`: what rounding leaves is what it reports."""
 
     key: str
     unit: str
@@ -61,6 +63,12 @@ class Figure:
     shown: bool = True
     singular: str = ""
     timing: bool = False
+    rounding: bool = False
+
+    @property
+    def resolution(self) -> float:
+        """Least size that a table shows; what is smaller is printed as 0."""
+        return 0.0 if self.rounding else RESOLUTION.get(self.unit, 0.0)
 
     @property
     def stem(self) -> str:
@@ -84,6 +92,14 @@ class Figure:
         )
 
 
+def resolved(value: Any, resolution: float) -> Any:
+    """A value as a table shows it: numbers below a resolution are 0, those of lists too."""
+    value = value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(value, list | tuple):
+        return [resolved(item, resolution) for item in value]
+    return 0.0 if isinstance(value, float) and abs(value) < resolution else value
+
+
 def figure(
     meaning: str,
     unit: str = "",
@@ -98,6 +114,7 @@ def figure(
     shown: bool = True,
     singular: str = "",
     timing: bool = False,
+    rounding: bool = False,
     parts: type[Figures] | None = None,
     default: Any = MISSING,
 ) -> Any:
@@ -108,7 +125,7 @@ def figure(
         raise ValueError(f"unit {unit}: must be one of {', '.join(UNITS)}")
     told: dict[str, Any] = {"unit": unit, "symbol": symbol, "meaning": meaning, "key": key}
     told |= {"optional": optional, "whole": whole, "vector": vector, "nullable": nullable, "bare": bare}
-    told |= {"shown": shown, "singular": singular, "timing": timing, "parts": parts}
+    told |= {"shown": shown, "singular": singular, "timing": timing, "rounding": rounding, "parts": parts}
     return field(default=default, metadata=told) if default is not MISSING else field(metadata=told)
 
 
@@ -131,7 +148,7 @@ class Entry:
 
 
 #: properties of a figure beside its meaning
-_KINDS = ("optional", "whole", "vector", "nullable", "bare", "shown", "singular", "timing")
+_KINDS = ("optional", "whole", "vector", "nullable", "bare", "shown", "singular", "timing", "rounding")
 
 
 class Figures:
@@ -227,10 +244,15 @@ def as_rows(value: Any) -> Any:
 
 def flat(entries: Iterable[Entry]) -> dict[str, Any]:
     """Values by key, figures within figures and vectors laid flat: the columns of a table."""
-    return dict(_flat(entries, ""))
+    return {key: value for key, value, _ in _flat(entries, "")}
 
 
-def _flat(entries: Iterable[Entry], prefix: str) -> Iterator[tuple[str, Any]]:
+def shown(entries: Iterable[Entry]) -> dict[str, Any]:
+    """The same as people read it: what is below the resolution of its figure is 0."""
+    return {key: resolved(value, known.resolution) for key, value, known in _flat(entries, "")}
+
+
+def _flat(entries: Iterable[Entry], prefix: str) -> Iterator[tuple[str, Any, Figure]]:
     for entry in entries:
         known, value = entry.figure, entry.value
         if not known.shown:
@@ -243,9 +265,9 @@ def _flat(entries: Iterable[Entry], prefix: str) -> Iterator[tuple[str, Any]]:
             yield from _flat(own, inner)
         elif known.vector:
             unit = UNITS[known.unit]
-            yield from ((f"{prefix}{known.stem}_{axis}{unit}", x) for axis, x in zip("xyz", value, strict=True))
+            yield from ((f"{prefix}{known.stem}_{axis}{unit}", x, known) for axis, x in zip("xyz", value, strict=True))
         else:
-            yield prefix + known.key, value
+            yield prefix + known.key, value, known
 
 
 class Summary(Mapping[str, Any]):

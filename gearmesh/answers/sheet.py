@@ -13,13 +13,15 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
-from gearmesh.figures import Content, Figures, figure
+from gearmesh.figures import RESOLUTION, Content, Figures, figure, resolved
 from gearmesh.systems import system as systems
 from gearmesh.systems.common.plain_sheet import mass_table, member_table, plain_sheet, tool_table
 from gearmesh.systems.system import Setting, SheetTable
 
 #: where the values of a row of a table begin, after item and unit
 FIRST = 2
+#: what counts as 0 in a row without unit
+NOTHING = 1e-12
 
 
 class Filling(Result):
@@ -106,8 +108,8 @@ class DesignSheet(Filling):
 
 
 def _listing(table: SheetTable) -> Listing:
-    """A table to print, its symbols before its items."""
-    rows = [[plain(value) for value in row] for row in table.rows]
+    """A table to print, its symbols before its items; what rounding leaves is 0."""
+    rows = [[resolved(plain(value), RESOLUTION.get(row[1], NOTHING)) for value in row] for row in table.rows]
     if table.symbols:
         columns = ("symbol", "", "unit", *table.columns)
         return Listing(table.title, columns, [[symbol, *row] for symbol, row in zip(table.symbols, rows, strict=True)])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from gearmesh.answers.tables import Listing, round_to
-from gearmesh.figures import Figures, figure
+from gearmesh.figures import Figures, Summary, figure, resolved
 from gearmesh.study.statistics import PERCENTILES, Effect
 from gearmesh.study.variance import VarianceShare
 
@@ -53,7 +53,10 @@ class StudySummary(Figures):
     @property
     def tables(self) -> list[Listing]:
         """Figures over all rows, sensitivities, yield, why rows have none."""
-        rows = [[name, self.nominal.get(name), *values.values()] for name, values in self.percentiles.items()]
+        rows = [
+            [name, *resolved([self.nominal.get(name), *values.values()], self._resolution(name))]
+            for name, values in self.percentiles.items()
+        ]
         heads = ["figure", "design", *(f"{p} %" for p in PERCENTILES)]
         reasons = list(self.failures.items())[:REASONS]
         return [
@@ -63,13 +66,18 @@ class StudySummary(Figures):
             *([Listing("Rows without figures", ["reason", "rows"], reasons)] if reasons else []),
         ]
 
+    def _resolution(self, name: str) -> float:
+        """What counts as 0 of a figure; nothing where the study was read from a file, which has no units."""
+        entry = self.nominal.entry(name) if isinstance(self.nominal, Summary) else None
+        return 0.0 if entry is None else entry.figure.resolution
+
     @property
     def _rankings(self) -> list[Listing]:
         """What keys do to figures."""
-        slopes = [
-            [sensitivity.key, sensitivity.figure, sensitivity.slope, sensitivity.swing, sensitivity.explained]
-            for sensitivity in self.sensitivities
-        ]
+        slopes = []
+        for effect in self.sensitivities:
+            swing = resolved(effect.swing, self._resolution(effect.figure))
+            slopes.append([effect.key, effect.figure, effect.slope if swing else 0.0, swing, effect.explained])
         shares = [
             [
                 share.key,

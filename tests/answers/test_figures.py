@@ -14,8 +14,11 @@ from oracles.places import PACKAGE
 
 import gearmesh
 from gearmesh.answers.result import times_apart
+from gearmesh.answers.sheet import DesignSheet
 from gearmesh.answers.tables import figures
 from gearmesh.figures import MEMBER, UNITS, Entry, Figures, Summary, figure
+from gearmesh.systems.designs import parse
+from gearmesh.systems.system import SheetTable
 
 pytestmark = pytest.mark.quick
 
@@ -169,3 +172,34 @@ def test_run_times_and_what_is_not_known_are_so_by_declaration() -> None:
     assert [row[0] for row in table.timeless.rows] == ["size_mm", "place_x_mm", "place_y_mm", "place_z_mm"]
     columns = replace(table, columns=("key", "spent"), rows=[["a", 1.0]])
     assert (columns.timeless.columns, columns.timeless.rows) == (["key"], [["a"]])
+
+
+PAIR = {
+    "kind": "cylindrical",
+    "module": 2,
+    "pinion": {"teeth": 20, "face_width": 10},
+    "gear": {"teeth": 41, "face_width": 10},
+}
+
+
+@dataclass(frozen=True)
+class Noisy(Figures):
+    """An example with what rounding leaves."""
+
+    error: float = figure("error", "arcsec")
+    harmonics: list[float] = figure("harmonics", "arcsec")
+    gap: float = figure("gap", "mm")
+    ratio: float = figure("ratio")
+    residual: float = figure("residual", "mm", rounding=True)
+
+
+def test_tables_print_what_is_below_the_resolution_as_0_and_json_keeps_it() -> None:
+    noisy = Noisy(9.16e-11, [2.9e-11, 0.4], -8.3e-16, 1e-13, 2e-14)
+    assert [row[1] for row in figures("", noisy).rows] == [0.0, "0, 0.4", 0.0, 1e-13, 2e-14]
+    assert noisy.row["error_arcsec"] == 9.16e-11
+    (least,) = {declared.resolution for declared in Noisy.declared_figures() if declared.unit == "arcsec"}
+    assert figures("", replace(noisy, error=1.01 * least)).rows[0][1] == 1.01 * least
+    columns = ("", "unit", "pinion")
+    rows = (("backlash", "", -3.2e-15), ("offset", "mm", 3e-10), ("module", "mm", 2.0))
+    sheet = DesignSheet(parse(PAIR), (SheetTable("sheet", columns[2:], rows),), {})
+    assert [row[2] for row in sheet.listings[0].rows] == [0.0, 0.0, 2.0]

@@ -215,7 +215,14 @@ def test_the_command_writes_tables_and_figures(tmp_path: Path) -> None:
             "contact_ratio>1: not recorded",
         ),
         (["--vary", "assembly.dx=0,1", "--workers", "0"], "--workers = 0: must be"),
-        (["--find-limits", "assembly.dx", "--vary", "assembly.dx=0,1"], "--find-limits: cannot be given together"),
+        (
+            ["--find-limits", "assembly.dx", "--vary", "assembly.dx=0,1"],
+            "--find-limits: searches from the design itself and has no rows: it cannot be given together with --vary",
+        ),
+        (
+            ["--find-limits", "assembly.dx", "-o", "limits"],
+            "-o = limits: --find-limits writes no folder: its table is printed, and --json FILE writes it",
+        ),
         (["--find-limits", "pinion.teeth"], "--find-limits pinion.teeth: must be a key of real numbers"),
         (
             ["--find-limits", "assembly.dx=-1"],

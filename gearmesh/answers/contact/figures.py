@@ -25,7 +25,9 @@ class PathSummary(Figures):
     te_peak_to_peak: float | None = figure(
         "transmission error of the tooth pair, peak to peak over the positions", "arcsec"
     )
-    max_residual: float | None = figure("largest distance between the two flanks at a point of contact", "mm")
+    max_residual: float | None = figure(
+        "largest distance between the two flanks at a point of contact", "mm", rounding=True
+    )
     seconds: float = figure("time of the solver", "s", timing=True)
     shaft_angle: float = figure("shaft angle", "deg", "Sigma")
 
@@ -188,7 +190,7 @@ class PositionFigures(Figures):
     edge: str | None = figure("edge that touches")
     regions: Mapping[str, str | None] = figure("part of each member's tooth that touches")
     status: str = figure("whether the solver converged")
-    residual: float = figure("distance of the two flanks", "mm")
+    residual: float = figure("distance of the two flanks", "mm", rounding=True)
     point: list[float] = figure("point of contact, fixed frame", "mm", vector=True, nullable=True)
     normal: list[float] = figure(
         "unit normal at the contact, out of the pinion, fixed frame", vector=True, nullable=True

@@ -115,7 +115,7 @@ class LoadedPosition(Figures):
         "displacements of members on elastic mounts", parts=MemberDisplacement
     )
     tooth_pairs: tuple[ToothPairFigures, ...] = figure("load on each tooth pair", shown=False)
-    residual: float = figure("largest residual of the contact conditions", "mm")
+    residual: float = figure("largest residual of the contact conditions", "mm", rounding=True)
     status: str = figure("whether the solver converged")
 
 

@@ -121,9 +121,14 @@ def study(
     mesh = chosen_pair(gears, pair)
     torques = None if torque is None else torques_in_nm(torque)
     if find_limits:
-        if vary or tolerance or sample is not None or output is not None:
-            why = "cannot be given together with --vary, --tolerance, --sample or -o"
-            raise ArgumentError("find_limits", reason=why)
+        if output is not None:
+            why = "--find-limits writes no folder: its table is printed, and --json FILE writes it"
+            raise ArgumentError("-o", output, reason=why)
+        rows_only = {"--vary": vary, "--tolerance": tolerance, "--sample": sample}
+        for option, value in rows_only.items():
+            if value is not None:
+                why = f"searches from the design itself and has no rows: it cannot be given together with {option}"
+                raise ArgumentError("find_limits", reason=why)
         _find(gears, find_limits, limit or ["contact_ratio>1"], torques, mesh, json_file)
         return
     if parquet:
