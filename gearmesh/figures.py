@@ -92,11 +92,11 @@ class Figure:
         )
 
 
-def resolved(value: Any, resolution: float) -> Any:
+def at_resolution(value: Any, resolution: float) -> Any:
     """A value as a table shows it: numbers below a resolution are 0, those of lists too."""
     value = value.tolist() if hasattr(value, "tolist") else value
     if isinstance(value, list | tuple):
-        return [resolved(item, resolution) for item in value]
+        return [at_resolution(item, resolution) for item in value]
     return 0.0 if isinstance(value, float) and abs(value) < resolution else value
 
 
@@ -247,9 +247,9 @@ def flat(entries: Iterable[Entry]) -> dict[str, Any]:
     return {key: value for key, value, _ in _flat(entries, "")}
 
 
-def shown(entries: Iterable[Entry]) -> dict[str, Any]:
+def shown_values(entries: Iterable[Entry]) -> dict[str, Any]:
     """The same as people read it: what is below the resolution of its figure is 0."""
-    return {key: resolved(value, known.resolution) for key, value, known in _flat(entries, "")}
+    return {key: at_resolution(value, known.resolution) for key, value, known in _flat(entries, "")}
 
 
 def _flat(entries: Iterable[Entry], prefix: str) -> Iterator[tuple[str, Any, Figure]]:

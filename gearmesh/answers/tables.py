@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from gearmesh.design.shown import html_table
-from gearmesh.figures import Figures, Summary, shown
+from gearmesh.figures import Figures, Summary, shown_values
 from gearmesh.files import csv_table
 
 #: characters in a line
@@ -51,7 +51,7 @@ def figures(title: str, values: Figures | Summary) -> Listing:
     """Figures, one per row, under their JSON keys, those within figures laid flat; what is below their resolution is 0, which JSON
     does not round."""
     rows = []
-    for key, value in shown(values.entries).items():
+    for key, value in shown_values(values.entries).items():
         value = plain(value)
         rows.append((key, ", ".join(map(cell, value)) if isinstance(value, list) else value))
     return Listing(title, ("", ""), rows, run_time_keys(values))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from gearmesh.answers.tables import Listing, round_to
-from gearmesh.figures import Figures, Summary, figure, resolved
+from gearmesh.figures import Figures, Summary, at_resolution, figure
 from gearmesh.study.statistics import PERCENTILES, Effect
 from gearmesh.study.variance import VarianceShare
 
@@ -54,7 +54,7 @@ class StudySummary(Figures):
     def tables(self) -> list[Listing]:
         """Figures over all rows, sensitivities, yield, why rows have none."""
         rows = [
-            [name, *resolved([self.nominal.get(name), *values.values()], self._resolution(name))]
+            [name, *at_resolution([self.nominal.get(name), *values.values()], self._resolution(name))]
             for name, values in self.percentiles.items()
         ]
         heads = ["figure", "design", *(f"{p} %" for p in PERCENTILES)]
@@ -76,7 +76,7 @@ class StudySummary(Figures):
         """What keys do to figures."""
         slopes = []
         for effect in self.sensitivities:
-            swing = resolved(effect.swing, self._resolution(effect.figure))
+            swing = at_resolution(effect.swing, self._resolution(effect.figure))
             slopes.append([effect.key, effect.figure, effect.slope if swing else 0.0, swing, effect.explained])
         shares = [
             [

@@ -23,7 +23,7 @@ from gearmesh.view.render import render
 from gearmesh.view.scene import BLUE_STEEL, BRASS, Camera, Dots, Scene, SceneBody
 
 #: heights of a tooth that the picture is high, and parts of a pixel by which facets may be off
-SEEN, PIXEL = 4.2, 0.35
+SEEN, PIXEL = 4.2, 0.08
 #: pictures to a pitch, and how long (ms) each stands
 FRAMES, STANDS = 24, 70
 #: what of a point leads to the axis

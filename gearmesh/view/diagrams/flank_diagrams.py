@@ -31,6 +31,8 @@ LONG, LONGEST = 6.0, 7.0
 WIDTH, BESIDE, ABOVE = 10.5, 0.8, 0.85
 #: part of the room about an arrow that it takes; mm within which the edges of two flanks are one
 STAYS, TOGETHER = 0.9, 1e-6
+#: name of the lines of equal values, which are labelled at last
+RINGS = "rings"
 #: inches between a flank and the edges of its panel, in which the words stand
 ROOM = (0.5, 0.25)
 
@@ -177,12 +179,23 @@ def plot_flanks(
             _draw(axes, panel, window)
         for axes in places[len(row) :]:
             axes.set_axis_off()
+    fields = [
+        (axes, panel)
+        for row, places in zip(rows, grid, strict=True)
+        for panel, axes in zip(row, places, strict=False)
+        if isinstance(panel, FieldPanel) and panel.arrows is None
+    ]
     handles = {
         label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
     if handles:
         figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, frameon=False, fontsize=9)
     figure.suptitle(title, color=INK)
+    if fields:
+        # labels of lines are where there is room for them, which is known when all else has its place
+        figure.draw_without_rendering()
+        for axes, panel in fields:
+            _label_rings(axes, panel.plane.frame.outline)
     save_figure(figure, file)
 
 
@@ -205,7 +218,11 @@ def flank_window(flank: Array, extent: tuple[float, float], width: float, room: 
     if right - left > LONG * height and np.isfinite(first):
         # as much of it as is to scale, about the contact
         middle, half = 0.5 * (first + last), max(0.5 * LONG * height, 0.5 * (last - first) + 0.5 * height)
-        left, right = max(left, middle - half), min(right, middle + half)
+        near = max(left, middle - half), min(right, middle + half)
+        # an end that the room beside the flank would show stands whole, and has its name there
+        aside = room[0] * (near[1] - near[0]) / (width - 2.0 * room[0])
+        left = near[0] if near[0] - left > aside else left
+        right = near[1] if right - near[1] > aside else right
     wanted = (right - left) / (LONGEST * height)
     magnified = 1.0 if wanted <= 1.0 else min(step for step in MAGNIFIED if step >= min(wanted, MAGNIFIED[-1]))
     inch = (right - left) / (width - 2.0 * room[0])
@@ -329,19 +346,42 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
     levels = MaxNLocator(9).tick_values(low, max(high, low + panel.least))
     shown = known if panel.continued is None else np.ma.masked_invalid(np.clip(panel.continued, levels[0], levels[-1]))
     drawn = axes.contourf(x, y, shown, levels=levels, cmap="cividis_r", zorder=1)
-    rings = axes.contour(x, y, shown, levels=levels, colors=[INK], linewidths=0.6, zorder=2)
+    axes.contour(x, y, shown, levels=levels, colors=[INK], linewidths=0.6, zorder=2, gid=RINGS)
     past = None if panel.beyond is None else np.ma.masked_invalid(_past_edges(panel.beyond))
     if past is not None and past.max() > 0.0:
         # cells are cut where the values end
         axes.contourf(x, y, past, levels=[0.0, float(past.max())], colors=[GROUND], zorder=2.5)
-    if panel.arrows is None:
-        axes.clabel(rings, fontsize=7, fmt="%g")
-    else:
+    if panel.arrows is not None:
         _draw_arrows(axes, panel, max(high, panel.least))
     if panel.is_flat:
         return
     bar = axes.figure.colorbar(drawn, cax=axes.inset_axes((1.015, 0.0, 0.02, 1.0)))
     bar.ax.tick_params(labelsize=8)
+
+
+def _label_rings(axes: Any, outline: Array) -> None:
+    """Label the lines of equal values inside of a flank, with room about each label."""
+    from matplotlib.path import Path as Outline
+    from matplotlib.patheffects import withStroke
+
+    flank, kept = Outline(axes.transData.transform(outline)), []
+    for rings in [drawn for drawn in axes.collections if drawn.get_gid() == RINGS]:
+        places = []
+        for label in axes.clabel(rings, fontsize=7, fmt="%g", inline=False):
+            # its corners lie on a circle in each sense of rotation
+            box = label.get_window_extent()
+            reach = 0.5 * np.hypot(box.width, box.height)
+            middle = np.array([0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)])
+            round_it = middle + 1.1 * reach * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
+            if flank.contains_points(round_it).all() and all(
+                np.hypot(*(middle - other)) > 1.2 * (reach + far) for other, far in kept
+            ):
+                kept.append((middle, reach))
+                places.append(label.get_position())
+        while rings.labelTexts:
+            rings.pop_label()
+        for label in axes.clabel(rings, fontsize=7, fmt="%g", manual=places) if places else ():
+            label.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
 
 
 def _draw_arrows(axes: Any, panel: FieldPanel, greatest: float) -> None:
