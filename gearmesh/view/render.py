@@ -363,9 +363,8 @@ def _letter(image: Image, scene: Scene, size: tuple[int, int], inner: tuple[int,
 
     # Letters keep their share of the picture: 11 points where it is 7.5 inches high.
     dots_per_inch = size[1] / 7.5
-    figure = Figure(figsize=(size[0] / dots_per_inch, 7.5), dpi=dots_per_inch)
+    figure = Figure(figsize=(size[0] / dots_per_inch, 7.5), dpi=dots_per_inch, facecolor="none")
     canvas: Any = FigureCanvasAgg(figure)
-    figure.figimage(image, origin="upper", zorder=-2)
     if scene.maps:
         _draw_colour_bar(figure, scene.maps[0])
     _draw_heading(figure, scene)
@@ -374,7 +373,12 @@ def _letter(image: Image, scene: Scene, size: tuple[int, int], inner: tuple[int,
     if scene.camera.parallel:
         _draw_scale(figure, scene.camera, size, inner[0] / size[0])
     canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+    letters = np.asarray(canvas.buffer_rgba())
+    lettered = np.array(image)
+    where = letters[..., 3] > 0
+    over, share = letters[where][:, :3].astype(float), letters[where][:, 3:] / 255.0
+    lettered[where] = np.round(lettered[where] * (1.0 - share) + over * share).astype(np.uint8)
+    return lettered
 
 
 def _halo(width: float = 3.0) -> list[Any]:

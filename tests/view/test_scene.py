@@ -390,7 +390,8 @@ def test_a_crashing_driver_becomes_one_line(dying_child, monkeypatch, tmp_path):
         render(Scene((), Camera(np.ones(3), np.zeros(3), np.eye(3)[2], 1.0)), tmp_path / "a.png")
     assert not list(tmp_path.iterdir())
     # The answer is kept: no second child is started.
-    monkeypatch.setattr(subprocess, "run", lambda *_, **__: pytest.fail("probed twice"))
+    monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: pytest.fail("probed twice"))
+    opengl.begin_probe()
     assert opengl.missing_opengl_message() == message
 
 
@@ -398,6 +399,9 @@ def test_a_crashing_driver_becomes_one_line(dying_child, monkeypatch, tmp_path):
 def test_a_child_that_fails_says_why(monkeypatch):
     monkeypatch.setattr(opengl, "_PROBE", "raise SystemExit('the picture came out empty')")
     opengl._failure.cache_clear()
+    opengl.begin_probe()
+    # the child that began early is the one that is asked
+    monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: pytest.fail("probed twice"))
     assert "the picture came out empty" in (opengl.missing_opengl_message() or "")
     opengl._failure.cache_clear()
 

@@ -364,7 +364,8 @@ def _label_rings(axes: Any, outline: Array) -> None:
     from matplotlib.path import Path as Outline
     from matplotlib.patheffects import withStroke
 
-    flank, kept = Outline(axes.transData.transform(outline)), []
+    flank = Outline(axes.transData.transform(outline))
+    kept: list[tuple[Array, float]] = []
     for rings in [drawn for drawn in axes.collections if drawn.get_gid() == RINGS]:
         places = []
         for label in axes.clabel(rings, fontsize=7, fmt="%g", inline=False):

@@ -12,6 +12,7 @@ import typer
 from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears, torques_in_nm
 from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable, warn, working
 from gearmesh.errors import ArgumentError
+from gearmesh.view.opengl import begin_probe
 
 
 class View(StrEnum):
@@ -138,6 +139,8 @@ def render(
         raise ArgumentError("phi1", phi1, must_be="a finite number of degrees")
     torques = _torques(view, torque, animate)
     _refuse_for_path(view, tool, scallop, animate)
+    if output is None or view not in FIGURES:
+        begin_probe()
     gears = load_gears(design_file, settings)
     mesh = chosen_pair(gears, pair) if gears.pairs else 0
     names = tuple(gears.train.pair(mesh).members if gears.pairs else gears.members)
