@@ -138,7 +138,9 @@ class SolvedGears(GearSet):
 
         Examples
         --------
-        >>> gears.loaded_contact(20.0, [0.0]).headline  # doctest: +SKIP
+        >>> loaded = gears.loaded_contact(20.0, [0.0])
+        >>> loaded.save("load.json").name
+        'load.json'
         """
         from gearmesh.answers.contact.fit import fitted_cycle
         from gearmesh.answers.load.loaded import loaded_contact_of, required_torques

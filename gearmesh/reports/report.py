@@ -92,7 +92,7 @@ class ReportPage:
 
         Examples
         --------
-        >>> gears.report(0.05).save("report.html").name  # doctest: +SKIP
+        >>> gears.report(0.05).save("report.html").name
         'report.html'
         """
         target = Path(path)

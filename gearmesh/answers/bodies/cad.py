@@ -131,7 +131,7 @@ class Cad(Result):
 
         Examples
         --------
-        >>> gears.cad("pinion").to_build123d().is_valid  # doctest: +SKIP
+        >>> gears.cad("pinion").to_build123d().is_valid
         True
         """
         from gearmesh.cad.programs.build123d_shapes import build123d_shape

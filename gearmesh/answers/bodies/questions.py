@@ -236,7 +236,7 @@ class ModelledGears(SolvedGears):
 
         Examples
         --------
-        >>> [part.label for part in gears.to_build123d().children]  # doctest: +SKIP
+        >>> [part.label for part in gears.to_build123d().children]
         ['pinion', 'gear']
         """
         return self.cad(None, tolerance, phi1=phi1).to_build123d()

@@ -216,7 +216,7 @@ class Solid(Result):
 
         Examples
         --------
-        >>> gears.solid("pinion", 0.05).to_build123d().is_valid  # doctest: +SKIP
+        >>> gears.solid("pinion", 0.05).to_build123d().is_valid
         True
         """
         from gearmesh.cad.programs.build123d_shapes import build123d_shape, require_build123d

@@ -169,8 +169,8 @@ class ToolPathAnswer(Result):
 
         Examples
         --------
-        >>> path = gears.toolpath("pinion", "ball:1mm", "20um", spaces="1")  # doctest: +SKIP
-        >>> len(path.to_dict()["x_mm"]) > 100  # doctest: +SKIP
+        >>> path = gears.toolpath("pinion", "ball:1mm", "20um", spaces="1")
+        >>> len(path.to_dict()["x_mm"]) > 100
         True
         """
         motion = self.path.whole

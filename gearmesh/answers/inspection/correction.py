@@ -157,7 +157,14 @@ class Correction(Result):
 
         Examples
         --------
-        >>> text = gears.correct("pinion", "measured.csv").topography("right")  # doctest: +SKIP
+        >>> from pathlib import Path
+        >>> grid = gears.measuring_grid("pinion").grids[0]
+        >>> rows = [f"{grid.side},{i},{j},{0.5 * i}" for i in range(grid.shape[0]) for j in range(grid.shape[1])]
+        >>> Path("slope.csv").write_text("flank,row,column,deviation_um\\n" + "\\n".join(rows)) > 0
+        True
+        >>> correction = gears.correct("pinion", "slope.csv", settings=["profile_slope"])
+        >>> correction.topography(str(grid.side)).splitlines()[0][0]
+        '#'
         """
         inspection = systems.system_of(self.design).inspection
         basis = None if inspection is None else inspection(self.design, self.train, self.member)
