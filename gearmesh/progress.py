@@ -1,12 +1,61 @@
-"""How far a long piece of work is."""
+"""How far a long piece of work is.
+
+A piece of work that takes a `progress` tells it. What takes none, as it is part of other work or has few stages, says `tell`:
+whoever waits for it listens with `listening`, and by default nobody does.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import TypeVar
 
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
 Progress = Callable[[float, str], None]
 
+Item = TypeVar("Item")
+
 
 def silent(fraction: float, doing: str) -> None:
     """Progress of which nobody wants to know."""
+
+
+_listener: ContextVar[Callable[[float], None] | None] = ContextVar("listener", default=None)
+
+
+@contextmanager
+def listening(listener: Callable[[float], None] | None) -> Iterator[None]:
+    """Have a listener told how far the work within is, 0 to 1; None: nobody."""
+    token = _listener.set(listener)
+    try:
+        yield
+    finally:
+        _listener.reset(token)
+
+
+def tell(fraction: float) -> None:
+    """Say how far (0 to 1) the present piece of work is."""
+    listener = _listener.get()
+    if listener is not None:
+        listener(fraction)
+
+
+@contextmanager
+def part(first: float, last: float) -> Iterator[None]:
+    """A part of the present piece of work, between two fractions of it; at its end all of the part is done."""
+    whole = _listener.get()
+    if whole is None:
+        yield
+        return
+    with listening(lambda fraction: whole(first + (last - first) * fraction)):
+        yield
+    whole(last)
+
+
+def in_turn(items: Iterable[Item]) -> Iterator[Item]:
+    """The items one after the other, each as large a part of the present piece of work as the next."""
+    every: Sequence[Item] = list(items)
+    for k, item in enumerate(every):
+        with part(k / len(every), (k + 1) / len(every)):
+            yield item

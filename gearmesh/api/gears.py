@@ -14,7 +14,7 @@ from gearmesh.answers.gearset import number_list
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.lengths import Length
-from gearmesh.progress import Progress, silent
+from gearmesh.progress import Progress, in_turn, part, silent
 from gearmesh.systems import system as systems
 from gearmesh.teeth.region import Side
 
@@ -417,8 +417,11 @@ class Gears(ModelledGears):
         True
         """
         chosen = self.train.different if pair is None else (pair,)
-        contacts = {k: self.contact(pair=k) for k in chosen}
-        return self.check_solved(contacts, {name: self.solid(name, tolerance) for name in self.members})
+        with part(0.0, 0.2):
+            contacts = {k: self.contact(pair=k) for k in in_turn(chosen)}
+        with part(0.2, 0.6):
+            solids = {name: self.solid(name, tolerance) for name in in_turn(self.members)}
+        return self.check_solved(contacts, solids)
 
     def roll(self, contact: Contact) -> RollTest:
         """The roll test of the meshed flanks at positions of a solved contact.

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from gearmesh import lengths
 from gearmesh.answers.tables import Listing, align
 from gearmesh.errors import ArgumentError, NoSolutionError, OutputError, Status
+from gearmesh.progress import listening
 
 if TYPE_CHECKING:
     from gearmesh.contact.path import ContactPath
@@ -94,7 +95,7 @@ def output_folder(path: Path) -> Iterator[None]:
 @contextmanager
 def working(what: str) -> Iterator[Progress]:
     """A progress bar on a terminal, with the time that it took and, once the progress is known, that which remains; until then the
-    bar pulses. Elsewhere one line per stage."""
+    bar pulses. Elsewhere one line per stage. What the work itself tells on its way counts where the command tells nothing."""
     if not sys.stderr.isatty():
         yield lambda fraction, doing: print(f"gearmesh: {doing}", file=sys.stderr)
         return
@@ -106,7 +107,21 @@ def working(what: str) -> Iterator[Progress]:
     # the speed is that since the beginning: stages are few
     with Progress(*columns, console=Console(stderr=True), transient=True, speed_estimate_period=_EVER) as bar:
         task = bar.add_task(what, total=None)
-        yield lambda fraction, doing: bar.update(task, total=1.0, completed=fraction, description=doing)
+        most = 0.0
+
+        def own(fraction: float, doing: str) -> None:
+            nonlocal most
+            most = math.inf
+            bar.update(task, total=1.0, completed=fraction, description=doing)
+
+        def on_its_way(fraction: float) -> None:
+            nonlocal most
+            if fraction > most:
+                most = fraction
+                bar.update(task, total=1.0, completed=fraction)
+
+        with listening(on_its_way):
+            yield own
 
 
 def show(listings: Iterable[Listing]) -> None:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import OutputError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.progress import tell
 from gearmesh.view.lettering import fit_title
 from gearmesh.view.opengl import missing_opengl_message
 from gearmesh.view.palette import COLOUR_MAP, CURVES, INK
@@ -56,7 +57,9 @@ def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] |
         raise OutputError("cannot write", path, reason=f"the suffix of a picture must be {', '.join(_KINDS)}")
     size = size or scene.size
     inner = beside_bar(size) if scene.maps else size
+    tell(0.2)
     photograph = _photograph(scene, inner)
+    tell(0.8)
     # a colour bar stands on white, not on the teeth
     image = np.pad(photograph, ((0, 0), (0, size[0] - inner[0]), (0, 0)), constant_values=255)
     image = _letter(image, scene, size, inner)

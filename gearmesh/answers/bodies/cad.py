@@ -18,6 +18,7 @@ from gearmesh.cad.suffixes import STEP
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.progress import in_turn, tell
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FLANKS, Side
 
@@ -185,9 +186,11 @@ def cad_solid(
         part, deviation = bar_part(member)
     else:
         teeth = with_strips(spline_tooth(member.one_tooth, tolerance), tolerance)
+        tell(0.3)
         part = spline_bar_part(member, teeth) if slides else solid_part(member, teeth)
         part = part if pitches is None else sector_part(part, member, teeth, pitches)
         deviation = teeth.largest_deviation
+    tell(0.6)
     measured, share = volume(part), 1.0 if pitches is None else pitches / member.tooth.teeth
     return part, CadFigures(
         faces=len(part.faces),
@@ -284,7 +287,7 @@ def cad_of(
     places = {} if member is not None else gears.places_at(phi1)
     wanted = [gears.part(name) for name in ([member] if member is not None else places)]
     made, measured, warnings = dict[str, Part](), dict[str, CadFigures](), list[str]()
-    for alike in _alike([part.member for part in wanted]):
+    for alike in in_turn(_alike([part.member for part in wanted])):
         body, left_out = extract.repeat(extract.shift(alike[0]))
         warnings += left_out
         warnings += [at_nominal_places(own) for own in alike if own.index.uneven]

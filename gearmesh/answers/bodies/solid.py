@@ -18,6 +18,7 @@ from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.progress import in_turn, tell
 from gearmesh.teeth.gear_train import Member
 
 if TYPE_CHECKING:
@@ -382,6 +383,7 @@ def member_solid(
     started = time.perf_counter()
     made, written, largest = mesh_within(member, tolerance, teeth, extract, file, place)
     seconds = time.perf_counter() - started
+    tell(0.8)
     proof = None if made.genus is None else prove(written, made.genus)
     figures = SolidFigures(
         triangles=len(written.triangles),
@@ -416,6 +418,7 @@ def mesh_within(
     member, extract, asked = extract.shift(member), replace(extract, offset=0.0), tolerance
     for less in (*LESS, 1.0):
         made = extract.mesh(member, asked, teeth)
+        tell(0.5)
         mesh = made.mesh if place is None else made.mesh.move(place)
         written = mesh if file is None else io.mesh_in_file(mesh, file)
         rounding = io.rounding(mesh, written)
@@ -452,6 +455,6 @@ def solids_of(
     """All members as they mesh at `phi1` (deg), as `Gears.solids` says; `tolerance` in mm."""
     parts = {
         name: solid_of(gears, name, tolerance, file=file, extract=extract, place=place).move(place)
-        for name, place in gears.places_at(phi1).items()
+        for name, place in in_turn(gears.places_at(phi1).items())
     }
     return Solids(gears.design, parts, gears.warnings)

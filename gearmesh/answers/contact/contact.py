@@ -43,6 +43,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError, Status
 from gearmesh.figures import Content, Summary
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.progress import tell
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.gear_train import GearPair, Member
 
@@ -368,7 +369,9 @@ def contact_of(
     flanks = solver_pair(pair)
     following = phi1 is None and by_engagement(design, pair)
     followed = whole_engagement(flanks, pair.pitch) if cycle or following else None
+    tell(0.3)
     fits, whole = fitted_cycle(pair, followed) if cycle and followed is not None else (None, None)
+    tell(0.7)
     if following and followed is not None and followed.contacts.touching.any():
         ends = np.degrees(engagement_range(followed, pair.pitch) if whole is None else whole.engagement)
         design = design.with_values(dict(zip(RANGE, map(float, ends), strict=True)))
@@ -379,6 +382,7 @@ def contact_of(
     path = jammed_path(flanks, phi1)
     if fits is None or not (fits.jammed and jams.all()):
         path = contact_path(flanks, phi1, pair.generation, engagement=followed).without(path, jams)
+    tell(0.9)
     summary = Summary(_summary(pair, path, whole), pair.figures, None if fits is None else FitSummary.of(pair, fits))
     hertz = None
     if torque is not None:

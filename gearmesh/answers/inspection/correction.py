@@ -35,6 +35,7 @@ from gearmesh.metrology.evaluation import in_transverse_plane
 from gearmesh.metrology.flanks.projection import FlankProjection
 from gearmesh.metrology.flanks.smoothing import smooth_deviations
 from gearmesh.metrology.second_order import flank_coordinates, second_order
+from gearmesh.progress import part, tell
 from gearmesh.systems import system as systems
 from gearmesh.teeth.gear_train import GearTrain
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, deviating_tooth, lowest_share
@@ -356,7 +357,8 @@ def correct_settings(
     nominal, train, made = flanks_of_files(design, name, file, flank)
     movable_settings(nominal, name)
     flanks = CutFlanks(systems.pin(nominal, train), name, {side: own.grid for side, own in made.items()})
-    moving = usable_settings(flanks, settings)
+    with part(0.1, 0.5):
+        moving = usable_settings(flanks, settings)
     if not moving:
         raise ArgumentError(
             "settings", reason="none moves the flanks that were measured", allowed="settings of their machine"
@@ -367,6 +369,7 @@ def correct_settings(
         free["thickness"] = flanks.thickness
     sensitivity = np.stack([*moving.values(), *free.values()], axis=-1)
     solution, left = _solve(flanks, tuple(moving), sensitivity, None if noise is None else noise / UM, ground)
+    tell(0.7)
     residual = _by_side(flanks.grids, left)
     notes = tuple(f"{side} flank: {note}" for side in made for note in made[side].notes)
     count = len(moving)

@@ -15,6 +15,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.metrology.flanks.projection import FlankProjection
+from gearmesh.progress import in_turn
 from gearmesh.systems import system as systems
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
 from gearmesh.teeth.region import Side
@@ -241,7 +242,7 @@ def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSett
     sensitivity (N,). Raises DesignError for names that there are not and for settings that do not move the flanks."""
     every = movable_settings(flanks.design, flanks.name)
     made: dict[MovableSetting, Array] = {}
-    for name in names:
+    for name in in_turn(names):
         matches = [setting for setting in every if name in (setting.name, setting.plain_name)]
         if not matches:
             shown = list(dict.fromkeys(setting.plain_name for setting in every if not setting.order))
@@ -259,7 +260,7 @@ def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSett
     if names:
         return made
     whole = len(flanks.grids) == len(Side)
-    for setting in every:
+    for setting in in_turn(every):
         # what both sides have in common is left alone where one was measured
         of_one = len(setting.keys) == 1 and setting.name != THICKNESS
         if setting.plain_name in (*USUAL, *OF_GRINDER) and (whole or of_one):

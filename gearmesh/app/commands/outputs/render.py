@@ -12,6 +12,7 @@ import typer
 from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears, torques_in_nm
 from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable, warn, working
 from gearmesh.errors import ArgumentError
+from gearmesh.progress import part
 from gearmesh.view.opengl import begin_probe
 
 
@@ -158,7 +159,10 @@ def render(
             path = gears.toolpath(member or names[0], tool, scallop or SCALLOP)
             gears.picture(view.value, of=path, size=pixels, note=note).save(output)
         elif output is not None:
-            gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note).save(output)
+            with part(0.0, 0.4):
+                shown = gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note)
+            with part(0.4, 1.0):
+                shown.save(output)
         if animate is not None:
             gears.animation(phi1=phi1, size=pixels or ANIMATED, pair=mesh, note=note).save(animate)
     warn(told)

@@ -27,6 +27,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, polar_angle
 from gearmesh.kernel.surface.levels import perpendicular
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.progress import in_turn, tell
 from gearmesh.systems.common.pattern.meshing_place import MeshingPlace, Moves
 from gearmesh.systems.common.pattern.targets import gear_targets, on_flank
 from gearmesh.systems.spiral_bevel.errors.displacements import displaced_bases
@@ -63,7 +64,7 @@ def vh_check(
     (pair,) = train.pairs
     now = np.array([getattr(design.assembly, key) for key in MOVES.keys.values()])
     pattern_shifts = []
-    for name in SIDES:
+    for name in in_turn(SIDES):
         shares, extra = _Side.of(pair, name, HANDS[design.hand], clearance, moved).places()
         for (place, asked), share, shift in zip(PLACES.items(), shares, now + extra, strict=True):
             v, h, j, alpha = (float(x) for x in shift)
@@ -95,6 +96,7 @@ class _Side:
         """
         asked = np.array(list(PLACES.values()))
         shares, x = asked, self._solve(asked, None)
+        tell(0.2)
         good = self._holds(x)
         if not good.all():
             swept = self._swept()

@@ -1,0 +1,31 @@
+"""How far a piece of work is: parts within parts, and what long answers say on their way."""
+
+from __future__ import annotations
+
+import pytest
+
+import gearmesh as gm
+from gearmesh.progress import in_turn, listening, part, tell
+
+
+@pytest.mark.quick
+def test_parts_are_fractions_of_the_whole() -> None:
+    told: list[float] = []
+    with listening(told.append):
+        with part(0.0, 0.4):
+            tell(0.5)
+        with part(0.4, 1.0):
+            for _ in in_turn("ab"):
+                tell(0.5)
+    tell(0.1)
+    assert told == pytest.approx([0.2, 0.4, 0.55, 0.7, 0.85, 1.0, 1.0])
+
+
+def test_long_answers_say_how_far_they_are() -> None:
+    tables = {"pinion": {"teeth": 18, "face_width": 10}, "gear": {"teeth": 24, "face_width": 10}}
+    gears = gm.build(gm.parse({"kind": "cylindrical", "module": 2, **tables}))
+    told: list[float] = []
+    with listening(told.append):
+        gears.check(0.05)
+    assert told == sorted(told)
+    assert len(set(told)) > 8
