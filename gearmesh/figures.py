@@ -76,17 +76,66 @@ class Figure:
         return self.key.removesuffix(UNITS[self.unit])
 
     def item(self, k: int) -> Figure:
-        """The k-th, from 1, of a figure that is a list."""
+        """One number of a figure that is a list.
+
+        Parameters
+        ----------
+        k : int
+            Counted from 1.
+
+        Returns
+        -------
+        Figure
+            With the number in its key.
+
+        Examples
+        --------
+        >>> harmonics = gears.contact().summary.entry("mesh_te_harmonics_arcsec").figure
+        >>> harmonics.item(2).key
+        'mesh_te_harmonic_2_arcsec'
+        """
         return replace(
             self, key=f"{self.singular or self.stem}_{k}{UNITS[self.unit]}", meaning=f"{self.meaning}, number {k}"
         )
 
     def of(self, member: str) -> Figure:
-        """That of a member."""
+        """The figure of a member.
+
+        Parameters
+        ----------
+        member : str
+            Takes the place of {member} in the key.
+
+        Returns
+        -------
+        Figure
+            With the name in its key.
+
+        Examples
+        --------
+        >>> gm.Figure("tip_clearance_{member}_mm", "mm", "c", "tip clearance").of("gear").key
+        'tip_clearance_gear_mm'
+        """
         return replace(self, key=self.key.replace(MEMBER, member))
 
     def in_um(self, um: str = "um") -> Figure:
-        """The same along the travel of a gear that slides, where the figure is an angle in arcsec."""
+        """The same along the travel of a gear that slides, as a rack does.
+
+        Parameters
+        ----------
+        um : str
+            Unit that takes the place of arcsec.
+
+        Returns
+        -------
+        Figure
+            With the other unit in its key.
+
+        Examples
+        --------
+        >>> gm.Figure("te_arcsec", "arcsec", "TE", "transmission error").in_um().key
+        'te_um'
+        """
         return replace(
             self, key=f"{self.stem}{UNITS[um]}", unit=um, meaning=f"{self.meaning}, along the travel of the rack"
         )
@@ -179,7 +228,18 @@ class Figures:
 
     @classmethod
     def declared_figures(cls) -> tuple[Figure, ...]:
-        """The figures that it can have, in order."""
+        """The figures that it can have, in order.
+
+        Returns
+        -------
+        tuple of Figure
+            What each is: key, unit, symbol, meaning.
+
+        Examples
+        --------
+        >>> gm.SetFigures.declared_figures()[0].symbol
+        'z_s'
+        """
         return tuple(
             figure
             for _, known, kind in cls._by_field()
@@ -188,7 +248,23 @@ class Figures:
 
     @classmethod
     def key_of(cls, name: str) -> str:
-        """The key of the figure of a field."""
+        """The key of the figure of a field.
+
+        Parameters
+        ----------
+        name : str
+            Of a field.
+
+        Returns
+        -------
+        str
+            The name with the unit at its end, if the field states no other key.
+
+        Examples
+        --------
+        >>> gm.PositionFigures.key_of("te")
+        'te_arcsec'
+        """
         return next(known.key for own, known, _ in cls._by_field() if own == name)
 
     @property
@@ -209,7 +285,24 @@ class Figures:
         return tuple(own_entries)
 
     def entries_of(self, member: str) -> tuple[Entry, ...]:
-        """The figures that it has, as those of a member, whose name takes the place of {member}."""
+        """The figures that it has, as those of a member.
+
+        Parameters
+        ----------
+        member : str
+            Takes the place of {member} in the keys.
+
+        Returns
+        -------
+        tuple of Entry
+            Figures with their values.
+
+        Examples
+        --------
+        >>> position = gears.contact([0.0]).positions[0]
+        >>> position.entries_of("pinion")[0].key
+        'phi1_deg'
+        """
         told = ((known.of(member), getattr(self, name)) for name, known, _ in self._by_field())
         return tuple(Entry(known, value) for known, value in told if value is not None or not known.optional)
 
@@ -289,7 +382,23 @@ class Summary(Mapping[str, Any]):
         return tuple(self._entries.values())
 
     def entry(self, key: str) -> Entry | None:
-        """The figure of a key with its value, None where there is none."""
+        """The figure of a key with its value.
+
+        Parameters
+        ----------
+        key : str
+            As in JSON.
+
+        Returns
+        -------
+        Entry or None
+            None where there is no such figure.
+
+        Examples
+        --------
+        >>> gears.contact().summary.entry("contact_ratio").figure.unit
+        ''
+        """
         return self._entries.get(key)
 
     @property

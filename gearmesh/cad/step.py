@@ -57,7 +57,24 @@ class Part:
     closed: bool = True
 
     def move(self, place: Rigid) -> Part:
-        """The same part in another frame; the shapes are shared."""
+        """The same part in another frame.
+
+        Parameters
+        ----------
+        place : Rigid
+            From its own frame to the other one.
+
+        Returns
+        -------
+        Part
+            Its shapes are shared, not copied.
+
+        Examples
+        --------
+        >>> part = gears.cad("pinion").made
+        >>> part.move(gm.Rigid.about_z(0.5)).name
+        'pinion'
+        """
         there = location(place)
         faces = tuple(replace(face, shape=face.shape.Moved(there)) for face in self.faces)
         return replace(self, solid=self.solid.Moved(there), faces=faces)

@@ -35,6 +35,11 @@ _TEMPORARY = re.compile(r"\.gearmesh-([0-9a-f]{8})-([0-9]{1,10})-[0-9a-f]{12}(?:
 _written: list[Path] = []
 
 
+def keep(path: PathLike) -> None:
+    """Count a file that grows by whole lines among those that are written: what it has is kept when the process is stopped."""
+    _written.append(Path(path))
+
+
 def written_whole() -> tuple[Path, ...]:
     """The files and folders that this process has written and that are there, as their paths were given."""
     return tuple(path for path in dict.fromkeys(_written) if path.exists())

@@ -27,6 +27,7 @@ from gearmesh.loaded.compliance.threads import one_thread
 from gearmesh.loaded.mounts import FlexibleMount, Supports
 from gearmesh.loaded.root_stress import Pressed, RootStress, root_stress
 from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
+from gearmesh.progress import in_turn, tell
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
 
@@ -206,7 +207,7 @@ def loaded_mesh(
     status, stress, at_tangent, error, own = (np.empty(shape, dtype=np.int64), *np.empty((4, *shape, 2)))
     place, displacement, loads = np.empty((*shape, 2, 3)), np.zeros((*shape, 2, 6)), []
     unloaded, ratio = near.phi2 - near.pair.ratio * phi1, abs(near.pair.ratio)
-    for k, own_torque in enumerate(torque):
+    for k, own_torque in enumerate(in_turn(torque)):
         stands = True
         if supports is not None:
             problem, stands = _solve_on_mounts(
@@ -217,6 +218,7 @@ def loaded_mesh(
             problem = (
                 most if own_torque == torque.max() else _fit_grids(near, float(own_torque), bodies, materials, cells)
             )
+        tell(0.6)
         solution, moved = problem.solution, problem.near
         # gears that their mounts let move begin to touch elsewhere
         behind = unloaded - (moved.phi2 - moved.pair.ratio * phi1)

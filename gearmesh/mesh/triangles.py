@@ -38,11 +38,33 @@ class TriangleMesh:
     frame: str = "own"
 
     def corners(self) -> Array:
-        """Corner points (T, 3, 3): triangle, corner, coordinate."""
+        """The corners of all triangles.
+
+        Returns
+        -------
+        ndarray, (T, 3, 3)
+            Triangle, corner, coordinate, mm.
+
+        Examples
+        --------
+        >>> gears.solid("pinion", 0.05).mesh.corners().shape[1:]
+        (3, 3)
+        """
         return self.vertices[self.triangles]
 
     def volume(self) -> float:
-        """Enclosed volume in mm^3 by the divergence theorem, negative if inside out."""
+        """The volume that it encloses, by the divergence theorem.
+
+        Returns
+        -------
+        float
+            mm^3, negative if inside out.
+
+        Examples
+        --------
+        >>> gears.solid("pinion", 0.05).mesh.volume() > 0.0
+        True
+        """
         a, b, c = np.moveaxis(self.corners(), 1, 0)
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
@@ -52,7 +74,24 @@ class TriangleMesh:
         return {}
 
     def only(self, *names: str) -> TriangleMesh:
-        """The part of the mesh in the named regions, with unused vertices left out."""
+        """The part of the mesh in named regions.
+
+        Parameters
+        ----------
+        names : str
+            Of `region_names`.
+
+        Returns
+        -------
+        TriangleMesh
+            Without the vertices that it does not need.
+
+        Examples
+        --------
+        >>> mesh = gears.solid("pinion", 0.05).mesh
+        >>> len(mesh.only("flank_right").triangles) < len(mesh.triangles)
+        True
+        """
         wanted = [i for i, name in enumerate(self.region_names) if name in names]
         keep = np.isin(self.regions, wanted)
         used, triangles = np.unique(self.triangles[keep], return_inverse=True)
@@ -65,7 +104,24 @@ class TriangleMesh:
         )
 
     def move(self, transform: Rigid) -> TriangleMesh:
-        """The same mesh in another frame, which is called common."""
+        """The same mesh in another frame, which is called common.
+
+        Parameters
+        ----------
+        transform : Rigid
+            From its own frame to the other one.
+
+        Returns
+        -------
+        TriangleMesh
+            Vertices and normals moved; its `frame` is "common".
+
+        Examples
+        --------
+        >>> mesh = gears.solid("pinion", 0.05).mesh
+        >>> mesh.move(gm.Rigid.about_z(0.5)).frame
+        'common'
+        """
         vertices, normals = transform.point(self.vertices), transform.vector(self.normals)
         return replace(self, vertices=vertices, normals=normals, frame="common")
 

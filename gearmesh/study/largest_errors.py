@@ -16,7 +16,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader
-from gearmesh.study.rows.largest import largest
+from gearmesh.study.rows.largest import STEPS, largest
 from gearmesh.study.rows.work import StudyWork, displacing_keys, own_keys
 from gearmesh.study.statistics import Limit, limit_of
 from gearmesh.study.study import work_and_nominal
@@ -24,6 +24,8 @@ from gearmesh.systems.designs import parse
 
 #: how far is looked, in the unit of a key, where nobody says
 REACH = "1"
+#: values of a key that are solved, about: steps each way, then places between two; and the part of the work that they are at most
+ROWS, MOST = 2 * STEPS + 12, 0.97
 
 
 @dataclass(frozen=True)
@@ -120,9 +122,13 @@ def largest_errors(
             )
     rows = []
     for number, (key, (start, ends)) in enumerate(looked.items()):
-        if progress is not None:
-            progress(number / len(looked), f"limits of {key}")
-        rows += _of_key(replace(work, keys=(key,)), nominal, named, start, ends)
+
+        def solved(count: int, number: int = number, key: str = key) -> None:
+            if progress is not None:
+                progress((number + min(count / ROWS, MOST)) / len(looked), f"limits of {key}")
+
+        solved(0)
+        rows += _of_key(replace(work, keys=(key,)), nominal, named, start, ends, solved)
     return LargestErrors(design, named, rows)
 
 
@@ -142,8 +148,14 @@ def _ends(design: Design, key: str, reach: str | float) -> tuple[float, Array]:
 
 
 def _of_key(
-    work: StudyWork, nominal: Summary, criteria: tuple[Limit, ...], start: float, ends: Array
+    work: StudyWork,
+    nominal: Summary,
+    criteria: tuple[Limit, ...],
+    start: float,
+    ends: Array,
+    solved: Callable[[int], None],
 ) -> list[LargestFigures]:
+    """The figures of a key; `solved` is told how many values of it have been."""
     known: dict[float, list[float]] = {}
 
     def rooms(values: Array) -> Array:
@@ -151,6 +163,7 @@ def _of_key(
         new = [value for value in dict.fromkeys(values.tolist()) if value not in known]
         for value, row in zip(new, work([(value,) for value in new]), strict=True):
             known[value] = [_number(value) for value in row[:-1]]
+        solved(len(known))
         table = np.array([known[value] for value in values.tolist()])
         return np.stack(
             [

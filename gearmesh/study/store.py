@@ -72,11 +72,14 @@ class StudyStore:
         if chunk in self.chunks:
             return
         self.chunks[chunk] = rows
-        if self._file is not None:
+        if self._file is not None and self.folder is not None:
+            from gearmesh.io.atomic import keep
+
             line = _line(chunk, rows)
             while line:
                 line = line[os.write(self._file, line) :]
             os.fsync(self._file)
+            keep(self.folder / ROWS)
 
     def _lock(self) -> None:
         try:

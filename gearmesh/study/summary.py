@@ -35,7 +35,29 @@ class StudySummary(Figures):
 
     @staticmethod
     def read(document: Mapping[str, Any]) -> StudySummary:
-        """From the JSON document of a study. Raises LookupError, TypeError or AttributeError for another one."""
+        """The summary in the JSON document of a study.
+
+        Parameters
+        ----------
+        document : mapping
+            As study.json has it.
+
+        Returns
+        -------
+        StudySummary
+            What the rows say together.
+
+        Raises
+        ------
+        LookupError, TypeError, AttributeError
+            For another document.
+
+        Examples
+        --------
+        >>> study = gears.study({"assembly.dx": "0:0.1:2"}, record="cycle", workers=1)
+        >>> gm.StudySummary.read(json.loads(study.json())).headline
+        '2 rows over assembly.dx, 2 with contact'
+        """
         return StudySummary(
             headline=str(document["headline"]),
             plan=document.get("plan", {}),

@@ -169,7 +169,7 @@ class ToolPathAnswer(Result):
 
         Examples
         --------
-        >>> path = gears.toolpath("pinion", "ball:1mm", "20um", spaces="1")
+        >>> path = gears.toolpath("pinion", "ball:1mm", "20um", spaces=1)
         >>> len(path.to_dict()["x_mm"]) > 100
         True
         """

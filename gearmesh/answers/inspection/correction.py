@@ -160,12 +160,12 @@ class Correction(Result):
         --------
         >>> from pathlib import Path
         >>> grid = gears.measuring_grid("pinion").grids[0]
-        >>> rows = [f"{grid.side},{i},{j},{0.5 * i}" for i in range(grid.shape[0]) for j in range(grid.shape[1])]
-        >>> Path("slope.csv").write_text("flank,row,column,deviation_um\\n" + "\\n".join(rows)) > 0
+        >>> rows = [f"{grid.side},{s},{t},{5.0 * t}" for s in grid.s for t in grid.t]
+        >>> Path("slope.csv").write_text("flank,s,t,deviation_um\\n" + "\\n".join(rows)) > 0
         True
-        >>> correction = gears.correct("pinion", "slope.csv", settings=["profile_slope"])
-        >>> correction.topography(str(grid.side)).splitlines()[0][0]
-        '#'
+        >>> correction = gears.correct("pinion", "slope.csv", settings=["helix_slope"])
+        >>> len(correction.topography(grid.side).splitlines()) > 10
+        True
         """
         inspection = systems.system_of(self.design).inspection
         basis = None if inspection is None else inspection(self.design, self.train, self.member)

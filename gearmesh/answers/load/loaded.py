@@ -35,6 +35,7 @@ from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh, whole_cycle
+from gearmesh.progress import listening
 from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair
 
@@ -330,7 +331,7 @@ class LoadedContact(Result):
         Examples
         --------
         >>> gears.loaded_contact(20.0, [0.0]).csv().splitlines()[0].split(",")[:2]
-        ['phi1_deg', 'torque_nm']
+        ['torque_nm', 'phi1_deg']
         """
         rows = self.rows
         known = {
@@ -397,12 +398,14 @@ def loaded_contact_of(
     if bodies is None:
         progress(0.0, f"compliance of the {' and the '.join(pair.members)}")
         bodies = bodies_of(design, pair)
-    progress(0.2, f"loaded contact, torques: {torques.size}, positions: {len(places)}")
+    doing = f"loaded contact, torques: {torques.size}, positions: {len(places)}"
+    progress(0.2, doing)
     if unknown := [name for name in mounts or {} if name not in pair.members]:
         raise ArgumentError("mounts", unknown[0], must_be=f"{' or '.join(pair.members)}")
     given = {**mounts_of(design, pair), **(mounts or {})}
     flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
-    mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
+    with listening(lambda done: progress(0.2 + 0.8 * done, doing)):
+        mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
     unloaded = np.nan if cycle is None else cycle.peak_to_peak
     if pair.uneven:
         warnings = (*warnings, OF_SOME_PAIRS)

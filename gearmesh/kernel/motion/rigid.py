@@ -24,23 +24,100 @@ class Rigid:
 
     @staticmethod
     def identity() -> Rigid:
+        """The transform that leaves all as it is.
+
+        Returns
+        -------
+        Rigid
+            Of one frame onto itself.
+
+        Examples
+        --------
+        >>> gm.Rigid.identity().point(np.array([1.0, 2.0, 3.0]))
+        array([1., 2., 3.])
+        """
         return Rigid(np.eye(3), np.zeros(3))
 
     @staticmethod
     def about_z(angle: ArrayLike) -> Rigid:
-        """Rotation by `angle` (..., rad) about the z axis."""
+        """A rotation about the z axis.
+
+        Parameters
+        ----------
+        angle : array_like, (...,)
+            rad.
+
+        Returns
+        -------
+        Rigid
+            As many as there are angles.
+
+        Examples
+        --------
+        >>> gm.Rigid.about_z(np.pi / 2.0).point(np.array([1.0, 0.0, 0.0])).round(9)
+        array([0., 1., 0.])
+        """
         return Rigid(rotation_about("z", angle), np.zeros(3))
 
     def point(self, r: Array) -> Array:
-        """Points (..., 3) in the target frame."""
+        """Points in the target frame.
+
+        Parameters
+        ----------
+        r : ndarray, (..., 3)
+            mm, in the frame that it comes from.
+
+        Returns
+        -------
+        ndarray, (..., 3)
+            Rotated and displaced.
+
+        Examples
+        --------
+        >>> gm.Rigid(np.eye(3), np.ones(3)).point(np.zeros(3))
+        array([1., 1., 1.])
+        """
         return turn(self.rotation, r) + self.translation
 
     def vector(self, v: Array) -> Array:
-        """Free vectors (..., 3) in the target frame."""
+        """Free vectors in the target frame.
+
+        Parameters
+        ----------
+        v : ndarray, (..., 3)
+            As normals and velocities are.
+
+        Returns
+        -------
+        ndarray, (..., 3)
+            Rotated, not displaced.
+
+        Examples
+        --------
+        >>> gm.Rigid(np.eye(3), np.ones(3)).vector(np.array([0.0, 0.0, 1.0]))
+        array([0., 0., 1.])
+        """
         return turn(self.rotation, v)
 
     def vectors(self, *vectors: Array) -> tuple[Array, ...]:
-        """Several free vectors (..., 3) in the target frame, in one product."""
+        """Several free vectors in the target frame, in one product.
+
+        Parameters
+        ----------
+        vectors : ndarray, (..., 3)
+            All of one shape.
+
+        Returns
+        -------
+        tuple of ndarray, (..., 3)
+            Each rotated as by `vector`.
+
+        Examples
+        --------
+        >>> x, y, _ = np.eye(3)
+        >>> len(gm.Rigid.about_z(0.1).vectors(x, y))
+        2
+        """
         together = np.empty((*vectors[0].shape[:-1], len(vectors), 3))
         for k, vector in enumerate(vectors):
             together[..., k, :] = vector
