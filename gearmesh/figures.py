@@ -237,8 +237,8 @@ class Figures:
 
         Examples
         --------
-        >>> gm.SetFigures.declared_figures()[0].symbol
-        'z_s'
+        >>> gm.PositionFigures.declared_figures()[0].key
+        'phi1_deg'
         """
         return tuple(
             figure
@@ -299,7 +299,7 @@ class Figures:
 
         Examples
         --------
-        >>> position = gears.contact([0.0]).positions[0]
+        >>> (position,) = gears.contact([0.0]).positions()
         >>> position.entries_of("pinion")[0].key
         'phi1_deg'
         """

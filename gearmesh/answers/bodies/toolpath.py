@@ -170,7 +170,7 @@ class ToolPathAnswer(Result):
         Examples
         --------
         >>> path = gears.toolpath("pinion", "ball:1mm", "20um", spaces=1)
-        >>> len(path.to_dict()["x_mm"]) > 100
+        >>> len(path.to_dict()["x"]) > 100
         True
         """
         motion = self.path.whole
