@@ -8,6 +8,7 @@ import numpy as np
 
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.progress import tell
 from gearmesh.teeth.gear_train import Member
 from gearmesh.toolpath.axes import Axes, choose_axes
 from gearmesh.toolpath.ball import BallCutter, LargestBall, largest_ball, refuse_too_large
@@ -83,10 +84,12 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
     denser, budget, corners = np.ones(len(space.walls)), order.budget, inner_corners(space, walls)
     largest = largest_ball(space, walls, order.stock, corners, budget.scallop)
     refuse_too_large(ball, largest, order.stock)
+    tell(0.15)
     for _ in range(ATTEMPTS):
         passes = plan_passes(space, walls, ball, order.stock, budget, denser, corners)
         axes = choose_axes(space, passes, ball, order.lead, order.tilt)
         motion = motion_of(passes, axes, ball, space.depth, order.feed, OVERRUN * ball.radius)
+        tell(0.4)
         for chords in (DRAFT, CHORDS):
             left = measure_left(space, walls, passes, motion, order.stock, order.scallop, chords)
             if left.scallop > order.scallop or left.gouge > GOUGE:
@@ -98,6 +101,7 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
             budget = Budget(budget.scallop, FINER * budget.chord)
     else:
         raise _refusal(ball, left, order.scallop)
+    tell(0.9)
     clearance = shank_clearance(space, motion, ball)
     if clearance < 0.0:
         raise NoSolutionError(

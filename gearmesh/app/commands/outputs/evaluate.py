@@ -9,6 +9,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.progress import part
 
 
 def evaluate(
@@ -52,7 +53,8 @@ def evaluate(
         refuse_unwritable(file)
     gears = load_gears(design_file, settings)
     with working("evaluation"):
-        answer = gears.evaluate(member, measured, flank=flank, pitch=pitch)
+        with part(0.0, 0.6):
+            answer = gears.evaluate(member, measured, flank=flank, pitch=pitch)
         if output is not None:
             gears.inspection_chart(answer).save(output)
     write_text(json_file, answer.json)
