@@ -26,7 +26,7 @@ _listener: ContextVar[Callable[[float], None] | None] = ContextVar("listener", d
 
 @contextmanager
 def listening(listener: Callable[[float], None] | None) -> Iterator[None]:
-    """Have a listener told how far the work within is, 0 to 1; None: nobody."""
+    """Have a listener called with how far the work within is, 0 to 1; None: nobody."""
     token = _listener.set(listener)
     try:
         yield

@@ -123,12 +123,12 @@ def largest_errors(
     rows = []
     for number, (key, (start, ends)) in enumerate(looked.items()):
 
-        def solved(count: int, number: int = number, key: str = key) -> None:
+        def after(count: int, number: int = number, key: str = key) -> None:
             if progress is not None:
                 progress((number + min(count / ROWS, MOST)) / len(looked), f"limits of {key}")
 
-        solved(0)
-        rows += _of_key(replace(work, keys=(key,)), nominal, named, start, ends, solved)
+        after(0)
+        rows += _of_key(replace(work, keys=(key,)), nominal, named, start, ends, after)
     return LargestErrors(design, named, rows)
 
 
@@ -153,9 +153,9 @@ def _of_key(
     criteria: tuple[Limit, ...],
     start: float,
     ends: Array,
-    solved: Callable[[int], None],
+    after: Callable[[int], None],
 ) -> list[LargestFigures]:
-    """The figures of a key; `solved` is told how many values of it have been."""
+    """The figures of a key; `after` is called with how many values of it are solved."""
     known: dict[float, list[float]] = {}
 
     def rooms(values: Array) -> Array:
@@ -163,7 +163,7 @@ def _of_key(
         new = [value for value in dict.fromkeys(values.tolist()) if value not in known]
         for value, row in zip(new, work([(value,) for value in new]), strict=True):
             known[value] = [_number(value) for value in row[:-1]]
-        solved(len(known))
+        after(len(known))
         table = np.array([known[value] for value in values.tolist()])
         return np.stack(
             [
