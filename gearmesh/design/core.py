@@ -379,6 +379,43 @@ def refuse_both_ends(table: EndEdges) -> None:
             )
 
 
+class TurnedTip(Table):
+    """A member whose tip may be turned to another surface of revolution than that of its teeth."""
+
+    tip_cone_angle: Annotated[
+        float | None,
+        Key(
+            "angle",
+            "angle of a conical tip to the axis, positive where it widens along z; the tip diameter is that at mid face",
+            low=-60,
+            high=60,
+            default="0, a cylinder; of conical teeth their cone angle",
+        ),
+    ] = None
+    tip_throat_radius: Annotated[
+        float | None,
+        Key(
+            "length",
+            "radius of a throated tip in the axial plane: the tip diameter is that at mid face, the ends are higher",
+            low=0,
+            above=True,
+            default="no throat",
+        ),
+    ] = None
+
+    @model_validator(mode="after")
+    def _one_tip_surface(self) -> Self:
+        given = {"tip_cone_angle": self.tip_cone_angle, "tip_throat_radius": self.tip_throat_radius}
+        for key, value in given.items():
+            if value and getattr(self, "modified", False):
+                raise conflict(key, value, reason="cannot be given together with modifications")
+        if all(given.values()):
+            raise conflict(
+                "tip_throat_radius", self.tip_throat_radius, reason="cannot be given together with tip_cone_angle"
+            )
+        return self
+
+
 class NumberOfTeeth(Table):
     """How many teeth a gear has."""
 

@@ -67,6 +67,8 @@ NARROWEST_GROOVE = np.pi / 6.0
 PROOF_STATIONS = 9
 #: share of a link from its ends within which a break is none of its seams
 CLOSEST = 1e-3
+#: parts of the way to a tip that are left, one after the other, where Newton does not go there at once
+TOWARDS_TIP = (0.75, 0.5, 0.25, 0.0)
 #: half the step of s over which drawn curves are differentiated
 HALF_STEP = 1e-6
 #: rounds, and parts in each, in which the interval between two of them is divided: places cost less than rounds
@@ -597,15 +599,26 @@ class Tooth:
             begins, _ = self._tip_corner(side, side.tip_corner, stations, t)
             return begins, along(side.flank, begins, stations, axial)[1]
 
-        def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-            jet = side.flank.jet(x[:, 0], x[:, 1])
-            f = np.stack((axial.value(jet.r) - stations[index], tip.value(jet.r)), axis=-1)
-            rows = [[dot(g.gradient(jet.r), d) for d in (jet.r_u, jet.r_v)] for g in (axial, tip)]
-            return f, np.moveaxis(np.array(rows), -1, 0)
+        def at_tip(level: Array) -> Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]:
+            """Residuals of the points on a level (T,), mm, of the tip."""
+
+            def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+                jet = side.flank.jet(x[:, 0], x[:, 1])
+                f = np.stack((axial.value(jet.r) - stations[index], tip.value(jet.r) - level[index]), axis=-1)
+                rows = [[dot(g.gradient(jet.r), d) for d in (jet.r_u, jet.r_v)] for g in (axial, tip)]
+                return f, np.moveaxis(np.array(rows), -1, 0)
+
+            return residual
 
         guess = np.full_like(stations, side.tip)
         v, near = along(side.flank, guess, stations, axial)
-        solution = newton.solve(residual, np.stack((guess, v), axis=-1), tolerance=trim_tolerance(near.r))
+        start, tolerance = np.stack((guess, v), axis=-1), trim_tolerance(near.r)
+        solution = newton.solve(at_tip(np.zeros_like(stations)), start, tolerance=tolerance)
+        if not solution.converged.all():
+            # a tip far from that of the tool, as of a throat: towards it by and by
+            for left in TOWARDS_TIP:
+                solution = newton.solve(at_tip(left * tip.value(near.r)), start, tolerance=tolerance)
+                start = solution.values
         if not solution.converged.all():
             k = int(np.argmin(solution.converged))
             raise TrimError("tip", float(t[k]), "the flank does not reach the tip")

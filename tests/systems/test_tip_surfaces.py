@@ -1,4 +1,4 @@
-"""Conical and throated tips of cylindrical gears, against solids that are turned by brute force."""
+"""Conical and throated tips, of cylindrical gears against solids that are turned by brute force."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ import manifold3d
 import numpy as np
 import pytest
 from oracles.built import built
+from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.cad.brep import exact_volume
 from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
 from gearmesh.mesh.solid import gear_solid, prove
@@ -76,6 +78,34 @@ def test_internal_tips() -> None:
         # the material is outside
         assert ((grid.normals[0] * land)[:, :2].sum(axis=1) < 0.0).all()
         assert np.hypot(land[:, 0], land[:, 1]) == pytest.approx(meridian(land[:, 2], 58.5), abs=1e-9)
+
+
+#: sample, member, key, value in the design's unit, and mm in it; a throat far above the tool's tip is the circular arc's
+OTHERS = (
+    ("beveloid_crossed", "gear", "tip_cone_angle", 3.0, 1.0),
+    ("circular_arc", "gear", "tip_throat_radius", 60.0, 25.4),
+    ("novikov", "pinion", "tip_cone_angle", -1.5, 1.0),
+    ("modified_involute", "gear", "tip_throat_radius", 400.0, 1.0),
+    ("face_gear", "pinion", "tip_cone_angle", 2.0, 1.0),
+)
+
+
+@pytest.mark.sweep_cases("novikov", "circular_arc", "face_gear", "modified_involute")
+@pytest.mark.parametrize(("sample", "name", "key", "value", "unit"), OTHERS, ids=[case[0] for case in OTHERS])
+def test_tips_of_other_kinds_are_turned_as_asked(sample: str, name: str, key: str, value: float, unit: float) -> None:
+    """Lands on the cone or arc, through the tip circle at mid face; solids as heavy as quadrature says."""
+    plain = gm.build(gm.load(SAMPLES / f"{sample}.toml")).members[name]
+    member = gm.build(gm.load(SAMPLES / f"{sample}.toml", [f"{name}.{key}={value}"])).members[name]
+    tip = float(plain.tooth.blank.tip.at(0.0))
+    land = member.tooth.grid(Region.LAND, [0.0, 0.4, 1.0], member.tooth.even).points
+    z, rho = land[..., 2], np.hypot(land[..., 0], land[..., 1])
+    radius = value * unit
+    away = z * np.tan(np.radians(value)) if key == "tip_cone_angle" else radius - np.sqrt(radius**2 - z**2)
+    assert rho == pytest.approx(tip + away, abs=1e-9 * tip)
+    mesh = gear_solid(member, 1e-4 * tip)
+    assert prove(mesh, member.genus).ok
+    assert mesh.volume() == pytest.approx(exact_volume(member), rel=3e-3)
+    assert exact_volume(member) != pytest.approx(exact_volume(plain), rel=3e-6)
 
 
 @pytest.mark.quick

@@ -19,6 +19,7 @@ from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.beveloid.design import TIP_RADIUS
 from gearmesh.systems.common.axes import shifts, tilts
 from gearmesh.systems.common.backlash import thin
+from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
@@ -56,7 +57,8 @@ def build(design: BeveloidDesign) -> GearTrain:
         # a gear that is turned over counts u along its own axis turned over [LT02 Table 4]
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
         made = member(name, spec, racks, roll, _source_parameters(letter, along), tip_key)
-        members.append(with_end_chamfers(with_modifications(made, spec), spec))
+        made = with_modifications(with_tip_surface(made, spec), spec)
+        members.append(with_end_chamfers(made, spec))
         rolls.append(roll)
     flank = Side(design.contact.flank)
     pair = GearPair(

@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import FlankContact, MemberTable, PairDesign
+from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTip
 from gearmesh.design.keys import DERIVED, Key, conflict
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
@@ -24,7 +24,7 @@ PARALLEL = 1e-9
 TIP_RADIUS = 0.38
 
 
-class BeveloidMember(MemberTable, Modified):
+class BeveloidMember(MemberTable, Modified, TurnedTip):
     """One gear of a beveloid pair; flanks may be modified where its cone angle is 0."""
 
     replaces: ClassVar = (("tip_diameter", "addendum"), ("root_diameter", "dedendum"))

@@ -22,6 +22,7 @@ from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.systems.circular_arc.design import FILLETS
 from gearmesh.systems.circular_arc.fillets import ArcRack
 from gearmesh.systems.common.axes import shifts
+from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
@@ -72,7 +73,8 @@ def build(design: CircularArcDesign) -> GearTrain:
 def _member(design: CircularArcDesign, name: str, rack: RackTooth, roll: Roll) -> Member:
     """A member whose rack has two sides alike."""
     spec = design.pinion if name == "pinion" else design.gear
-    return member(name, spec, (rack, rack), roll, _source_parameters(name, rack, roll, design), "addendum")
+    made = member(name, spec, (rack, rack), roll, _source_parameters(name, rack, roll, design), "addendum")
+    return with_tip_surface(made, spec)
 
 
 def _loose(design: CircularArcDesign) -> tuple[str, ...]:

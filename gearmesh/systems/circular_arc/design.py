@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from gearmesh.design.core import FlankContact, MemberTable, PairDesign
+from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTip
 from gearmesh.design.keys import DERIVED, Key, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.kinds import KINDS
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 FILLETS = {"pinion": 0.4, "gear": 0.3}
 
 
-class CircularArcMember(MemberTable):
+class CircularArcMember(MemberTable, TurnedTip):
     """What pinion and gear have alike."""
 
     lead_angle: Annotated[

@@ -18,6 +18,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import shifts, tilts
+from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications, with_true_involutes
 from gearmesh.systems.common.racks.rack_member import Roll, member
@@ -26,7 +27,6 @@ from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.cylindrical.cutting.cutter import other_cutters, trimming_warnings
 from gearmesh.systems.cylindrical.cutting.hobbed import hobbed_racks
 from gearmesh.systems.cylindrical.cutting.shaped import cut_of, shaped_member
-from gearmesh.systems.cylindrical.cutting.tip_surface import with_tip_surface
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import HALF, double_helical_member, half_of
 from gearmesh.systems.cylindrical.geometry.geometry import distance_of, sum_of_shifts

@@ -8,7 +8,16 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, MemberTable, PairDesign, RexsSource, module_key, pitch_key
+from gearmesh.design.core import (
+    Design,
+    FlankContact,
+    MemberTable,
+    PairDesign,
+    RexsSource,
+    TurnedTip,
+    module_key,
+    pitch_key,
+)
 from gearmesh.design.keys import DERIVED, MM_PER, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
@@ -137,7 +146,7 @@ class Hob(Table):
 NOT_INSIDE = ("keyway", "hub", "web", "toe_hub", "heel_shaft", "toe_shaft", "spokes")
 
 
-class CylindricalMember(MemberTable, Modified):
+class CylindricalMember(MemberTable, Modified, TurnedTip):
     """One gear of a cylindrical pair."""
 
     replaces: ClassVar = (
@@ -192,26 +201,6 @@ class CylindricalMember(MemberTable, Modified):
         float | None,
         Key(
             "length", "tip diameter, instead of addendum and tip_alteration", low=0, above=True, default="from addendum"
-        ),
-    ] = None
-    tip_cone_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "angle of a conical tip to the axis, positive where it widens along z; the tip diameter is that at mid face",
-            low=-60,
-            high=60,
-            default="0, a cylinder",
-        ),
-    ] = None
-    tip_throat_radius: Annotated[
-        float | None,
-        Key(
-            "length",
-            "radius of a throated tip in the axial plane: the tip diameter is that at mid face, the ends are higher",
-            low=0,
-            above=True,
-            default="no throat",
         ),
     ] = None
     root_diameter: Annotated[
@@ -317,18 +306,9 @@ class CylindricalMember(MemberTable, Modified):
         return self
 
     def _check_tip_surface(self) -> None:
-        given = {"tip_cone_angle": self.tip_cone_angle, "tip_throat_radius": self.tip_throat_radius}
-        for key, value in given.items():
-            if not value:
-                continue
-            if self.modified:
-                raise conflict(key, value, reason="cannot be given together with modifications")
-            if self.hob is not None and self.hob.chamfer_diameter is not None:
-                raise conflict(key, value, reason="cannot be given together with hob.chamfer_diameter")
-        if all(given.values()):
-            raise conflict(
-                "tip_throat_radius", self.tip_throat_radius, reason="cannot be given together with tip_cone_angle"
-            )
+        for key in ("tip_cone_angle", "tip_throat_radius"):
+            if getattr(self, key) and self.hob is not None and self.hob.chamfer_diameter is not None:
+                raise conflict(key, getattr(self, key), reason="cannot be given together with hob.chamfer_diameter")
 
     def _check_formed(self) -> None:
         if not self.internal:

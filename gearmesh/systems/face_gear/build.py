@@ -28,6 +28,7 @@ from gearmesh.systems.common.axes import gear_base, shifts
 from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.bodies.body import bore_radius
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
+from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
@@ -348,7 +349,7 @@ def _pinion(design: FaceGearDesign, place: float) -> Member:
 
     racks = round_tips("pinion", spec, m, (flank, flank), heights)
     made = member("pinion", spec, racks, roll, source_parameters, "addendum")
-    return with_end_chamfers(with_modifications(made, spec), spec)
+    return with_end_chamfers(with_modifications(with_tip_surface(made, spec), spec), spec)
 
 
 # ---------------------------------------------------------------- assembly

@@ -25,6 +25,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.backlash import thin
+from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import ROOT, Roll, ToothMaking, member
@@ -70,6 +71,7 @@ def build(design: ParabolicHelicalDesign) -> GearTrain:
         )
         for name, spec in _specs(design).items()
     }
+    made = {name: with_tip_surface(made[name], spec) for name, spec in _specs(design).items()}
     if isinstance(design.gear, Modified):
         made["gear"] = with_modifications(made["gear"], design.gear)
     specs = _specs(design)

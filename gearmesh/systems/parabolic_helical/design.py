@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import FlankContact, MemberTable, PairDesign
+from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTip
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
@@ -39,7 +39,7 @@ PARABOLA = Key(
 )
 
 
-class ParabolicMember(MemberTable):
+class ParabolicMember(MemberTable, TurnedTip):
     """What pinion and gear have alike."""
 
     addendum: Annotated[

@@ -1,1 +1,1 @@
-"""Bodies of members: bore, keyway, hub, web and holes."""
+"""Bodies of members: bore, keyway, hub, web and holes; tips that are turned."""

@@ -1,4 +1,4 @@
-r"""Tips of cylindrical gears that are turned to another surface of revolution than a cylinder: cones and throats.
+r"""Tips that are turned to another surface of revolution than the tooth's own: cones and throats.
 
     tip_cone_angle            rho = d_a / 2 + z tan(angle)
     tip_throat_radius R       an arc in the axial plane, d_a / 2 at mid face, R + d_a / 2 its centre: higher at both ends
@@ -22,26 +22,35 @@ from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalMember
+    from gearmesh.design.core import TurnedTip
 
 
-def with_tip_surface(member: Member, spec: CylindricalMember, tip: float) -> Member:
-    """A member with the tip surface that its part `spec` of a design asks for; `tip`: its tip radius at mid face (mm).
+def with_tip_surface(member: Member, spec: TurnedTip, tip: float | None = None) -> Member:
+    """A member with the tip surface that its part `spec` of a design asks for; `tip`: its tip radius at mid face (mm), where it is
+    known.
 
     Raises DesignError naming the key, its value and the limit, where the teeth have no such tip.
     """
-    if spec.tip_cone_angle:
+    own = member.tooth.blank.tip
+    tip = float(own.at(0.0)) if tip is None else tip
+    if spec.tip_cone_angle is not None and spec.tip_cone_angle != np.degrees(np.arctan(_slope(own))):
         return replace(member, tooth=_conical_tooth(member, spec.tip_cone_angle, tip))
     if spec.tip_throat_radius is not None:
         return replace(member, tooth=_throated_tooth(member, spec.tip_throat_radius, tip))
     return member
 
 
+def _slope(level: LandLevel) -> float:
+    """By how much the radius of a cone or cylinder grows along z."""
+    return float(level.at(1.0) - level.at(0.0))
+
+
 def _conical_tooth(member: Member, angle: float, tip: float) -> Tooth:
     inwards = member.tooth.blank.body.around
+    own = float(np.degrees(np.arctan(_slope(member.tooth.blank.tip))))
 
     def tooth(share: float) -> Tooth:
-        slope = np.tan(np.radians(share * angle))
+        slope = np.tan(np.radians(own + share * (angle - own)))
         level = ConeLevel.of(tip, slope)
         if inwards:
             level = ConeLevel(level.angle + np.pi, -level.offset)
@@ -49,8 +58,9 @@ def _conical_tooth(member: Member, angle: float, tip: float) -> Tooth:
 
     if goes(tooth(1.0).prove):
         return tooth(1.0)
-    limit = largest(lambda share: goes(tooth(share).prove)) * angle
-    allowed = f"at most {at_most(limit)} deg" if angle > 0.0 else f"at least -{at_most(-limit)} deg"
+    limit = own + largest(lambda share: goes(tooth(share).prove)) * (angle - own)
+    bound = at_most(abs(limit)) if (limit > 0.0) == (angle > own) else at_least(abs(limit))
+    allowed = f"{'at most' if angle > own else 'at least'} {'-' if limit < 0.0 else ''}{bound} deg"
     raise _refusal(member, "tip_cone_angle", angle, "deg", allowed)
 
 
