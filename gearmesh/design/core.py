@@ -389,7 +389,7 @@ class TurnedTip(Table):
             "angle of a conical tip to the axis, positive where it widens along z; the tip diameter is that at mid face",
             low=-60,
             high=60,
-            default="0, a cylinder; of conical teeth their cone angle",
+            default="0, a cylinder",
         ),
     ] = None
     tip_throat_radius: Annotated[

@@ -119,7 +119,8 @@ class _SharpPiece:
         Inside a convex curve that is bent more it runs back. Raises TrimError where it does so between samples where it does not.
         """
         forth = (np.diff(self.samples[0], axis=0) * np.diff(self.inner, axis=0)).sum(axis=-1) > 0.0
-        if not forth.any():
+        # a rounding as wide as the chamfer shrinks to its centre
+        if not forth.any() or np.linalg.norm(self.inner - self.inner[0], axis=-1).max() <= SNAP:
             return 0, 0
         first, last = int(forth.argmax()), int(SAMPLES - 1 - forth[::-1].argmax())
         if not forth[first:last].all():
@@ -372,6 +373,9 @@ def _concave(one: _SharpPiece, other: _SharpPiece) -> tuple[Array, float, float,
 
 def _crossing(one: _SharpPiece, other: _SharpPiece) -> tuple[float, float] | None:
     """s on both where the parallel curves of two arcs cross, next to the end of the first; None where they do not."""
+    last, first = one.usable[1], other.usable[0]
+    if np.linalg.norm(one.inner[last] - other.inner[first]) <= SNAP:
+        return float(one.s[last]), float(other.s[first])
     parts = [slice(arc.usable[0], arc.usable[1] + 1) for arc in (one, other)]
     near = first_crossing(one.inner[parts[0]][::-1], other.inner[parts[1]])
     if near is None:

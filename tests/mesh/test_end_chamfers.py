@@ -253,3 +253,17 @@ def test_no_place_of_a_chamfer_is_farther_than_its_bound(
     again = replace(mesh)
     farthest = max(end.deviation for end in again.end_meshes().values())
     assert 0.9 * measured < farthest <= CHAMFER * measured <= 1.1001 * measured
+
+
+@pytest.mark.sweep
+def test_a_chamfer_as_wide_as_the_tip_rounding_ends_in_its_centre() -> None:
+    """Between slightly narrower and wider ones, whose strips go on or end before, volumes go on as evenly as between them."""
+    volumes, steps = [], (-1e-4, 0.0, 1e-4)
+    for step in steps:
+        keys = ["pinion.tip_rounding=0.3", f"pinion.end_chamfer={0.3 * (1.0 + step)!r}"]
+        member = gm.build(gm.load(SAMPLES / "spur.toml", keys)).members["pinion"]
+        volumes.append(member.plain_volume())
+    assert volumes[0] > volumes[1] > volumes[2]
+    assert volumes[1] == pytest.approx(0.5 * (volumes[0] + volumes[2]), rel=1e-3 * (volumes[0] / volumes[2] - 1.0))
+    middle = gm.build(gm.load(SAMPLES / "spur.toml", ["pinion.tip_rounding=0.3", "pinion.end_chamfer=0.3"]))
+    assert prove(gear_solid(middle.members["pinion"], 0.02), 1).ok

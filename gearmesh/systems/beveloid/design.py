@@ -43,6 +43,16 @@ class BeveloidMember(MemberTable, Modified, TurnedTip):
     dedendum: Annotated[
         float, Key("coefficient", "root below the shifted pitch plane", low=0, high=5, source="ISO 53")
     ] = 1.25
+    tip_cone_angle: Annotated[
+        float | None,
+        Key(
+            "angle",
+            "angle of a conical tip to the axis, positive where it widens along z; the tip diameter is that at mid face",
+            low=-60,
+            high=60,
+            default="cone_angle",
+        ),
+    ] = None
     tip_diameter: Annotated[
         float | None,
         Key("length", "tip diameter at mid face, instead of addendum", low=0, above=True, default="from addendum"),
