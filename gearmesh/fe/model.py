@@ -6,6 +6,7 @@ Units are mm, N, MPa, rad. Whoever writes a deck or runs a solver starts from a 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from textwrap import wrap
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,8 @@ from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 #: linear pressure-overclosure: contact stiffness over Young's modulus, 1/mm; converges where harder springs do not
 STIFFNESS_RATIO = 50.0
+#: characters in a line of notes
+WIDTH = 76
 
 
 @dataclass(frozen=True)
@@ -77,7 +80,8 @@ class CyclicSymmetry:
 
 @dataclass(frozen=True)
 class Model:
-    """Bodies, supports, rigid ties, contacts and forces of one static step. `materials` names an element set each, covering all."""
+    """Bodies, supports, rigid ties, contacts and forces of one static step. `materials` names an element set each, covering all;
+    `notes`: what files say of it at their heads, as what it leaves out."""
 
     title: str
     mesh: HexMesh
@@ -87,3 +91,9 @@ class Model:
     contacts: tuple[ContactPair, ...] = ()
     forces: tuple[NodeForces, ...] = ()
     cyclic: CyclicSymmetry | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def head(self) -> list[str]:
+        """Lines at the head of a file: its units and notes."""
+        return ["mm, N, MPa", *(line for note in self.notes for line in wrap(note, WIDTH))]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -139,7 +140,7 @@ def _twist(nodes: Array, moved: Array) -> Array:
     return (nodes[:, 0] * moved[:, 1] - nodes[:, 1] * moved[:, 0]) / (nodes[:, 0] ** 2 + nodes[:, 1] ** 2)
 
 
-def test_what_has_no_rings_is_refused_and_what_is_left_out_is_reported() -> None:
+def test_what_has_no_rings_is_refused_and_what_is_left_out_is_reported(tmp_path: Path) -> None:
     gears = built(
         {
             "kind": "cylindrical",
@@ -155,9 +156,13 @@ def test_what_has_no_rings_is_refused_and_what_is_left_out_is_reported() -> None
             },
         }
     )
-    assert gears.finite_elements().warnings[0] == (
-        "the finite-element model has none of: keyway (gear), ends of the face within chamfers or roundings (gear)"
-    )
+    elements = gears.finite_elements()
+    left = "the finite-element model has none of: keyway (gear), ends of the face within chamfers or roundings (gear)"
+    assert elements.warnings[0] == left
+    # the deck says so, too
+    elements.save(tmp_path / "gear.inp")
+    head = (tmp_path / "gear.inp").read_text(encoding="utf-8").partition("*NODE")[0].splitlines()
+    assert " ".join(line.removeprefix("** ") for line in head[3:]) == left
     rack = {
         "kind": "rack",
         "module": 2,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -215,10 +215,11 @@ def unloaded_elements_of(
     if sector is not None:
         check_sector(member, sector)
     request = mesh_request_of(design, sector)
-    model = unloaded_model(member, request, material, design.name or design.kind)
+    missing = omissions([member], request.whole)
+    model = replace(unloaded_model(member, request, material, design.name or design.kind), notes=tuple(missing))
     measured = mesh_figures(model.mesh)
     model_figures = UnloadedModelFigures(**vars(measured), seconds=time.perf_counter() - started)
-    noticed = (*warnings, *omissions([member], request.whole), *bad_shapes([measured]))
+    noticed = (*warnings, *missing, *bad_shapes([measured]))
     return UnloadedFiniteElements(design, model, model_figures, noticed, train)
 
 
@@ -244,6 +245,8 @@ def omissions(members: Collection[Member], whole: bool) -> list[str]:
                 parts.setdefault(part, []).append(member.name)
         if member.tooth.blank.ends != SHARP:
             parts.setdefault("ends of the face within chamfers or roundings", []).append(member.name)
+        if member.index.uneven:
+            parts.setdefault("pitch deviations", []).append(member.name)
         if whole and (core := core_radius(member.tooth, member.body)):
             parts.setdefault(f"core of {2.0 * core:.3g} mm round the axis", []).append(member.name)
     if not parts:

@@ -338,6 +338,7 @@ def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
         facets_gap=1e3 * built.gap,
         seconds=time.perf_counter() - started,
     )
+    built = replace(built, model=replace(built.model, notes=tuple(_missing_parts(pair, request))))
     return FiniteElements(design, built.model, figures, (), pair, request, built)
 
 
