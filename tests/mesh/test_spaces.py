@@ -173,6 +173,24 @@ def test_the_largest_offset_is_the_least_radius_of_curvature_of_the_fillet() -> 
         assert offset_member(member, bound).tooth.blank.tip != member.tooth.blank.tip
 
 
+@pytest.mark.sweep
+@pytest.mark.parametrize("outer", [540.0, None])
+def test_the_fillet_of_a_sharp_shaper_ends_where_its_corner_is_on_the_axis_of_rolling(outer: float | None) -> None:
+    """At a radius R the axis of rolling is r = R N_s / N_2 from the shaper's, whose corner is c below it: what it leaves turns back
+    with the radius c^2 / (r + c), nothing where the corner lies on that axis; outward offsets go as far."""
+    keys = ["shaper.tip_radius=0", *([] if outer is None else [f"gear.outer_radius={outer}"])]
+    member = gm.build(gm.load(SAMPLES / "face_gear.toml", keys)).members["gear"]
+    radii = np.linspace(*member.tooth.blank.extent, 1001)
+    corner = 0.5 * 28 * 6.35 + 1.25 * 6.35
+    least = float(((corner - radii * 28 / 160) ** 2).min() / corner)
+    with pytest.raises(gm.errors.DesignError, match="would have a cusp") as refusal:
+        offset_member(member, 1.0)
+    most = float(refusal.value.allowed.split()[2])
+    # nine stations are asked, and the largest is found to 1e-4 of the tooth's height
+    assert least - 2e-3 <= most <= least + 3e-3
+    assert (most == 0.0) == (outer is None)
+
+
 def test_an_offset_leaves_a_land_and_a_body_under_the_teeth(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("gearmesh.teeth.offset.ACCURACY", 0.1)
     for bore, reason in ((53.4, "cut through the body"), (20.0, "is pointed")):
