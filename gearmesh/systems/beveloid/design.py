@@ -24,7 +24,7 @@ PARALLEL = 1e-9
 TIP_RADIUS = 0.38
 
 
-class BeveloidMember(MemberTable, Modified, TurnedTip):
+class BeveloidMember(TurnedTip, MemberTable, Modified):
     """One gear of a beveloid pair; flanks may be modified where its cone angle is 0."""
 
     replaces: ClassVar = (("tip_diameter", "addendum"), ("root_diameter", "dedendum"))

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 FILLETS = {"pinion": 0.4, "gear": 0.3}
 
 
-class CircularArcMember(MemberTable, TurnedTip):
+class CircularArcMember(TurnedTip, MemberTable):
     """What pinion and gear have alike."""
 
     lead_angle: Annotated[

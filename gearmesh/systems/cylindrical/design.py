@@ -146,7 +146,7 @@ class Hob(Table):
 NOT_INSIDE = ("keyway", "hub", "web", "toe_hub", "heel_shaft", "toe_shaft", "spokes")
 
 
-class CylindricalMember(MemberTable, Modified, TurnedTip):
+class CylindricalMember(TurnedTip, MemberTable, Modified):
     """One gear of a cylindrical pair."""
 
     replaces: ClassVar = (

@@ -39,7 +39,7 @@ PARABOLA = Key(
 )
 
 
-class ParabolicMember(MemberTable, TurnedTip):
+class ParabolicMember(TurnedTip, MemberTable):
     """What pinion and gear have alike."""
 
     addendum: Annotated[
