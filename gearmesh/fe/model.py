@@ -94,6 +94,6 @@ class Model:
     notes: tuple[str, ...] = ()
 
     @property
-    def head(self) -> list[str]:
-        """Lines at the head of a file: its units and notes."""
-        return ["mm, N, MPa", *(line for note in self.notes for line in wrap(note, WIDTH))]
+    def note_lines(self) -> list[str]:
+        """The notes, as lines at the head of a file."""
+        return [line for note in self.notes for line in wrap(note, WIDTH)]

@@ -100,7 +100,8 @@ def _write(model: Model, path: Path, dialect: _Dialect) -> None:
 
 
 def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
-    yield f"*HEADING\n{' '.join(model.title.split())}\n" + "".join(f"** {line}\n" for line in model.head)
+    yield f"*HEADING\n{' '.join(model.title.split())}\n** mm, N, MPa\n"
+    yield from (f"** {line}\n" for line in model.note_lines)
     nodes = reference_nodes(model, dialect.rotation_node)
     yield from _nodes(model, nodes)
     yield from _mesh(model.mesh)

@@ -43,7 +43,7 @@ def write(model: Model, path: Path) -> None:
     for name, elements in mesh.element_sets.items():
         grid.cell_data[name] = members(elements, len(mesh.elements))
     with whole_file(path) as temporary:
-        mapdl_archive.save_as_archive(temporary, grid, reset_etype=True, comments=model.head)
+        mapdl_archive.save_as_archive(temporary, grid, reset_etype=True, comments=["mm, N, MPa", *model.note_lines])
         with open(temporary, "a", encoding="ascii", newline="\n") as file:
             file.writelines(properties)
 
