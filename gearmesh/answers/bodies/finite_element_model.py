@@ -245,8 +245,6 @@ def omissions(members: Collection[Member], whole: bool) -> list[str]:
                 parts.setdefault(part, []).append(member.name)
         if member.tooth.blank.ends != SHARP:
             parts.setdefault("ends of the face within chamfers or roundings", []).append(member.name)
-        if member.index.uneven:
-            parts.setdefault("pitch deviations", []).append(member.name)
         if whole and (core := core_radius(member.tooth, member.body)):
             parts.setdefault(f"core of {2.0 * core:.3g} mm round the axis", []).append(member.name)
     if not parts:
