@@ -15,7 +15,7 @@ from gearmesh.errors import GearmeshError
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
 from gearmesh.metrology.flanks.point_file import point_text, read_points
-from gearmesh.metrology.flanks.projection import FlankProjection, turn_about_axis
+from gearmesh.metrology.flanks.projection import FlankProjection
 from gearmesh.metrology.flanks.smoothing import smooth_deviations
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
@@ -79,6 +79,7 @@ def test_a_grid_reads_back_to_the_last_digit(spur: gm.Gears, suffix: str, tmp_pa
     ("sample", "member"),
     [
         ("beveloid_crossed", "gear"),
+        ("rack", "rack"),
         pytest.param("hypoid", "pinion", marks=pytest.mark.sweep),
         pytest.param("worm_drive", "wheel", marks=pytest.mark.sweep),
         pytest.param("face_gear", "gear", marks=pytest.mark.sweep),
@@ -93,16 +94,27 @@ def test_real_flanks_go_through_what_was_measured(sample: str, member: str, tmp_
     np.testing.assert_allclose(distances, 0.0, atol=1e-11)
 
     cloud = real.tooth.flank_grid(Side.RIGHT, np.linspace(0.05, 0.95, 40), np.linspace(0.05, 0.95, 90))
-    away = turn_about_axis(cloud.points.reshape(-1, 3), 2.0 * nominal.tooth.pitch_angle + 1e-3, 0.0)
+    joint = nominal.tooth.joint
+    away = joint.to(2.0 * nominal.tooth.pitch_angle + 1e-3).point(cloud.points.reshape(-1, 3))
     write_points(tmp_path / "cloud.csv", away)
     again = gm.build(design.with_values({f"measured.{member}_right": str(tmp_path / "cloud.csv")})).members[member]
     # up to the rotation that the fit takes away
-    lever = np.cross([0.0, 0.0, 1.0], cloud.points)
+    lever = np.array([0.0, 1.0, 0.0]) if joint.travel else np.cross([0.0, 0.0, 1.0], cloud.points)
     there = FlankProjection(again.tooth, Side.RIGHT).foot_points(cloud.points.reshape(-1, 3)).distances
     arm = dot(lever, cloud.normals).ravel()
     rest = there - arm * (arm @ there) / (arm @ arm)
     assert np.sqrt((rest**2).mean()) < 2e-5
     assert np.abs(rest).max() < 1e-4
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_rack_slides_to_its_points_and_does_not_turn(axis: int, tmp_path: Path) -> None:
+    """Turned about its frame's axis, points of the mirrored plane of a helical rack would fit too."""
+    design = gm.load(SAMPLES / "rack.toml")
+    grid = MeasuringGrid.of(gm.build(design).members["rack"], Side.RIGHT, (5, 9), (0.1, 0.1))
+    write_points(tmp_path / "rack.csv", grid.points.reshape(-1, 3) * np.where(np.arange(3) == axis, -1.0, 1.0))
+    with pytest.raises(GearmeshError, match=r"points|lie on the right flank|from the flank"):
+        gm.build(design.with_values({"measured.rack_right": str(tmp_path / "rack.csv")}))
 
 
 def crowned_and_measured(folder: Path) -> tuple[gm.Contact, gm.Contact]:

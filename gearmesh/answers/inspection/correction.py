@@ -356,7 +356,8 @@ def correct_settings(
         raise ArgumentError("noise", noise, must_be="above 0, um")
     nominal, train, made = flanks_of_files(design, name, file, flank)
     movable_settings(nominal, name)
-    flanks = CutFlanks(systems.pin(nominal, train), name, {side: own.grid for side, own in made.items()})
+    grids, joint = {side: own.grid for side, own in made.items()}, train.members[name].tooth.joint
+    flanks = CutFlanks(systems.pin(nominal, train), name, grids, joint)
     with part(0.1, 0.5):
         moving = usable_settings(flanks, settings)
     if not moving:

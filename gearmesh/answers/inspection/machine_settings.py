@@ -13,6 +13,7 @@ import numpy as np
 
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
+from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.metrology.flanks.projection import FlankProjection
 from gearmesh.progress import in_turn
@@ -127,6 +128,7 @@ class CutFlanks:
     design: Design
     name: str
     grids: Mapping[Side, DeviationGrid]
+    joint: Joint
 
     def displacements(self, values: Mapping[str, Any]) -> Array:
         """How far (N,), mm along the normals, the flanks cut with other values of keys are beyond the points, side by side.
@@ -145,11 +147,8 @@ class CutFlanks:
 
     @property
     def rotation(self) -> Array:
-        """Displacements (N,), mm per rad of rotation of the member."""
-        parts = [
-            grid.points[..., 0] * grid.normals[..., 1] - grid.points[..., 1] * grid.normals[..., 0]
-            for grid in self.grids.values()
-        ]
+        """Displacements (N,), mm per rad of rotation of the member, of a rack along it."""
+        parts = [self.joint.along(grid.points, grid.normals) for grid in self.grids.values()]
         return np.concatenate([part.ravel() for part in parts])
 
     @property

@@ -1,5 +1,5 @@
-"""Measured points laid on the flanks that they are of, with the freedoms that the machine leaves: rotation about the axis, and the
-axial position where the datum is free.
+"""Measured points laid on the flanks that they are of, with the freedoms that the machine leaves: rotation about the axis (of racks
+the place along the bar), and the axial position where the datum is free.
 
 A small rotation w and shift h change the distance of a point r along the normal n by w (z x r) . n + h n_z: least squares over all
 points give both, and a few rounds with new foot points the exact place. Teeth are alike, so that points of any of them are turned
@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.errors import ArgumentError
+from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array, components
-from gearmesh.metrology.flanks.projection import FlankProjection, FootPoints, turn_about_axis
+from gearmesh.metrology.flanks.projection import FlankProjection, FootPoints
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
@@ -82,13 +83,14 @@ def _refine(
 ) -> tuple[float, float]:
     """Rotation (rad) and shift (mm) after so many steps of least squares at most, from a place near."""
     rotation, shift = place
+    joint = _joint(projections)
     for _ in range(rounds):
         feet = _feet(projections, points, (rotation, shift))
         r, n, d = (
             np.concatenate([getattr(foot, name) for foot in feet.values()])
             for name in ("points", "normals", "distances")
         )
-        rates = components(r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0], n[:, 2])[:, : 2 if axial else 1]
+        rates = components(joint.along(r, n), n[:, 2])[:, : 2 if axial else 1]
         kept = np.isfinite(d)
         step = -np.linalg.lstsq(rates[kept], d[kept], rcond=None)[0]
         rotation, shift = rotation + float(step[0]), shift + (float(step[1]) if axial else 0.0)
@@ -100,20 +102,33 @@ def _refine(
 def _feet(
     projections: Mapping[Side, FlankProjection], points: Mapping[Side, Array], place: tuple[float, float]
 ) -> dict[Side, FootPoints]:
-    return {side: projections[side].foot_points(turn_about_axis(own, *place)) for side, own in points.items()}
+    joint = _joint(projections)
+    return {side: projections[side].foot_points(_moved(joint, own, place)) for side, own in points.items()}
+
+
+def _joint(projections: Mapping[Side, FlankProjection]) -> Joint:
+    """In which the member moves that the flanks are of."""
+    return next(iter(projections.values())).tooth.joint
+
+
+def _moved(joint: Joint, points: Array, place: tuple[float, float]) -> Array:
+    """Points (N, 3) turned about z by an angle (rad), of racks moved along y, and shifted along z by so many mm."""
+    moved: Array = joint.to(place[0]).point(points) + np.array([0.0, 0.0, place[1]])
+    return moved
 
 
 def _start(tooth: Tooth, projections: Mapping[Side, FlankProjection], points: Mapping[Side, Array]) -> float:
     """The rotation (rad), of those that turn points to the tooth, from which they are nearest to their flanks."""
     few = {side: own[:: max(1, len(own) // SAMPLE)] for side, own in points.items()}
-    polar = np.concatenate([np.arctan2(own[:, 1], own[:, 0]) for own in few.values()])
-    middle = float(np.angle(np.exp(1j * polar).mean()))
+    joint = tooth.joint
+    angles = np.concatenate([joint.angle(own) for own in few.values()])
+    middle = float(angles[0] + joint.within(angles - angles[0]).mean())
     pitch = tooth.pitch_angle
     whole = -pitch * np.round(middle / pitch)
     tried = whole + pitch * np.linspace(-1.0, 1.0, 2 * STARTS, endpoint=False)
     tried = np.concatenate(([0.0], tried))
     far = [
-        sum(projections[side].near_distance(turn_about_axis(own, angle, 0.0)) for side, own in few.items())
+        sum(projections[side].near_distance(_moved(joint, own, (float(angle), 0.0))) for side, own in few.items())
         for angle in tried
     ]
     return float(tried[int(np.argmin(far))])

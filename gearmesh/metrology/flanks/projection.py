@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import Array, components, dot
+from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.region import Side
@@ -69,10 +69,3 @@ class FlankProjection:
         for values in (s, t, distances):
             values[lost] = np.nan
         return FootPoints(s, t, jet.r, jet.n, distances)
-
-
-def turn_about_axis(points: Array, angle: float, shift: float) -> Array:
-    """Points (..., 3) turned about z by an angle (rad) and shifted along it by so many mm."""
-    c, s = np.cos(angle), np.sin(angle)
-    x, y, z = np.moveaxis(points, -1, 0)
-    return components(c * x - s * y, s * x + c * y, z + shift)
