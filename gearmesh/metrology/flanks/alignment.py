@@ -103,7 +103,7 @@ def _feet(
     projections: Mapping[Side, FlankProjection], points: Mapping[Side, Array], place: tuple[float, float]
 ) -> dict[Side, FootPoints]:
     joint = _joint(projections)
-    return {side: projections[side].foot_points(_moved(joint, own, place)) for side, own in points.items()}
+    return {side: projections[side].foot_points(_displace(joint, own, place)) for side, own in points.items()}
 
 
 def _joint(projections: Mapping[Side, FlankProjection]) -> Joint:
@@ -111,10 +111,10 @@ def _joint(projections: Mapping[Side, FlankProjection]) -> Joint:
     return next(iter(projections.values())).tooth.joint
 
 
-def _moved(joint: Joint, points: Array, place: tuple[float, float]) -> Array:
+def _displace(joint: Joint, points: Array, place: tuple[float, float]) -> Array:
     """Points (N, 3) turned about z by an angle (rad), of racks moved along y, and shifted along z by so many mm."""
-    moved: Array = joint.to(place[0]).point(points) + np.array([0.0, 0.0, place[1]])
-    return moved
+    displaced: Array = joint.to(place[0]).point(points) + np.array([0.0, 0.0, place[1]])
+    return displaced
 
 
 def _start(tooth: Tooth, projections: Mapping[Side, FlankProjection], points: Mapping[Side, Array]) -> float:
@@ -128,7 +128,7 @@ def _start(tooth: Tooth, projections: Mapping[Side, FlankProjection], points: Ma
     tried = whole + pitch * np.linspace(-1.0, 1.0, 2 * STARTS, endpoint=False)
     tried = np.concatenate(([0.0], tried))
     far = [
-        sum(projections[side].near_distance(_moved(joint, own, (float(angle), 0.0))) for side, own in few.items())
+        sum(projections[side].near_distance(_displace(joint, own, (float(angle), 0.0))) for side, own in few.items())
         for angle in tried
     ]
     return float(tried[int(np.argmin(far))])
