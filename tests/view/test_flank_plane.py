@@ -17,7 +17,7 @@ from gearmesh.answers.contact.contact import Contact
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import dot, unit
 from gearmesh.view.diagrams import flank_diagrams
-from gearmesh.view.diagrams.flank_diagrams import ContactPanel, FieldPanel, plot_flanks
+from gearmesh.view.diagrams.flank_diagrams import ContactPanel, FieldPanel, flank_window, plot_flanks
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.pictures import flank_rows
 from gearmesh.view.scene import contact_on
@@ -135,6 +135,32 @@ def test_fields_that_are_uniform_have_no_scale(monkeypatch: pytest.MonkeyPatch) 
     past = flank_diagrams._past_edges(panel.beyond)
     # one line along the root
     assert (np.ptp((past > 0.0).sum(axis=0)), (past[0] > 0.0).all(), (past[1:] > 0.0).any()) == (0, True, False)
+
+
+def test_an_end_that_is_nearly_seen_stands_whole() -> None:
+    """And has room for its name; what is far from the contact is cut off."""
+    flank = np.array([[-45.0, 43.6], [45.0, 51.0]])
+    (left, right), *_ = flank_window(flank, (-35.0, 45.0), 6.7)
+    room = (right - left) * flank_diagrams.ROOM[0] / 6.7
+    assert (left, right) == pytest.approx((-45.0 - room, 45.0 + room))
+    assert flank_window(flank, (30.0, 45.0), 6.7)[0][0] > 0.0
+
+
+def test_lines_of_equal_values_are_labelled_where_there_is_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Labels stay inside of the flank and off each other."""
+    kept: list[Any] = []
+    monkeypatch.setattr(flank_diagrams, "save_figure", lambda figure, file: kept.append(figure))
+    plot_flanks("flank.png", flank_rows(contact("spiral_bevel_basic"), ("pinion",)), "")
+    figure, count = kept[0], 0
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        boxes = [label.get_window_extent() for label in axes.texts if label.get_text().isdigit()]
+        count += len(boxes)
+        outline = Polygon(np.column_stack(axes.lines[0].get_data()))
+        for k, box in enumerate(boxes):
+            assert outline.contains_points(axes.transData.inverted().transform(box.corners())).all()
+            assert not any(box.overlaps(other) for other in boxes[:k])
+    assert count > 6
 
 
 @pytest.mark.sweep
