@@ -100,10 +100,12 @@ class _Ends:
             known |= self._point_ends(points)
         for own, piece in self.pair.pieces(c.x[[end.last for end in lines]]) if lines else ():
             on_piece = [lines[k] for k in own]
-            known |= self._line_ends(piece, on_piece)
-            for end in on_piece:
+            last = [end.last for end in on_piece]
+            middles = trace(piece, self.phi1[last], c.x[last]).x
+            known |= self._line_ends(piece, on_piece, middles)
+            for end, middle in zip(on_piece, middles, strict=True):
                 if end not in known:
-                    known[end] = self._undercut_end(end) or (self._shrunk(piece, end), np.nan)
+                    known[end] = self._undercut_end(end, middle) or (self._shrunk(piece, end), np.nan)
         known |= {end: (self._bisect(end), np.nan) for end in both if end not in known}
         begin, end = known[both[0]], known[both[1]]
         overlap = np.nan
@@ -151,9 +153,9 @@ class _Ends:
                     places[ends[k]] = phi1, np.nan
         return places
 
-    def _line_ends(self, pair: Pair, ends: list[_End]) -> dict[_End, tuple[float, float]]:
-        """Where the lines of the last nodes have shrunk to a point between two edges, as far as they do; and where they meet the
-        first at their other end.
+    def _line_ends(self, pair: Pair, ends: list[_End], x: Array) -> dict[_End, tuple[float, float]]:
+        """Where the lines of the last nodes, with their middles x (M, 5), have shrunk to a point between two edges, as far as they
+        do; and where they meet the first at their other end.
 
         Along the line beyond, every edge leaves one side of where it crosses; the two edges that leave nothing between them are
         those between which it ended.
@@ -161,8 +163,7 @@ class _Ends:
         every = np.arange(len(ends))
         last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
         before, plain = (Conditions(pair.flanks, self.phi1[k], pair.length) for k in (last, beyond))
-        # the middle of the last line, followed at its station
-        x = trace(pair, before.phi1, self.flanks.x[last]).x
+        # the middle of the last line is followed at its station
         axial = pair.pinion.axial
         station = axial.value(before.touch(x, every).own[0].r)
         _, across = directions(pair, before, x)
@@ -205,16 +206,16 @@ class _Ends:
                 line_ends[ends[k]] = own_end, other_end if along_face(int(first[which[0]])) else np.nan
         return line_ends
 
-    def _undercut_end(self, end: _End) -> tuple[float, float] | None:
-        """The same from the line of the last node, which is on the flanks: of all edges along the face, at either end of the face,
-        that which it reaches last. None where it reaches none.
+    def _undercut_end(self, end: _End, middle: Array) -> tuple[float, float] | None:
+        """The same from the line of the last node, with its `middle` (5,), which is on the flanks: of all edges along the face, at
+        either end of the face, that which it reaches last. None where it reaches none.
 
         Beyond it an undercut flank meets its edge, and its mating gear's tip meets it, once more on the other branch of the
         involute.
         """
         pair = self.pair
         plain = Conditions(pair.flanks, self.phi1[[end.last]], pair.length)
-        x = trace(pair, plain.phi1, self.flanks.x[[end.last]]).x
+        x = middle[None]
         _, across = directions(pair, plain, x)
         meets = {number: values for number, (values, met) in on_edges(pair, plain, across, x).items() if met[0]}
         choices = [(a, b) for a in pair.ends if along_face(a) for b in meets if not along_face(b)]
