@@ -9,7 +9,7 @@ B-splines of knots t by the recursion of Cox and de Boor [C. de Boor, A Practica
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from math import factorial
 
 import numpy as np
@@ -34,17 +34,26 @@ class Polynomials:
 
     def derivatives(self, x: Array, *orders: int) -> list[Array]:
         """Derivatives of several orders at x (...,), as one by one."""
-        inner = self.breaks[1:-1]
-        piece = inner.searchsorted(x, side="right")
+        piece = self.breaks[1:-1].searchsorted(x, side="right")
         beyond = np.asarray(x - self.breaks[piece]).reshape(*np.shape(x), *(1,) * (self.coefficients.ndim - 2))
-        degree, own = len(self.coefficients) - 1, self.coefficients[:, piece]
         values = []
         for order in orders:
-            value = np.zeros_like(own[0])
-            for power in range(degree, order - 1, -1):
-                value = value * beyond + factorial(power) // factorial(power - order) * own[degree - power]
-            values.append(value)
+            highest, *lower = self._derived[min(order, len(self.coefficients))][:, piece]
+            for coefficient in lower:
+                highest = highest * beyond + coefficient
+            values.append(highest)
         return values
+
+    @cached_property
+    def _derived(self) -> list[Array]:
+        """Coefficients of the derivatives of orders 0 to K + 1, as those of the function; the last is 0."""
+        degree = len(self.coefficients) - 1
+        table = []
+        for order in range(degree + 1):
+            factors = [factorial(power) // factorial(power - order) for power in range(degree, order - 1, -1)]
+            shape = (-1, *(1,) * (self.coefficients.ndim - 1))
+            table.append(np.array(factors).reshape(shape) * self.coefficients[: len(factors)])
+        return [*table, np.zeros_like(self.coefficients[:1])]
 
 
 def spline_through(x: Array, values: Array, degree: int) -> Polynomials:

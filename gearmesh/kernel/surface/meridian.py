@@ -151,6 +151,9 @@ class Joined:
 
     def at(self, a: Array) -> Values:
         number = np.searchsorted(self.corners, a, side="right")
+        if number.size and (number == number.flat[0]).all():
+            # as mostly, all between the same corners
+            return self.curves[int(number.flat[0])].at(a)
         pieces = [curve.at(a) for curve in self.curves]
         value, slope, bend = (np.choose(number, of_pieces) for of_pieces in zip(*pieces, strict=True))
         return value, slope, bend
