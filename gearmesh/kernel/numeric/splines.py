@@ -38,14 +38,14 @@ class Polynomials:
         beyond = np.asarray(x - self.breaks[piece]).reshape(*np.shape(x), *(1,) * (self.coefficients.ndim - 2))
         values = []
         for order in orders:
-            highest, *lower = self._derived[min(order, len(self.coefficients))][:, piece]
+            highest, *lower = self._derivative_tables[min(order, len(self.coefficients))][:, piece]
             for coefficient in lower:
                 highest = highest * beyond + coefficient
             values.append(highest)
         return values
 
     @cached_property
-    def _derived(self) -> list[Array]:
+    def _derivative_tables(self) -> list[Array]:
         """Coefficients of the derivatives of orders 0 to K + 1, as those of the function; the last is 0."""
         degree = len(self.coefficients) - 1
         table = []
