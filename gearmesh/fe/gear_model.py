@@ -14,7 +14,7 @@ import numpy as np
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.fe.model import STIFFNESS_RATIO, ContactPair, CyclicSymmetry, Model, NodeForces, RigidTie, Support
-from gearmesh.fe.placing import PlacedPair, arc_centre, focus_on, major_axis, neighbours
+from gearmesh.fe.placing import PlacedPair, arc_centre, focus_on, major_axis, neighbours, stations_under_load
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, plane_cross, unit
 from gearmesh.mesh.hexahedra.cyclic import pair_cuts
@@ -233,13 +233,16 @@ def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexG
     if request.even or np.isnan(at.pressure):
         return replace(plain_grid(request.cells), centre=centre)
     near = neighbours(pair, at, request.torque, request.materials) if request.every_tooth else {}
-    focus, beside = focus_on(pair, name, at, request.ellipse), {}
+    # where a thread wedges itself in, its flank slides far along the gear's before it carries the load
+    slides = which == 0 and pair.pinion.tooth.screw is not None and len(request.members) == 2
+    focus, beside = focus_on(pair, name, at, request.ellipse, turned=slides), {}
     for places, beside_at in near.items():
         own = focus_on(pair, name, beside_at, request.ellipse)
         # on an edge the contact under load is about as large as the leading one
         beside[places[pair.index(name)]] = replace(focus, s=own.s, t=own.t) if np.isnan(beside_at.pressure) else own
     wanted = resolving(request.second_order, at.approach) if request.resolved else None
-    return replace(focused_grid(request.cells, focus, beside, wanted), centre=centre)
+    shared = stations_under_load(pair, grid_of(pair, pair.gear.name, request, at), at) if slides else None
+    return replace(focused_grid(request.cells, focus, beside, wanted, shared), centre=centre)
 
 
 def resolving(second_order: bool, approach: float) -> CoarsestLines:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from gearmesh.fe.results import NodalSolution, principal_stresses
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hexes import HexMesh
-from gearmesh.systems.designs import load
+from gearmesh.systems.designs import load, parse
 from oracles.built import model_of
 from oracles.fe_blocks import block, graded, pressed, rounded
 from oracles.hertz import at_peak
@@ -49,6 +50,21 @@ def one_pair(sample: str, *keys: str) -> FiniteElements:
     """One tooth pair of a sample under 50 Nm."""
     own = ["fe.teeth=1", "fe.torque=50.0", "fe.rim_layers=2", "fe.fillet=4", *keys]
     return model_of(load(SAMPLES / f"{sample}.toml", own))
+
+
+def worm_pair(ellipse: int = 0, **keys: Any) -> FiniteElements:
+    """A thread and a tooth in a point under 20 Nm (m = 4, 2/40, the hob a tenth larger), `ellipse` elements over each half axis or
+    by default as many as resolve the pressure; keys of tables set anew."""
+    own = {"teeth": 1, "torque": 20.0, "rim_layers": 2, "fillet": 4, "ellipse": ellipse}
+    drive: dict[str, Any] = {
+        "kind": "worm_drive",
+        "module": 4,
+        "worm": {"threads": 2},
+        "wheel": {"teeth": 40},
+        "hob": {"reference_diameter": 44},
+        "fe": own,
+    }
+    return model_of(parse({**drive, **keys}))
 
 
 #: width (mm) of the slice of the spur pinion, N mm on it

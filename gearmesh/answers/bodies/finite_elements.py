@@ -35,7 +35,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, check_sector, gear_model, grid_of
 from gearmesh.fe.model import Model
-from gearmesh.fe.placing import PlacedPair, focus_on, place
+from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, minor_axis, place
 from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, largest_principal
 from gearmesh.figures import Content, Entry, Summary
 from gearmesh.kernel.motion.rigid import Rigid
@@ -44,6 +44,8 @@ from gearmesh.teeth.gear_train import GearPair
 
 #: elements up to which models with default numbers of lines get more of them until these resolve the contact pressure
 LARGEST_DEFAULT = 150_000
+#: semi-axes from the middle of an ellipse beyond which no pressure is its peak
+RIM = 0.9
 #: coefficient of friction up to which a solution means something
 LARGEST_FRICTION = 1.0
 #: keys of the table fe that say how fine the lines are where the teeth touch
@@ -121,6 +123,8 @@ class FiniteElementSolution(Result):
         """Why the largest pressure is unreliable; empty where it is not."""
         if self.measured.contact is None or self.measured.contact.pressure_resolved:
             return ""
+        if _at_rim(self.problem, self.measured.contact.max_pressure_point):
+            return "unresolved: at the rim of the ellipse, where lines are coarser"
         return f"unresolved: {self.problem.coarse or 'not on the leading tooth pair, where the mesh is fine'}"
 
     @property
@@ -425,16 +429,26 @@ def _contact_figures(
     # the pair at the middle, round which the lines are fine; evenly spaced ones are alike everywhere
     leading = worst if problem.request.even else _leading(problem)
     sense = np.sign(problem.built.at.arm)
+    highest = back.point(contacts[worst].place).tolist()
     return SolvedContact(
         max_pressure=contacts[worst].peak_pressure,
-        pressure_resolved=worst == leading and not problem.coarse,
-        max_pressure_point=back.point(contacts[worst].place).tolist(),
+        pressure_resolved=worst == leading and not problem.coarse and not _at_rim(problem, highest),
+        max_pressure_point=highest,
         pressure_centre=back.point(contacts[worst].centre).tolist(),
         contact_area=float(sum(contact.area for contact in contacts)),
         torque=1e-3 * float(sense * reference.moment[2]),
         rotation=(problem.built.preload + float(sense * reference.rotation[2])) / ARCSEC,
         tooth_pairs=[_pair_figures(contact) for contact in contacts],
     )
+
+
+def _at_rim(problem: FiniteElements, place: list[float]) -> bool:
+    """Whether a place (mm, fixed frame) is where the pressure on an ellipse ends, and no peak of it; of lines and edges never."""
+    at = problem.built.at
+    if np.isnan(at.pressure) or at.path.lines[0] is not None:
+        return False
+    away = np.array(place) - at.path.point[0]
+    return bool(np.hypot(away @ major_axis(at.path) / at.semi_major, away @ minor_axis(at.path) / at.semi_minor) > RIM)
 
 
 def _leading(problem: FiniteElements) -> int:

@@ -115,13 +115,18 @@ def plain_grid(cells: Cells) -> HexGrid:
 
 
 def focused_grid(
-    cells: Cells, focus: Focus, near: Mapping[int, Focus] | None = None, wanted: CoarsestLines | None = None
+    cells: Cells,
+    focus: Focus,
+    near: Mapping[int, Focus] | None = None,
+    wanted: CoarsestLines | None = None,
+    shared: Array | None = None,
 ) -> HexGrid:
     """Lines that crowd round a contact ellipse on the tooth on +x, and across the flanks round those on teeth at places `near` it.
 
     With `focus.cells` elements wanted over each half of it, their numbers along the face, across the flank and through the
     tooth follow from that, and those of `cells` hold elsewhere; with 0 wanted, they are as fine there as all the numbers of
     `cells` allow, or, where that is too coarse for what is `wanted`, as many more as it takes, and fewer along the face.
+    `shared` (K,): rising stations that the mating tooth has about the ellipse, and which are this one's there.
     """
     sizes = [
         (focus.half_t, focus.half_t, focus.t, cells.face),
@@ -140,6 +145,9 @@ def focused_grid(
             spacings, fixed = _refine_spacings(wanted, focus, spacings, fixed)
     (along, across, inwards), (stations, rows, layers) = spacings, fixed
     t = along.nodes(stations or max(along.cells(focus.t), LEAST_CELLS), focus.t)
+    if shared is not None and len(shared) > 1:
+        before, after = (0.5 * float(shared[k + 1] - shared[k]) for k in (0, -2))
+        t = np.concatenate((t[t < shared[0] - before], shared, t[t > shared[-1] + after]))
     centre = _middle(focus, t)
     flank = across.nodes(rows or max(across.cells(centre), LEAST_CELLS), centre)
     thickness = inwards.nodes(layers or max(inwards.cells(0.0), LEAST_CELLS))
