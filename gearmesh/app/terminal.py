@@ -97,7 +97,15 @@ def working(what: str) -> Iterator[Progress]:
     """A progress bar on a terminal, with the time that it took and, once the progress is known, that which remains; until then the
     bar pulses. Elsewhere one line per stage. What the work itself tells on its way counts where the command tells nothing."""
     if not sys.stderr.isatty():
-        yield lambda fraction, doing: print(f"gearmesh: {doing}", file=sys.stderr)
+        stage = ""
+
+        def line(fraction: float, doing: str) -> None:
+            nonlocal stage
+            if doing != stage:
+                stage = doing
+                print(f"gearmesh: {doing}", file=sys.stderr)
+
+        yield line
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
