@@ -61,8 +61,8 @@ TURN_STATIONS = 24
 STEEP, SCREW_PLACES, SAME_SCREW = 1.8, 3, 1e-6
 #: share of their mean by which the advances of both sides may differ, of threads of two leads
 MOST_APART = 0.5
-#: angle (rad) that is left of the groove of a single thread where it has run out, at least
-NARROWEST_GROOVE = np.pi / 6.0
+#: stations of a stretch of the face along which the width of a land is followed
+LAND_STATIONS = 9
 #: stations at which a tooth is tried before anything else is made of it
 PROOF_STATIONS = 9
 #: share of a link from its ends within which a break is none of its seams
@@ -658,13 +658,22 @@ class Tooth:
     def _width_of_land(self, right: Array, left: Array, t: Array) -> Array:
         """Angle (T,), rad, between the tips of both sides at t (T,). Raises TrimError where the tooth is pointed."""
         width = self.joint.within(left - right)
-        if self.teeth == 1 and self._bends.size:
-            # the land of a run-out, whose groove vanishes, goes round nearly a turn
-            width = np.where(width < -NARROWEST_GROOVE, width + 2.0 * np.pi, width)
+        if (width <= 0.0).any():
+            width = np.where(width <= 0.0, width + self._turns_of_land(t), width)
         if (width <= 0.0).any():
             k = int(np.argmin(width))
             raise TrimError("pointed", float(t[k]), "the tooth is pointed")
         return width
+
+    def _turns_of_land(self, t: Array) -> Array:
+        """Full turns (T,), rad, that the width of the land has grown through at t (T,) on its way from mid face: that of a single
+        thread goes round nearly a turn where it runs out."""
+        stretches = pairwise(np.unique([0.0, *self._bends, 0.5, 1.0]))
+        way = np.unique(np.concatenate([t, *(np.linspace(*ends, LAND_STATIONS) for ends in stretches)]))
+        right, left = (self.joint.angle(self._tip(self.side(side), self.stations(way), way)[1].r) for side in Side)
+        width = self.joint.within(left - right)
+        turns = self.joint.running(width) - width
+        return (turns - turns[way == 0.5])[np.searchsorted(way, t)]
 
 
 def _changes(holds: Callable[[Array], NDArray[np.bool_]]) -> Array:

@@ -205,6 +205,29 @@ class HobTable(Table):
     tip_radius: Annotated[
         float, Key("coefficient", "tip rounding in the axial section: generates the fillet", low=0, high=2)
     ] = ROUNDING
+    center_distance: Annotated[
+        float | None,
+        Key("length", "centre distance of cutting a_0", low=0, above=True, default="a + (d_0 - d_1) / 2"),
+    ] = None
+    swivel_angle: Annotated[
+        float | None,
+        Key(
+            "angle",
+            "swivel eta_0 of the hob's axis out of the worm's: towards the way that larger lead angles ask for",
+            low=-45,
+            high=45,
+            default="gamma_0 - gamma, threads of hob and worm tangent in the pitch point",
+        ),
+    ] = None
+    feed: Annotated[
+        str,
+        Key(
+            "choice",
+            "tangential: along the hob's axis, the wheel turning with it, so that the hob, tapered or a fly cutter, cuts where "
+            "it finishes alone; radial: towards the wheel, at the full length of the hob",
+            choices=("tangential", "radial"),
+        ),
+    ] = "tangential"
 
 
 class WormDriveAssembly(Table):
