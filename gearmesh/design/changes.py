@@ -103,6 +103,14 @@ CHANGES: tuple[Change, ...] = (
         "2 m (sqrt(q + 1) + 0.5), ZC: 2 m (sqrt(q + 1) - 0.5)",
         "flanks of ZC wheels began beyond the tip at the toe",
     ),
+    Change(
+        "0.11.0",
+        ("worm_drive",),
+        "wheel.face_width",
+        "2 m (sqrt(q + 1) + 0.5), ZC: 2 m (sqrt(q + 1) - 0.5)",
+        "the same, less where flanks end sooner",
+        "wheels of steep threads were refused",
+    ),
 )
 
 

@@ -14,13 +14,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import station_normal
-from gearmesh.kernel.surface.stations import TrimError, along
+from gearmesh.kernel.surface.stations import TrimError, along, follow
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.development import Development
@@ -61,6 +62,8 @@ TURN_STATIONS = 24
 STEEP, SCREW_PLACES, SAME_SCREW = 1.8, 3, 1e-6
 #: share of their mean by which the advances of both sides may differ, of threads of two leads
 MOST_APART = 0.5
+#: samples of a flank in which its tip is looked for, and how far from the form point, over what it is nominally
+TIP_SAMPLES, FARTHEST_TIP = 33, 1.5
 #: stations of a stretch of the face along which the width of a land is followed
 LAND_STATIONS = 9
 #: stations at which a tooth is tried before anything else is made of it
@@ -246,12 +249,41 @@ class Tooth:
 
     def _cut_off(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
         """Stations t (T,) where the flank is undercut, at the tool's form point or before it."""
-        cut = self._cut_off_at_form_point(side, t)
-        return cut | singular_stations(side, self.stations(t), self.blank.axial) if self._folds(side) else cut
-
-    def _cut_off_at_form_point(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
+        cut, odd = self._cut_off_at_form_point(side, t)
+        if not self._folds(side):
+            return cut
         stations, axial = self.stations(t), self.blank.axial
-        return cut_off(side, along(side.flank, np.full_like(stations, side.tip), stations, axial)[1], stations, axial)
+        folded = singular_stations(side, stations, axial)
+        if odd.any():
+            folded[odd] = singular_stations(side, stations[odd], axial, self._tip(side, stations[odd], t[odd])[0])
+        return cut | folded
+
+    def _cut_off_at_form_point(self, side: ToothSide, t: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Where the flank is undercut at the tool's form point, and where its nominal tip says nothing of that, at t (T,)."""
+        stations, axial = self.stations(t), self.blank.axial
+        sound, odd = self._nominal_tip(side, t)
+        cut = cut_off(side, sound, stations, axial)
+        if odd.any():
+            cut[odd] = cut_off(side, self._tip(side, stations[odd], t[odd])[1], stations[odd], axial)
+        return cut, odd
+
+    def _nominal_tip(self, side: ToothSide, t: Array) -> tuple[Jet, NDArray[np.bool_]]:
+        """The flank's jet at its nominal tip at t (T,), and where that is none, or turned inside out against mid face: steep flanks
+        reach the tip far from there."""
+        which = Side.RIGHT if side is self.right else Side.LEFT
+        if which not in self._senses and 0.5 not in t:
+            self._nominal_tip(side, np.array([0.5]))
+        stations = self.stations(t)
+        nominal = follow(side.flank, np.full_like(stations, side.tip), stations, self.blank.axial)
+        density = area_density(nominal.jet)
+        sense = self._senses.setdefault(which, float(density[np.abs(t - 0.5).argmin()]))
+        odd: NDArray[np.bool_] = ~(nominal.converged & (density * sense > 0.0))
+        return nominal.jet, odd
+
+    @cached_property
+    def _senses(self) -> dict[Side, float]:
+        """Area densities of flanks at their nominal tip at mid face, as soon as they were asked for."""
+        return {}
 
     def _folds(self, side: ToothSide) -> bool:
         """Whether the flank of a side turns back and forth again anywhere before its form point.
@@ -261,9 +293,9 @@ class Tooth:
         which = Side.RIGHT if side is self.right else Side.LEFT
         if which not in self._folded_sides:
             t = np.linspace(0.0, 1.0, FOLD_STATIONS)
-            sound = t[~self._cut_off_at_form_point(side, t)]
+            sound = t[~self._cut_off_at_form_point(side, t)[0]]
             if sound.size < t.size:
-                sound = np.append(sound, _changes(lambda t: self._cut_off_at_form_point(side, t)))
+                sound = np.append(sound, _changes(lambda t: self._cut_off_at_form_point(side, t)[0]))
             self._folded_sides[which] = bool(
                 sound.size and singular_stations(side, self.stations(sound), self.blank.axial).any()
             )
@@ -599,30 +631,57 @@ class Tooth:
             begins, _ = self._tip_corner(side, side.tip_corner, stations, t)
             return begins, along(side.flank, begins, stations, axial)[1]
 
-        def at_tip(level: Array) -> Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]:
-            """Residuals of the points on a level (T,), mm, of the tip."""
+        def at_tip(which: NDArray[np.intp], level: Array) -> Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]:
+            """Residuals of the points of some stations on levels (N,), mm, of the tip."""
 
             def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
                 jet = side.flank.jet(x[:, 0], x[:, 1])
-                f = np.stack((axial.value(jet.r) - stations[index], tip.value(jet.r) - level[index]), axis=-1)
+                f = np.stack((axial.value(jet.r) - stations[which[index]], tip.value(jet.r) - level[index]), axis=-1)
                 rows = [[dot(g.gradient(jet.r), d) for d in (jet.r_u, jet.r_v)] for g in (axial, tip)]
                 return f, np.moveaxis(np.array(rows), -1, 0)
 
             return residual
 
-        guess = np.full_like(stations, side.tip)
-        v, near = along(side.flank, guess, stations, axial)
-        start, tolerance = np.stack((guess, v), axis=-1), trim_tolerance(near.r)
-        solution = newton.solve(at_tip(np.zeros_like(stations)), start, tolerance=tolerance)
-        if not solution.converged.all():
+        near = follow(side.flank, np.full_like(stations, side.tip), stations, axial)
+        start = np.stack((np.full_like(stations, side.tip), near.values), axis=-1)
+        tolerance = trim_tolerance(near.jet.r[near.converged])
+        solution = newton.solve(at_tip(np.arange(stations.size), np.zeros_like(stations)), start, tolerance=tolerance)
+        values, converged = solution.values, solution.converged
+        share = (values[:, 0] - side.form_point[0]) / (side.tip - side.form_point[0])
+        odd = np.flatnonzero(~(converged & (share > 0.0) & (share < FARTHEST_TIP)))
+        if odd.size:
+            # steep flanks throw Newton's method far off, to other roots
+            first = newton.solve(
+                at_tip(odd, np.zeros(odd.size)), self._near_tip(side, stations[odd]), tolerance=tolerance
+            )
+            values[odd[first.converged]] = first.values[first.converged]
+            converged[odd] |= first.converged
+        if not converged.all():
+            lost = np.flatnonzero(~converged)
+            x = start[lost]
             # a tip far from that of the tool, as of a throat: towards it by and by
             for left in TOWARDS_TIP:
-                solution = newton.solve(at_tip(left * tip.value(near.r)), start, tolerance=tolerance)
-                start = solution.values
-        if not solution.converged.all():
-            k = int(np.argmin(solution.converged))
-            raise TrimError("tip", float(t[k]), "the flank does not reach the tip")
-        return solution.values[:, 0], side.flank.jet(solution.values[:, 0], solution.values[:, 1])
+                solution = newton.solve(at_tip(lost, left * tip.value(near.jet.r[lost])), x, tolerance=tolerance)
+                x = solution.values
+            values[lost], converged[lost] = x, solution.converged
+        if not converged.all():
+            raise TrimError("tip", float(t[int(np.argmin(converged))]), "the flank does not reach the tip")
+        return values[:, 0], side.flank.jet(values[:, 0], values[:, 1])
+
+    def _near_tip(self, side: ToothSide, stations: Array) -> Array:
+        """Flank parameters (T, 2) near where flanks that are steep along the face reach the tip first, from the form point on;
+        NaN where they do not."""
+        share = np.linspace(0.0, FARTHEST_TIP, TIP_SAMPLES)[:, None]
+        p = side.form_point[0] + share * (side.tip - side.form_point[0]) + np.zeros_like(stations)
+        curves = follow(side.flank, p, stations, self.blank.axial)
+        under: Array = np.where(curves.converged, self.blank.tip.value(curves.jet.r), np.nan)
+        crossed: NDArray[np.bool_] = np.asarray(np.diff(under > 0.0, axis=0) & np.isfinite(under[:-1] + under[1:]))
+        k, of = crossed.argmax(axis=0), np.arange(stations.size)
+        low_under, high_under = under[k, of], under[k + 1, of]
+        far = low_under / (low_under - high_under)
+        ends = ((x[k, of], x[k + 1, of]) for x in (p, curves.values))
+        start = np.stack([low + far * (high - low) for low, high in ends], axis=-1)
+        return np.where(np.asarray(crossed.any(axis=0))[:, None], start, np.nan)
 
     def _tip_corner(self, side: ToothSide, tip_corner: TipCorner, stations: Array, t: Array) -> tuple[Array, Array]:
         """Parameters (T,) of flank and tip corner where they meet at each station."""
@@ -673,7 +732,8 @@ class Tooth:
         right, left = (self.joint.angle(self._tip(self.side(side), self.stations(way), way)[1].r) for side in Side)
         width = self.joint.within(left - right)
         turns = self.joint.running(width) - width
-        return (turns - turns[way == 0.5])[np.searchsorted(way, t)]
+        grown: Array = (turns - turns[way == 0.5])[np.searchsorted(way, t)]
+        return grown
 
 
 def _changes(holds: Callable[[Array], NDArray[np.bool_]]) -> Array:

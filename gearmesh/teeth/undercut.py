@@ -55,6 +55,10 @@ class Undercut:
         return np.stack([np.interp(stations, self.stations[order], column[order]) for column in self.x.T], axis=-1)
 
 
+#: share of the nominal flank, or its inverse, at which the tip of steep flanks is no longer near its nominal place
+FAR_TIP = 0.8
+
+
 def trim_tolerance(r: Array) -> float:
     """Largest residual (mm) of a trimming solve at points near r (..., 3)."""
     return max(TRIM_TOLERANCE, TRIM_ROUNDING * float(np.abs(r).max(initial=0.0)))
@@ -80,7 +84,9 @@ def form_point(
     p, q = np.full_like(stations, side.form_point[0]), np.full_like(stations, side.form_point[1])
     cut = cut_off(side, tip[1], stations, axial, JUST_BEGUN)
     if folds:
-        cut |= singular_stations(side, stations, axial)
+        share = (tip[0] - side.form_point[0]) / (side.tip - side.form_point[0])
+        near_by = (share > FAR_TIP) & (share * FAR_TIP < 1.0)
+        cut |= singular_stations(side, stations, axial, np.where(near_by, side.tip, tip[0]))
     undercut = Undercut(stations[cut], np.empty((0, 4)))
     if cut.any():
         some = None if near is None or not near.stations.size else near.at(undercut.stations)
@@ -143,10 +149,11 @@ def regularity(side: ToothSide, sound: Jet, stations: Array, axial: Level) -> Ar
     return np.asarray(area_density(lost) / area_density(sound))
 
 
-def singular_stations(side: ToothSide, stations: Array, axial: Level) -> NDArray[np.bool_]:
-    """Stations (T,) where the flank is turned inside out somewhere between tip and form point, against its sense near the tip."""
+def singular_stations(side: ToothSide, stations: Array, axial: Level, tip: Array | None = None) -> NDArray[np.bool_]:
+    """Stations (T,) where the flank is turned inside out somewhere between tip and form point, against its sense near the tip, at
+    the flank parameter `tip` (T,), or nominally."""
     share = np.linspace(1.0, 0.0, FOLD_SAMPLES + 1)[:-1, None]
-    p = side.form_point[0] + share * (side.tip - side.form_point[0])
+    p = side.form_point[0] + share * ((side.tip if tip is None else tip) - side.form_point[0])
     curves = follow(side.flank, np.broadcast_to(p, (FOLD_SAMPLES, stations.size)), stations, axial)
     density = area_density(curves.jet)
     turned: NDArray[np.bool_] = (curves.converged & (density / density[0] < 0.0)).any(axis=0)

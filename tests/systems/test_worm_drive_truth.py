@@ -22,6 +22,7 @@ from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Surface
 from gearmesh.systems.designs import load
+from gearmesh.systems.system import complete_design
 from gearmesh.systems.worm_drive.build import build, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.thread import WormThread
 from gearmesh.teeth.region import Side
@@ -32,7 +33,7 @@ OVERSIZED = "hob.reference_diameter=63"
 
 
 def drive(*overrides: str) -> Any:
-    return load(SAMPLES / "worm_drive.toml", list(overrides))
+    return complete_design(load(SAMPLES / "worm_drive.toml", list(overrides)))
 
 
 def heights(thread: WormThread) -> Array:

@@ -3,6 +3,7 @@
 from gearmesh.systems.system import PatternCheck, System
 from gearmesh.systems.worm_drive.build import DISPLACEMENTS, build, pinned_values
 from gearmesh.systems.worm_drive.contact.pattern import MOVES, pattern_shifts
+from gearmesh.systems.worm_drive.cutting.face_width import derived_values
 from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.systems.worm_drive.drawn import DRAWN
 from gearmesh.systems.worm_drive.force_tables import pair_forces
@@ -14,6 +15,7 @@ SYSTEMS = (
         "worm_drive",
         WormDriveDesign,
         build,
+        derive=derived_values,
         sheet=data_sheet,
         forces=pair_forces,
         displacements=DISPLACEMENTS,

@@ -23,7 +23,7 @@ from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
-from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
@@ -127,6 +127,10 @@ def _refuse_tools(design: WormDriveDesign) -> None:
             reason="the disk does not reach from the thread's tip to its root",
             allowed=f"more than {at_least(2.0 * depth)} mm",
         )
+    wheel = design.wheel
+    if wheel.tip_form != "chamfered" and wheel.throat_angle != type(wheel).model_fields["throat_angle"].default:
+        reason = f"nothing is done with it where wheel.tip_form is {wheel.tip_form}"
+        raise DesignError("wheel.throat_angle", wheel.throat_angle, unit="deg", reason=reason, allowed="with chamfered")
     root = 0.5 * d1 - spec.dedendum * m
     if design.wheel.throated and design.wheel.throat_radius <= root:
         raise DesignError(
@@ -140,12 +144,15 @@ def _refuse_tools(design: WormDriveDesign) -> None:
 
 def _refuse_unused(design: WormDriveDesign) -> None:
     """Refuse what a helical wheel does not have."""
-    for name, keys in (("wheel", ("tip_form", "throat_radius")), ("hob", ("reference_diameter", "threads"))):
+    hob = ("reference_diameter", "threads", "center_distance", "swivel_angle", "feed")
+    for name, keys in (("wheel", ("tip_form", "throat_radius")), ("hob", hob)):
         table = getattr(design, name)
         for key in keys:
             value = getattr(table, key)
             # as a design has them in which all is stated
-            stated = (None, "cylindrical") if key == "tip_form" else (None, design.reference_diameter)
+            stated = {"tip_form": (None, "cylindrical"), "feed": (None, "tangential")}.get(
+                key, (None, design.reference_diameter)
+            )
             if key == "throat_radius" and design.wheel.tip_form == "cylindrical":
                 stated = (None, value)
             if key in table.model_fields_set and value not in stated:
@@ -153,11 +160,10 @@ def _refuse_unused(design: WormDriveDesign) -> None:
 
 
 def worm_thread(design: WormDriveDesign, side: int = 0) -> WormThread:
-    """The worm's thread, thinner by the backlash; of its right (+1) or left (-1) side as of `nominal_thread`."""
+    """The worm's thread, thinner by its part of the backlash; of its right (+1) or left (-1) side as of `nominal_thread`."""
     nominal = nominal_thread(design, side)
-    return replace(
-        nominal, thinner=0.5 * design.backlash / (math.cos(nominal.lead_angle) * math.cos(nominal.normal_angle))
-    )
+    normal = 0.5 * design.backlash_share * design.backlash
+    return replace(nominal, thinner=normal / (math.cos(nominal.lead_angle) * math.cos(nominal.normal_angle)))
 
 
 def nominal_thread(design: WormDriveDesign, side: int = 0) -> WormThread:
@@ -184,15 +190,28 @@ def wheel_hob(design: WormDriveDesign, side: int = 0) -> WormHob:
     """The hob: of the worm's normal module, normal profile and normal thickness on its own reference cylinder; the thread that of
     the right (+1) or left (-1) side of the worm's (0: of their mean), set up alike for both."""
     mean, spec, m = nominal_thread(design), design.hob, design.axial_module
-    turned = hob_thread(design).lead_angle - mean.lead_angle
+    usual = design.center_distance + 0.5 * spec.reference_diameter - mean.radius
     return WormHob(
-        thread=hob_thread(design, side),
+        thread=replace(hob := hob_thread(design, side), thinner=-wheel_thinner(design, hob)),
         tip_radius=0.5 * spec.reference_diameter + spec.addendum * m,
         rounding_radius=spec.tip_radius * m,
-        distance=design.center_distance + 0.5 * spec.reference_diameter - mean.radius,
-        tilt=mean.hand * (math.radians(design.shaft_angle) - 0.5 * math.pi + turned),
+        distance=usual if spec.center_distance is None else spec.center_distance,
+        tilt=mean.hand * (math.radians(design.shaft_angle) - 0.5 * math.pi + hob_swivel(design)),
         teeth=design.wheel.teeth,
     )
+
+
+def hob_swivel(design: WormDriveDesign) -> float:
+    """Angle (rad) by which the hob's axis is turned out of the worm's."""
+    if design.hob.swivel_angle is not None:
+        return math.radians(design.hob.swivel_angle)
+    return hob_thread(design).lead_angle - nominal_thread(design).lead_angle
+
+
+def wheel_thinner(design: WormDriveDesign, thread: WormThread) -> float:
+    """By how much (mm, along its axis) a flank of the hob's thread is set forward, for the wheel's part of the backlash."""
+    normal = 0.5 * (1.0 - design.backlash_share) * design.backlash
+    return normal / (math.cos(thread.lead_angle) * math.cos(thread.normal_angle))
 
 
 def hob_thread(design: WormDriveDesign, side: int = 0) -> WormThread:
@@ -223,7 +242,7 @@ def _worm(design: WormDriveDesign) -> Member:
     spec, m, radius = design.worm, design.axial_module, 0.5 * design.reference_diameter
     tip, root = radius + spec.addendum * m, radius - spec.dedendum * m
     hole = bore_radius("worm", spec.stated_bore, root, "the root diameter")
-    roundings = {side: _root_rounding(design, side) for side in (1, -1)}
+    roundings = {side: root_rounding(design, side) for side in (1, -1)}
     run_out = _run_out(design, [worm_thread(design, side).form_radius(own) for side, own in roundings.items()])
     half = 0.5 * spec.length + spec.run_out
     level = ConeLevel.of(root) if run_out is None else Meridian(run_out)
@@ -248,7 +267,7 @@ def _worm(design: WormDriveDesign) -> Member:
     return with_end_chamfers(Member("worm", tooth, _thread_parameters, body_features(spec, under)), spec)
 
 
-def _root_rounding(design: WormDriveDesign, side: int) -> Rounding:
+def root_rounding(design: WormDriveDesign, side: int) -> Rounding:
     """The rounding of the root beside the right (+1) or left (-1) flank of a thread."""
     spec, m = design.worm, design.axial_module
     root = 0.5 * design.reference_diameter - spec.dedendum * m
@@ -314,7 +333,19 @@ def _prove(name: str, tooth: Tooth, spec: MemberBody) -> Tooth:
 
 
 def _wheel(design: WormDriveDesign) -> Member:
-    spec, m, hob = design.wheel, design.axial_module, wheel_hob(design)
+    spec, hob = design.wheel, wheel_hob(design)
+    tooth = _prove("wheel", wheel_tooth(design), spec)
+    blank, smallest = tooth.blank, hob.distance - hob.tip_radius
+    tooth = with_tip_edge("wheel", tooth, spec)
+    root = float(blank.root.at(0.5 * spec.face_width))
+    under = UnderTeeth("wheel", tooth, blank.body, smallest, root, design.axial_module)
+    return with_end_chamfers(Member("wheel", tooth, _wheel_parameters, body_features(spec, under)), spec)
+
+
+def wheel_tooth(design: WormDriveDesign) -> Tooth:
+    """A tooth of the wheel of a complete design in mm, as its hob generates it, with sharp edges and not yet trimmed. Raises
+    DesignError."""
+    spec, hob = design.wheel, wheel_hob(design)
     half = 0.5 * spec.face_width
     angle = math.radians(spec.throat_angle) if spec.tip_form == "chamfered" else None
     radius = spec.throat_radius if spec.throated else 0.0
@@ -322,10 +353,15 @@ def _wheel(design: WormDriveDesign) -> Member:
     tip, root = throat.level(half), hob.root(half)
     smallest = hob.distance - hob.tip_radius
     if smallest <= 0.0 or smallest >= throat.middle:
+        key = "addendum" if design.hob.center_distance is None else "center_distance"
         raise DesignError(
-            "hob.addendum",
-            design.hob.addendum,
+            f"hob.{key}",
+            getattr(design.hob, key),
+            unit="" if key == "addendum" else "mm",
             reason="the hob cuts beyond the wheel's axis" if smallest <= 0.0 else "the wheel's root lies above its tip",
+            allowed=f"more than {at_least(hob.tip_radius)} mm and less than {at_most(hob.tip_radius + throat.middle)} mm"
+            if key == "center_distance"
+            else "",
         )
     bore = bore_radius("wheel", spec.stated_bore, smallest, "the root diameter in the middle plane")
     body = disc_body("wheel", spec, bore, smallest, throat.middle - smallest)
@@ -337,10 +373,7 @@ def _wheel(design: WormDriveDesign) -> Member:
         wheel_hob(design, side * hob.thread.hand).tooth_side(side, tip_height, min(tip_height, height))
         for side in (1, -1)
     )
-    tooth = _prove("wheel", Tooth(spec.teeth, right, left, blank), spec)
-    tooth = with_tip_edge("wheel", tooth, spec)
-    under = UnderTeeth("wheel", tooth, blank.body, smallest, float(root.at(half)), m)
-    return with_end_chamfers(Member("wheel", tooth, _wheel_parameters, body_features(spec, under)), spec)
+    return Tooth(spec.teeth, right, left, blank)
 
 
 def _wheel_parameters(p: Array, v: Array) -> dict[str, Array]:
@@ -366,7 +399,8 @@ def _mounts(design: WormDriveDesign) -> tuple[Mount, Mount]:
     along = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dz2]))
     # the flank's polar angle in the middle plane, and that of the space beside the wheel's tooth
     half = thread.half_thickness(thread.radius) / thread.screw
-    wheel_half = (math.pi - thread.thickness / thread.module) / design.wheel.teeth
+    thinner = wheel_thinner(design, thread) / (0.5 * thread.module * design.wheel.teeth)
+    wheel_half = (math.pi - thread.thickness / thread.module) / design.wheel.teeth - thinner
     return (
         Mount(worm, sign=-1.0, zero=side * half),
         Mount(wheel @ along, sign=float(thread.hand), zero=-side * wheel_half),

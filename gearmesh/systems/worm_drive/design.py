@@ -148,7 +148,7 @@ class WheelTable(MemberTable):
             "face width",
             low=0,
             above=True,
-            default="2 m (sqrt(q + 1) + 0.5), DIN 3975; ZC: 2 m (sqrt(q + 1) - 0.5)",
+            default="2 m (sqrt(q + 1) + 0.5), DIN 3975, of ZC 2 m (sqrt(q + 1) - 0.5); less where flanks end sooner",
         ),
     ] = DERIVED
     profile_shift: Annotated[
@@ -223,8 +223,8 @@ class HobTable(Table):
         str,
         Key(
             "choice",
-            "tangential: along the hob's axis, the wheel turning with it, so that the hob, tapered or a fly cutter, cuts where "
-            "it finishes alone; radial: towards the wheel, at the full length of the hob",
+            "tangential: along the hob's axis, the wheel turning with it; radial: towards the wheel. Both leave the same wheel; "
+            "the sheet has the way, or the length of the hob, that it takes",
             choices=("tangential", "radial"),
         ),
     ] = "tangential"
@@ -272,6 +272,16 @@ class WormDriveDesign(Design):
     center_distance: Annotated[
         float, Key("length", "centre distance a", low=0, above=True, default="by wheel.profile_shift")
     ] = DERIVED
+    backlash_share: Annotated[
+        float,
+        Key(
+            "number",
+            "part of the backlash by which the worm's threads are thinner; by the rest the wheel's teeth are, by thicker threads "
+            "of its hob",
+            low=0,
+            high=1,
+        ),
+    ] = 1.0
     friction: Annotated[
         float | None,
         Key(
@@ -329,8 +339,18 @@ class WormDriveDesign(Design):
         """Centre distance without profile shift, in the design's units."""
         return 0.5 * (self.reference_diameter + self.wheel.teeth * self.axial_module)
 
+    @property
+    def usual_face_width(self) -> float:
+        """Face width of the wheel [DIN 3975], of ZC narrower, in the design's units."""
+        concave = self.worm.form == ThreadForm.ZC
+        return (
+            2.0
+            * self.axial_module
+            * (math.sqrt(self.reference_diameter / self.axial_module + 1.0) + 0.5 - concave * CONCAVE_NARROWER)
+        )
+
     def derived_values(self) -> dict[str, float]:
-        """What the file leaves out [DIN 3975].
+        """What the file leaves out [DIN 3975], but for the face width (`face_width.derived_values`).
 
         Returns
         -------
@@ -355,7 +375,6 @@ class WormDriveDesign(Design):
             "worm.disk_diameter": DISK * m,
             "worm.profile_radius": PROFILE * m,
             "wheel.profile_shift": shift,
-            "wheel.face_width": 2.0 * m * (math.sqrt(d1 / m + 1.0) + 0.5 - concave * CONCAVE_NARROWER),
             "wheel.throat_radius": distance - 0.5 * tip,
             "wheel.outside_diameter": tip + (OUTSIDE * m if wheel.throated else 0.0),
             "hob.reference_diameter": d1,

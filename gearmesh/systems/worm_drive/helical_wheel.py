@@ -14,6 +14,7 @@ import numpy as np
 
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
@@ -54,8 +55,9 @@ def _rack(design: WormDriveDesign, roll: Roll) -> tuple[RackTooth, RackTooth]:
     """The worm's rack: its reference plane touches the worm's reference cylinder, and its space is as wide there as the thread."""
     module, m = design.normal_module, design.axial_module
     shift = design.center_distance - 0.5 * design.reference_diameter - roll.radius
+    angle = math.radians(design.pressure_angle)
     half = 0.5 * (math.pi - design.worm.thickness) * module
-    flank = Line(math.radians(design.pressure_angle), module, half, shift)
+    flank = Line(angle, module, thin(half, design.backlash, 0.5 * (1.0 - design.backlash_share), angle), shift)
     heights = Heights(0.5 * design.wheel.outside_diameter - roll.radius, shift - design.hob.addendum * m)
     tip = _CutterTip(design.hob.addendum * m / module, design.hob.tip_radius * m / module)
     try:

@@ -80,8 +80,9 @@ def _radii(design: WormDriveDesign, mesh: ThreadMesh) -> tuple[float, float]:
     thread, spec, m = mesh.thread, design.worm, design.axial_module
     root = thread.radius - spec.dedendum * m
     curve = thread.section.curve.at(np.array(thread.root_rounding(root, spec.root_rounding * m).form_point[0]))
-    tip, deep = thread.radius + spec.addendum * m, wheel_hob(design).form_radius - wheel_hob(design).thread.radius
-    return float(np.hypot(curve.c[0], curve.c[1])), min(tip, thread.radius + deep)
+    tip, hob = thread.radius + spec.addendum * m, wheel_hob(design)
+    deep = hob.form_radius - (hob.distance - design.center_distance)
+    return float(np.hypot(curve.c[0], curve.c[1])), min(tip, deep)
 
 
 def _wheel_radius(mesh: ThreadMesh, r: Array) -> Array:

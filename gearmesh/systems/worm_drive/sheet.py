@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.contact.fit.fit import fit
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.system import Sheet, SheetTable
-from gearmesh.systems.worm_drive.build import nominal_thread, wheel_hob, worm_thread
+from gearmesh.systems.worm_drive.build import hob_swivel, nominal_thread, wheel_hob, worm_thread
+from gearmesh.systems.worm_drive.cutting.feed import generating_length
 from gearmesh.systems.worm_drive.force_tables import MEMBERS, efficiencies, thread_mesh
 from gearmesh.systems.worm_drive.helical_wheel import wheel_helix
 from gearmesh.systems.worm_drive.load_parameters import contact_rows
@@ -36,8 +38,8 @@ def data_sheet(design: WormDriveDesign, train: GearTrain) -> Sheet:
         table("Pair [ISO 10828, DIN 3975]", PAIR, _pair(own)),
         table("Worm and wheel [ISO 10828, DIN 3975]", MEMBERS, [*_threads(own), *_diameters(own, float(tip.at(0.0)))]),
         table("Worm: thickness and over wires", MEMBERS[:1], [*_thickness(own), *wire_rows(own)]),
-        *(() if helical else (_hob(own),)),
-        table("Backlash and friction", PAIR, _backlash(own)),
+        *(() if helical else (_hob(own, train),)),
+        table("Backlash and friction", PAIR, _backlash(own, train)),
     )
     if not helical:
         tables += (table("Contact lines, wheel of a hob of the worm's size", PAIR, contact_rows(own, tip)),)
@@ -128,31 +130,37 @@ def _thickness(design: WormDriveDesign) -> list[Row]:
     ]
 
 
-def _hob(design: WormDriveDesign) -> SheetTable:
-    hob, thread = wheel_hob(design), nominal_thread(design)
-    made = hob.thread
-    swivel = made.lead_angle - thread.lead_angle
+def _hob(design: WormDriveDesign, train: GearTrain) -> SheetTable:
+    hob, swivel = wheel_hob(design), hob_swivel(design)
+    made, tooth = hob.thread, train.members["wheel"].tooth.unmodified_tooth
     rows: list[Row] = [
         ("z_0", "threads of the hob", "-", (made.threads,)),
         ("m_x0", "axial module of the hob", "mm", (made.module,)),
         ("d_0", "reference diameter of the hob", "mm", (2.0 * made.radius,)),
         ("d_a0", "tip diameter of the hob", "mm", (2.0 * hob.tip_radius,)),
         ("gamma_0", "lead angle of the hob", "deg", (math.degrees(made.lead_angle),)),
-        ("s_mx0", "axial thickness of its thread", "mm", (made.thickness,)),
+        ("s_mx0", "axial thickness of its thread", "mm", (2.0 * made.half_thickness(made.radius),)),
         ("a_0", "centre distance of cutting", "mm", (hob.distance,)),
         ("eta_0", "swivel of the hob, gamma_0 - gamma_m", "deg", (math.degrees(swivel),)),
+        ("feed", "feed of the hob", "", (design.hob.feed,)),
+        ("l_0", "least length of its threads, or way of its tangential feed", "mm", (generating_length(tooth, hob),)),
     ]
     return table("Wheel: the hob", MEMBERS[1:], rows)
 
 
-def _backlash(design: WormDriveDesign) -> list[Row]:
-    """Of an axial shift by which the worm's flanks part: the wheel turns by it over its reference radius."""
-    thread = worm_thread(design)
-    shift, mesh = 2.0 * thread.thinner, thread_mesh(design)
+def _backlash(design: WormDriveDesign, train: GearTrain) -> list[Row]:
+    """Of an axial shift by which the worm's flanks part: the wheel turns by it over its reference radius. Where the hob has a
+    distance or a swivel of its own it is the least that both flanks leave."""
+    thread, mesh = nominal_thread(design), thread_mesh(design)
     radius = 0.5 * thread.module * design.wheel.teeth
     steep, angle = thread.lead_angle, thread.normal_angle
+    normal, shift = design.backlash, design.backlash / (math.cos(steep) * math.cos(angle))
+    if (design.hob.center_distance, design.hob.swivel_angle) != (None, None):
+        fitting = fit(train.pairs[0])
+        normal = math.nan if fitting is None else fitting.normal_backlash[0]
+        shift = math.nan if fitting is None else fitting.backlash[0] * radius
     rows: list[Row] = [
-        ("j_n", "normal backlash", "mm", (design.backlash,)),
+        ("j_n", "normal backlash", "mm", (normal,)),
         ("j_x", "axial backlash of the worm", "mm", (shift,)),
         ("j_t2", "circumferential backlash, at the wheel's reference circle", "mm", (shift,)),
         ("j_phi2", "angular backlash of the wheel, worm fixed", "deg", (math.degrees(shift / radius),)),

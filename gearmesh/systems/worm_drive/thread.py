@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import lru_cache
 
 import numpy as np
 
@@ -96,9 +96,13 @@ class WormThread:
     def _transverse_angle(self) -> float:
         return math.atan(math.tan(self.normal_angle) / math.sin(self.lead_angle))
 
-    @cached_property
+    @property
     def curve(self) -> GeneratingCurve:
         """The curve that sweeps the right-hand flank towards +z, without `thinner`."""
+        return _curve_of(replace(self, thinner=0.0, hand=1))
+
+    def solved_curve(self) -> GeneratingCurve:
+        """The same, which a tool has to be moved for that leaves the thickness."""
         half = 0.5 * self.thickness
         if self.form is ThreadForm.ZA:
             return PlaneEdge(Line(self.angle, 0.0, half), self.radius, self.screw)
@@ -227,6 +231,12 @@ class RunOut:
         share = np.maximum(np.abs(z) - self.half, 0.0) / self.length
         steep = 3.0 * self.height / self.length
         return self.height * share**3, np.sign(z) * steep * share**2, 2.0 * steep / self.length * share
+
+
+@lru_cache(maxsize=16)
+def _curve_of(thread: WormThread) -> GeneratingCurve:
+    # a build asks for the same thread several times
+    return thread.solved_curve()
 
 
 def _at_radius(surface: Helicoid, radius: float, start: float) -> float:

@@ -82,10 +82,14 @@ class WormHob:
     teeth: int
 
     @property
+    def way(self) -> float:
+        """How far it moves along its axis for every rad of the wheel, mm."""
+        return 0.5 * self.thread.module * self.teeth
+
+    @property
     def roll(self) -> RackRoll:
         """The motion of the hob over the wheel."""
-        way = 0.5 * self.thread.module * self.teeth
-        return RackRoll(way * math.cos(self.tilt), way * math.sin(self.tilt))
+        return RackRoll(self.way * math.cos(self.tilt), self.way * math.sin(self.tilt))
 
     @cached_property
     def rounding(self) -> Rounding:

@@ -28,7 +28,7 @@ from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.pattern.meshing_place import MeshingPlace, Moves
 from gearmesh.systems.common.pattern.targets import HalfwayLevel, gear_targets
 from gearmesh.systems.system import PatternShift
-from gearmesh.systems.worm_drive.build import build, displaced_bases
+from gearmesh.systems.worm_drive.build import build, displaced_bases, wheel_hob
 from gearmesh.teeth.gear_train import GearPair, GearTrain
 from gearmesh.teeth.region import Side
 
@@ -82,7 +82,9 @@ class _Flank:
     @property
     def _clearance(self) -> float:
         """Between the worm's tip and the wheel's root, mm."""
-        return (self.design.hob.addendum - self.design.worm.addendum) * self.design.axial_module
+        own, hob = self.design, wheel_hob(self.design)
+        tip = 0.5 * own.reference_diameter + own.worm.addendum * own.axial_module
+        return own.center_distance - tip - (hob.distance - hob.tip_radius)
 
     def _bases(self, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
         """Bases of worm and wheel with errors (N,) beside those of the design."""

@@ -1,0 +1,201 @@
+"""The hob at a centre distance and a swivel of its own, and how it is fed, by brute force; backlash by either member."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.examples import some
+from oracles.places import SAMPLES
+from scipy.interpolate import CubicSpline
+
+import gearmesh as gm
+from gearmesh.errors import DesignError
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.worm_drive.build import wheel_hob
+from gearmesh.teeth.region import Side
+
+SHARES = (np.linspace(0.03, 0.97, 10), np.linspace(0.02, 0.98, 10))
+#: turns of the blade to a point, each nearer by the ratio of the teeth
+TURNS = 8
+#: mm to which a flank has to be what the hob leaves
+LEFT = 1e-4
+
+
+def gears_of(*changes: str) -> gm.Gears:
+    return gm.build(gm.load(SAMPLES / "worm_drive.toml", list(changes)))
+
+
+class Blade:
+    """One tooth of the hob, of no width round its axis: its edge in the axial section, and how far points are from it."""
+
+    def __init__(self, gears: gm.Gears, side: Side) -> None:
+        own = gears.design.in_mm()
+        assert own.kind == "worm_drive"
+        self.teeth, self.side = own.wheel.teeth, side.sign
+        self.hob = wheel_hob(own, side.sign * (1 if own.worm.right_hand else -1))
+        self.thread = self.hob.thread
+        self.radii = np.linspace(0.5 * self.thread.radius, self.hob.form_radius, 240)
+        p = np.array([self.thread.at_radius(float(radius)) for radius in self.radii])
+        known = np.isfinite(p)
+        z = self.thread.section.axial_section(p[known])[0][:, 1]
+        self.radii = self.radii[known]
+        self.edge = CubicSpline(self.radii, z)
+        # the machine: the wheel's axis z, the hob's thread before it at the side's flank, nothing turned or fed
+        place = self.hob.place(side.sign)
+        self.machine = Rigid(place.rotation, place.translation + np.array([self.hob.roll.radius, 0.0, 0.0]))
+
+    def away(self, points: Array, turn: Array, feed: Array, in_feed: Array | float = 0.0) -> tuple[Array, Array]:
+        """Axial distance (N,) of points of the wheel from the edge, and polar angle that they have about the hob's axis, where the
+        hob has turned by `turn` and is fed along its axis by `feed`, and stands `in_feed` farther away."""
+        hand = self.thread.hand
+        # indexed by its turn, and by what the feed takes of the wheel's teeth
+        wheel = hand * self.thread.threads / self.teeth * turn - 2.0 * feed / (self.thread.module * self.teeth)
+        c, s = np.cos(-wheel), np.sin(-wheel)
+        x, y, z = np.moveaxis(points, -1, 0)
+        turned = np.stack((c * x - s * y - in_feed, s * x + c * y, z + np.zeros_like(c)), axis=-1)
+        r = self.machine.inverse.point(turned)
+        rho = np.hypot(r[..., 0], r[..., 1])
+        off = self.side * (r[..., 2] - feed) - self.edge(rho)
+        there = (rho <= self.hob.form_radius + 1e-9) & (rho >= self.radii[0])
+        return np.where(there, off, np.inf), np.arctan2(r[..., 1], r[..., 0])
+
+
+def flank_points(gears: gm.Gears, side: Side) -> Array:
+    return gears.members["wheel"].tooth.flank_grid(side, *SHARES).points.reshape(-1, 3)
+
+
+def least(of: Any, ways: Array, step: float) -> Array:
+    """The least value (N,) over a way, from samples, by parabolas."""
+    at = ways[np.argmin([of(np.full(1, way)) for way in ways], axis=0)]
+    for _ in range(3):
+        before, here, after = (of(at + k * step) for k in (-1.0, 0.0, 1.0))
+        with np.errstate(invalid="ignore"):
+            moved = at + 0.5 * step * (before - after) / (before - 2.0 * here + after)
+        at = np.where(np.isfinite(moved), moved, at)
+        step *= 0.1
+    return np.asarray(of(at))
+
+
+SETTINGS = (
+    ["worm.threads=4", "worm.reference_diameter=50", "center_distance=120"],
+    [
+        "hob.center_distance=124.4",
+        "hob.reference_diameter=63",
+        "hob.swivel_angle=1.5",
+        "backlash=0.1",
+        "backlash_share=0.3",
+    ],
+    ["hob.center_distance=125.3", "worm.form=ZK", "worm.right_hand=false", "shaft_angle=80"],
+    ["worm.form=ZA", "worm.dual_lead=0.02", "hob.swivel_angle=-1"],
+)
+
+
+@pytest.mark.parametrize("changes", some(SETTINGS, 2))
+def test_a_fly_cutter_fed_along_the_hobs_axis_leaves_the_wheel(changes: list[str]) -> None:
+    """100 points of either flank: at every place of the feed the blade turns to each of them, the wheel by both; the least distance
+    over the feed."""
+    gears = gears_of(*changes)
+    length = dict(zip((table := hob_table(gears)).symbols, table.rows, strict=True))["l_0"][2]
+    for side in Side:
+        blade, points = Blade(gears, side), flank_points(gears, side)
+
+        def cut(feed: Array, blade: Blade = blade, points: Array = points) -> Array:
+            turn = np.zeros(len(points))
+            for _ in range(TURNS):
+                off, turn = blade.away(points, turn, feed)
+            return off
+
+        ways = np.linspace(-0.75 * length, 0.75 * length, 201)
+        np.testing.assert_allclose(least(cut, ways, 0.1), 0.0, rtol=0, atol=LEFT)
+
+
+@pytest.mark.parametrize("changes", some(SETTINGS, 1))
+def test_a_hob_fed_towards_the_wheel_takes_nothing_on_its_way(changes: list[str]) -> None:
+    """At every distance, the whole thread in every position of the roll stays clear of the flanks, the farther the more."""
+    gears = gears_of(*changes)
+    for side in Side:
+        blade, points = Blade(gears, side), flank_points(gears, side)
+        clear = []
+        for farther in np.array([0.0, 0.01, 0.3, 3.0]):
+
+            def cut(roll: Array, farther: float = farther, blade: Blade = blade, points: Array = points) -> Array:
+                # a thread is all its blades: the one at the point's polar angle has turned to it
+                feed = -0.5 * blade.thread.module * blade.teeth * roll
+                turn = np.zeros(len(points))
+                for _ in range(TURNS):
+                    screwed = feed + blade.thread.hand * blade.thread.screw * turn
+                    off, turn = blade.away(points, turn, screwed, farther)
+                return off
+
+            clear.append(least(cut, np.linspace(-0.5, 0.5, 201), 2e-3))
+        np.testing.assert_allclose(clear[0], 0.0, rtol=0, atol=LEFT)
+        for nearer, farther_off in pairwise(clear):
+            # where the thread does not come by at all any more there is no distance
+            there = np.isfinite(farther_off)
+            assert (farther_off[there] > nearer[there]).all()
+
+
+def hob_table(gears: gm.Gears) -> Any:
+    return next(table for table in gears.sheet().tables if "l_0" in table.symbols)
+
+
+def sheet_of(gears: gm.Gears) -> dict[str, Any]:
+    return {
+        symbol: row[2] for table in gears.sheet().tables for symbol, row in zip(table.symbols, table.rows, strict=False)
+    }
+
+
+@pytest.mark.parametrize("form", ["enveloping", "helical"])
+def test_backlash_is_the_same_by_either_member(form: str) -> None:
+    """Thinner threads, thinner teeth, or both: the teeth's way is the sheet's, and contact is at the same place at phi1 = 0."""
+    ways = []
+    for share in (1.0, 0.4, 0.0):
+        gears = gears_of("backlash=0.2", f"backlash_share={share}", f"wheel.form={form}")
+        sheet, summary = sheet_of(gears), gears.contact().summary
+        assert summary["backlash_min_deg"] == pytest.approx(sheet["j_phi2"], rel=1e-9)
+        assert sheet["s_mx"] == pytest.approx(2.5 * math.pi - share * sheet["j_x"], abs=1e-9)
+        if form == "enveloping":
+            assert sheet["s_mx0"] == pytest.approx(2.5 * math.pi + (1.0 - share) * sheet["j_x"], abs=1e-9)
+        path = gears.contact(phi1=[0.0], cycle=False).path
+        ways.append(float(path.phi2[0]))
+    assert np.ptp(ways) < 1e-9
+
+
+def test_a_hob_that_stands_deeper_leaves_more_backlash() -> None:
+    """By e at 20 deg, 2 e sin(alpha_n) along the normal: of a larger hob, with which contact stays near the pitch point."""
+    larger = ("backlash=0.1", "hob.reference_diameter=75")
+    near = sheet_of(gears_of(*larger, "hob.center_distance=132.45"))
+    assert near["a_0"] == 132.45
+    assert near["j_n"] == pytest.approx(0.1 + 2.0 * 0.05 * math.sin(math.radians(20.0)), abs=5e-4)
+    # what it is in the usual place comes from the key, and by contact it is the same
+    usual = sheet_of(gears_of(*larger)), sheet_of(gears_of(*larger, "hob.center_distance=132.5"))
+    for symbol in ("j_n", "j_x", "j_phi1", "j_phi2"):
+        assert usual[1][symbol] == pytest.approx(usual[0][symbol], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            ["hob.center_distance=180"],
+            "hob.center_distance = 180 mm: the wheel's root lies above its tip; allowed is more than 36 mm",
+        ),
+        (
+            ["hob.center_distance=20"],
+            "hob.center_distance = 20 mm: the hob cuts beyond the wheel's axis; allowed is more than 36 mm",
+        ),
+        (["hob.feed=axial"], 'hob.feed = "axial": must be one of "tangential", "radial"'),
+        (
+            ["wheel.form=helical", "hob.swivel_angle=1"],
+            "hob.swivel_angle = 1.*cannot be given together with wheel.form = helical",
+        ),
+    ],
+)
+def test_hobs_that_cannot_be_are_refused(changes: list[str], message: str) -> None:
+    with pytest.raises(DesignError, match=f"^{message}"):
+        gears_of(*changes)
