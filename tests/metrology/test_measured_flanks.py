@@ -221,6 +221,23 @@ def test_wrong_files_are_refused_in_one_line(spur: gm.Gears, what: str, tmp_path
     assert "\n" not in line
 
 
+def test_normals_that_point_into_the_material_are_refused(spur: gm.Gears, tmp_path: Path) -> None:
+    path, grid = tmp_path / "inward.csv", spur.measuring_grid("pinion", "right")
+    for sign in (1.0, -1.0):
+        rows = [
+            ",".join(f"{value:.17g}" for value in (*point, *sign * normal, 5.0))
+            for point, normal in zip(
+                *(of.reshape(-1, 3) for of in (grid.grids[0].points, grid.grids[0].normals)), strict=True
+            )
+        ]
+        path.write_text("x_mm,y_mm,z_mm,nx,ny,nz,deviation_um\n" + "\n".join(rows) + "\n")
+        measured = spur.design.with_values({"measured.pinion_right": str(path)})
+        if sign > 0.0:
+            gm.build(measured)
+    with pytest.raises(GearmeshError, match="line 2: nx,ny,nz point into the material, as 45 of 45 do"):
+        gm.build(measured)
+
+
 def test_points_of_the_other_flank_are_told_apart(spur: gm.Gears, tmp_path: Path) -> None:
     other = spur.members["pinion"].tooth.flank_grid("left", [0.1, 0.5, 0.9], [0.1, 0.4, 0.9])
     write_points(tmp_path / "left.csv", other.points)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.errors import DesignError, FileError
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.metrology.flanks.alignment import align
 from gearmesh.metrology.flanks.point_file import DEVIATIONS, LINES, NORMALS, PLACES, POINTS, PointTable, read_points
 from gearmesh.metrology.flanks.projection import FlankProjection, FootPoints
@@ -118,6 +118,8 @@ def _of_deviations(tooth: Tooth, side: Side, table: PointTable, mode: MeasuringM
     # a point is where its deviation takes it; without one it stays
     moved = points if normals is None else points + np.where(given, d, 0.0)[:, None] * normals
     feet = FlankProjection(tooth, side).foot_points(moved)
+    if normals is not None:
+        _refuse_inward(table, normals, feet)
     values = feet.distances + (d if normals is None else np.where(given, 0.0, np.nan))
     return _flank(tooth, side, table, feet, values, mode)
 
@@ -207,6 +209,16 @@ def _refuse_large(table: PointTable, d: Array) -> None:
         raise FileError(
             table.path,
             reason=f"line {table.lines[k]}: {1e3 * d[k]:.4g} um from the flank, at most {1e3 * MOST:g}{meant}",
+        )
+
+
+def _refuse_inward(table: PointTable, normals: Array, feet: FootPoints) -> None:
+    inward = dot(normals, feet.normals) < 0.0
+    if inward.any():
+        raise FileError(
+            table.path,
+            reason=f"line {table.lines[int(inward.argmax())]}: nx,ny,nz point into the material, as {int(inward.sum())} of "
+            f"{len(normals)} do: must point out of it",
         )
 
 
