@@ -150,9 +150,13 @@ def _refuse_unused(design: WormDriveDesign) -> None:
         for key in keys:
             value = getattr(table, key)
             # as a design has them in which all is stated
-            stated = {"tip_form": (None, "cylindrical"), "feed": (None, "tangential")}.get(
-                key, (None, design.reference_diameter)
-            )
+            usual = {
+                "tip_form": "cylindrical",
+                "feed": "tangential",
+                "center_distance": design.center_distance,
+                "swivel_angle": 0.0,
+            }
+            stated = (None, usual.get(key, design.reference_diameter))
             if key == "throat_radius" and design.wheel.tip_form == "cylindrical":
                 stated = (None, value)
             if key in table.model_fields_set and value not in stated:
@@ -190,22 +194,20 @@ def wheel_hob(design: WormDriveDesign, side: int = 0) -> WormHob:
     """The hob: of the worm's normal module, normal profile and normal thickness on its own reference cylinder; the thread that of
     the right (+1) or left (-1) side of the worm's (0: of their mean), set up alike for both."""
     mean, spec, m = nominal_thread(design), design.hob, design.axial_module
-    usual = design.center_distance + 0.5 * spec.reference_diameter - mean.radius
     return WormHob(
         thread=replace(hob := hob_thread(design, side), thinner=-wheel_thinner(design, hob)),
         tip_radius=0.5 * spec.reference_diameter + spec.addendum * m,
         rounding_radius=spec.tip_radius * m,
-        distance=usual if spec.center_distance is None else spec.center_distance,
-        tilt=mean.hand * (math.radians(design.shaft_angle) - 0.5 * math.pi + hob_swivel(design)),
+        distance=spec.center_distance,
+        tilt=mean.hand * math.radians(design.shaft_angle - 90.0 + spec.swivel_angle),
         teeth=design.wheel.teeth,
     )
 
 
-def hob_swivel(design: WormDriveDesign) -> float:
-    """Angle (rad) by which the hob's axis is turned out of the worm's."""
-    if design.hob.swivel_angle is not None:
-        return math.radians(design.hob.swivel_angle)
-    return hob_thread(design).lead_angle - nominal_thread(design).lead_angle
+def hob_apart(design: WormDriveDesign) -> tuple[float, float]:
+    """By how much the hob is set up otherwise than usual: centre distance, mm, and swivel angle, deg."""
+    distance, swivel = design.usual_cutting(design.center_distance)
+    return design.hob.center_distance - distance, design.hob.swivel_angle - swivel
 
 
 def wheel_thinner(design: WormDriveDesign, thread: WormThread) -> float:
@@ -353,7 +355,7 @@ def wheel_tooth(design: WormDriveDesign) -> Tooth:
     tip, root = throat.level(half), hob.root(half)
     smallest = hob.distance - hob.tip_radius
     if smallest <= 0.0 or smallest >= throat.middle:
-        key = "addendum" if design.hob.center_distance is None else "center_distance"
+        key = "center_distance" if abs(hob_apart(design)[0]) > EQUAL else "addendum"
         raise DesignError(
             f"hob.{key}",
             getattr(design.hob, key),

@@ -206,19 +206,19 @@ class HobTable(Table):
         float, Key("coefficient", "tip rounding in the axial section: generates the fillet", low=0, high=2)
     ] = ROUNDING
     center_distance: Annotated[
-        float | None,
+        float,
         Key("length", "centre distance of cutting a_0", low=0, above=True, default="a + (d_0 - d_1) / 2"),
-    ] = None
+    ] = DERIVED
     swivel_angle: Annotated[
-        float | None,
+        float,
         Key(
             "angle",
             "swivel eta_0 of the hob's axis out of the worm's: towards the way that larger lead angles ask for",
-            low=-45,
-            high=45,
+            low=-90,
+            high=90,
             default="gamma_0 - gamma, threads of hob and worm tangent in the pitch point",
         ),
-    ] = None
+    ] = DERIVED
     feed: Annotated[
         str,
         Key(
@@ -368,6 +368,7 @@ class WormDriveDesign(Design):
         shift = given_or(wheel.profile_shift, (given_or(self.center_distance, usual) - self._zero_shift_distance) / m)
         distance = given_or(self.center_distance, self._zero_shift_distance + shift * m)
         tip = (wheel.teeth + 2.0 * (wheel.addendum + shift)) * m
+        cutting, swivel = self.usual_cutting(distance)
         return {
             **super().derived_values(),
             "center_distance": distance,
@@ -378,7 +379,34 @@ class WormDriveDesign(Design):
             "wheel.throat_radius": distance - 0.5 * tip,
             "wheel.outside_diameter": tip + (OUTSIDE * m if wheel.throated else 0.0),
             "hob.reference_diameter": d1,
+            "hob.center_distance": cutting,
+            "hob.swivel_angle": swivel,
         }
+
+    def usual_cutting(self, distance: float) -> tuple[float, float]:
+        """Centre distance, in the design's units, and swivel angle, deg, of a hob whose thread is tangent to the worm's.
+
+        Parameters
+        ----------
+        distance : float
+            Centre distance of the drive.
+
+        Returns
+        -------
+        tuple of float
+            a_0 and eta_0.
+
+        Examples
+        --------
+        >>> gm.load("samples/worm_drive.toml").usual_cutting(125.0)
+        (125.0, 0.0)
+        """
+        d1, threads = self.reference_diameter, self.hob.threads or self.worm.threads
+        d0 = given_or(self.hob.reference_diameter, d1)
+        if (d0, threads) == (d1, self.worm.threads):
+            return distance, 0.0
+        lead_angle = math.asin(min(1.0, self.axial_module * math.cos(self.lead_angle) * threads / d0))
+        return distance + 0.5 * (d0 - d1), math.degrees(lead_angle - self.lead_angle)
 
     @model_validator(mode="after")
     def _one_diameter(self) -> Self:

@@ -12,7 +12,7 @@ from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.system import Sheet, SheetTable
-from gearmesh.systems.worm_drive.build import hob_swivel, nominal_thread, wheel_hob, worm_thread
+from gearmesh.systems.worm_drive.build import EQUAL, hob_apart, nominal_thread, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.cutting.feed import generating_length
 from gearmesh.systems.worm_drive.force_tables import MEMBERS, efficiencies, thread_mesh
 from gearmesh.systems.worm_drive.helical_wheel import wheel_helix
@@ -131,7 +131,7 @@ def _thickness(design: WormDriveDesign) -> list[Row]:
 
 
 def _hob(design: WormDriveDesign, train: GearTrain) -> SheetTable:
-    hob, swivel = wheel_hob(design), hob_swivel(design)
+    hob = wheel_hob(design)
     made, tooth = hob.thread, train.members["wheel"].tooth.unmodified_tooth
     rows: list[Row] = [
         ("z_0", "threads of the hob", "-", (made.threads,)),
@@ -141,7 +141,7 @@ def _hob(design: WormDriveDesign, train: GearTrain) -> SheetTable:
         ("gamma_0", "lead angle of the hob", "deg", (math.degrees(made.lead_angle),)),
         ("s_mx0", "axial thickness of its thread", "mm", (2.0 * made.half_thickness(made.radius),)),
         ("a_0", "centre distance of cutting", "mm", (hob.distance,)),
-        ("eta_0", "swivel of the hob, gamma_0 - gamma_m", "deg", (math.degrees(swivel),)),
+        ("eta_0", "swivel of the hob, gamma_0 - gamma_m", "deg", (design.hob.swivel_angle,)),
         ("feed", "feed of the hob", "", (design.hob.feed,)),
         ("l_0", "least length of its threads, or way of its tangential feed", "mm", (generating_length(tooth, hob),)),
     ]
@@ -155,7 +155,7 @@ def _backlash(design: WormDriveDesign, train: GearTrain) -> list[Row]:
     radius = 0.5 * thread.module * design.wheel.teeth
     steep, angle = thread.lead_angle, thread.normal_angle
     normal, shift = design.backlash, design.backlash / (math.cos(steep) * math.cos(angle))
-    if (design.hob.center_distance, design.hob.swivel_angle) != (None, None):
+    if max(map(abs, hob_apart(design))) > EQUAL:
         fitting = fit(train.pairs[0])
         normal = math.nan if fitting is None else fitting.normal_backlash[0]
         shift = math.nan if fitting is None else fitting.backlash[0] * radius
