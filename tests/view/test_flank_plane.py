@@ -146,18 +146,22 @@ def test_an_end_that_is_nearly_seen_stands_whole() -> None:
     assert flank_window(flank, (30.0, 45.0), 6.7)[0][0] > 0.0
 
 
-def test_lines_of_equal_values_are_labelled_where_there_is_room(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Labels stay inside of the flank and off each other."""
+@pytest.mark.parametrize("sample", ["spiral_bevel_basic", "beveloid_crossed"])
+def test_lines_of_equal_values_are_labelled_where_there_is_room(sample: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Labels stay inside of the flank, where it has values, and off each other."""
     kept: list[Any] = []
     monkeypatch.setattr(flank_diagrams, "save_figure", lambda figure, file: kept.append(figure))
-    plot_flanks("flank.png", flank_rows(contact("spiral_bevel_basic"), ("pinion",)), "")
+    plot_flanks("flank.png", flank_rows(contact(sample), ("pinion",)), "")
     figure, count = kept[0], 0
     figure.draw_without_rendering()
     for axes in figure.axes:
         boxes = [label.get_window_extent() for label in axes.texts if label.get_text().isdigit()]
         count += len(boxes)
         outline = Polygon(np.column_stack(axes.lines[0].get_data()))
+        covers = [drawn for drawn in axes.collections if drawn.get_gid() == flank_diagrams.COVER]
         for k, box in enumerate(boxes):
+            corners = axes.transData.inverted().transform(box.corners())
+            assert not any(path.contains_points(corners).any() for cover in covers for path in cover.get_paths())
             assert outline.contains_points(axes.transData.inverted().transform(box.corners())).all()
             assert not any(box.overlaps(other) for other in boxes[:k])
     assert count > 6

@@ -33,6 +33,8 @@ WIDTH, BESIDE, ABOVE = 10.5, 0.8, 0.85
 STAYS, TOGETHER = 0.9, 1e-6
 #: name of the lines of equal values, which are labelled at last
 RINGS = "rings"
+#: what covers the field where a flank has no values
+COVER = "cover"
 #: inches between a flank and the edges of its panel, in which the words stand
 ROOM = (0.5, 0.25)
 
@@ -350,7 +352,7 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
     past = None if panel.beyond is None else np.ma.masked_invalid(_past_edges(panel.beyond))
     if past is not None and past.max() > 0.0:
         # cells are cut where the values end
-        axes.contourf(x, y, past, levels=[0.0, float(past.max())], colors=[GROUND], zorder=2.5)
+        axes.contourf(x, y, past, levels=[0.0, float(past.max())], colors=[GROUND], zorder=2.5).set_gid(COVER)
     if panel.arrows is not None:
         _draw_arrows(axes, panel, max(high, panel.least))
     if panel.is_flat:
@@ -360,11 +362,17 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
 
 
 def _label_rings(axes: Any, outline: Array) -> None:
-    """Label the lines of equal values inside of a flank, with room about each label."""
+    """Label the lines of equal values inside of a flank and where it has values, with room about each label."""
     from matplotlib.path import Path as Outline
     from matplotlib.patheffects import withStroke
 
     flank = Outline(axes.transData.transform(outline))
+    covers = [
+        axes.transData.transform_path(path)
+        for drawn in axes.collections
+        if drawn.get_gid() == COVER
+        for path in drawn.get_paths()
+    ]
     kept: list[tuple[Array, float]] = []
     for rings in [drawn for drawn in axes.collections if drawn.get_gid() == RINGS]:
         places = []
@@ -374,9 +382,10 @@ def _label_rings(axes: Any, outline: Array) -> None:
             reach = 0.5 * np.hypot(box.width, box.height)
             middle = np.array([0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)])
             round_it = middle + 1.1 * reach * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
-            if flank.contains_points(round_it).all() and all(
-                np.hypot(*(middle - other)) > 1.2 * (reach + far) for other, far in kept
-            ):
+            seen = flank.contains_points(round_it).all() and not any(
+                cover.contains_points(round_it).any() for cover in covers
+            )
+            if seen and all(np.hypot(*(middle - other)) > 1.2 * (reach + far) for other, far in kept):
                 kept.append((middle, reach))
                 places.append(label.get_position())
         while rings.labelTexts:
