@@ -111,6 +111,14 @@ CHANGES: tuple[Change, ...] = (
         "the same, less where flanks end sooner",
         "wheels of steep threads were refused",
     ),
+    Change(
+        "0.11.0",
+        ("worm_drive",),
+        "center_distance",
+        "(d_1 + m z2) / 2 + x m",
+        "the same at a shaft_angle of 90, else with the wheel's reference diameter m_n z2 / cos(beta_2)",
+        "tips and roots in place at other shaft angles",
+    ),
 )
 
 

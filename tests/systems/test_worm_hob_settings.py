@@ -16,7 +16,9 @@ import gearmesh as gm
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.designs import parse
 from gearmesh.systems.worm_drive.build import wheel_hob
+from gearmesh.systems.worm_drive.force_tables import thread_mesh
 from gearmesh.teeth.region import Side
 
 SHARES = (np.linspace(0.03, 0.97, 10), np.linspace(0.02, 0.98, 10))
@@ -199,3 +201,16 @@ def test_a_hob_that_stands_deeper_leaves_more_backlash() -> None:
 def test_hobs_that_cannot_be_are_refused(changes: list[str], message: str) -> None:
     with pytest.raises(DesignError, match=f"^{message}"):
         gears_of(*changes)
+
+
+@pytest.mark.parametrize("right_hand", [True, False])
+@pytest.mark.parametrize("shaft_angle", [70.0, 90.0, 115.0])
+def test_worm_and_wheel_touch_in_their_pitch_point_by_default(shaft_angle: float, right_hand: bool) -> None:
+    """Without a centre distance: both move alike across the thread where the reference cylinder meets the common perpendicular."""
+    keys = {"kind": "worm_drive", "module": 4, "shaft_angle": shaft_angle, "wheel": {"teeth": 33}}
+    design = parse({**keys, "worm": {"threads": 4, "right_hand": right_hand}})
+    (w1, w2), hand = thread_mesh(design).speeds, 1.0 if right_hand else -1.0
+    r, centre = np.array([0.5 * design.reference_diameter, 0.0, 0.0]), np.array([design.center_distance, 0.0, 0.0])
+    across = np.array([0.0, -hand * np.sin(design.lead_angle), np.cos(design.lead_angle)])
+    assert np.cross(w1, r) @ across == pytest.approx(np.cross(w2, r - centre) @ across, rel=1e-12)
+    assert design.center_distance - r[0] == pytest.approx(0.5 * design.wheel_reference_diameter, rel=1e-12)

@@ -20,6 +20,8 @@ QUOTIENT, CLEARANCE, OUTSIDE = 10.0, 0.2, 1.0
 #: Of ZC drives, whose wheels are undercut and whose flanks end beyond the tip at the toe otherwise: profile shift of the wheel, and
 #: by how many axial modules half the face is narrower
 CONCAVE_SHIFT, CONCAVE_NARROWER = 0.75, 1.0
+#: Shaft angle, deg, of axes at right angles.
+RIGHT = 90.0
 #: Difference of two profile shifts that are the same but for rounding.
 SAME_SHIFT = 1e-6
 #: Disk that grinds ZK and ZC flanks where it is not given: diameter at the rim and radius of the profile, in axial modules.
@@ -268,7 +270,7 @@ class WormDriveDesign(Design):
             source="ISO 10828",
         ),
     ] = 20.0
-    shaft_angle: Annotated[float, Key("angle", "angle between the axes", low=45, high=135)] = 90.0
+    shaft_angle: Annotated[float, Key("angle", "angle between the axes", low=45, high=135)] = RIGHT
     center_distance: Annotated[
         float, Key("length", "centre distance a", low=0, above=True, default="by wheel.profile_shift")
     ] = DERIVED
@@ -337,7 +339,18 @@ class WormDriveDesign(Design):
     @property
     def _zero_shift_distance(self) -> float:
         """Centre distance without profile shift, in the design's units."""
-        return 0.5 * (self.reference_diameter + self.wheel.teeth * self.axial_module)
+        return 0.5 * (self.reference_diameter + self.wheel_reference_diameter)
+
+    @property
+    def wheel_reference_diameter(self) -> float:
+        """m_n z2 / cos(beta_2) in the design's units; beta_2 = gamma + 90 deg - Sigma is its helix angle in the pitch point.
+
+        m z2 where axes are at right angles.
+        """
+        diameter = self.wheel.teeth * self.axial_module
+        if self.shaft_angle == RIGHT:
+            return diameter
+        return diameter * math.cos(self.lead_angle) / math.cos(self.lead_angle + math.radians(RIGHT - self.shaft_angle))
 
     @property
     def usual_face_width(self) -> float:
@@ -367,7 +380,7 @@ class WormDriveDesign(Design):
         usual = self._zero_shift_distance + (CONCAVE_SHIFT * m if concave else 0.0)
         shift = given_or(wheel.profile_shift, (given_or(self.center_distance, usual) - self._zero_shift_distance) / m)
         distance = given_or(self.center_distance, self._zero_shift_distance + shift * m)
-        tip = (wheel.teeth + 2.0 * (wheel.addendum + shift)) * m
+        tip = self.wheel_reference_diameter + 2.0 * (wheel.addendum + shift) * m
         cutting, swivel = self.usual_cutting(distance)
         return {
             **super().derived_values(),

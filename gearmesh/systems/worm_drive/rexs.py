@@ -112,7 +112,7 @@ def write_worm_drive(file: StageWriter, design: WormDriveDesign, known: Componen
     file.put(worm, "length_worm_gear", file.take("worm.length"), "mm")
     file.put(worm, TIP, diameter + 2.0 * module * file.take("worm.addendum"), "mm")
     file.put(worm, ROOT, diameter - 2.0 * module * file.take("worm.dedendum"), "mm")
-    reference = module * design.wheel.teeth
+    reference = design.wheel_reference_diameter
     file.put(wheel, "number_of_teeth", file.take("wheel.teeth"))
     file.put(wheel, DIAMETER, reference, "mm")
     file.put(wheel, "face_width_worm_wheel", file.take("wheel.face_width"), "mm")

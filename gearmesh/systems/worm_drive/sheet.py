@@ -90,13 +90,10 @@ def _diameters(design: WormDriveDesign, tip: float) -> list[Row]:
     tip_1, root_1 = d1 + 2.0 * worm.addendum * m, d1 - 2.0 * worm.dedendum * m
     root_2 = 2.0 * (hob.distance - hob.tip_radius)
     base = 2.0 * thread.base_radius if thread.form is ThreadForm.ZI else None
-    reference = wheel.teeth * m
-    if wheel.form == "helical":
-        reference *= math.cos(design.lead_angle) / math.cos(wheel_helix(design))
     wide = effective_width(0.5 * tip_1, design.center_distance - 0.5 * wheel.outside_diameter)
     clear = design.center_distance - 0.5 * np.array([tip_1 + root_2, root_1 + 2.0 * tip])
     return [
-        ("d", "reference diameter", "mm", (d1, reference)),
+        ("d", "reference diameter", "mm", (d1, design.wheel_reference_diameter)),
         ("d_m", "mean diameter, 2 a - d_m1 of the wheel", "mm", (d1, 2.0 * design.center_distance - d1)),
         ("d_a", "tip diameter, in the middle plane", "mm", (tip_1, 2.0 * tip)),
         ("d_e", "outside diameter", "mm", (tip_1, wheel.outside_diameter)),
@@ -159,10 +156,11 @@ def _backlash(design: WormDriveDesign, train: GearTrain) -> list[Row]:
         fitting = fit(train.pairs[0])
         normal = math.nan if fitting is None else fitting.normal_backlash[0]
         shift = math.nan if fitting is None else fitting.backlash[0] * radius
+    round_wheel = shift / radius * 0.5 * design.wheel_reference_diameter
     rows: list[Row] = [
         ("j_n", "normal backlash", "mm", (normal,)),
         ("j_x", "axial backlash of the worm", "mm", (shift,)),
-        ("j_t2", "circumferential backlash, at the wheel's reference circle", "mm", (shift,)),
+        ("j_t2", "circumferential backlash, at the wheel's reference circle", "mm", (round_wheel,)),
         ("j_phi2", "angular backlash of the wheel, worm fixed", "deg", (math.degrees(shift / radius),)),
         ("j_phi1", "angular backlash of the worm, wheel fixed", "deg", (math.degrees(shift / thread.screw),)),
         ("mu_s", "self-locking from this coefficient of friction on", "-", (math.tan(steep) * math.cos(angle),)),
