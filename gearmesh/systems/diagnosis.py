@@ -42,11 +42,11 @@ FARTHEST, ASKED = 64.0, 12
 #: builds that are tried at most for what mends a design, and for what mends what was noticed of it; keys that are named at most
 MOST_TRIALS, MOST_FOR_NOTICED, MOST_NAMED = 80, 30, 2
 #: effort of all trials, about the seconds that they take: bounds are as fine as it allows; and the part of one of them, at most
-MOST_EFFORT, OF_ONE = 4.0, 0.35
+MOST_EFFORT, OF_ONE = 4.5, 0.35
 #: effort of a build beside what it counts itself, and of a design that is refused before it is built
 OF_BUILD, OF_DESIGN = 0.015, 0.005
 #: part of the effort that a build takes, at most, if other keys are looked for that mend as well
-LIGHT = 0.03
+LIGHT = 0.022
 #: part of it that has to be left for the bound of a second key to be refined
 FOR_SECOND = 0.3
 #: keys that are named at most where none alone makes the design infeasible

@@ -12,6 +12,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.root_tangent import tangent_weights
 from gearmesh.mesh.hexahedra.hexahedra import HexGrid, hex_mesh, whole_rim
 from gearmesh.mesh.hexahedra.hexes import HexMesh
+from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
@@ -60,7 +61,9 @@ def bending(tooth: Tooth, side: Side, material: Material, grid: HexGrid, height:
     a place of the flank, 0 (form point) .. 1 (tip), held at the bore."""
     rim = whole_rim(tooth, np.linspace(0.0, 1.0, 2))
     mesh = hex_mesh(tooth, np.arange(teeth) - teeth // 2, grid, rim, second_order=True)
-    used, faces = np.unique(mesh.face_outlines("toe")[:, [0, 2, 4, 6, 1, 3, 5, 7]], return_inverse=True)
+    used, faces = np.unique(
+        mesh.face_outlines(end_names(tooth.blank.axial)[0])[:, [0, 2, 4, 6, 1, 3, 5, 7]], return_inverse=True
+    )
     nodes, faces = mesh.nodes[used], faces.reshape(-1, 8)
     plane = nodes[:, :2]
     e, nu = material.youngs_modulus, material.poisson_ratio

@@ -123,9 +123,12 @@ class FiniteElementSolution(Result):
         """Why the largest pressure is unreliable; empty where it is not."""
         if self.measured.contact is None or self.measured.contact.pressure_resolved:
             return ""
-        if _at_rim(self.problem, self.measured.contact.max_pressure_point):
+        if self.problem.coarse:
+            return f"unresolved: {self.problem.coarse}"
+        peaks = [pair.peak_pressure for pair in self._tooth_pairs]
+        if self.problem.request.even or np.argmax(peaks) == _leading(self.problem):
             return "unresolved: at the rim of the ellipse, where lines are coarser"
-        return f"unresolved: {self.problem.coarse or 'not on the leading tooth pair, where the mesh is fine'}"
+        return "unresolved: not on the leading tooth pair, where the mesh is fine"
 
     @property
     def _reserve(self) -> str:
