@@ -342,15 +342,21 @@ class WormDriveDesign(Design):
         return 0.5 * (self.reference_diameter + self.wheel_reference_diameter)
 
     @property
-    def wheel_reference_diameter(self) -> float:
-        """m_n z2 / cos(beta_2) in the design's units; beta_2 = gamma + 90 deg - Sigma is its helix angle in the pitch point.
+    def wheel_helix_angle(self) -> float:
+        """Helix angle (rad) of the wheel in the pitch point, positive right-hand: gamma + 90 deg - Sigma.
 
-        m z2 where axes are at right angles.
+        It is that of the direction in which the worm's thread crosses the common perpendicular.
         """
+        angle = self.lead_angle + math.radians(RIGHT - self.shaft_angle)
+        return angle if self.worm.right_hand else -angle
+
+    @property
+    def wheel_reference_diameter(self) -> float:
+        """m_n z2 / cos(beta_2) in the design's units, m z2 where axes are at right angles."""
         diameter = self.wheel.teeth * self.axial_module
         if self.shaft_angle == RIGHT:
             return diameter
-        return diameter * math.cos(self.lead_angle) / math.cos(self.lead_angle + math.radians(RIGHT - self.shaft_angle))
+        return diameter * math.cos(self.lead_angle) / math.cos(self.wheel_helix_angle)
 
     @property
     def usual_face_width(self) -> float:

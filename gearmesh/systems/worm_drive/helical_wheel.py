@@ -10,15 +10,12 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
-from gearmesh.systems.worm_drive.wheel import crossed_axes
 from gearmesh.tools.rack import Line
 
 if TYPE_CHECKING:
@@ -34,19 +31,9 @@ class _CutterTip:
     tool_tip_radius: float
 
 
-def wheel_helix(design: WormDriveDesign) -> float:
-    """Helix angle (rad) of the wheel, positive right-hand: of the direction in which the worm's thread crosses the common
-    perpendicular."""
-    hand = 1.0 if design.worm.right_hand else -1.0
-    along = np.array([0.0, math.cos(design.lead_angle), hand * math.sin(design.lead_angle)])
-    _, y, z = crossed_axes(hand * math.radians(design.shaft_angle - 90.0)).T @ along
-    return math.atan2(y, z)
-
-
 def helical_wheel(design: WormDriveDesign) -> Member:
     """The wheel of a design (in mm) as a helical gear. Raises DesignError naming key, value and limit."""
-    helix = wheel_helix(design)
-    roll = Roll(0.5 * design.wheel.teeth * design.normal_module / math.cos(helix), helix, 0.0)
+    roll = Roll(0.5 * design.wheel_reference_diameter, design.wheel_helix_angle, 0.0)
     made = member("wheel", design.wheel, _rack(design, roll), roll, _parameters, "addendum")
     return with_end_chamfers(made, design.wheel)
 

@@ -15,7 +15,6 @@ from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.systems.worm_drive.build import EQUAL, hob_apart, nominal_thread, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.cutting.feed import generating_length
 from gearmesh.systems.worm_drive.force_tables import MEMBERS, efficiencies, thread_mesh
-from gearmesh.systems.worm_drive.helical_wheel import wheel_helix
 from gearmesh.systems.worm_drive.load_parameters import contact_rows
 from gearmesh.systems.worm_drive.thread import WormThread
 from gearmesh.systems.worm_drive.wires import wire_rows
@@ -70,7 +69,7 @@ def _sliding(thread: WormThread) -> float:
 
 def _threads(design: WormDriveDesign) -> list[Row]:
     thread, worm, m = nominal_thread(design), design.worm, design.axial_module
-    helix = math.degrees(wheel_helix(design)) if design.wheel.form == "helical" else None
+    helix = math.degrees(design.wheel_helix_angle) if design.wheel.form == "helical" else None
     right: Values = ("right" if worm.right_hand else "left",) * 2
     return [
         ("z", "threads, teeth", "-", (worm.threads, design.wheel.teeth)),
