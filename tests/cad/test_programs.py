@@ -88,7 +88,7 @@ def test_a_mesh_for_build123d_is_the_exact_solid_where_it_is() -> None:
 
 @needs_cadquery
 @pytest.mark.sweep
-def test_cadquery_has_named_placed_solids_with_tagged_faces() -> None:
+def test_to_cadquery_has_named_placed_solids_with_tagged_faces() -> None:
     import cadquery
 
     assembly = gears().to_cadquery(COARSE, phi1=7.0)
