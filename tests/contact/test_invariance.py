@@ -13,7 +13,8 @@ from oracles.built import contact_of, pair_of
 from oracles.drawn import zero_or_more
 from oracles.examples import examples
 
-from gearmesh.contact.flanks import analyse, solver_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.motion.rigid import Rigid
@@ -38,8 +39,15 @@ def design(cone: float, helix: float, dx: float = 0.0, gamma: float = 0.0, **mor
     }
 
 
+def solved(mapping: dict[str, Any], phi1: Any = PHI1) -> tuple[Pair, ContactPath]:
+    """The solver's pair of a design, and its path."""
+    gears = pair_of(parse(mapping))
+    pair = solver_pair(gears)
+    return pair, contact_path(pair, np.asarray(phi1), gears.generation)
+
+
 def path_of(mapping: dict[str, Any], phi1: Any = PHI1) -> ContactPath:
-    return analyse(pair_of(parse(mapping)), np.asarray(phi1))
+    return solved(mapping, phi1)[1]
 
 
 def same(one: ContactPath, other: ContactPath, scale: float = 1.0, sense: float = 1.0) -> None:
@@ -59,14 +67,14 @@ def same(one: ContactPath, other: ContactPath, scale: float = 1.0, sense: float 
 
 
 def same_places(
-    points: tuple[np.ndarray, np.ndarray], paths: tuple[ContactPath, ContactPath], mapping: dict[str, Any], scale: float
+    points: tuple[np.ndarray, np.ndarray], paths: tuple[ContactPath, ContactPath], pair: Pair, scale: float
 ) -> None:
-    """Points (N, 3) of two paths alike, across the ellipses of the first one, which is of `mapping`.
+    """Points (N, 3) of two paths alike, across the ellipses of the first one, which is that of `pair`.
 
     Along them as far as the solver knows the place: normals agree to its tolerance over its length, and over the curvature
     2 delta / a^2 that is a distance.
     """
-    pair, (path, other) = solver_pair(pair_of(parse(mapping))), paths
+    path, other = paths
     apart = points[0] - points[1]
     inside = path.kind == "point"
     along = (apart * path.major).sum(axis=1)[inside]
@@ -99,9 +107,9 @@ def test_a_pair_scales(cone: float, helix: float, scale: float) -> None:
     for member in ("pinion", "gear"):
         large[member]["face_width"] = 14.0 * scale
     large["contact"] = {**small["contact"], "delta": 0.00635 * scale}
-    one, other = path_of(large), path_of(small)
+    (pair, one), other = solved(large), path_of(small)
     same(one, other, scale)
-    same_places((one.point, scale * other.point), (one, other), large, scale)
+    same_places((one.point, scale * other.point), (one, other), pair, scale)
 
 
 @few
@@ -111,9 +119,9 @@ def test_the_mirror_image_of_a_pair_touches_in_the_mirror(cone: float, helix: fl
     one = path_of(design(cone, helix))
     mirrored = design(cone, -helix)
     mirrored["contact"] = {**mirrored["contact"], "flank": "left"}
-    other = path_of(mirrored, -PHI1)
+    pair, other = solved(mirrored, -PHI1)
     same(one, other, sense=-1.0)
-    same_places((other.point, one.point * [1.0, -1.0, 1.0]), (other, one), mirrored, 1.0)
+    same_places((other.point, one.point * [1.0, -1.0, 1.0]), (other, one), pair, 1.0)
 
 
 @pytest.mark.sweep
