@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from gearmesh.contact.conditions.ends import Between, FormPoints, root_of, tip_of
 from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
-from gearmesh.contact.pair import CREASES, FORM_POINT, RIDGES, ROOT, Pair
+from gearmesh.contact.pair import CREASES, FORM_POINT, RIDGES, ROOT, TIP_CORNERS, Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import ArgumentError
@@ -206,6 +206,7 @@ def contact_flank(member: Member, side: Side) -> Flank:
         smooth=frozenset({FORM_POINT}) if form_point.smooth else frozenset(),
         creases=_creases(tooth, side),
         smooth_surface=tooth.side(side).smooth_flank,
+        tip_corners=_tip_corners(tooth),
     )
 
 
@@ -223,6 +224,13 @@ def _creases(tooth: Tooth, side: Side) -> dict[str, Level]:
         r = along(own.flank, np.full_like(middle, p), middle, tooth.blank.axial)[1].r
         levels[name] = ConeLevel.of(float(np.hypot(r[0, 0], r[0, 1])), 0.0)
     return levels | {name: Shifted(tooth.blank.axial, place) for name, place in zip(RIDGES, own.ridges, strict=False)}
+
+
+def _tip_corners(tooth: Tooth) -> dict[str, Level]:
+    """Levels through the corners of a flank's tip line, across the stations."""
+    axial, ends = tooth.blank.axial, sorted(tooth.blank.extent)
+    inside = [place for place in tooth.blank.tip.corners(axial) if ends[0] < place < ends[1]]
+    return {name: Shifted(axial, place) for name, place in zip(TIP_CORNERS, inside, strict=False)}
 
 
 def contact_fillet(member: Member, side: Side) -> Flank:

@@ -20,6 +20,8 @@ EDGES = ("tip", "toe", "heel")
 FORM_POINT, ROOT = "joint", "root"
 #: corners inside a flank, along the face and up the profile: as many as linear reliefs of two tables make
 CREASES, RIDGES = (tuple(f"{kind}_{k}" for k in (1, 2, 3, 4)) for kind in ("crease", "ridge"))
+#: corners of tip lines, as where the throat of a worm wheel passes into its outside cylinder
+TIP_CORNERS = tuple(f"tip_corner_{k}" for k in (1, 2, 3, 4))
 #: all edges of both members, in the order in which the solver counts them, by member and name
 NUMBERED = (
     *((member, name) for member in (0, 1) for name in EDGES),
@@ -27,10 +29,12 @@ NUMBERED = (
     (1, FORM_POINT),
     (0, ROOT),
     (1, ROOT),
-    *((member, name) for member in (0, 1) for name in (*CREASES, *RIDGES)),
+    *((member, name) for member in (0, 1) for name in (*CREASES, *RIDGES, *TIP_CORNERS)),
 )
 #: which of them lie inside a flank, so that nothing is beyond them
 WITHIN = np.array([name in (*CREASES, *RIDGES) for _, name in NUMBERED])
+#: which of them are the stations of corners of tip lines: no edges but together with the tip
+OF_CORNERS = np.array([name in TIP_CORNERS for _, name in NUMBERED])
 #: number of a place for which no condition was found that holds: corners of edges
 CORNER = len(NUMBERED)
 #: share of a flank by which it is looked beside a place on which side of a corner that lies
@@ -92,13 +96,24 @@ class Pair:
     @cached_property
     def bounds(self) -> tuple[Bound | None, ...]:
         """The edges of both flanks in the order of NUMBERED; None for those that a flank has not."""
-        every = [{**flank.edges, **flank.creases} for flank in self.flanks]
+        every = [{**flank.edges, **flank.creases, **flank.tip_corners} for flank in self.flanks]
         return tuple(Bound(member, every[member][name]) if name in every[member] else None for member, name in NUMBERED)
 
     @cached_property
     def ends(self) -> tuple[int, ...]:
         """Numbers in `bounds` of the edges that end a flank."""
-        return tuple(k for k, bound in enumerate(self.bounds) if bound is not None and not WITHIN[k])
+        return tuple(k for k in self.edges if not WITHIN[k])
+
+    @cached_property
+    def edges(self) -> tuple[int, ...]:
+        """Numbers in `bounds` of the edges along which flanks may touch: those that end them, and corners inside."""
+        return tuple(k for k, bound in enumerate(self.bounds) if bound is not None and not OF_CORNERS[k])
+
+    @cached_property
+    def tip_corners(self) -> tuple[tuple[int, int], ...]:
+        """The corners of tip lines, each by the numbers in `bounds` of the tip and of the corner's station."""
+        there = [k for k, bound in enumerate(self.bounds) if bound is not None and OF_CORNERS[k]]
+        return tuple((edge_number(NUMBERED[k][0], "tip"), k) for k in there)
 
     @cached_property
     def smooth(self) -> NDArray[np.bool_]:

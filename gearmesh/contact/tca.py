@@ -20,7 +20,7 @@ from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.engagement import Engagement, follow
 from gearmesh.contact.first_touch.first_touch import first_touch, touches
-from gearmesh.contact.pair import Pair, edge_name
+from gearmesh.contact.pair import OF_CORNERS, Pair, edge_name
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.numeric.algebra import Array, dot
@@ -182,8 +182,10 @@ def contact_jets(pair: Pair, rotation: Array, contacts: Contacts) -> tuple[tuple
 
 
 def _edge_names(pair: Pair, contacts: Contacts) -> NDArray[np.str_]:
-    """Names of the edges in contact (N,), two joined by "+"."""
+    """Names of the edges in contact (N,), two joined by "+"; a corner of a tip line is of the tip."""
     names = np.full(len(contacts.x), "", dtype="<U32")
+    # CORNER has a name, -1 none
+    named = np.concatenate((~OF_CORNERS, [True, False]))
     for k in np.flatnonzero(contacts.edges[:, 0] >= 0):
-        names[k] = "+".join(edge_name(pair, int(number)) for number in contacts.edges[k] if number >= 0)
+        names[k] = "+".join(edge_name(pair, int(number)) for number in contacts.edges[k] if named[number])
     return names

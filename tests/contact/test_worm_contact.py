@@ -9,6 +9,7 @@ from oracles.places import SAMPLES
 from gearmesh.contact.conditions.bent_lines import pieces
 from gearmesh.contact.conditions.meshing import Bound, Conditions, Flank
 from gearmesh.contact.first_touch.first_touch import touches
+from gearmesh.contact.first_touch.search import meeting_points
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
@@ -62,6 +63,30 @@ def test_path_of_line_contact_is_the_middle_of_the_longest_piece() -> None:
         runs = line[None] if len(line) == 13 else np.stack((line[:13], line[14:]))
         lengths = np.linalg.norm(np.diff(runs, axis=1), axis=-1).sum(axis=1)
         assert np.linalg.norm(runs[lengths.argmax(), 6] - point) < 1e-9
+
+
+def test_corners_of_the_tip_line_touch_where_no_point_about_them_is_ahead() -> None:
+    """Where the throat passes into the outside cylinder. Second route: of a lattice of points of the worm about the contact,
+    where the circle through each meets the wheel."""
+    gears = pair_of(load(SAMPLES / "worm_drive.toml", ["hob.reference_diameter=66"]))
+    pair = solver_pair(gears).parts[0]
+    phi1 = np.array([-2.2, -1.83, -1.5]) * pair.pitch
+    path = contact_path(pair, phi1)
+    assert path.edge.tolist() == 3 * ["gear_tip"]
+    corner = np.sqrt(THROAT**2 - (125.0 - 102.5) ** 2)
+    assert np.abs(path.point2[:, 2] + corner).max() < 1e-9
+    contacts = touches(pair, phi1)[0]
+    steps = 5e-3 * np.linspace(-1.0, 1.0, 41)
+    ways = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    near = np.repeat(contacts.x, len(ways), axis=0)
+    near[:, :2] += np.tile(ways, (3, 1))
+    conditions = Conditions(pair.flanks, phi1, pair.length)
+    ahead = meeting_points(pair, conditions, np.repeat(np.arange(3), len(ways)), near)[1].reshape(3, -1)
+    # points that both flanks have lie on one side of the corner: none is ahead, and it is reached by them
+    assert np.isfinite(ahead).sum(axis=1).min() > 200
+    below = contacts.advance - ahead.max(axis=1)
+    assert below.min() > -1e-12
+    assert below.max() < 1e-5
 
 
 def test_repeated_conditions_keep_what_bounds_each_position() -> None:

@@ -39,7 +39,8 @@ class Flank:
     is no edge: the root of a fillet, or what of a flank is behind its line of regression (None: edges are all that bounds it);
     `smooth` names the edges over which the tooth goes on smoothly; `creases`, by name, are lines inside the flank (value 0) over
     which it has a corner, along which it may touch as along an edge; `smooth_surface` gives the surface about a place (u, v)
-    going on over these lines as if there were none.
+    going on over these lines as if there were none; `tip_corners`, by name, are the stations (value 0) at which the tip line has
+    corners.
     """
 
     surface: Surface
@@ -52,6 +53,7 @@ class Flank:
     smooth: frozenset[str] = frozenset()
     creases: dict[str, Level] = field(default_factory=dict)
     smooth_surface: Callable[[float, float], Surface] | None = None
+    tip_corners: dict[str, Level] = field(default_factory=dict)
     #: the same flank in its first mounting; `replace` drops it, so that a flank that differs otherwise has tables of its own
     _unmoved: Flank | None = field(default=None, init=False, repr=False, compare=False)
 

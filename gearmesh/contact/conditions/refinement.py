@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions, Touch
-from gearmesh.contact.pair import CORNER, NUMBERED, Pair
+from gearmesh.contact.pair import CORNER, NUMBERED, OF_CORNERS, Pair
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
@@ -341,7 +341,6 @@ def _edges_next(
     # plain numbers: rows of arrays, one by one, take ten times as long
     position, edges, most = trial.position.tolist(), trial.edges.tolist(), trial.most.tolist()
     outside, smooth = (trial.beyond > EDGE_SLACK).tolist(), pair.smooth.tolist()
-    there = [number for number, bound in enumerate(pair.bounds) if bound is not None]
 
     def spawn(k: int, x: Array, first: int, second: int, mark: int) -> None:
         key = (position[k], first, mark)
@@ -372,8 +371,11 @@ def _edges_next(
             # past a smooth end the tooth goes on, unless its own edge is one
             others = [number for number in over if smooth[first] or not smooth[number]]
             if not others:
-                others = [number for number in there if smooth[first] or not smooth[number]]
-            pairs = [(first, other) for other in others if other != first and pair.bounds[other] is not None]
+                others = [number for number in pair.edges if smooth[first] or not smooth[number]]
+            pairs = [(first, other) for other in others if other != first]
+            pairs += [corner for corner in pair.tip_corners if corner[0] == first]
+        elif OF_CORNERS[second]:
+            pairs = []
         else:
             pairs = [(edge, other) for other in over if other not in (first, second) for edge in (first, second)]
         for a, b in pairs:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.first_touch.heights import Circles, FlankHeights, bilinear
-from gearmesh.contact.pair import EDGES, FORM_POINT, NUMBERED, ROOT, WITHIN, along_face, edge_number
+from gearmesh.contact.pair import EDGES, FORM_POINT, NUMBERED, OF_CORNERS, ROOT, WITHIN, along_face, edge_number
 from gearmesh.kernel.numeric.algebra import Array
 
 if TYPE_CHECKING:
@@ -177,9 +177,8 @@ def _turn(
 @dataclass(frozen=True)
 class _Field:
     """Advances (N, I, J) at nodes, how far those are `beyond` (4, N, I, J) the gear's limits, the advances of those `on` both
-    flanks,
-    -inf elsewhere; best, gain and inside (N,) as of an `Outlook`; `crossings` of the grid with edges of the gear: positions, grid
-    places, advances."""
+    flanks, -inf elsewhere; best, gain and inside (N,) as of an `Outlook`; `crossings` of the grid with edges of the gear:
+    positions, grid places, advances; `stations` (N, I, J), mm, counted from corners of the tips' lines, by their numbers."""
 
     advance: Array
     beyond: Array
@@ -189,6 +188,7 @@ class _Field:
     gain: Array
     inside: NDArray[np.bool_]
     crossings: dict[int, tuple[NDArray[np.intp], Array, Array, Array]]
+    stations: dict[int, Array]
 
     @staticmethod
     def of(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> _Field:
@@ -208,13 +208,17 @@ class _Field:
                 inside[there] &= best[there] >= value
                 best[there] = np.maximum(best[there], value)
         place = np.stack((field.rho, np.zeros_like(field.rho), field.z), axis=-1)
-        for number in np.flatnonzero(WITHIN):
+        stations = {}
+        for number in np.flatnonzero(WITHIN | OF_CORNERS):
             bound = pair.bounds[number]
             if bound is not None:
                 beside = bound.level.value(place if bound.member else nodes.r)
                 beside = np.broadcast_to(beside.reshape(-1, *shape[1:]), shape)
-                crossings[int(number)] = _best_crossing(advance, beside, list(beyond))
-        return _Field(advance, beyond, on, _bends(advance), best, _gain(advance), inside, crossings)
+                if WITHIN[number]:
+                    crossings[int(number)] = _best_crossing(advance, beside, list(beyond))
+                else:
+                    stations[int(number)] = beside
+        return _Field(advance, beyond, on, _bends(advance), best, _gain(advance), inside, crossings, stations)
 
 
 def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
@@ -284,6 +288,11 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp],
         first, second = (edge_number(1, name) for name in names)
         if first in field.crossings and second in field.crossings:
             add(*_cells(field, names), (first, second))
+    for tip, number in pair.tip_corners:
+        if tip in field.crossings:
+            add(*_cells(field, ("tip",), field.stations[number]), (tip, number))
+        else:
+            add(*_on_last_row(field, field.stations[number]), (tip, number))
     # where nothing is sampled, less may overlap than a cell holds
     position, i, j, value, most = _cells(field, ())
     own = np.flatnonzero(best[position] == -np.inf)
@@ -382,9 +391,12 @@ def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: 
     return gain
 
 
-def _cells(field: _Field, crossed: Sequence[str]) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
-    """Cells of the grid in which the flanks may overlap while edges of the gear, `crossed`, go through them, one per position:
-    positions (M,), the middles of the cells, grid places i, j (M,), and mean and greatest advance (M,) of their nodes.
+def _cells(
+    field: _Field, crossed: Sequence[str], station: Array | None = None
+) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
+    """Cells of the grid in which the flanks may overlap while edges of the gear, `crossed`, go through them, and a `station` of it
+    from which nodes (N, I, J) are so far, one per position: positions (M,), the middles of the cells, grid places i, j (M,), and
+    mean and greatest advance (M,) of their nodes.
 
     All of a small overlap of two flanks may lie within one cell; then nothing else shows it.
     """
@@ -400,11 +412,29 @@ def _cells(field: _Field, crossed: Sequence[str]) -> tuple[NDArray[np.intp], Arr
             apart += np.abs(own.mean(axis=0))
         else:
             apart += np.maximum(own.mean(axis=0), 0.0)
+    if station is not None:
+        own = np.stack([station[:, i, j] for i, j in nodes])
+        there = there & (own.min(axis=0) <= 0.0) & (own.max(axis=0) > 0.0)
+        apart += np.abs(own.mean(axis=0))
     cell = np.where(there, apart, np.inf).reshape(len(there), -1).argmin(axis=1)
     position = np.flatnonzero(there.any(axis=(1, 2)))
     i, j = np.divmod(cell[position], there.shape[2])
     advances = advance[:, position, i, j]
     return position, i + 0.5, j + 0.5, np.nanmean(advances, axis=0), np.nanmax(advances, axis=0)
+
+
+def _on_last_row(field: _Field, station: Array) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
+    """Where the last row of the grid crosses a station of the pinion from which nodes (N, I, J) are so far: positions (M,), grid
+    places i, j (M,), and mean and greatest advance (M,) of the nodes on either side."""
+    ends = field.on[:, -1, :-1], field.on[:, -1, 1:]
+    beside = station[:, -1, :-1], station[:, -1, 1:]
+    highest = np.maximum(*ends)
+    position, k = np.nonzero(((beside[0] <= 0.0) != (beside[1] <= 0.0)) & (highest > -np.inf))
+    before, after = (values[position, k] for values in beside)
+    most = highest[position, k]
+    lower = np.minimum(*ends)[position, k]
+    value = np.where(np.isfinite(lower), 0.5 * (most + lower), most)
+    return position, np.full(len(k), field.on.shape[1] - 1.0), k + before / (before - after), value, most
 
 
 def _best_crossing(

@@ -45,7 +45,7 @@ def refine_missed(
     better = np.flatnonzero(advance > contacts.advance[position])
     contacts.take(position[better], trial, better, number, advance[better])
     # a summit inside the flanks, or on an edge, is solved for as such
-    numbers = [-1, *(k for k, bound in enumerate(pair.bounds) if bound is not None)]
+    numbers = [-1, *pair.edges]
     edges = np.full((len(numbers) * len(position), 2), -1)
     edges[:, 0] = np.repeat(numbers, len(position))
     again = Trial.of(np.tile(position, len(numbers)), np.tile(x, (len(numbers), 1)), edges)
