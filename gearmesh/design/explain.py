@@ -55,7 +55,10 @@ def _table(design: type[Table], path: list[Any]) -> type[Table]:
 def _allowed_values(table: type[Table], name: str, units: str) -> str:
     below = table.table_of(name)
     if below is not None:
-        return "a table with the keys " + ", ".join(below.names())
+        required = [name for name in below.names() if below.model_fields[name].is_required()]
+        # of many keys those that cannot be left out are what is missing
+        some = "at least " + " and ".join(required) if 0 < len(required) < len(below.names()) else ""
+        return f"a table with {some or 'the keys ' + ', '.join(below.names())}"
     key = table.key_of(name)
     assert key is not None, "every field that is not a table has a Key"
     return key.allowed_values(units)

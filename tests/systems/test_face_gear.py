@@ -49,6 +49,17 @@ def turned(r: Array, angle: Array) -> Array:
 
 
 @pytest.mark.quick
+def test_a_drive_without_a_shaper_has_the_usual_one() -> None:
+    """Three teeth more than the pinion, as [LF04 18.4] has it, but no more than the gear."""
+    drive = {"kind": "face_gear", "module": 2, "pinion": {"teeth": 25}, "gear": {"teeth": 120}}
+    usual, given = parse(drive), parse({**drive, "shaper": {"teeth": 28}})
+    assert usual.derived_values() == given.derived_values()
+    assert parse({**drive, "gear": {"teeth": 26}}).shaper_teeth == 26
+    with pytest.raises(DesignError, match=r"gear\.teeth = 24: must be at least those of the pinion, 25"):
+        parse({**drive, "gear": {"teeth": 24}})
+
+
+@pytest.mark.quick
 @pytest.mark.parametrize("shift", [0.0, 0.3])
 @pytest.mark.parametrize("radius", [0.0, 0.5])
 def test_tip_rounding_touches_involute_and_top_cylinder(radius: float, shift: float) -> None:
@@ -104,7 +115,7 @@ def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_rad
         grid = tooth.grid(region, np.linspace(0.05, 0.95, 6), sections).points.reshape(-1, 1, 3)
 
         def distance(psi: Array, grid: Array = grid) -> Array:
-            own = turned(grid, centred - psi * given.shaper.teeth / given.gear.teeth)
+            own = turned(grid, centred - psi * given.shaper_teeth / given.gear.teeth)
             x, y = s * own[..., 2] - c * own[..., 0], -own[..., 1] - offset
             fixed = np.stack((x, y, np.zeros_like(x)), axis=-1)
             back = turned(fixed, -psi)
@@ -138,8 +149,8 @@ def test_aligned_pair_turns_uniformly_and_its_normals_pass_through_the_pitch_poi
     assert np.abs(path.te).max() * ARCSEC < 1e-6
     np.testing.assert_allclose(path.phi2, PHI1 * given.pinion.teeth / given.gear.teeth, rtol=0, atol=1e-12)
     # [LF04 18.4]: surfaces of shaper, pinion and gear are in mesh at once
-    radius = 0.5 * given.shaper.teeth * given.module
-    cotangent = given.gear.teeth / given.shaper.teeth + np.cos(np.radians(given.shaft_angle))
+    radius = 0.5 * given.shaper_teeth * given.module
+    cotangent = given.gear.teeth / given.shaper_teeth + np.cos(np.radians(given.shaft_angle))
     pitch_point = np.array([radius, 0.0, radius * cotangent / np.sin(np.radians(given.shaft_angle))])
     away = np.cross(path.point - pitch_point, path.normal)
     np.testing.assert_allclose(np.linalg.norm(away, axis=-1), 0.0, rtol=0, atol=1e-9)
@@ -173,7 +184,7 @@ def test_parallel_shift_moves_the_path_as_the_internal_mesh_of_shaper_and_pinion
     """Shaper and pinion stay in mesh at another centre distance: their line of action turns, and with it the path."""
     given = design(f"assembly.{key}={error}")
     shaped, path = shaped_gear(given), analyse(pair_of(given), PHI1[1:4])
-    apart = 0.5 * (given.shaper.teeth - given.pinion.teeth) * given.module
+    apart = 0.5 * (given.shaper_teeth - given.pinion.teeth) * given.module
     across, towards = (error, apart) if key == "dE" else (0.0, apart - error)
     working = np.arccos(apart * np.cos(shaped.shaper.pressure_angle) / np.hypot(across, towards))
     kappa = working + np.arctan2(across, towards)
@@ -191,7 +202,7 @@ def test_change_of_the_shaft_angle_against_explicit_surfaces(error: float) -> No
     given = design(f"assembly.d_gamma={error}")
     shaped, alpha = shaped_gear(given), np.radians(given.pressure_angle)
     teeth, module = given.pinion.teeth, given.module
-    base, apart = 0.5 * teeth * module * np.cos(alpha), 0.5 * (given.shaper.teeth - teeth) * module
+    base, apart = 0.5 * teeth * module * np.cos(alpha), 0.5 * (given.shaper_teeth - teeth) * module
     gamma = shaped.shaft_angle + np.radians(error)
     inv = np.tan(alpha) - alpha
 

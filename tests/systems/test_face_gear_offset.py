@@ -46,11 +46,11 @@ def test_aligned_pair_turns_uniformly_and_touches_with_normals_through_the_pitch
     path = analyse(pair_of(given), PHI1)
     assert (path.kind == "point").all()
     np.testing.assert_allclose(path.phi2, PHI1 * given.pinion.teeth / given.gear.teeth, rtol=0, atol=1e-12)
-    radius, angle = 0.5 * given.shaper.teeth * given.module, np.radians(given.shaft_angle)
+    radius, angle = 0.5 * given.shaper_teeth * given.module, np.radians(given.shaft_angle)
     away = np.cross(path.point - np.array([radius, 0.0, 0.0]), path.normal)
     np.testing.assert_allclose(away[:, 2], 0.0, rtol=0, atol=1e-9)
     gear_axis, foot = np.array([np.sin(angle), 0.0, np.cos(angle)]), np.array([0.0, -given.offset, 0.0])
-    ratio = given.shaper.teeth / given.gear.teeth
+    ratio = given.shaper_teeth / given.gear.teeth
     velocity = -np.cross([0.0, 0.0, 1.0], path.point) - ratio * np.cross(gear_axis, path.point - foot)
     np.testing.assert_allclose(np.sum(velocity * path.normal, axis=-1), 0.0, rtol=0, atol=1e-9)
 
@@ -165,13 +165,13 @@ def test_sheet_has_axodes_that_roll_on_each_other_and_the_lines_of_contact(shaft
     rows = {row[0]: row[2:] for row in tables["Axodes [LF04 18.2, 18.4]"].rows}
     angle = np.radians(shaft_angle)
     cones = rows["half angle of its axode"], rows["half angle of the gear's axode"]
-    for first, second, teeth in zip(*cones, (given.pinion.teeth, given.shaper.teeth), strict=True):
+    for first, second, teeth in zip(*cones, (given.pinion.teeth, given.shaper_teeth), strict=True):
         assert first + second == pytest.approx(shaft_angle, abs=1e-8)
         slope = np.radians(first)
         line = np.array([np.sin(slope), 0.0, np.cos(slope)])
         gear = np.array([np.sin(angle), 0.0, np.cos(angle)]) * teeth / given.gear.teeth
         np.testing.assert_allclose(np.cross([0.0, 0.0, 1.0], line) + np.cross(gear, line), 0.0, rtol=0, atol=1e-9)
-    radius = 0.5 * given.shaper.teeth * given.module
+    radius = 0.5 * given.shaper_teeth * given.module
     place = rows["pitch point from the apex, along the axis"][1]
     assert place * np.tan(np.radians(cones[0][1])) == pytest.approx(radius, abs=1e-6)
     lines = {row[0]: row[2:] for row in tables["Lines of contact on the shaper [LF04 18.4]"].rows}

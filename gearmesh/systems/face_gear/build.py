@@ -88,7 +88,7 @@ def shaped_gear(design: FaceGearDesign) -> ShapedGear:
     """Shaper and face gear in the design's unit of length. Raises DesignError for a shaper that cannot exist."""
     m, shift, radius = design.given_module, design.pinion.profile_shift, design.shaper.tip_radius
     sharp = Shaper(
-        teeth=design.shaper.teeth,
+        teeth=design.shaper_teeth,
         module=m,
         pressure_angle=float(np.radians(design.pressure_angle)),
         addendum=(design.shaper.addendum + shift) * m,

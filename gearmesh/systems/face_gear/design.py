@@ -20,6 +20,8 @@ from gearmesh.systems.common.defaults import deepest
 from gearmesh.systems.common.worm_keys import WormTool
 from gearmesh.systems.kinds import KINDS
 
+#: Teeth that the shaper has more than the pinion where shaper.teeth is not given: contact in a point [LF04 18.4].
+MORE_TEETH = 3
 #: Clearance between the pinion's tip and the face gear's root, in modules, where shaper.addendum is not given.
 CLEARANCE = 0.25
 #: The same where the shaper's tooth has no room for it, and the top land that it is then left with, in modules.
@@ -167,15 +169,16 @@ class ShaperTool(Table):
     """The involute shaper."""
 
     teeth: Annotated[
-        int,
+        int | None,
         Key(
             "count",
             "N_s: the pinion's for line contact, 2 or 3 more for contact in a point",
             low=3,
             high=10000,
+            default=f"pinion.teeth + {MORE_TEETH}, at most gear.teeth",
             source="[LF04] 18.4",
         ),
-    ]
+    ] = None
     addendum: Annotated[
         float,
         Key(
@@ -231,7 +234,6 @@ class FaceGearDesign(PairDesign):
         "module": 3,
         "pinion": {"teeth": 25},
         "gear": {"teeth": 120},
-        "shaper": {"teeth": 28},
     }
     about: ClassVar[str] = KINDS["face_gear"].about
 
@@ -251,10 +253,17 @@ class FaceGearDesign(PairDesign):
     ] = 0.0
     pinion: FaceGearPinion
     gear: FaceGearGear
-    shaper: ShaperTool
+    shaper: ShaperTool = ShaperTool()
     worm: FaceGearWorm = FaceGearWorm()
     assembly: FaceGearAssembly = FaceGearAssembly()
     contact: FlankContact = FlankContact()
+
+    @property
+    def shaper_teeth(self) -> int:
+        """Teeth of the shaper: what the file says, or the default."""
+        if self.shaper.teeth is not None:
+            return self.shaper.teeth
+        return max(min(self.pinion.teeth + MORE_TEETH, self.gear.teeth), self.pinion.teeth)
 
     def derived_values(self) -> dict[str, float]:
         """Tool and blank that the file leaves out, but for what geometry has to say (`build.derived_values`).
@@ -271,7 +280,7 @@ class FaceGearDesign(PairDesign):
         """
         rim, radius = (
             given_or(self.gear.rim, RIM * self.given_module),
-            given_or(self.worm.pitch_radius, self.shaper.teeth * self.given_module),
+            given_or(self.worm.pitch_radius, self.shaper_teeth * self.given_module),
         )
         # of a worm that can exist
         lead = math.degrees(math.asin(min(0.5 * self.worm.threads * self.given_module / radius, 1.0)))
@@ -281,7 +290,7 @@ class FaceGearDesign(PairDesign):
             "gear.addendum": 1.0 - self.pinion.profile_shift,
             "gear.rim": rim,
             "gear.web": WEB * rim,
-            "worm.pitch_radius": self.shaper.teeth * self.given_module,
+            "worm.pitch_radius": self.shaper_teeth * self.given_module,
             "gear.machine.shaft_angle": self.shaft_angle,
             "gear.machine.offset": self.offset,
             "gear.machine.pressure_angle": self.pressure_angle,
@@ -290,7 +299,7 @@ class FaceGearDesign(PairDesign):
 
     def _has_land(self, clearance: float) -> bool:
         """Whether a shaper that is longer than the pinion by a clearance (modules) has a top land left."""
-        alpha, teeth = math.radians(self.pressure_angle), self.shaper.teeth
+        alpha, teeth = math.radians(self.pressure_angle), self.shaper_teeth
         radius = 0.5 * teeth + self.pinion.profile_shift + self.pinion.addendum + clearance
         steeper = math.sqrt(max((radius / (0.5 * teeth * math.cos(alpha))) ** 2 - 1.0, 0.0))
         half = (0.5 * math.pi + 2.0 * self.pinion.profile_shift * math.tan(alpha)) / teeth
@@ -299,12 +308,13 @@ class FaceGearDesign(PairDesign):
 
     @model_validator(mode="after")
     def _generates(self) -> Self:
-        if self.shaper.teeth < self.pinion.teeth:
+        if self.shaper_teeth < self.pinion.teeth:
             raise conflict(
-                "shaper.teeth", self.shaper.teeth, must_be=f"at least those of the pinion, {self.pinion.teeth}"
+                "shaper.teeth", self.shaper_teeth, must_be=f"at least those of the pinion, {self.pinion.teeth}"
             )
-        if self.gear.teeth < self.shaper.teeth:
-            raise conflict("gear.teeth", self.gear.teeth, must_be=f"at least those of the shaper, {self.shaper.teeth}")
+        if self.gear.teeth < self.shaper_teeth:
+            whose = "pinion" if self.shaper.teeth is None else "shaper"
+            raise conflict("gear.teeth", self.gear.teeth, must_be=f"at least those of the {whose}, {self.shaper_teeth}")
         return self
 
     @model_validator(mode="after")

@@ -31,7 +31,7 @@ def data_sheet(design: FaceGearDesign, train: GearTrain) -> Sheet:
 
 def _axodes(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
     """Half angles of the cones of pinion or shaper and the gear; crossed axes have hyperboloids, and none."""
-    teeth, angle = (design.pinion.teeth, design.shaper.teeth), shaped.shaft_angle
+    teeth, angle = (design.pinion.teeth, design.shaper_teeth), shaped.shaft_angle
     cones = [np.degrees(half_angles(count, shaped.teeth, angle)) for count in teeth]
     meet = shaped.offset == 0.0
     apart = 0.5 * (teeth[1] - teeth[0]) * design.given_module

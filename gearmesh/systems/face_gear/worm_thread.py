@@ -49,10 +49,13 @@ from gearmesh.tools.rack import Reversed
 from gearmesh.tools.shaper_worm import ShaperWorm
 
 if TYPE_CHECKING:
+    from gearmesh.systems.common.pinned import Values
     from gearmesh.systems.face_gear.design import FaceGearDesign
 
 #: clearance of the worm's root from the gear's tips, in modules: what is made if the thread is sound down to it, and at least
 CLEARANCE, LEAST = 0.25, 0.02
+#: mm: below this length there is no thread
+SHORTEST = 1e-3
 #: theta_s below which the thread's flank does not begin, smoothly
 FLOOR = 0.05
 #: step (mm) of the difference that gives the wall's curvature along the thread; its error is below 1e-6 of the curvature
@@ -273,13 +276,15 @@ def _make(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
     return grinding, grinding_worm(grinding.worm, tip, reach, spec.length, spec.bore)
 
 
-def pinned_values(design: FaceGearDesign, _: GearTrain) -> dict[str, float]:
-    """Length and bore of the worm of a complete design in mm; nothing where there is none."""
+def pinned_values(design: FaceGearDesign, _: GearTrain) -> Values:
+    """Of a complete design in mm: teeth of the shaper; length and bore of the worm, where there is one."""
+    teeth: Values = {"shaper.teeth": design.shaper_teeth}
     try:
         part = _make(design, _shaped_tooth(design))[1]
     except DesignError:
-        return {}
+        return teeth
     return {
+        **teeth,
         "worm.length": part.figures["length_mm"],
         "worm.bore": 2.0 * float(part.member.tooth.blank.body.bore_radius),
     }
@@ -291,11 +296,19 @@ def grinding_worm(
     """The worm as a part; `tip` (mm): least height of the gear's tips over the shaper's axis; `reach`: see `Grinding`.
 
     A `length` (mm) that is not given is what grinds the whole tooth, in whole mm, or as much as is sound. Raises DesignError
-    naming key, value and limit: singular points of the thread, bore not below the root, thread that cannot be closed.
+    naming key, value and limit: singular points of the thread, or nothing without them, bore not below the root, thread that
+    cannot be closed.
     """
     needed = 2.0 * max(abs(place) for place in reach)
     thinnest = _thread(worm, tip, LEAST)
     longest = thinnest.longest()
+    if longest < SHORTEST:
+        raise DesignError(
+            "shaper.teeth",
+            worm.shaper.teeth,
+            reason="the thread of the worm has singular points everywhere",
+            allowed="more",
+        )
     given = min(float(math.ceil(needed)), math.floor(1e3 * longest) / 1e3) if length is None else length
     if given > longest:
         raise DesignError(
