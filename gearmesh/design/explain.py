@@ -57,7 +57,7 @@ def _allowed_values(table: type[Table], name: str, units: str) -> str:
     if below is not None:
         required = [name for name in below.names() if below.model_fields[name].is_required()]
         # of many keys those that cannot be left out are what is missing
-        some = "at least " + " and ".join(required) if 0 < len(required) < len(below.names()) else ""
+        some = "at least " + ", ".join(required) if 0 < len(required) < len(below.names()) else ""
         return f"a table with {some or 'the keys ' + ', '.join(below.names())}"
     key = table.key_of(name)
     assert key is not None, "every field that is not a table has a Key"
