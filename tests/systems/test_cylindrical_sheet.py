@@ -214,9 +214,17 @@ def test_undercut_and_interference_have_negative_reserves_and_sound_teeth_have_t
     assert just["undercut"][0] == pytest.approx(0.0, abs=EXACT)
     # what undercut leaves of the flank begins beyond the base circle
     assert sheet["d_Ff"][0] > sheet["d_b"][0] + 0.1
+    # what the gear's tip does not meet then, and how much shift brings it back; no tip is in the fillet
+    (warned,) = undercut.sheet().warnings
+    assert warned.startswith(
+        f"pinion: undercut: the flank begins {-sheet['interference'][0]:.4g} mm of roll length beyond"
+    )
+    assert float(re.search(r"profile_shift of at least (\S+) avoids", warned)[1]) == pytest.approx(least, abs=2e-6)
+    assert undercut.contact().summary["interference_um"] == 0.0
     # a gear whose long addendum reaches below the pinion's flank
-    long = sheet_of(gm.build(design_of("spur", gear={"teeth": 90, "addendum": 1.15})))
-    assert long["interference"][0] < 0.0 < long["interference"][1]
+    long = gm.build(design_of("spur", gear={"teeth": 90, "addendum": 1.15}))
+    assert sheet_of(long)["interference"][0] < 0.0 < sheet_of(long)["interference"][1]
+    assert "pinion: interference: the gear's tip reaches" in long.sheet().warnings[0]
     # tips of a ring that pass the mating gear's, or do not: what the train is warned of
     for teeth, clears in ((50, True), (54, False)):
         gears = gm.build(design_of("spur", pinion={"teeth": teeth}, gear={"teeth": -60}))

@@ -30,6 +30,7 @@ from gearmesh.systems.cylindrical.geometry.line_of_action import (
     Flank,
     LineOfAction,
     form_roll_length,
+    least_shift,
     tight_distance,
     undercut_reserve,
 )
@@ -60,7 +61,7 @@ def data_sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
     members = tuple(train.members[name] for name in MEMBERS)
     half = half_of(own)
     pair = SheetPair(half, proportions(half), members)
-    warnings = pair.line.fillet_interference(MEMBERS)
+    warnings = pair.fillet_interference(MEMBERS)
     return Sheet((derived, *half_tables(own, members), *pair_tables(pair), *plain), {}, warnings=warnings)
 
 
@@ -179,6 +180,10 @@ class SheetPair(SheetGears):
             for teeth, (root, tip) in zip(self.teeth, self.flanks, strict=True)
         )
         return LineOfAction(self.mesh, (first, second))
+
+    def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
+        """A warning for each of pinion and gear, called by `names`, below whose flank the mating gear's tip reaches."""
+        return self.line.fillet_interference(names, [least_shift(gear) for gear in self.geometry.gears])
 
     @property
     def distance_deviations(self) -> Deviations | None:

@@ -10,6 +10,7 @@ Points on it are counted by the pinion's roll length, from where the line touche
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -44,6 +45,14 @@ def undercut_reserve(gear: GearProportions) -> float:
         return form_roll_length(gear)
     made = cut_of(gear)
     return float(gear.own.roll_length(made.tip) - made.generator)
+
+
+def least_shift(gear: GearProportions) -> float | None:
+    """Least profile shift at which the hob of an external member that it undercuts no longer does; None of others."""
+    lost = -undercut_reserve(gear)
+    if not gear.spec.hobbed or gear.own.internal or lost <= ROUNDING * gear.own.module:
+        return None
+    return gear.own.shift + lost * math.sin(gear.own.alpha_t) / gear.own.module
 
 
 @dataclass(frozen=True)
@@ -101,12 +110,23 @@ class LineOfAction:
         bound = f"at least {at_least(diameter)}" if mating.internal else f"at most {at_most(diameter)}"
         return f"{name}.tip_diameter {bound} mm"
 
-    def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
-        """A warning for each of pinion and gear, called by `names`, into whose fillet the mating gear's tip reaches."""
+    def fillet_interference(self, names: tuple[str, str], shifts: Sequence[float | None]) -> tuple[str, ...]:
+        """A warning for each of pinion and gear, called by `names`, below whose flank the mating gear's tip reaches.
+
+        Fillets of members that are undercut, which their least profile shifts `shifts` would avoid, lie back behind the involute.
+        """
         warnings = []
-        for member, name, other in ((self.mesh.pinion, *names), (self.mesh.gear, *names[::-1])):
+        both = ((self.mesh.pinion, *names), (self.mesh.gear, *names[::-1]))
+        for (member, name, other), shift in zip(both, shifts, strict=True):
             reserve = self.interference_reserve(member)
-            if reserve < -ROUNDING * member.module:
+            if reserve >= -ROUNDING * member.module:
+                continue
+            if shift is not None:
+                warnings.append(
+                    f"{name}: undercut: the flank begins {-reserve:.4g} mm of roll length beyond where the {other}'s tip would "
+                    f"meet it, and contact is lost there; {name}.profile_shift of at least {at_least(shift)} avoids undercut"
+                )
+            else:
                 warnings.append(
                     f"{name}: interference: the {other}'s tip reaches {-reserve:.4g} mm of roll length into the fillet; it "
                     f"clears the fillet with {self.clearing_tip(member, other)}"

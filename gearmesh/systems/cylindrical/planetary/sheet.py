@@ -48,7 +48,7 @@ def planetary_sheet(design: PlanetaryDesign, train: GearTrain) -> Sheet:
         pairs.append(SheetPair(whole, proportions(whole), both, stated=stated))
         for pair_table in pair_tables(pairs[-1], names):
             tables.append(replace(pair_table, title=f"{names[0].capitalize()} and {names[1]}: {pair_table.title}"))
-    warnings = (*pairs[0].line.fillet_interference((SUN, PLANET)), *pairs[1].line.fillet_interference((PLANET, RING)))
+    warnings = (*pairs[0].fillet_interference((SUN, PLANET)), *pairs[1].fillet_interference((PLANET, RING)))
     of_set = _set_tables(own, members[PLANET], pairs[0], pairs[1])
     return Sheet((derived, *of_set, *half_tables(own, tuple(members.values())), *tables, *plain), {}, warnings=warnings)
 

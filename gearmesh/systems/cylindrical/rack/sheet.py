@@ -20,7 +20,7 @@ from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.cylindrical.geometry.allowances import allowances_of
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
-from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction
+from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, least_shift
 from gearmesh.systems.cylindrical.geometry.measures import STANDARD
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh
@@ -70,6 +70,9 @@ class RackSheetPair(SheetPair):
         low, high = (self.rack_mesh.roll_length_at(height) for height in rack_flank(self.rack))
         return RackAction(self.mesh, ((root, tip), (low, high)))
 
+    def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
+        return self.line.fillet_interference(names, [least_shift(self.geometry.gears[0]), None])
+
 
 def rack_flank(rack: Member) -> tuple[float, float]:
     """Heights over the reference plane between which a rack has flank, mm."""
@@ -103,7 +106,7 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
             plain,
         ),
         {},
-        warnings=sheet.line.fillet_interference((PINION, RACK)),
+        warnings=sheet.fillet_interference((PINION, RACK)),
     )
 
 
