@@ -683,10 +683,12 @@ class Gears(ModelledGears):
         >>> gears.picture("flank").save("flank.svg").name
         'flank.svg'
         """
-        from gearmesh.reports.pictures import picture, picture_of_answer
-
         if of is not None:
+            from gearmesh.reports.answer_pictures import picture_of_answer
+
             return picture_of_answer(of, view, member, torque, size, dpi, note)
+        from gearmesh.reports.pictures import picture
+
         return picture(self, view, member, phi1, size, pair, dpi, note)
 
     def save_pictures(self, of: LoadedContact | Study, folder: str | PathLike[str]) -> tuple[Path, ...]:
@@ -715,7 +717,7 @@ class Gears(ModelledGears):
         >>> [path.suffix for path in gears.save_pictures(study, ".")][:1]
         ['.png']
         """
-        from gearmesh.reports.pictures import save_pictures
+        from gearmesh.reports.answer_pictures import save_pictures
 
         return save_pictures(of, Path(folder))
 

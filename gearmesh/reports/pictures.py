@@ -1,25 +1,20 @@
-"""Which answers a picture of gears needs, and what draws them."""
+"""Which answers a picture of gears needs, and what draws them.
+
+Pictures of a tooth load neither what makes whole solids nor what checks them.
+"""
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearmesh.answers.bodies.finite_elements import FiniteElementSolution
-from gearmesh.answers.bodies.solid import member_solid, solids_of
-from gearmesh.answers.bodies.toolpath import ToolPathAnswer
-from gearmesh.answers.check import roll_test
 from gearmesh.answers.contact.contact import Contact
-from gearmesh.answers.contact.rolling import RollingContact, rolling_contact
-from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.answers.questions import SolvedGears
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.reports.study_pictures import study_pictures
-from gearmesh.study.study import Study
 from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.generation.tool_in_place import tool_in_place
@@ -28,16 +23,12 @@ from gearmesh.view import pictures
 from gearmesh.view.diagrams.flank_diagrams import plot_flanks
 from gearmesh.view.diagrams.plots import plot_transmission_error
 from gearmesh.view.diagrams.turns_plot import plot_turns
-from gearmesh.view.load.fe_views import solution_picture
-from gearmesh.view.load.loaded_pictures import LoadedPictures
-from gearmesh.view.mesh_section import FRAMES, MeshSection, facet, mesh_section
 from gearmesh.view.picture import FIGURES, VIEWS, Animation, Diagram, Picture
-from gearmesh.view.tools.path_scene import path_scene
 
-#: what a picture of a solved model of finite elements shows
-STRESS = "stress"
-#: what a picture of a tool path shows
-TOOL_PATH = "toolpath"
+if TYPE_CHECKING:
+    from gearmesh.answers.contact.rolling import RollingContact
+    from gearmesh.view.mesh_section import MeshSection
+
 #: views that need no mating gear
 ALONE = ("pair", "tool", "contact_lines")
 #: what the worm that grinds a member is called where members are
@@ -91,49 +82,30 @@ def picture(
     if view == "pattern":
         return Picture(pictures.pattern_picture(mesh, name, path, size, title=title, whole=whole))
     if view == "gap":
+        from gearmesh.answers.check import roll_test
+
         patches = roll_test(mesh, path).patches(mesh, name)
         return Picture(pictures.gap_picture(mesh, name, path, patches, size, title=title, whole=whole))
     if view == "pair" and len(gears.pairs) > 1:
+        from gearmesh.answers.bodies.solid import solids_of
+
         placed = {name: part.mesh for name, part in solids_of(gears, gears.within(None)).parts.items()}
         return Picture(pictures.set_picture(mesh, placed, size, title))
     if view == "section":
+        from gearmesh.answers.contact.rolling import rolling_contact
+
         return Picture(_section(gears, mesh, rolling_contact(mesh, path), size, title).scenes()[0])
     meshes = _meshes(gears, mesh)
     return Picture(pictures.pair_picture(mesh, meshes, path, size, title))
-
-
-def picture_of_answer(
-    answer: LoadedContact | FiniteElementSolution | ToolPathAnswer,
-    view: str,
-    member: str | None,
-    torque: float | None,
-    size: tuple[int, int] | None,
-    dpi: int,
-    note: str,
-) -> Picture | Diagram:
-    """The picture that `Gears.picture` promises of an answer."""
-    if isinstance(answer, LoadedContact):
-        return LoadedPictures(answer).picture(view, member, torque=torque, size=size, dpi=dpi, note=note)
-    if isinstance(answer, ToolPathAnswer):
-        if view != TOOL_PATH:
-            raise ArgumentError("view", view, must_be=f"{TOOL_PATH}, for a tool path")
-        return Picture(path_scene(answer, size or pictures.SIZE, note))
-    if view != STRESS:
-        raise ArgumentError("view", view, must_be=f"{STRESS}, for a solved finite-element model")
-    return solution_picture(answer)
-
-
-def save_pictures(answer: LoadedContact | Study, folder: Path) -> tuple[Path, ...]:
-    """The files that `Gears.save_pictures` promises."""
-    if isinstance(answer, Study):
-        return tuple(study_pictures(answer, folder))
-    return LoadedPictures(answer).save(folder)
 
 
 def animation(
     gears: SolvedGears, phi1: ArrayLike | None, size: tuple[int, int], pair: int | str, note: str
 ) -> Animation:
     """The section through a mesh, rolling through one pitch, as `Gears.animation` says."""
+    from gearmesh.answers.contact.rolling import rolling_contact
+    from gearmesh.view.mesh_section import FRAMES
+
     mesh = gears.train.pair(pair)
     path = gears.contact(phi1, cycle=False, pair=pair).path
     title = gears.title + (f", {note}" if note else "")
@@ -154,6 +126,8 @@ def _picture_alone(gears: SolvedGears, view: str, member: str | None, size: tupl
     """A member that meshes with none, or its right flank with the tool that generates it."""
     own = gears.member(next(iter(gears.members)) if member is None else member)
     if view == "pair":
+        from gearmesh.answers.bodies.solid import member_solid
+
         placed = {own.name: member_solid(gears.design, own, gears.within(None)).mesh.move(gears.places[own.name])}
         return Picture(pictures.members_picture(placed, own.mount.axis, size, title))
     return _tool_picture(gears, view, own, Side.RIGHT, None, size, title)
@@ -188,6 +162,8 @@ def _section(
     gears: SolvedGears, mesh: GearPair, rolling: RollingContact, size: tuple[int, int], title: str
 ) -> MeshSection:
     """The section through a mesh, of a set with its name, so fine that no facets are seen."""
+    from gearmesh.view.mesh_section import facet, mesh_section
+
     what = f"section of the mesh {mesh.name}" if len(gears.pairs) > 1 else "section"
     finest = min(gears.within(None), facet(mesh, size))
     return mesh_section(rolling, _meshes(gears, mesh, finest), size, f"{title}: {what}")
@@ -195,6 +171,8 @@ def _section(
 
 def _meshes(gears: SolvedGears, mesh: GearPair, tolerance: float | None = None) -> dict[str, TriangleMesh]:
     """Both members of a pair within a tolerance (mm), by default the design's, own frames."""
+    from gearmesh.answers.bodies.solid import member_solid
+
     within = gears.within(tolerance)
     return {name: member_solid(gears.design, member, within).mesh for name, member in mesh.members.items()}
 

@@ -1,58 +1,118 @@
-"""Whether off-screen OpenGL works, found out in a child process.
+"""The process that draws the pictures of this one, and whether off-screen OpenGL works in it.
 
-VTK without a working OpenGL library ends the process with a segmentation fault that no `except` catches, so the
-question is asked once, by a process that may die of it.
+It is tried with a black triangle on white: a driver that opens a window but draws nothing fails as well as one that ends the
+process.
 """
 
 from __future__ import annotations
 
+import atexit
+import marshal
+import os
 import signal
 import subprocess
 import sys
+import time
+from array import array
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import lru_cache
+from threading import Lock, Timer
+from typing import IO, Any, cast
+
+from gearmesh.errors import OutputError
+from gearmesh.view.offscreen import drawing_process
+from gearmesh.view.offscreen.drawing_process import PLAIN, Order, Primitive, receive, send
 
 PACKAGES = "libegl1 libgl1-mesa-dri (or libosmesa6 libx11-6)"
 
 # A first rendering with a software driver takes one to three seconds; a busy machine may need many times that.
 _PATIENCE_SECONDS = 120.0
+# how long a process that has nothing to do may take to end
+_END_SECONDS = 2.0
+_PROGRAM = (drawing_process.__file__,)
 
-#: the child process, where it began before it was asked for
-_begun: list[subprocess.Popen[str]] = []
-
-# One black disk on white: a driver that opens a window but draws nothing fails as well. By VTK alone, of which little is loaded.
-_PROBE = """
-import vtkmodules.vtkRenderingOpenGL2
-from vtkmodules.vtkFiltersSources import vtkRegularPolygonSource
-from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
-
-disk, mapper, actor, renderer, window, picture = (
-    kind()
-    for kind in (
-        vtkRegularPolygonSource, vtkPolyDataMapper, vtkActor, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
-    )
+_TRIAL = Order(
+    size=(64, 64),
+    position=[0.0, 0.0, 3.0],
+    focus=[0.0, 0.0, 0.0],
+    up=[0.0, 1.0, 0.0],
+    parallel=True,
+    height=2.0,
+    angle=30.0,
+    lights=[],
+    peels=0,
+    primitives=[
+        Primitive(
+            {
+                **PLAIN,
+                "points": array("f", (-1, -1, 0, 1, -1, 0, 0, 1, 0)).tobytes(),
+                "cells": array("q", (0, 1, 2)).tobytes(),
+                "starts": array("q", (0, 3)).tobytes(),
+            }
+        )
+    ],
 )
-mapper.SetInputConnection(disk.GetOutputPort())
-actor.SetMapper(mapper)
-actor.GetProperty().SetColor(0.0, 0.0, 0.0)
-actor.GetProperty().LightingOff()
-renderer.SetBackground(1.0, 1.0, 1.0)
-renderer.AddActor(actor)
-window.SetOffScreenRendering(True)
-window.SetSize(64, 64)
-window.AddRenderer(renderer)
-window.Render()
-picture.SetInput(window)
-picture.Update()
-darkest, brightest = picture.GetOutput().GetScalarRange()
-raise SystemExit(0 if darkest < 64 and brightest > 192 else "the picture came out empty")
-"""
+
+
+@dataclass(frozen=True)
+class _DrawingProcess:
+    """A process that draws, what it complains of, and the process that started it."""
+
+    child: subprocess.Popen[bytes]
+    complaints: IO[bytes]
+    owner: int
+
+    @classmethod
+    def start(cls) -> _DrawingProcess:
+        """A new one. Raises OSError where it cannot start."""
+        from tempfile import TemporaryFile
+
+        complaints, pipe = TemporaryFile(), subprocess.PIPE  # noqa: SIM115
+        child = subprocess.Popen([sys.executable, *_PROGRAM], stdin=pipe, stdout=pipe, stderr=complaints)
+        return cls(child, complaints, os.getpid())
+
+    def ask(self, order: Order | None) -> None:
+        """Send an order, or None to end. Raises OSError where the process has ended."""
+        assert self.child.stdin is not None
+        send(self.child.stdin, marshal.dumps(cast("Any", order)))
+
+    def answer(self) -> bytes:
+        """Pixels of the first order that has none yet. Raises EOFError where the process ends without them."""
+        assert self.child.stdout is not None
+        return receive(self.child.stdout)
+
+    def end(self) -> str:
+        """End it; how it ended, in a few words."""
+        with suppress(OSError):
+            self.ask(None)
+        try:
+            code = self.child.wait(_END_SECONDS)
+        except subprocess.TimeoutExpired:
+            self.child.kill()
+            code = self.child.wait()
+        for stream in (self.child.stdin, self.child.stdout):
+            # what was not sent in full is not wanted any more
+            with suppress(OSError):
+                stream.close()  # type: ignore[union-attr]
+        with self.complaints:
+            self.complaints.seek(0)
+            lines = self.complaints.read().decode(errors="replace").strip().splitlines()
+        if code < 0:
+            return f"ended by {_signal_name(-code)}"
+        return f"failed: {lines[-1].strip()}" if lines else f"ended with exit code {code}"
+
+
+#: the process that draws, where it has begun
+_begun: list[_DrawingProcess] = []
+#: one order at a time
+_turn = Lock()
 
 
 def missing_opengl_message() -> str | None:
     """None where a picture can be rendered, else one line saying what failed and which system packages help.
 
-    The child process runs once, later calls take its answer.
+    It is tried once, later calls take its answer.
     """
     failure = _failure()
     if failure is None:
@@ -60,47 +120,88 @@ def missing_opengl_message() -> str | None:
     return f"no pictures: off-screen OpenGL does not work here ({failure}); on Debian: apt-get install {PACKAGES}"
 
 
-def begin_probe() -> None:
-    """Start the child process now, so that its answer is there when the first picture is rendered."""
+def begin_drawing() -> None:
+    """Start the process that draws now, so that it is ready when the first picture is."""
     if not _begun and not _failure.cache_info().currsize:
         # where it does not start the picture says so
         with suppress(OSError):
-            _begun.append(_start())
+            _begin_trial()
 
 
-def _start() -> subprocess.Popen[str]:
-    """The child process. Raises OSError where it cannot start."""
-    return subprocess.Popen(
-        [sys.executable, "-c", _PROBE],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        errors="replace",
-    )
+def draw(order: Order) -> bytes:
+    """The pixels of an order, (H, W, 4), rows from below. Raises OutputError where OpenGL does not work or fails."""
+    missing = missing_opengl_message()
+    if missing is not None:
+        raise OutputError(reason=missing)
+    with _turn:
+        if not _own():
+            _begun[:] = [_DrawingProcess.start()]
+        process = _begun[0]
+        try:
+            process.ask(order)
+            return process.answer()
+        except (OSError, EOFError):
+            _begun.clear()
+            raise OutputError(reason=f"a picture was not drawn: OpenGL {process.end()}") from None
+        except BaseException:
+            # its answer would be taken for that of the next order
+            _begun.clear()
+            process.child.kill()
+            process.end()
+            raise
+
+
+def _own() -> bool:
+    """Whether a process that draws has been started by this one: a forked process does not use that of its parent."""
+    return bool(_begun) and _begun[0].owner == os.getpid()
+
+
+def _begin_trial() -> None:
+    """Start the process that draws and let it try. Raises OSError where it cannot start."""
+    _begun[:] = [_DrawingProcess.start()]
+    # one that has ended by now says so when it is asked for its answer
+    with suppress(OSError):
+        _begun[0].ask(_TRIAL)
 
 
 @lru_cache(maxsize=1)
 def _failure() -> str | None:
-    """How the child process failed, in a few words, or None."""
+    """How the trial failed, in a few words, or None."""
     try:
-        child = _begun.pop() if _begun else _start()
+        if not _own():
+            _begin_trial()
     except OSError as error:
         return f"the test process did not start: {error.strerror}"
-    with child:
-        try:
-            _, stderr = child.communicate(timeout=_PATIENCE_SECONDS)
-        except BaseException as error:
-            child.kill()
-            if isinstance(error, subprocess.TimeoutExpired):
-                return f"no picture after {_PATIENCE_SECONDS:.0f} s"
-            raise
-    if child.returncode == 0:
-        return None
-    if child.returncode < 0:
-        return f"test rendering ended by {_signal_name(-child.returncode)}"
-    lines = stderr.strip().splitlines()
-    return f"test rendering failed: {lines[-1].strip()}" if lines else f"test rendering: exit {child.returncode}"
+    process, begin = _begun[0], time.monotonic()
+    watch = Timer(_PATIENCE_SECONDS, process.child.kill)
+    watch.daemon = True
+    watch.start()
+    try:
+        pixels = process.answer()
+    except EOFError:
+        _begun.clear()
+        ended = process.end()
+        late = time.monotonic() - begin >= _PATIENCE_SECONDS
+        return f"no picture after {_PATIENCE_SECONDS:.0f} s" if late else f"test rendering {ended}"
+    except BaseException:
+        _begun.clear()
+        process.child.kill()
+        process.end()
+        raise
+    finally:
+        watch.cancel()
+    red = pixels[::4]
+    if not min(red) < 64 < 192 < max(red):
+        _begun.clear()
+        process.end()
+        return "test rendering failed: the picture came out empty"
+    return None
+
+
+@atexit.register
+def _end() -> None:
+    if _own():
+        _begun.pop().end()
 
 
 def _signal_name(number: int) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -27,9 +28,10 @@ from gearmesh.view import opengl
 from gearmesh.view import render as lettering
 from gearmesh.view.diagrams import plots
 from gearmesh.view.lettering import fit_title
+from gearmesh.view.offscreen.shapes import corner_normals, region_edges
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
 from gearmesh.view.palette import COLOUR_MAP, COMPOUND, LINES, PATH
-from gearmesh.view.render import corner_normals, region_edges, render
+from gearmesh.view.render import render
 from gearmesh.view.scene import (
     STEEL,
     Camera,
@@ -366,21 +368,27 @@ def test_scene_without_contact_is_refused():
         member_scene(view(), replace(nowhere, semi_major=np.full(2, np.nan)))
 
 
-# --- the probe ---
+# --- the process that draws ---
 
 
 @pytest.fixture
-def dying_child(monkeypatch):
-    """The probe's child process dies as VTK does without a driver."""
-    monkeypatch.setattr(opengl, "_PROBE", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
-    opengl._failure.cache_clear()
-    yield
+def program(monkeypatch):
+    """Another program in the place of the process that draws."""
+    opengl._end()
+    monkeypatch.setattr(opengl, "_begun", [])
+
+    def take(text):
+        monkeypatch.setattr(opengl, "_PROGRAM", ("-c", text))
+        opengl._failure.cache_clear()
+
+    yield take
     opengl._failure.cache_clear()
 
 
 @pytest.mark.quick
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs POSIX signals")
-def test_a_crashing_driver_becomes_one_line(dying_child, monkeypatch, tmp_path):
+def test_a_crashing_driver_becomes_one_line(program, monkeypatch, tmp_path):
+    program("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
     message = opengl.missing_opengl_message()
     assert message is not None
     assert "SIGSEGV" in message
@@ -391,19 +399,66 @@ def test_a_crashing_driver_becomes_one_line(dying_child, monkeypatch, tmp_path):
     assert not list(tmp_path.iterdir())
     # The answer is kept: no second child is started.
     monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: pytest.fail("probed twice"))
-    opengl.begin_probe()
+    opengl.begin_drawing()
     assert opengl.missing_opengl_message() == message
 
 
 @pytest.mark.quick
-def test_a_child_that_fails_says_why(monkeypatch):
-    monkeypatch.setattr(opengl, "_PROBE", "raise SystemExit('the picture came out empty')")
-    opengl._failure.cache_clear()
-    opengl.begin_probe()
+def test_a_child_that_fails_says_why(program, monkeypatch):
+    program("raise SystemExit('no library of this name')")
+    opengl.begin_drawing()
     # the child that began early is the one that is asked
     monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: pytest.fail("probed twice"))
+    assert "test rendering failed: no library of this name" in (opengl.missing_opengl_message() or "")
+
+
+#: a driver that draws nothing: every picture is white, and the second ends the process if `deadly`
+WHITE = """
+import os, sys
+for k in range(9):
+    order = sys.stdin.buffer.read(int.from_bytes(sys.stdin.buffer.read(8), "little"))
+    if len(order) < 9 or k > {last}:
+        break
+    pixels = bytes(4 * [{darkest}] + 16380 * [255])
+    sys.stdout.buffer.write(len(pixels).to_bytes(8, "little") + pixels)
+    sys.stdout.buffer.flush()
+"""
+
+
+@pytest.mark.quick
+def test_an_empty_picture_is_a_failure(program):
+    program(WHITE.format(darkest=255, last=9))
     assert "the picture came out empty" in (opengl.missing_opengl_message() or "")
-    opengl._failure.cache_clear()
+
+
+@pytest.mark.quick
+def test_a_process_that_ends_at_a_picture_is_replaced(program):
+    program(WHITE.format(darkest=0, last=0))
+    assert opengl.missing_opengl_message() is None
+    first = opengl._begun[0]
+    with pytest.raises(OutputError, match="a picture was not drawn: OpenGL ended with exit code 0"):
+        opengl.draw(opengl._TRIAL)
+    assert first.child.poll() is not None
+    assert len(opengl.draw(opengl._TRIAL)) == 16384
+
+
+@pytest.mark.quick
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_forked_process_has_a_drawing_process_of_its_own(program):
+    program(WHITE.format(darkest=0, last=9))
+    assert opengl.missing_opengl_message() is None
+    begun = opengl._begun[0].child.pid
+    if (child := os.fork()) == 0:
+        try:
+            opengl.draw(opengl._TRIAL)
+            same = opengl._begun[0].child.pid == begun
+            opengl._end()
+            os._exit(same)
+        finally:
+            os._exit(2)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+    assert len(opengl.draw(opengl._TRIAL)) == 16384
+    opengl._end()
 
 
 def test_pictures_load_nothing_heavy_before_they_are_drawn():
@@ -551,12 +606,14 @@ def test_coarse_facets_tear_neither_an_area_nor_a_fine_body(raised):
 
 @pytest.mark.quick
 @pytest.mark.usefixtures("needs_opengl")
-def test_rendering_leaves_settings_of_the_process_alone():
-    from vtkmodules.vtkRenderingCore import vtkMapper
-
-    before = vtkMapper.GetResolveCoincidentTopology()
-    render(member_scene(view(), contact([0.0])))
-    assert vtkMapper.GetResolveCoincidentTopology() == before
+def test_who_asks_for_a_picture_does_not_load_what_draws_it():
+    code = (
+        "import sys; import numpy as np; from gearmesh.view.render import *\n"
+        "image = render(Scene((), Camera(np.ones(3), np.zeros(3), np.eye(3)[2], 1.0), size=(64, 48)))\n"
+        "print(image.shape, *{'pyvista', 'vtkmodules', 'scipy'}.intersection(sys.modules))"
+    )
+    drawn = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True)
+    assert (drawn.stdout, drawn.stderr) == ("(48, 64, 3)\n", "")
 
 
 # --- plots ---

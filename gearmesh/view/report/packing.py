@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.view.render import corner_normals, region_edges
+from gearmesh.view.offscreen.shapes import corner_normals, region_edges
 
 #: parts of a gear that have shades of their own, by the first word of their regions' names; all others have the one after
 SHADES = ("flank", "fillet")

@@ -13,7 +13,7 @@ from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears,
 from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable, warn, working
 from gearmesh.errors import ArgumentError
 from gearmesh.progress import part
-from gearmesh.view.opengl import begin_probe
+from gearmesh.view.opengl import begin_drawing
 
 
 class View(StrEnum):
@@ -141,7 +141,7 @@ def render(
     torques = _torques(view, torque, animate)
     _refuse_for_path(view, tool, scallop, animate)
     if output is None or view not in FIGURES:
-        begin_probe()
+        begin_drawing()
     gears = load_gears(design_file, settings)
     mesh = chosen_pair(gears, pair) if gears.pairs else 0
     names = tuple(gears.train.pair(mesh).members if gears.pairs else gears.members)

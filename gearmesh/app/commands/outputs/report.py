@@ -9,7 +9,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Set, Tolerance, design_text, load_gears, stem, torques_in_nm
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, warn, working
-from gearmesh.view.opengl import begin_probe
+from gearmesh.view.opengl import begin_drawing
 
 
 def report(
@@ -47,7 +47,7 @@ def report(
     refuse_unwritable(target)
     tolerance = tolerance_in_mm(tol)
     torques = None if torque is None else torques_in_nm(torque)
-    begin_probe()
+    begin_drawing()
     gears = load_gears(design_file, settings)
     with working("report page") as progress:
         page = gears.report(

@@ -19,7 +19,7 @@ from gearmesh.app.options import (
     torques_in_nm,
 )
 from gearmesh.app.terminal import output_folder, show, tolerance_in_mm, warn, working
-from gearmesh.view.opengl import begin_probe
+from gearmesh.view.opengl import begin_drawing
 
 
 def run(
@@ -47,7 +47,7 @@ def run(
     torques = None if torque is None else torques_in_nm(torque)
     folder = Path("out") / stem(design_file) if output is None else output
     source = None if no_report else design_text(design_file, settings)
-    begin_probe()
+    begin_drawing()
     with output_folder(folder), working("starting") as progress:
         gears, page = gm.build(design), not no_report
         report = gears.run(

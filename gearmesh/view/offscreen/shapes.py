@@ -1,0 +1,247 @@
+"""A scene as the surfaces, lines and dots that VTK draws: plain arrays.
+
+What lies on a surface is brought nearer to the viewer, along the rays on which it is seen, so that the surface's facets do not
+tear it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.view.offscreen.drawing_process import PLAIN, Order, Primitive
+from gearmesh.view.palette import COLOUR_MAP, INK
+from gearmesh.view.scene import Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
+
+_EDGE_COLOUR, _INSIDE = "#5b6670", "#f4f6f8"
+# Normals of one region that differ by more than this from their mean belong to a sharp edge inside the region.
+_SHARP = np.cos(np.radians(35.0))
+# Directions to the lights in camera axes (right, up, towards the viewer) and their strengths: no side stays black.
+_LIGHTS = (
+    ((-0.6, 0.9, 1.0), 0.36),
+    ((1.0, 0.1, 0.3), 0.50),
+    ((-1.0, 0.0, 0.3), 0.34),
+    ((0.0, 0.0, 1.0), 0.26),
+    ((-0.3, -1.0, 0.3), 0.26),
+)
+#: a picture is drawn so many times its size each way: widths in its pixels are that much wider
+OVERSAMPLING = 2
+# what recedes faster is seen as a line
+_STEEPEST = 50.0
+# Layers of translucent bodies one behind the other: a ring has four.
+_PEELS = 8
+
+
+def drawing_order(scene: Scene, size: tuple[int, int]) -> Order:
+    """What is to be drawn of a scene for a picture of a `size` in pixels."""
+    camera = scene.camera
+    viewer = _Viewer(camera, camera.height / size[1])
+    primitives = [one for body in scene.bodies for one in _body(body, viewer)]
+    primitives += [one for area in scene.areas for one in _area(area, viewer)]
+    primitives += [one for value_map in scene.maps for one in _map(value_map, viewer)]
+    primitives += [one for curve in scene.curves for one in _curve(curve, viewer)]
+    primitives += [one for dots in scene.dots for one in _dots(dots)]
+    return Order(
+        size=(OVERSAMPLING * size[0], OVERSAMPLING * size[1]),
+        position=camera.position.tolist(),
+        focus=camera.focus.tolist(),
+        up=camera.axes[1].tolist(),
+        parallel=camera.parallel,
+        height=camera.height,
+        angle=float(np.degrees(2 * np.arctan2(camera.height / 2, camera.distance))),
+        lights=[
+            ((camera.focus + camera.distance * unit(np.array(direction)) @ camera.axes).tolist(), strength)
+            for direction, strength in _LIGHTS
+        ],
+        peels=_PEELS if any(body.opacity < 1.0 for body in scene.bodies) else 0,
+        primitives=primitives,
+    )
+
+
+@dataclass(frozen=True)
+class _Viewer:
+    """Who looks at a scene, and the length of a `pixel` (mm) at the focus."""
+
+    camera: Camera
+    pixel: float
+
+    def move_back(self, points: Array, pixels: Array | float) -> Array:
+        """Points (..., 3) moved away from the viewer by the length of so many pixels, which does not move them in the picture."""
+        away = pixels * self.pixel
+        if self.camera.parallel:
+            shifted: Array = points - away * self.camera.axes[2]
+            return shifted
+        return points + away / self.camera.distance * (points - self.camera.position)
+
+    def slopes(self, corners: Array) -> Array:
+        """By how many pixels triangles (T, 3, 3) recede from the viewer over one of the pixels that are drawn, (T,)."""
+        sides = corners[:, 1:] - corners[:, :1]
+        across = np.abs(cross(sides[:, 0], sides[:, 1]) @ self.camera.axes.T)
+        steep = across[:, :2].max(axis=1) > _STEEPEST * across[:, 2]
+        return np.where(steep, _STEEPEST, across[:, :2].max(axis=1) / np.where(steep, 1.0, across[:, 2])) / OVERSAMPLING
+
+    def front(self, pixels: float) -> tuple[list[float], list[float]]:
+        """Point and direction of the plane before which nothing is shown of what was moved by so many pixels."""
+        assert self.camera.front is not None
+        back = self.camera.axes[2]
+        return (self.camera.focus + (self.camera.front - pixels * self.pixel) * back).tolist(), (-back).tolist()
+
+
+def corner_normals(mesh: TriangleMesh) -> Array:
+    """Normals (T, 3, 3) for smooth shading, at the corners of every triangle.
+
+    The mean, weighted with the corner angles, of the cell normals of the same region around the vertex; a cell that
+    is at a sharp edge inside a region keeps its own. A cell normal that contradicts its facet's orientation
+    would be shaded black, so there the facet's takes its place.
+    """
+    corners = mesh.corners()
+    sides = np.roll(corners, -1, axis=1) - corners
+    facet = cross(sides[:, 0], sides[:, 1])
+    own = np.where((dot(facet, mesh.normals) > 0.0)[:, None], mesh.normals, facet)
+    length = np.sqrt(dot(own, own))
+    own = own / np.where(length > 0.0, length, 1.0)[:, None]
+    back = np.roll(corners, 1, axis=1) - corners
+    angle = np.arctan2(np.linalg.norm(cross(sides, back), axis=-1), dot(sides, back))
+    group = mesh.triangles * len(mesh.region_names) + mesh.regions[:, None]
+    member = np.unique(group, return_inverse=True)[1].reshape(-1)
+    weighted = (angle[..., None] * own[:, None, :]).reshape(-1, 3)
+    total = np.stack([np.bincount(member, weighted[:, k]) for k in range(3)], axis=-1).astype(float)
+    size = np.sqrt(dot(total, total))
+    mean = (total / np.where(size > 0.0, size, 1.0)[:, None])[member].reshape(-1, 3, 3)
+    repeated = np.broadcast_to(own[:, None, :], mean.shape)
+    return np.where((dot(mean, repeated) > _SHARP)[..., None], mean, repeated)
+
+
+def region_edges(mesh: TriangleMesh) -> NDArray[np.int64]:
+    """Edges (E, 2), vertex indices, between two regions, at sharp corners and along open boundaries."""
+    edges = np.sort(mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    cell = np.repeat(np.arange(len(mesh.triangles)), 3)
+    order = np.lexsort(edges.T)
+    edges, cell = edges[order], cell[order]
+    first = np.flatnonzero(np.r_[True, (edges[1:] != edges[:-1]).any(axis=1)])
+    count = np.diff(np.r_[first, len(edges)])
+    one, two = cell[first], cell[first + count - 1]
+    bent = dot(mesh.normals[one], mesh.normals[two]) < np.cos(np.radians(50.0))
+    shown: NDArray[np.int64] = edges[first[(count != 2) | (mesh.regions[one] != mesh.regions[two]) | bent]]
+    return shown
+
+
+def _primitive(points: Array, cells: NDArray[np.int64], colour: str, **others: Any) -> Primitive:
+    """Points (V, 3) and cells (C, K) in one colour, unlit, but for what `others` say."""
+    count, corners = cells.shape
+    plain = {
+        "points": _floats(points),
+        "cells": cells.astype(np.int64).tobytes(),
+        "starts": np.arange(0, count * corners + 1, corners, dtype=np.int64).tobytes(),
+        "corners": corners,
+        "colour": _share(colour),
+    }
+    return cast("Primitive", {**PLAIN, **plain, **others})
+
+
+# --- bodies ---
+
+
+def _body(body: SceneBody, viewer: _Viewer) -> Iterator[Primitive]:
+    mesh = body.mesh.move(body.own_to_scene)
+    corners = mesh.corners()
+    cells = np.arange(corners[..., 0].size).reshape(-1, 3)
+    colours = np.array([_rgb(body.paint.of(name)) for name in mesh.region_names], dtype=np.uint8)[mesh.regions]
+    behind = 4.0 if body.yields else 0.0
+    opened = body.yields and viewer.camera.front is not None
+    if opened:
+        # Where a solid is cut open its inside is seen, as flat as a section: it is drawn before the lines on it.
+        pixels = behind - 2.0
+        inside = viewer.move_back(corners.reshape(-1, 3), pixels)
+        yield _primitive(inside, cells, body.section or _INSIDE, culled="front", front=viewer.front(pixels))
+    yield _primitive(
+        viewer.move_back(corners, behind + viewer.slopes(corners)[:, None, None]).reshape(-1, 3),
+        cells,
+        body.paint.colour,
+        normals=_floats(corner_normals(mesh)),
+        colours=colours.tobytes(),
+        lit=True,
+        opacity=body.opacity,
+        culled="back" if opened else "",
+        front=viewer.front(behind) if opened else None,
+    )
+    edges = region_edges(mesh)
+    # lines on the far side would show through a section
+    if len(edges) and body.section is None:
+        pixels, width = behind - 0.5, 1.0 * OVERSAMPLING
+        lines, front = viewer.move_back(mesh.vertices, pixels), viewer.front(pixels) if opened else None
+        yield _primitive(lines, edges, _EDGE_COLOUR, width=width, front=front)
+
+
+# --- what lies on them ---
+
+
+def _is_finite(points: Array) -> NDArray[np.bool_]:
+    """Which of the points (..., 3) are no NaN, (...,)."""
+    return np.asarray(np.isfinite(points).all(axis=-1))
+
+
+def _patch(points: Array, values: Array) -> tuple[Array, NDArray[np.int64], Array]:
+    """Points, quadrilaterals and values of a patch (..., M, N, 3) with `values` (..., M, N), without cells that have a NaN."""
+    shape = points.shape[:-1]
+    index = np.arange(int(np.prod(shape))).reshape(shape)
+    quads = np.stack(
+        (index[..., :-1, :-1], index[..., 1:, :-1], index[..., 1:, 1:], index[..., :-1, 1:]), axis=-1
+    ).reshape(-1, 4)
+    known = _is_finite(points) & np.isfinite(values)
+    quads = quads[known.reshape(-1)[quads].all(axis=1)]
+    used, cells = np.unique(quads, return_inverse=True)
+    return points.reshape(-1, 3)[used], cells.reshape(-1, 4), values.reshape(-1)[used]
+
+
+def _area(area: PatternArea, viewer: _Viewer) -> Iterator[Primitive]:
+    level = np.zeros(area.points.shape[:-1]) if area.level is None else area.level
+    points, cells, values = _patch(area.points, level)
+    if len(cells):
+        yield _primitive(viewer.move_back(points, -0.5), cells, area.colour, values=_floats(values), cut=1.0)
+
+
+def _map(value_map: ValueMap, viewer: _Viewer) -> Iterator[Primitive]:
+    from matplotlib import colormaps
+
+    points, cells, values = _patch(value_map.points, value_map.values)
+    if len(cells):
+        # Unlit, so that a colour on the tooth is exactly the colour in the bar.
+        table = (colormaps[COLOUR_MAP](np.linspace(0.0, 1.0, 256)) * 255.0).round().astype(np.uint8).tobytes()
+        points, limit = viewer.move_back(points, -0.5), value_map.limit
+        yield _primitive(points, cells, INK, values=_floats(values), limit=limit, table=table, cut=limit)
+
+
+def _curve(curve: Curve, viewer: _Viewer) -> Iterator[Primitive]:
+    known = _is_finite(curve.points)
+    start = np.flatnonzero(known[:-1] & known[1:])
+    if len(start):
+        place = np.cumsum(known)[start] - 1
+        segments, width = np.stack((place, place + 1), axis=-1), curve.width * OVERSAMPLING
+        yield _primitive(viewer.move_back(curve.points[known], -1.0), segments, curve.colour, width=width)
+
+
+def _dots(dots: Dots) -> Iterator[Primitive]:
+    points = dots.points[_is_finite(dots.points)]
+    if len(points):
+        # A dot is drawn as a ball: its front half stands out by itself.
+        yield _primitive(points, np.arange(len(points))[:, None], dots.colour, width=dots.size * OVERSAMPLING)
+
+
+def _floats(values: Array) -> bytes:
+    return values.astype(np.float32).tobytes()
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def _share(colour: str) -> tuple[float, float, float]:
+    red, green, blue = _rgb(colour)
+    return red / 255.0, green / 255.0, blue / 255.0
