@@ -33,6 +33,7 @@ from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.section import Sections
 from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.undercut import cut_off, regularity
@@ -49,8 +50,8 @@ TOLERANCE = 1e-10
 #: tooth numbers that are tried for the smallest without undercut
 FEWEST, MOST = 3, 10_000
 
-#: right and left flank of a tooth, each with its parameter p near the tip
-Flanks = tuple[tuple[Surface, float], tuple[Surface, float]]
+#: right and left flank of a tooth, each with its parameter p near the tip, at all stations or (T,) at each
+Flanks = tuple[tuple[Surface, float | Array], tuple[Surface, float | Array]]
 
 
 @dataclass(frozen=True)
@@ -119,11 +120,12 @@ def member_limits(member: Member, land: float = 0.0, count: int = STATIONS) -> M
     t = np.linspace(0.0, 1.0, count)
     stations, sections = tooth.stations(t), tooth.sections(t)
     tip_radius = crossing(tooth.blank.tip, tooth.blank.axial, stations)[0]
-    right, left, points = land_of_width(_flanks(tooth), tooth.blank.axial, tooth.blank.tip, stations, land, tooth.joint)
+    flanks = _flanks(tooth, t)
+    right, left, points = land_of_width(flanks, tooth.blank.axial, tooth.blank.tip, stations, land, tooth.joint)
     return MemberLimits(
         stations=stations,
-        right=_side(tooth, tooth.right, stations, sections.right.form_point_flank, right),
-        left=_side(tooth, tooth.left, stations, sections.left.form_point_flank, left),
+        right=_side(tooth, Side.RIGHT, sections, right),
+        left=_side(tooth, Side.LEFT, sections, left),
         tip_radius=tip_radius,
         top_land=_arms(tooth.joint, tip_radius) * (sections.left.tip_angle - sections.right.tip_angle),
         land_radius=tooth.joint.radius(points),
@@ -141,7 +143,7 @@ def lost_heights(tooth: Tooth) -> dict[Side, float]:
     for which in Side:
         side, begins = tooth.side(which), sections.of(which).form_point_flank
         form_point = np.full_like(begins, side.form_point[0])
-        if _undercut(tooth, side, sections.stations, begins).any():
+        if _undercut(tooth, which, sections).any():
             heights[which] = float((side.tool.height(begins) - side.tool.height(form_point)).max())
     return heights
 
@@ -150,25 +152,26 @@ def undercut_margin(tooth: Tooth) -> float:
     """How far the flanks are from being undercut anywhere along the face: 0 where that begins, less where they are; it is near 1
     where the tool leaves as much area near the root as near the tip."""
     stations, axial = tooth.even.stations, tooth.blank.axial
-    sides = [tooth.side(which) for which in Side]
-    tips = [along(side.flank, np.full_like(stations, side.tip), stations, axial)[1] for side in sides]
-    least = [regularity(side, tip, stations, axial).min() for side, tip in zip(sides, tips, strict=True)]
+    least = []
+    for which in Side:
+        side = tooth.side(which)
+        tip = along(side.flank, tooth.near_tips(which, tooth.even.t), stations, axial)[1]
+        least.append(regularity(side, tip, stations, axial).min())
     return float(min(least))
 
 
-def _undercut(tooth: Tooth, side: ToothSide, stations: Array, form_point_flank: Array) -> NDArray[np.bool_]:
-    """Stations (T,) where undercut, and not a corner of the tool, cuts the flank off at `form_point_flank` (T,)."""
-    form_point = np.full_like(stations, side.form_point[0])
+def _undercut(tooth: Tooth, which: Side, sections: Sections) -> NDArray[np.bool_]:
+    """Stations (T,) where undercut, and not a corner of the tool, cuts a flank off."""
+    side, stations, axial = tooth.side(which), sections.stations, tooth.blank.axial
     if not side.crossed:
-        changed: NDArray[np.bool_] = form_point_flank != form_point
+        changed: NDArray[np.bool_] = sections.of(which).form_point_flank != side.form_point[0]
         return changed
-    axial = tooth.blank.axial
-    return cut_off(side, along(side.flank, np.full_like(stations, side.tip), stations, axial)[1], stations, axial)
+    return cut_off(side, along(side.flank, tooth.near_tips(which, sections.t), stations, axial)[1], stations, axial)
 
 
-def _side(tooth: Tooth, side: ToothSide, stations: Array, form_point_flank: Array, p_land: Array) -> SideLimits:
-    axial = tooth.blank.axial
-    start = np.full_like(stations, side.tip)
+def _side(tooth: Tooth, which: Side, sections: Sections, p_land: Array) -> SideLimits:
+    side, stations, axial = tooth.side(which), sections.stations, tooth.blank.axial
+    start, form_point_flank = tooth.near_tips(which, sections.t), sections.of(which).form_point_flank
     p = singular_at(side.flank, (start, start + _reach(side) * (side.form_point[0] - start)), stations, axial)
     v, on_tool, on_tooth = (np.full((*stations.shape, *shape), np.nan) for shape in ((), (3,), (3,)))
     known = np.isfinite(p)
@@ -189,7 +192,7 @@ def _side(tooth: Tooth, side: ToothSide, stations: Array, form_point_flank: Arra
         h1=pitch - side.tool.height(p),
         form_point_depth=pitch - side.tool.height(form_point),
         h2=side.tool.height(p_land) - pitch,
-        undercut=_undercut(tooth, side, stations, form_point_flank),
+        undercut=_undercut(tooth, which, sections),
         flank_radius=tooth.joint.radius(begins),
         lost=side.tool.height(form_point_flank) - side.tool.height(form_point),
         undercut_from=undercut_station(tooth, side),
@@ -335,7 +338,7 @@ def pointed_station(tooth: Tooth, width: float = 0.0) -> float:
     """
     axial, tip = tooth.blank.axial, tooth.blank.tip
     ends = np.array(tooth.blank.extent)
-    flanks = _flanks(tooth)
+    flanks = _flanks(tooth, np.array([0.0, 1.0]))
     start = _at(flanks, axial, ends)
     lands = _arc(tooth.joint, *_jets(flanks, start))[0]
     if abs(lands[1] - lands[0]) <= 1e-9 * abs(lands).max():
@@ -361,8 +364,9 @@ def pointed_station(tooth: Tooth, width: float = 0.0) -> float:
     return at if abs(at - ends.mean()) <= (0.5 + BEYOND) * (ends[1] - ends[0]) else float("nan")
 
 
-def _flanks(tooth: Tooth) -> Flanks:
-    return (tooth.right.flank, tooth.right.tip), (tooth.left.flank, tooth.left.tip)
+def _flanks(tooth: Tooth, t: Array) -> Flanks:
+    right, left = ((tooth.side(which).flank, tooth.near_tips(which, t)) for which in Side)
+    return right, left
 
 
 def _at(flanks: Flanks, axial: Level, stations: Array) -> Array:

@@ -280,6 +280,15 @@ class Tooth:
         odd: NDArray[np.bool_] = ~(nominal.converged & (density * sense > 0.0))
         return nominal.jet, odd
 
+    def near_tips(self, which: Side, t: Array) -> Array:
+        """Flank parameter (T,) of sound points of a side near its tip at t (T,): the nominal one, or where that says nothing, as of
+        steep flanks, that of the tip."""
+        side, odd = self.side(which), self._nominal_tip(self.side(which), t)[1]
+        p = np.full(t.shape, side.tip)
+        if odd.any():
+            p[odd] = self._tip(side, self.stations(t[odd]), t[odd])[0]
+        return p
+
     @cached_property
     def _senses(self) -> dict[Side, float]:
         """Area densities of flanks at their nominal tip at mid face, as soon as they were asked for."""

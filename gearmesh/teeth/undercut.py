@@ -27,8 +27,6 @@ TRIM_TOLERANCE, TRIM_ROUNDING = 1e-11, 1e-12
 SAMPLES = 300
 #: stations at which that is done; the others start from these
 STARTS = 17
-#: part of the flank's parameter within which a solution is the form point itself, where both branches of the fillet end
-AT_FORM_POINT = 1e-6
 #: area density at the form point, over that near the tip and negative, up to which the cusp is at the form point: what would be
 #: cut off is about half its square of the flank's height, less than 1e-12 mm
 JUST_BEGUN = 1e-7
@@ -38,7 +36,8 @@ FOLD_SAMPLES = 24
 MISSED = 0.1
 #: part of the flank's parameter up to which the loop between cusp and form point is small
 SMALL = 1e-2
-#: the same up to which rounding decides where it crosses itself: it is narrower than the third power of that, 1e-12 of the flank
+#: the same up to which rounding decides where it crosses itself: it is narrower than the third power of that, 1e-12 of the flank;
+#: within as much of it a solution is the form point itself, where flank and fillet touch and both branches of the fillet end
 LOST = 1e-4
 
 
@@ -176,9 +175,7 @@ def _intersection(
         start = Undercut(stations[some], known).at(stations)
     solution = intersection((side.flank, side.fillet), start, stations, axial)
     x = solution.values
-    astray = ~solution.converged | (
-        np.abs(x[:, 0] - side.form_point[0]) <= AT_FORM_POINT * np.abs(tip - side.form_point[0])
-    )
+    astray = ~solution.converged | (np.abs(x[:, 0] - side.form_point[0]) <= LOST * np.abs(tip - side.form_point[0]))
     if astray.any():
         anew = _start(side, tip[astray], (t[astray], stations[astray]), axial, root)
         again = intersection((side.flank, side.fillet), anew, stations[astray], axial)
@@ -198,7 +195,7 @@ def _in_rounding(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Le
     form_point = np.full_like(stations, side.form_point[0])
     cusp = singular_at(side.flank, (tip, form_point), stations, axial)
     lost = np.abs(cusp - form_point) < LOST * np.abs(tip - form_point)
-    missing = ~lost & np.isnan(x[:, 0])
+    missing = ~lost & ~(np.abs(x[:, 0] - form_point) > LOST * np.abs(tip - form_point))
     if missing.any():
         raise _undercut_error(t[int(np.argmax(missing))])
     p, q = cusp + 0.5 * (cusp - form_point), np.full_like(stations, side.form_point[1])

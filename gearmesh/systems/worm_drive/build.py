@@ -7,7 +7,7 @@ phi1 = 0 the working flank of a thread passes the pitch point, where the referen
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -29,7 +29,7 @@ from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
 from gearmesh.systems.worm_drive.helical_wheel import helical_wheel
 from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, Rounding, RunOut, WormThread
-from gearmesh.systems.worm_drive.wheel import Throat, WormHob, crossed_axes
+from gearmesh.systems.worm_drive.wheel import Throat, WormHob, crossed_axes, prove_wheel
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
@@ -131,6 +131,10 @@ def _refuse_tools(design: WormDriveDesign) -> None:
     if wheel.tip_form != "chamfered" and wheel.throat_angle != type(wheel).model_fields["throat_angle"].default:
         reason = f"nothing is done with it where wheel.tip_form is {wheel.tip_form}"
         raise DesignError("wheel.throat_angle", wheel.throat_angle, unit="deg", reason=reason, allowed="with chamfered")
+    usual = design.center_distance - 0.5 * design.wheel_tip_diameter
+    if wheel.tip_form == "cylindrical" and not math.isclose(wheel.throat_radius, usual, rel_tol=EQUAL):
+        reason = "nothing is done with it where wheel.tip_form is cylindrical"
+        raise DesignError("wheel.throat_radius", wheel.throat_radius, unit="mm", reason=reason, allowed="with a throat")
     root = 0.5 * d1 - spec.dedendum * m
     if design.wheel.throated and design.wheel.throat_radius <= root:
         raise DesignError(
@@ -313,9 +317,9 @@ def _thread_parameters(p: Array, v: Array) -> dict[str, Array]:
     return {"p_1": p, "theta_1": np.degrees(v)}
 
 
-def _prove(name: str, tooth: Tooth, spec: MemberBody) -> Tooth:
+def _prove(name: str, tooth: Tooth, spec: MemberBody, prove: Callable[[Tooth], None] = Tooth.prove) -> Tooth:
     try:
-        tooth.prove()
+        prove(tooth)
     except TrimError as failure:
         vague = VagueError if failure.what in ("undercut", "flank", "root", "tip") else DesignError
         remedies_of = WORM_REMEDIES if name == "worm" else WHEEL_REMEDIES
@@ -336,7 +340,7 @@ def _prove(name: str, tooth: Tooth, spec: MemberBody) -> Tooth:
 
 def _wheel(design: WormDriveDesign) -> Member:
     spec, hob = design.wheel, wheel_hob(design)
-    tooth = _prove("wheel", wheel_tooth(design), spec)
+    tooth = _prove("wheel", wheel_tooth(design), spec, prove_wheel)
     blank, smallest = tooth.blank, hob.distance - hob.tip_radius
     tooth = with_tip_edge("wheel", tooth, spec)
     root = float(blank.root.at(0.5 * spec.face_width))

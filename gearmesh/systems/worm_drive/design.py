@@ -26,6 +26,14 @@ RIGHT = 90.0
 SAME_SHIFT = 1e-6
 #: Disk that grinds ZK and ZC flanks where it is not given: diameter at the rim and radius of the profile, in axial modules.
 DISK, PROFILE = 80.0, 6.0
+#: Forms that have a key of the worm; the others only take its default.
+FORMS_OF = {
+    "section": (ThreadForm.ZN,),
+    "disk_diameter": (ThreadForm.ZK, ThreadForm.ZC),
+    "profile_radius": (ThreadForm.ZC,),
+}
+#: Part of a length within which it is its default.
+SAME_LENGTH = 1e-9
 #: Roundings of the worm's root and of the hob's tip, in axial modules.
 ROUNDING = 0.2
 
@@ -368,6 +376,14 @@ class WormDriveDesign(Design):
             * (math.sqrt(self.reference_diameter / self.axial_module + 1.0) + 0.5 - concave * CONCAVE_NARROWER)
         )
 
+    @property
+    def wheel_tip_diameter(self) -> float:
+        """Tip diameter of the wheel in the middle plane as addendum and profile shift of a complete design say, in its units."""
+        return self._tip_diameter(self.wheel.profile_shift)
+
+    def _tip_diameter(self, shift: float) -> float:
+        return self.wheel_reference_diameter + 2.0 * (self.wheel.addendum + shift) * self.axial_module
+
     def derived_values(self) -> dict[str, float]:
         """What the file leaves out [DIN 3975], but for the face width (`face_width.derived_values`).
 
@@ -386,7 +402,7 @@ class WormDriveDesign(Design):
         usual = self._zero_shift_distance + (CONCAVE_SHIFT * m if concave else 0.0)
         shift = given_or(wheel.profile_shift, (given_or(self.center_distance, usual) - self._zero_shift_distance) / m)
         distance = given_or(self.center_distance, self._zero_shift_distance + shift * m)
-        tip = self.wheel_reference_diameter + 2.0 * (wheel.addendum + shift) * m
+        tip = self._tip_diameter(shift)
         cutting, swivel = self.usual_cutting(distance)
         return {
             **super().derived_values(),
@@ -452,6 +468,37 @@ class WormDriveDesign(Design):
             if abs(shift - own) > SAME_SHIFT:
                 reason = f"cannot be given together with center_distance = {distance:.7g}, which makes it {own:.7g}"
                 raise conflict("wheel.profile_shift", shift, reason=reason)
+        return self
+
+    @property
+    def keys_of_other_forms(self) -> tuple[str, ...]:
+        """Keys of the worm that its flank form does not have.
+
+        Returns
+        -------
+        tuple of str
+            Without their table.
+
+        Examples
+        --------
+        >>> gm.load("samples/worm_drive.toml").keys_of_other_forms
+        ('section', 'disk_diameter', 'profile_radius')
+        """
+        return tuple(key for key, forms in FORMS_OF.items() if self.worm.form not in forms)
+
+    @model_validator(mode="after")
+    def _keys_of_the_form(self) -> Self:
+        """Refuse what nothing would be done with; a default may be stated."""
+        worm = self.worm
+        for key in self.keys_of_other_forms:
+            value = getattr(worm, key)
+            if key not in worm.model_fields_set or value == type(worm).model_fields[key].default:
+                continue
+            usual = {"disk_diameter": DISK, "profile_radius": PROFILE}.get(key)
+            if usual and (math.isnan(value) or math.isclose(value, usual * self.axial_module, rel_tol=SAME_LENGTH)):
+                continue
+            reason = f"nothing is done with it where worm.form is {worm.form}"
+            raise conflict(f"worm.{key}", value, reason=reason, allowed=f"with {' and '.join(FORMS_OF[key])}")
         return self
 
     @model_validator(mode="after")

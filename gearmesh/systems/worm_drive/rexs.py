@@ -12,6 +12,7 @@ from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_form import StageForm
 from gearmesh.exchange.stage_writer import StageWriter
+from gearmesh.systems.worm_drive.design import FORMS_OF
 
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
@@ -80,8 +81,10 @@ def _read_tools(file: StageReader, worm: Component, wheel: Component, module: fl
         for flank in file.flanks(gear).values():
             for tool, _ in file.steps(flank):
                 if tool.type == DISK:
-                    keys["worm.disk_diameter"] = file.number(tool, "grinding_disk_diameter", "mm")
-                    keys["worm.profile_radius"] = file.number(tool, "profile_radius_zc_disc", "mm")
+                    attributes = {"disk_diameter": "grinding_disk_diameter", "profile_radius": "profile_radius_zc_disc"}
+                    for key, attribute in attributes.items():
+                        if (keys["worm.form"] or "ZI") in FORMS_OF[key]:
+                            keys[f"worm.{key}"] = file.number(tool, attribute, "mm")
                 if tool.type == HOB:
                     height = file.number(tool, "tooth_addendum_worm_wheel_hob", "mm")
                     tip = file.number(tool, TIP, "mm")

@@ -19,15 +19,19 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.helicoid import Helicoid
+from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel, LandLevel
 from gearmesh.kernel.surface.mapped import Mapping
 from gearmesh.kernel.surface.meridian import CircularMeridian, CylinderMeridian, Joined, Meridian, Straight
+from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.kernel.surface.surface import Jet, PlacedSurface, Surface
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.worm_drive.thread import LAND, Rounding, WormThread
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import Dimension, ToolDescription
 from gearmesh.tools.drawing import ThreadDrawing
@@ -169,6 +173,30 @@ class WormHob:
                 allowed=f"less than {at_most(2.0 * r / narrower)} mm",
             )
         return Meridian(CircularMeridian((0.0, a), r) if self.tilt == 0.0 else CylinderMeridian(a, r, self.tilt))
+
+
+def prove_wheel(tooth: Tooth) -> None:
+    """Trim a wheel's tooth. Raises TrimError where it cannot be, or where none of the flank is left at an end of the face.
+
+    Towards one end the generating normal's part n_x away from the wheel's axis falls to 0, where flanks are generated in an endless
+    roll; beyond is another sheet of the envelope, which the hob generates from inside the wheel. Undercut may remove all of the
+    flank before: its tip then lies beyond the singular points, turned inside out against mid face.
+    """
+    tooth.prove()
+    places, ends = np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0])
+    for which in Side:
+        generation = tooth.side(which).generation
+        assert generation is not None
+        flank = generation[0]
+        p, v = np.moveaxis(tooth.flank_grid(which, ends, places).parameters, -1, 0)
+        away = flank.tool.jet(*flank.on_tool(p, v)).n[..., 0].min(axis=0)
+        density = area_density(flank.jet(p[1], v[1]))
+        for lost, why in (
+            (away <= 0.0, "the hob's flank has turned away from the wheel"),
+            (density * density[1] <= 0.0, "the undercut removes all of the flank"),
+        ):
+            if lost.any():
+                raise TrimError("flank", float(places[int(np.argmax(lost))]), why)
 
 
 @dataclass(frozen=True)

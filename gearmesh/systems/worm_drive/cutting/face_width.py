@@ -9,18 +9,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from itertools import takewhile
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ParamSpec
 
 import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.worm_drive.build import root_rounding, wheel_tooth
+from gearmesh.systems.worm_drive.wheel import prove_wheel
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
+
+P = ParamSpec("P")
 
 #: parts of the usual width that are tried, half of it at least
 SHARES = np.linspace(0.5, 1.0, 5)
@@ -45,12 +48,12 @@ def _sound_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:
         tooth = _tooth(design, usual)
     except DesignError:
         return
-    if _succeeds(tooth.prove):
+    if _succeeds(prove_wheel, tooth):
         yield 1.0
     # the other side is the mirror image, or next to it
     ends = {share: 0.5 + 0.5 * np.array([-share, share]) for share in SHARES.tolist()}
-    whole = list(takewhile(lambda share: _succeeds(lambda: tooth.ends(Side.RIGHT, ends[share])), ends))
-    yield from (share for share in whole[::-1] if _succeeds(_tooth(design, share * usual).prove))
+    whole = list(takewhile(lambda share: _succeeds(tooth.ends, Side.RIGHT, ends[share]), ends))
+    yield from (share for share in whole[::-1] if _succeeds(prove_wheel, _tooth(design, share * usual)))
 
 
 def _tooth(design: WormDriveDesign, width: float) -> Tooth:
@@ -58,10 +61,10 @@ def _tooth(design: WormDriveDesign, width: float) -> Tooth:
     return wheel_tooth(design.fill({"wheel.face_width": width}).in_mm())
 
 
-def _succeeds(trimming: Callable[[], object]) -> bool:
+def _succeeds(trimming: Callable[P, object], *args: P.args, **keys: P.kwargs) -> bool:
     """Whether a tooth is trimmed."""
     try:
-        trimming()
+        trimming(*args, **keys)
     except TrimError:
         return False
     return True
