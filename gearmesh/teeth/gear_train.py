@@ -573,8 +573,8 @@ class GearTrain:
 
         Examples
         --------
-        >>> train = gears.train.with_member(gears.members["pinion"])
-        >>> list(train.pair(0).members)
+        >>> changed = gears.train.with_member(gears.members["pinion"])
+        >>> list(changed.pair(0).members)
         ['pinion', 'gear']
         """
 
