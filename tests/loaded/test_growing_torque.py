@@ -39,6 +39,7 @@ def test_there_is_a_torque_at_which_crowned_gears_run_most_evenly(
     assert little == pytest.approx(np.ptp(found.unloaded), rel=0.1)
 
 
+@pytest.mark.sweep
 def test_teeth_that_touch_beyond_their_flanks_are_refused() -> None:
     tables = {
         "pinion": {"teeth": 17, "tip_diameter": 53.5},
