@@ -1,6 +1,7 @@
 """Random worm drives: are their solids sound, is interference reported, do refusals name a key that is set?
 
-python scripts/worm_sweep.py [--count 200] [--seed 0] [--jobs 2] [--no-solids] [--no-contact] [--write]
+python scripts/worm_sweep.py [--count 200] [--seed 0] [--jobs 2] [--no-solids] [--no-contact]
+                             [--keep FILE] [--write]
 
 Seeded drives of all five flank forms in turn: 1 to 6 threads, wheels of 20 to 80 teeth, diameter quotient 6 to 20, module 1 to 10,
 pressure angle 15 to 25 deg, both hands, shaft angle 90 deg or (a quarter of them) 75 to 105, profile shift -0.5 to 0.75, hobs of
@@ -9,7 +10,8 @@ of even seeds, with all that interferes, beside the other flank too; where flank
 those that are uniform (hob of the worm's size, and any hob of a ZI worm); and meshes of the flanks rolled against each other at one
 position: where they are ahead of the solver, teeth go through each other that the solver does not know of. A refusal must name a
 key that the design sets. Prints a line for every drive that is not plain and two tables; with --write those of the README of worm
-drives become them. Exit 1 if a solid is no solid, a refusal names no key that is set, or interference is not reported.
+drives become them. With --keep drives are kept in a file as they are tried, and those in it are not tried again. Exit 1 if a
+solid is no solid, a refusal names no key that is set, or interference is not reported.
 
 Answers would take four times as long: they have solids of their own for the roll test, and what would free a pair that jams.
 """
@@ -17,11 +19,12 @@ Answers would take four times as long: they have solids of their own for the rol
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import time
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +51,7 @@ README = Path(str(worm_drive.__file__)).with_name("README.md")
 #: faults that the program does not report, and what it does report
 FAULTS = ("wrong key", "no solid", "bad solids", "no answer", "silent interference", "transmission error")
 REPORTED = ("undercut", "interference", "contact ratio below 1", "no contact")
-COLUMNS = {name: name for name in ("form", "drives", "refused", *REPORTED, "plain", *FAULTS, "median, CPU s")}
+COLUMNS = {name: name for name in ("form", "drives", "refused", *REPORTED, "plain", *FAULTS)}
 REFUSED = {name: name for name in ("refused for", "drives", "keys that are named", "an example")}
 
 
@@ -182,7 +185,6 @@ def summary_of(drives: list[Tried]) -> list[tables.Row]:
                 **{name: sum(name in drive.reported for drive in some) for name in REPORTED},
                 "plain": sum(not drive.told for drive in some),
                 **{fault: sum(fault in drive.faults for drive in some) for fault in FAULTS},
-                "median, CPU s": float(np.median([drive.seconds for drive in some])),
             }
         )
     return rows
@@ -205,6 +207,14 @@ def refusals_of(drives: list[Tried]) -> list[tables.Row]:
     return rows
 
 
+def kept(file: Path | None) -> dict[int, Tried]:
+    """Drives of a file of JSON lines, by their seeds; none where there is no file."""
+    if file is None or not file.exists():
+        return {}
+    drives = (Tried(**json.loads(line)) for line in file.read_text(encoding="utf-8").splitlines())
+    return {drive.seed: drive for drive in drives}
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=200, help="drives")
@@ -212,22 +222,27 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--no-solids", dest="solids", action="store_false", help="without solids")
     parser.add_argument("--no-contact", dest="contact", action="store_false", help="members alone")
+    parser.add_argument("--keep", type=Path, metavar="FILE", help="JSON lines of the drives that have been tried")
     parser.add_argument("--write", action="store_true", help="put the tables into the README of worm drives")
     asked = parser.parse_args()
-    drives = []
-    tasks = [(asked.seed + k, asked.solids, asked.contact) for k in range(asked.count)]
+    drives = kept(asked.keep)
+    missing = sorted(set(range(asked.seed, asked.seed + asked.count)) - drives.keys())
     with ProcessPoolExecutor(asked.jobs) as pool:
-        for drive in pool.map(tried, tasks):
-            drives.append(drive)
+        for drive in pool.map(tried, [(seed, asked.solids, asked.contact) for seed in missing]):
+            drives[drive.seed] = drive
             if drive.told:
                 print(f"{drive.seed}: {drive.form}; {drive.told}", flush=True)
-    shown = {"worms": tables.table(summary_of(drives), COLUMNS)}
-    if refusals := refusals_of(drives):
+            if asked.keep:
+                with asked.keep.open("a", encoding="utf-8") as file:
+                    print(json.dumps(asdict(drive)), file=file)
+    every = [drives[seed] for seed in sorted(drives)]
+    shown = {"worms": tables.table(summary_of(every), COLUMNS)}
+    if refusals := refusals_of(every):
         shown["worms refused"] = tables.table(refusals, REFUSED)
     print(*shown.values(), sep="\n\n")
     if asked.write:
         tables.rewrite(README, shown)
-    return 1 if any({"bad solids", "wrong key", "silent interference"} & drive.faults.keys() for drive in drives) else 0
+    return 1 if any({"bad solids", "wrong key", "silent interference"} & drive.faults.keys() for drive in every) else 0
 
 
 if __name__ == "__main__":

@@ -13,10 +13,12 @@ import gearmesh as gm
 from gearmesh.contact.flanks import separation_curvatures
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.solid import prove
 from gearmesh.systems.worm_drive.build import worm_thread
 from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.systems.worm_drive.force_tables import pair_forces, thread_mesh
 from gearmesh.systems.worm_drive.load_parameters import field
+from gearmesh.systems.worm_drive.sheet import effective_width
 
 TORQUE, SPEED = 100.0, 1500.0
 
@@ -73,6 +75,57 @@ def test_figures_are_those_of_the_hand() -> None:
     assert sheet_of(gears_of(friction=0.05))["eta"] == pytest.approx(
         math.tan(gamma) / math.tan(gamma + math.atan(0.05 / math.cos(alpha))), abs=1e-8
     )
+
+
+def test_figures_of_a_za_worm_and_its_larger_hob_are_those_of_the_hand() -> None:
+    """tan(alpha_n) = tan(alpha_0) cos(gamma); a hob of 3 threads. In the middle plane a rack of 20 deg meets an involute gear."""
+    keys: dict[str, Any] = {"worm": {"form": "ZA"}, "backlash": 0.1, "friction": 0.05}
+    sheet = sheet_of(gears_of(**keys, hob={"reference_diameter": 90, "threads": 3}))
+    gamma, alpha = math.atan(1.0 / 6.0), math.radians(20.0)
+    normal, own = 5.0 * math.cos(gamma), math.atan(math.tan(alpha) * math.cos(gamma))
+    steep = math.asin(normal * 3.0 / 90.0)
+    rho, shift = math.atan(0.05 / math.cos(own)), 0.1 / (math.cos(gamma) * math.cos(own))
+    thick = 2.5 * math.pi - shift
+    expected: dict[str, tuple[float, ...]] = {
+        "a": (125.0,),
+        "Sigma": (90.0,),
+        "alpha_0": (20.0,),
+        "alpha_n": (math.degrees(own),),
+        "h_am": (5.0, 5.0),
+        "h_fm": (6.0,),
+        "x_2": (0.0,),
+        "r_k": (125.0 - 0.5 * 200.0,),
+        "b": (100.0, 10.0 * (math.sqrt(13.0) + 0.5)),
+        "b_H": (10.0 * (math.sqrt(13.0) + 0.5),),
+        "s_mx": (thick,),
+        "e_mx": (5.0 * math.pi - thick,),
+        "s_mn": (thick * math.cos(gamma),),
+        "e_mn": ((5.0 * math.pi - thick) * math.cos(gamma),),
+        "z_0": (3.0,),
+        "m_x0": (normal / math.cos(steep),),
+        "d_0": (90.0,),
+        "s_mx0": (0.5 * math.pi * normal / math.cos(steep),),
+        "eta_0": (math.degrees(steep - gamma),),
+        "j_n": (0.1,),
+        "j_x": (shift,),
+        "j_t2": (shift,),
+        "j_phi1": (math.degrees(shift / 5.0),),
+        "rho_s": (math.degrees(math.atan(math.tan(gamma) * math.cos(own))),),
+        "mu": (0.05,),
+        "rho_z": (math.degrees(rho),),
+        "eta'": (math.tan(gamma - rho) / math.tan(gamma),),
+    }
+    base = 95.0 * math.cos(alpha)
+    path = math.sqrt(100.0**2 - base**2) - 95.0 * math.sin(alpha) + 5.0 / math.sin(alpha)
+    expected["eps_alpha"] = (path / (5.0 * math.pi * math.cos(alpha)),)
+    for symbol, values in expected.items():
+        shown = sheet[symbol] if isinstance(sheet[symbol], tuple) else (sheet[symbol],)
+        given = [value for value in shown if value is not None]
+        assert given == pytest.approx(values, abs=1e-8), symbol
+    # less where the worm's tip cylinder leaves the wheel's outside cylinder inside the face: 3, 4, 5
+    assert effective_width(35.0, 28.0) == pytest.approx(42.0)
+    # with more friction than tan(gamma) cos(alpha_n) the wheel does not drive
+    assert sheet_of(gears_of(**{**keys, "friction": 0.17}))["eta'"] is None
 
 
 def test_angular_backlash_is_the_way_from_flank_to_flank() -> None:
@@ -190,3 +243,24 @@ def test_contact_lines_are_those_of_the_solver(form: str) -> None:
     tip = gears.members["wheel"].tooth.blank.tip
     coarse, fine = (float(field(own, tip, grid)[1].sum()) for grid in ((41, 81), (81, 161)))
     assert coarse == pytest.approx(fine, rel=1e-3)
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize(("threads", "form"), [(7, "ZA"), (8, "ZN"), (9, "ZK"), (10, "ZI")])
+def test_worms_of_seven_to_ten_threads(threads: int, form: str) -> None:
+    """Lines of contact, no transmission error, a lead angle of 30 deg, solids, and the power that goes in comes out."""
+    worm = {"threads": threads, "form": form, "lead_angle": 30, "length": 80}
+    keys = {"kind": "worm_drive", "module": 5, "backlash": 0.1, "worm": worm, "wheel": {"teeth": 41}}
+    gears = gm.build(gm.parse(keys))
+    sheet = sheet_of(gears)
+    assert sheet["z"] == (threads, 41)
+    assert sheet["d"][0] == pytest.approx(5.0 * threads / math.tan(math.radians(30.0)))
+    assert sheet["p_z"][0] == pytest.approx(5.0 * math.pi * threads)
+    path = gears.contact(np.linspace(-1.0, 1.0, 5), cycle=False).path
+    assert (path.kind == "line").all()
+    assert np.abs(path.te).max() < 1e-9
+    (table,) = pair_forces(own_of(gears), TORQUE, SPEED)
+    rows = {symbol: row[2:] for symbol, row in zip(table.symbols, table.rows, strict=True)}
+    assert rows["T"][1] == pytest.approx(TORQUE * 41 / threads, rel=1e-9)
+    for name in gears.members:
+        assert prove(gears.solid(name, 0.05).mesh, 1).ok

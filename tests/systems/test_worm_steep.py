@@ -45,6 +45,9 @@ def test_a_face_width_that_is_left_open_is_no_reason_for_a_refusal() -> None:
     usual = 2.0 * gears.design.given_module * (np.sqrt(8.478 + 1.0) + 0.5)
     assert width == pytest.approx(np.round(8.0 * width / usual) / 8.0 * usual, rel=1e-12)
     assert 0.5 * usual <= width < usual
+    (line,) = gears.train.warnings
+    assert line.startswith(f"wheel.face_width = {width:.4g}: the default, instead of {usual:g} because the flanks")
+    assert not gm.build(steep.with_values({"wheel.face_width": width})).train.warnings
     with pytest.raises(gm.DesignError, match=r"^wheel\.face_width"):
         gm.build(steep.with_values({"wheel.face_width": width + usual / 8.0}))
     keys = {"kind": "worm_drive", "module": 5, "worm": {"threads": 4, "quotient": 10}, "wheel": {"teeth": 38}}

@@ -24,7 +24,8 @@ from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.common.standards.iso10828 import ThreadForm
+from gearmesh.systems.common.defaults import unusual_defaults
+from gearmesh.systems.common.standards.iso10828 import ThreadForm, lead_angle
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
 from gearmesh.systems.worm_drive.helical_wheel import helical_wheel
@@ -66,6 +67,11 @@ WHEEL_REMEDIES = {
         "more, or a narrower face",
         {"wheel.profile_shift": 1, "center_distance": 1, "wheel.face_width": -1},
     ),
+    "tip": (
+        "addendum",
+        "less",
+        {"wheel.addendum": -1, "wheel.face_width": -1, "hob.reference_diameter": -1, "worm.threads": -1},
+    ),
 }
 
 #: height of the flanks that run-outs leave, in axial modules, or as a multiple of a broken tip edge, and the steepest angle (rad)
@@ -77,7 +83,7 @@ EQUAL = 1e-9
 
 def build(design: WormDriveDesign) -> GearTrain:
     """The pair of a worm drive design (in mm). Raises DesignError naming key, value and limit."""
-    _refuse_tools(design)
+    refuse_tools(design)
     worm = _worm(design)
     if design.wheel.form == "helical":
         _refuse_unused(design)
@@ -96,10 +102,15 @@ def build(design: WormDriveDesign) -> GearTrain:
         ratio=design.worm.threads / design.wheel.teeth,
         delta=design.contact.delta,
     )
-    return GearTrain(design.kind, (pair,))
+    return GearTrain(design.kind, (pair,), unusual_defaults(design, {"wheel.face_width": _usual_width(design)}))
 
 
-def _refuse_tools(design: WormDriveDesign) -> None:
+def _usual_width(design: WormDriveDesign) -> tuple[float, str]:
+    """The face width of DIN 3975 and why the default may be another one."""
+    return design.usual_face_width, "the flanks of these steep threads end sooner towards one end of the face"
+
+
+def refuse_tools(design: WormDriveDesign) -> None:
     """Refuse a hob smaller than the worm, a disk that does not reach over the thread, and a throat inside the worm's root."""
     spec, m, d1 = design.worm, design.axial_module, design.reference_diameter
     if design.hob.reference_diameter < d1 * (1.0 - EQUAL):
@@ -226,11 +237,11 @@ def hob_thread(design: WormDriveDesign, side: int = 0) -> WormThread:
     threads, radius = spec.threads or worm.threads, 0.5 * spec.reference_diameter
     if (radius, threads) == (worm.radius, worm.threads):
         return worm
-    lead_angle = math.asin(worm.module * math.cos(worm.lead_angle) * threads / (2.0 * radius))
-    narrower = math.cos(worm.lead_angle) / math.cos(lead_angle)
+    steep = lead_angle(worm.module * math.cos(worm.lead_angle), threads, 2.0 * radius)
+    narrower = math.cos(worm.lead_angle) / math.cos(steep)
     angle = worm.angle
     if worm.form is ThreadForm.ZA:
-        angle = math.atan(math.tan(worm.normal_angle) / math.cos(lead_angle))
+        angle = math.atan(math.tan(worm.normal_angle) / math.cos(steep))
     return replace(
         worm,
         threads=threads,

@@ -12,7 +12,7 @@ from gearmesh.design.core import Design, FlankContact, MemberBody, MemberTable, 
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.measured import WormDriveMeasured
 from gearmesh.design.runout import eccentricity, phase
-from gearmesh.systems.common.standards.iso10828 import ThreadForm
+from gearmesh.systems.common.standards.iso10828 import ThreadForm, lead_angle
 from gearmesh.systems.kinds import KINDS
 
 #: Proportions that are not given, in axial modules [DIN 3975]: diameter quotient, clearance, the wheel's outside over its throat.
@@ -334,8 +334,11 @@ class WormDriveDesign(Design):
         if spec.quotient is not None:
             return math.atan(spec.threads / spec.quotient)
         diameter = QUOTIENT * m if spec.reference_diameter is None else spec.reference_diameter
-        ratio = m * spec.threads / diameter
-        return math.asin(ratio) if self.module_section == "normal" else math.atan(ratio)
+        return (
+            lead_angle(m, spec.threads, diameter)
+            if self.module_section == "normal"
+            else math.atan(m * spec.threads / diameter)
+        )
 
     @property
     def reference_diameter(self) -> float:
@@ -440,8 +443,8 @@ class WormDriveDesign(Design):
         d0 = given_or(self.hob.reference_diameter, d1)
         if (d0, threads) == (d1, self.worm.threads):
             return distance, 0.0
-        lead_angle = math.asin(min(1.0, self.axial_module * math.cos(self.lead_angle) * threads / d0))
-        return distance + 0.5 * (d0 - d1), math.degrees(lead_angle - self.lead_angle)
+        swivel = lead_angle(self.axial_module * math.cos(self.lead_angle), threads, d0) - self.lead_angle
+        return distance + 0.5 * (d0 - d1), math.degrees(swivel)
 
     @model_validator(mode="after")
     def _one_diameter(self) -> Self:

@@ -27,6 +27,7 @@ from gearmesh.systems.common.symbol_table import Row
 from gearmesh.systems.worm_drive.build import wheel_hob
 from gearmesh.systems.worm_drive.contact.conjugate import ContactField
 from gearmesh.systems.worm_drive.force_tables import thread_mesh
+from gearmesh.systems.worm_drive.wires import flank_radius
 
 if TYPE_CHECKING:
     from gearmesh.kernel.surface.levels import LandLevel
@@ -77,12 +78,10 @@ def field(design: WormDriveDesign, tip: LandLevel, grid: tuple[int, int] = GRID)
 
 def _radii(design: WormDriveDesign, mesh: ThreadMesh) -> tuple[float, float]:
     """Radii between which the worm's flank can touch the wheel's: from its form point to its tip, or where the hob's flank ends."""
-    thread, spec, m = mesh.thread, design.worm, design.axial_module
-    root = thread.radius - spec.dedendum * m
-    curve = thread.section.curve.at(np.array(thread.root_rounding(root, spec.root_rounding * m).form_point[0]))
-    tip, hob = thread.radius + spec.addendum * m, wheel_hob(design)
+    thread, hob = mesh.thread, wheel_hob(design)
+    tip = thread.radius + design.worm.addendum * design.axial_module
     deep = hob.form_radius - (hob.distance - design.center_distance)
-    return float(np.hypot(curve.c[0], curve.c[1])), min(tip, deep)
+    return flank_radius(design, thread), min(tip, deep)
 
 
 def _wheel_radius(mesh: ThreadMesh, r: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,7 @@ from gearmesh.systems.worm_drive.cutting.feed import generating_length
 from gearmesh.systems.worm_drive.force_tables import MEMBERS, efficiencies, thread_mesh
 from gearmesh.systems.worm_drive.load_parameters import contact_rows
 from gearmesh.systems.worm_drive.thread import WormThread
-from gearmesh.systems.worm_drive.wires import wire_rows
+from gearmesh.systems.worm_drive.wires import flank_radius, over_balls, wire_rows, wires_at
 
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
@@ -37,6 +38,7 @@ def data_sheet(design: WormDriveDesign, train: GearTrain) -> Sheet:
         table("Pair [ISO 10828, DIN 3975]", PAIR, _pair(own)),
         table("Worm and wheel [ISO 10828, DIN 3975]", MEMBERS, [*_threads(own), *_diameters(own, float(tip.at(0.0)))]),
         table("Worm: thickness and over wires", MEMBERS[:1], [*_thickness(own), *wire_rows(own)]),
+        *(_dual_lead(own) if own.worm.dual_lead else ()),
         *(() if helical else (_hob(own, train),)),
         table("Backlash and friction", PAIR, _backlash(own, train)),
     )
@@ -96,7 +98,7 @@ def _diameters(design: WormDriveDesign, tip: float) -> list[Row]:
         ("d_m", "mean diameter, 2 a - d_m1 of the wheel", "mm", (d1, 2.0 * design.center_distance - d1)),
         ("d_a", "tip diameter, in the middle plane", "mm", (tip_1, 2.0 * tip)),
         ("d_e", "outside diameter", "mm", (tip_1, wheel.outside_diameter)),
-        ("r_k", "throat radius", "mm", (None, wheel.throat_radius if wheel.throated else None)),
+        ("r_k", "throat radius, r_g2 of ISO 10828", "mm", (None, wheel.throat_radius if wheel.throated else None)),
         ("d_f", "root diameter, in the middle plane", "mm", (root_1, root_2)),
         ("d_b", "base diameter, of ZI", "mm", (base, None)),
         ("b", "length of the thread, face width", "mm", (worm.length, wheel.face_width)),
@@ -124,6 +126,52 @@ def _thickness(design: WormDriveDesign) -> list[Row]:
         ("s_mn", "normal thickness of the thread", "mm", (axial * narrower,)),
         ("e_mn", "normal width of the space", "mm", (space * narrower,)),
     ]
+
+
+def _dual_lead(design: WormDriveDesign) -> tuple[SheetTable, SheetTable]:
+    """Of the flanks of both leads, and along the axis: at z the threads are 2 e z thicker than in the middle, of left-hand worms as
+    much thinner."""
+    worm, m, sides = design.worm, design.axial_module, (1, -1)
+    flanks = [worm_thread(design, side) for side in sides]
+    hobs = [wheel_hob(design, side).thread for side in sides]
+
+    def both(figure: Callable[[WormThread], float], threads: list[WormThread] = flanks) -> Values:
+        return tuple(map(figure, threads))
+
+    leads: list[Row] = [
+        ("m_x", "axial module", "mm", both(lambda thread: thread.module)),
+        ("p_x", "axial pitch", "mm", both(lambda thread: thread.axial_pitch)),
+        ("p_z", "lead", "mm", both(lambda thread: thread.axial_pitch * thread.threads)),
+        ("gamma_m", "lead angle", "deg", both(lambda thread: math.degrees(thread.lead_angle))),
+        ("alpha_n", "normal pressure angle", "deg", both(lambda thread: math.degrees(thread.normal_angle))),
+    ]
+    if worm.form == ThreadForm.ZI:
+        leads.append(("d_b", "base diameter", "mm", both(lambda thread: 2.0 * thread.base_radius)))
+    if design.wheel.form != "helical":
+        leads += [
+            ("m_x0", "axial module of the hob", "mm", both(lambda thread: thread.module, hobs)),
+            ("gamma_0", "lead angle of the hob", "deg", both(lambda thread: math.degrees(thread.lead_angle), hobs)),
+        ]
+    places = (-0.5 * worm.length, 0.0, 0.5 * worm.length)
+    grown = [2.0 * worm.dual_lead * flanks[0].hand * z for z in places]
+    middle = sum(thread.half_thickness(thread.radius) for thread in flanks)
+    mean = nominal_thread(design)
+    wires = worm.wire_diameter or wires_at(worm_thread(design), mean.radius).diameter
+    radii = max(flank_radius(design, thread) for thread in flanks), mean.radius + worm.addendum * m
+    over = [over_balls((flanks[0], flanks[1]), wires, mean.axial_pitch - more, radii) for more in grown]
+    # what does not stand out of its space cannot be measured over
+    measured = tuple(d if d >= 2.0 * radii[1] else None for d in over)
+    along: list[Row] = [
+        ("z", "position along the axis", "mm", places),
+        ("s_mx", "axial thickness of the thread", "mm", tuple(middle + more for more in grown)),
+        ("e_mx", "axial width of the space", "mm", tuple(mean.axial_pitch - middle - more for more in grown)),
+        ("D_M", "diameter of the balls", "mm", (wires,) * 3),
+        ("M_d", "diameter over two balls in spaces there", "mm", measured),
+    ]
+    return (
+        table("Worm: flanks of both leads", ("right flanks", "left flanks"), leads),
+        table("Worm: thickness along the axis", ("toe", "middle", "heel"), along),
+    )
 
 
 def _hob(design: WormDriveDesign, train: GearTrain) -> SheetTable:
@@ -171,7 +219,12 @@ def _backlash(design: WormDriveDesign, train: GearTrain) -> list[Row]:
     return [
         *rows,
         ("mu", "coefficient of friction, by friction", "-", (design.friction,)),
-        ("rho_z", "angle of friction mu / cos(alpha_n)", "deg", (_friction_angle(design.friction, angle),)),
+        (
+            "rho_z",
+            "angle of friction mu / cos(alpha_n): self-locking up to this lead angle",
+            "deg",
+            (_friction_angle(design.friction, angle),),
+        ),
         ("eta", "efficiency of the teeth, worm driving", "-", (driving,)),
         ("eta'", "efficiency of the teeth, wheel driving (none: self-locking)", "-", (driven,)),
     ]

@@ -7,6 +7,7 @@ at the radius x in the middle of the space. The flank's parallel surface at D / 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,14 @@ from gearmesh.systems.worm_drive.thread import WormThread
 
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
+
+
+def flank_radius(design: WormDriveDesign, thread: WormThread) -> float:
+    """Radius (mm) from which the flanks of a worm's thread are, beyond the rounding of its root."""
+    spec, m = design.worm, design.axial_module
+    rounding = thread.root_rounding(thread.radius - spec.dedendum * m, spec.root_rounding * m)
+    curve = thread.section.curve.at(np.array(rounding.form_point[0]))
+    return float(np.hypot(curve.c[0], curve.c[1]))
 
 
 @dataclass(frozen=True)
@@ -73,13 +82,41 @@ def wires_of(thread: WormThread, diameter: float, radii: tuple[float, float]) ->
     return Wires(diameter, float(points[0, 0]), float(at[0]))
 
 
+def over_balls(
+    flanks: tuple[WormThread, WormThread], diameter: float, pitch: float, radii: tuple[float, float]
+) -> float:
+    """Measure (mm) over two balls of a diameter between flanks of two leads, which touch them between two radii (mm); `pitch` (mm):
+    of the middles of both threads beside the balls, if either were as thick as in the middle of the worm. NaN where they do not."""
+    half = np.array([0.5 * diameter])
+
+    def at_centre(thread: WormThread, x: Array) -> tuple[Array, Array]:
+        """Parameters (N,) of points of contact with the centre at radii x (N,), and how far (N,) it is from the thread's middle."""
+        ends = [np.full(x.shape, thread.at_radius(radius)) for radius in radii]
+        halves = np.full(x.shape, half[0])
+        root = bracketed_root(lambda p, k: _parallel(thread, p, halves[k])[1][:, 0] - x[k], *ends)
+        p = np.where(root.converged, root.values, np.nan)
+        return p, _parallel(thread, p, halves)[1][:, 1]
+
+    def miss(x: Array, _: NDArray[np.intp]) -> Array:
+        return np.asarray(sum(at_centre(thread, x)[1] for thread in flanks) - pitch)
+
+    reach = np.array(
+        [
+            [_parallel(thread, np.array([thread.at_radius(radius)]), half)[1][0, 0] for radius in radii]
+            for thread in flanks
+        ]
+    )
+    inside = 1e-9 * np.ptp(reach)
+    centre = bracketed_root(miss, np.array([reach[:, 0].max() + inside]), np.array([reach[:, 1].min() - inside]))
+    return 2.0 * float(centre.values[0]) + diameter if centre.converged.all() else math.nan
+
+
 def wire_rows(design: WormDriveDesign) -> list[Row]:
     """The wires of the design, or those that touch the nominal thread on the reference cylinder. Raises DesignError for a wire that
     does not touch the flanks, or does not stand out of the space or clear its ground."""
     thread, spec, m = worm_thread(design), design.worm, design.axial_module
     tip, root = thread.radius + spec.addendum * m, thread.radius - spec.dedendum * m
-    curve = thread.section.curve.at(np.array(thread.root_rounding(root, spec.root_rounding * m).form_point[0]))
-    flank = (float(np.hypot(curve.c[0], curve.c[1])), tip)
+    flank = (flank_radius(design, thread), tip)
     if spec.wire_diameter is None:
         wires: Wires | None = wires_at(thread, thread.radius)
     else:

@@ -15,7 +15,7 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.surface.stations import TrimError
-from gearmesh.systems.worm_drive.build import root_rounding, wheel_tooth
+from gearmesh.systems.worm_drive.build import refuse_tools, root_rounding, wheel_tooth
 from gearmesh.systems.worm_drive.wheel import prove_wheel
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
@@ -43,7 +43,8 @@ def derived_values(design: WormDriveDesign) -> dict[str, float]:
 def _sound_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:
     """Parts of the usual width over which the flanks are whole, the largest first."""
     try:
-        # a worm of which no flank is left is refused by its own keys
+        # a hob that is none, and a worm of which no flank is left, are refused by their own keys
+        refuse_tools(design.fill({"wheel.face_width": usual}).in_mm())
         root_rounding(design.in_mm(), 1)
         tooth = _tooth(design, usual)
     except DesignError:
