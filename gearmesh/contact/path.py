@@ -51,7 +51,27 @@ class ContactPath:
     part: NDArray[np.intp]
 
     def without(self, nothing: ContactPath, which: NDArray[np.bool_]) -> ContactPath:
-        """The path with `nothing` in place of positions `which` (P,)."""
+        """The path with another one's values at some of its positions.
+
+        Parameters
+        ----------
+        nothing : ContactPath
+            Of as many positions; its rotations do not count.
+        which : (P,) of bool
+            Positions that are taken from it.
+
+        Returns
+        -------
+        ContactPath
+
+        Examples
+        --------
+        >>> path = gears.contact([-5.0, 0.0, 5.0]).path
+        >>> other = gears.contact([-6.0, 1.0, 6.0]).path
+        >>> mixed = path.without(other, np.array([True, False, False]))
+        >>> (mixed.phi2 == other.phi2).tolist(), (mixed.phi2 == path.phi2).tolist()
+        ([True, False, False], [False, True, True])
+        """
         values: dict[str, Any] = {
             "lines": tuple(None if off else line for line, off in zip(self.lines, which, strict=True))
         }

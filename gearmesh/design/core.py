@@ -283,7 +283,24 @@ class MemberMount(Table):
         return self
 
     def refuse_stiffness(self, key: str, why: str) -> None:
-        """Raise a conflict if there is one; `key`: dotted, of the table."""
+        """Refuse a stiffness where it cannot be heeded.
+
+        Parameters
+        ----------
+        key : str
+            Dotted key of the table.
+        why : str
+            The reason in words.
+
+        Raises
+        ------
+        DesignError
+            If a stiffness is given.
+
+        Examples
+        --------
+        >>> gm.MemberMount(held="rim").refuse_stiffness("pinion.mount", "the gears are rigid")
+        """
         if self.stiffness is not None:
             raise conflict(f"{key}.stiffness", None, reason=why)
 

@@ -100,11 +100,45 @@ class Key:
         return core_schema.with_info_plain_validator_function(check)
 
     def unit_in(self, units: str) -> str:
-        """Its unit in a file whose lengths are in `units`; "" where it has none."""
+        """Its unit in a design file.
+
+        Parameters
+        ----------
+        units : str
+            Unit of lengths in the file, "mm" or "inch".
+
+        Returns
+        -------
+        str
+            "" where it has none.
+
+        Examples
+        --------
+        >>> key = gm.Key("length", "face width", low=0.0, above=True)
+        >>> key.unit_in("inch")
+        'inch'
+        """
         return _UNIT_TEXT.get(self.unit, "").split("|")[-1 if units == "inch" else 0]
 
     def allowed_values(self, units: str) -> str:
-        """What the key accepts, in words, lengths in `units`."""
+        """What the key accepts, in words.
+
+        Parameters
+        ----------
+        units : str
+            Unit of lengths in the file, "mm" or "inch".
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> key = gm.Key("length", "face width", low=0.0, above=True)
+        >>> key.allowed_values("mm")
+        'a length in mm above 0 and up to 1000000'
+
+        """
         if self.unit == "choice":
             return "one of " + ", ".join(f'"{choice}"' for choice in self.choices)
         if self.unit == "text":
@@ -129,7 +163,24 @@ class Key:
         return f", or a length with its unit, as {EXAMPLES}" if self.power == 1 else ""
 
     def least(self, units: str) -> str:
-        """How small it may be, in words, for who gave a smaller number."""
+        """How small it may be, in words, for who gave a smaller number.
+
+        Parameters
+        ----------
+        units : str
+            Unit of lengths in the file, "mm" or "inch".
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> key = gm.Key("length", "face width", low=0.0, above=True)
+        >>> key.least("mm")
+        '; at least 1e-09 in size'
+
+        """
         zero = "" if self.above and self.low == 0.0 else "0 or "
         return f"; {zero}at least {self._least / self._factor(MM_PER[units]):.7g} in size"
 
@@ -149,7 +200,31 @@ class Key:
         return f"{low}, <= {self.high:.7g}{unit}" if self.above else f"{self.low:g} .. {self.high:.7g}{unit}"
 
     def check(self, value: Any, mm_per_unit: float) -> Any:
-        """`value` as the key's type, or PydanticCustomError "refused"."""
+        """A value as the key's type.
+
+        Parameters
+        ----------
+        value : object
+            A number, a text with its unit, or what else the key takes.
+        mm_per_unit : float
+            Length in mm of the file's unit.
+
+        Returns
+        -------
+        object
+            Lengths in mm.
+
+        Raises
+        ------
+        PydanticCustomError
+            Of the type "refused", for what the key does not accept.
+
+        Examples
+        --------
+        >>> key = gm.Key("length", "face width", low=0.0, above=True)
+        >>> key.check("0.5in", 1.0)
+        12.7
+        """
         if self.most:
             if not isinstance(value, (list, tuple)) or len(value) > self.most:
                 raise _REFUSED

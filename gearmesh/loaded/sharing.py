@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus
-from gearmesh.errors import ArgumentError, Status
+from gearmesh.errors import ArgumentError, NoSolutionError, Status
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.complementarity import pressures, tangent_stiffness
@@ -187,7 +187,8 @@ def loaded_mesh(
     """The mesh at rotations phi1 (P,), rad, of the pinion under torques (T,), N mm, on it in the sense that drives; `flexible`: how
     compliance of the mounts of pinion and gear, None where they are rigid.
 
-    Raises DesignError for a torque that is not above 0, NoSolutionError where no teeth touch without load.
+    Raises DesignError for a torque that is not above 0, NoSolutionError where no teeth, or none on their flanks, touch
+    without load.
     """
     wrong = ~(np.isfinite(torque) & (torque > 0.0))
     if wrong.any():
@@ -403,6 +404,13 @@ class _Problem:
             # cell by cell those of the grids before
             known = before.reshape(full) * on
             start = np.where(known.any(axis=(1, 2, 3))[:, None, None, None], known, start)
+        idle = ~((area * lever * start).reshape(count, -1).sum(axis=1) > 0.0)
+        if idle.any():
+            raise NoSolutionError(
+                reason=f"at phi1 = {np.degrees(near.phi1[np.argmax(idle)]):g} deg the teeth touch beyond their flanks, where "
+                "pressures are not known",
+                remedy="tca shows the contact and any interference",
+            )
         self.moved, self.levers, self.areas = displace, lever.reshape(flat), area.reshape(flat)
         self.solution = pressures(
             displace,

@@ -80,14 +80,51 @@ class Member:
                 )
 
     def check_teeth(self, numbers: Iterable[int]) -> None:
-        """Raise DesignError for a number that no tooth has."""
+        """Refuse numbers that no tooth has.
+
+        Parameters
+        ----------
+        numbers : iterable of int
+            0 is the tooth on the x axis, they are counted by growing polar angle.
+
+        Raises
+        ------
+        DesignError
+            Naming the first of them.
+
+        Examples
+        --------
+        >>> pinion = gears.members["pinion"]
+        >>> pinion.check_teeth([0, 17])
+        """
         places = self.tooth.joint.places(self.tooth.teeth)
         for number in numbers:
             if number not in places:
                 raise ArgumentError("tooth", number, must_be=f"from {places[0]} to {places[-1]} for the {self.name}")
 
     def tooth_at(self, number: int) -> Tooth:
-        """The tooth of a number. Raises DesignError where none has it."""
+        """The tooth of a number.
+
+        Parameters
+        ----------
+        number : int
+            0 is on the x axis, counted by growing polar angle.
+
+        Returns
+        -------
+        Tooth
+
+        Raises
+        ------
+        DesignError
+            Where none has it.
+
+        Examples
+        --------
+        >>> pinion = gears.members["pinion"]
+        >>> pinion.tooth_at(3) is pinion.tooth
+        True
+        """
         self.check_teeth([number])
         return self.others.get(number, self.tooth)
 
@@ -98,7 +135,18 @@ class Member:
         return self.tooth
 
     def check_alike(self) -> None:
-        """Raise DesignError where teeth differ."""
+        """Refuse teeth that differ.
+
+        Raises
+        ------
+        DesignError
+            Where some do, with what can be asked of them.
+
+        Examples
+        --------
+        >>> pinion = gears.members["pinion"]
+        >>> pinion.check_alike()
+        """
         if self.others:
             raise DesignError(
                 self.name,
@@ -124,19 +172,92 @@ class Member:
         return [self.others.get(k, self.tooth) for k in self.tooth.joint.places(self.tooth.teeth).tolist()]
 
     def with_teeth(self, teeth: Mapping[int, Tooth]) -> Member:
-        """The member with other teeth of these numbers. Raises DesignError as a member does."""
+        """The member with other teeth of some numbers.
+
+        Parameters
+        ----------
+        teeth : mapping of int to Tooth
+            By their numbers.
+
+        Returns
+        -------
+        Member
+
+        Raises
+        ------
+        DesignError
+            For numbers that no tooth has, and teeth that do not fit the member.
+
+        Examples
+        --------
+        >>> pinion = gears.members["pinion"]
+        >>> pinion.with_teeth({3: pinion.tooth.unmodified_tooth}).others.keys()
+        dict_keys([3])
+        """
         return replace(self, others={**self.others, **teeth})
 
     def with_tooth(self, tooth: Tooth) -> Member:
-        """The member with all teeth as another one."""
+        """The member with all teeth alike.
+
+        Parameters
+        ----------
+        tooth : Tooth
+            All of them are as this one.
+
+        Returns
+        -------
+        Member
+
+        Examples
+        --------
+        >>> pinion = gears.members["pinion"]
+        >>> pinion.with_tooth(pinion.tooth).others
+        {}
+        """
         return replace(self, tooth=tooth, others={})
 
     def with_teeth_like(self, number: int) -> Member:
-        """The member with all teeth as its tooth of that number. Raises DesignError where none has it."""
+        """The member with all teeth as its tooth of a number.
+
+        Parameters
+        ----------
+        number : int
+            As of `tooth_at`.
+
+        Returns
+        -------
+        Member
+
+        Raises
+        ------
+        DesignError
+            Where no tooth has it.
+
+        Examples
+        --------
+        >>> pinion = gears.members["pinion"]
+        >>> pinion.with_teeth_like(3).tooth is pinion.tooth
+        True
+        """
         return self.with_tooth(self.tooth_at(number))
 
     def is_shaped_as(self, other: Member) -> bool:
-        """Whether both are the same but for name and mounting, as the planets of a set are."""
+        """Whether both are the same but for name and mounting, as the planets of a set are.
+
+        Parameters
+        ----------
+        other : Member
+
+        Returns
+        -------
+        bool
+
+        Examples
+        --------
+        >>> pinion = gears.members["pinion"]
+        >>> pinion.is_shaped_as(gears.members["gear"])
+        False
+        """
         return all(
             own is theirs or (name != "tooth" and own == theirs)
             for name, own, theirs in ((f.name, getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
@@ -237,7 +358,19 @@ class Member:
         )
 
     def plain_volume(self) -> float:
-        """Volume (mm^3) of teeth and body, of both halves if there are two, without its features."""
+        """Volume of teeth and body, of both halves if there are two, without the features of the body.
+
+        Returns
+        -------
+        float
+            mm^3.
+
+        Examples
+        --------
+        >>> pinion = gears.members["pinion"]
+        >>> round(pinion.plain_volume())
+        8790
+        """
         shares = np.bincount(self.order) / self.tooth.teeth
         half = float(shares @ [tooth.volume() for tooth in self.different_teeth])
         if self.overhang:
@@ -325,7 +458,24 @@ class GearPair:
         return self.pinion.mount, self.gear.mount
 
     def middle(self, member: Member) -> float:
-        """Place (mm) along its axis of the middle of the working flank of one of both, half way up, of all halves together."""
+        """Middle of the working flank of a member, half way up, of all halves together.
+
+        Parameters
+        ----------
+        member : Member
+            One of the pair's.
+
+        Returns
+        -------
+        float
+            Place along its axis, mm, in the member's own frame.
+
+        Examples
+        --------
+        >>> pair = gears.train.pair(0)
+        >>> round(pair.middle(pair.gear), 9)
+        0.0
+        """
         side = self.flanks[0] if member is self.pinion else self.flanks[1]
         ends = member.tooth.flank_grid(side, np.array([0.5]), np.array([0.0, 1.0])).points[0]
         return float(np.mean([half.points(ends)[:, 2] for half in member.halves]))
@@ -357,7 +507,28 @@ class GearPair:
         return self.pinion.tooth.pitch_angle
 
     def index(self, name: str) -> int:
-        """0 for the pinion's name, 1 for the gear's. Raises ValueError for another."""
+        """Number of a member by its name.
+
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        int
+            0 for the pinion, 1 for the gear.
+
+        Raises
+        ------
+        ValueError
+            For another name.
+
+        Examples
+        --------
+        >>> pair = gears.train.pair(0)
+        >>> pair.index("gear")
+        1
+        """
         return list(self.members).index(name)
 
 
@@ -389,27 +560,97 @@ class GearTrain:
         return {member.name: member for member in (*paired, *self.unpaired)}
 
     def with_member(self, member: Member) -> GearTrain:
-        """The same gear set with another member of that name in all its pairs. Of pairs that were alike those with it stay so."""
+        """The same gear set with another member of that name in all its pairs; of pairs that were alike those with it stay so.
+
+        Parameters
+        ----------
+        member : Member
+            It takes the place of the one with its name.
+
+        Returns
+        -------
+        GearTrain
+
+        Examples
+        --------
+        >>> changed = gears.train.with_member(gears.members["pinion"])
+        >>> list(changed.pair(0).members)
+        ['pinion', 'gear']
+        """
 
         made = self.with_members(lambda old: member if old.name == member.name else old)
         kinds = [(kind, member.name in pair.members) for kind, pair in zip(self.alike, made.pairs, strict=False)]
         return replace(made, alike=tuple(kinds.index(kind) for kind in kinds))
 
     def with_members(self, change: Callable[[Member], Member]) -> GearTrain:
-        """The same gear set with every member as `change` makes it; pairs that were alike have to stay so."""
+        """The same gear set with every member as `change` makes it; pairs that were alike have to stay so.
+
+        Parameters
+        ----------
+        change : callable
+            Takes and returns a Member.
+
+        Returns
+        -------
+        GearTrain
+
+        Examples
+        --------
+        >>> gears.train.with_members(lambda member: member).pair(0).name
+        'pinion-gear'
+        """
         pairs = tuple(replace(pair, pinion=change(pair.pinion), gear=change(pair.gear)) for pair in self.pairs)
         return replace(self, pairs=pairs, unpaired=tuple(map(change, self.unpaired)))
 
     def like(self, which: int | str) -> int:
-        """How many pairs mesh as one of them does, itself counted: the planets of a set. Raises DesignError as `pair`."""
+        """How many pairs mesh as one of them does, itself counted: the planets of a set.
+
+        Parameters
+        ----------
+        which : int or str
+            Number of the pair, or its members as "sun-planet_1".
+
+        Returns
+        -------
+        int
+
+        Raises
+        ------
+        DesignError
+            For another pair, and where no members mesh.
+
+        Examples
+        --------
+        >>> gears.train.like(0)
+        1
+        """
         name = self.pair(which).name
         numbers = self.alike or tuple(range(len(self.pairs)))
         own = next(number for number, pair in zip(numbers, self.pairs, strict=True) if pair.name == name)
         return numbers.count(own)
 
     def pair(self, which: int | str) -> GearPair:
-        """A pair by its number, or its members' names in either order, as "sun-planet_1". Raises DesignError for another, and where
-        no members mesh."""
+        """A pair of the set.
+
+        Parameters
+        ----------
+        which : int or str
+            Its number, or its members' names in either order, as "sun-planet_1".
+
+        Returns
+        -------
+        GearPair
+
+        Raises
+        ------
+        DesignError
+            For another, and where no members mesh.
+
+        Examples
+        --------
+        >>> gears.train.pair("gear-pinion").name
+        'pinion-gear'
+        """
         if not self.pairs:
             raise self._without_pair()
         if not isinstance(which, str):
@@ -420,7 +661,26 @@ class GearTrain:
         raise ArgumentError("pair", which, must_be=f"one of {', '.join(pair.name for pair in self.pairs)}")
 
     def needs_pair(self, argument: str, value: object) -> DesignError:
-        """The refusal of an argument that needs members that mesh."""
+        """The refusal of an argument that needs members that mesh.
+
+        Parameters
+        ----------
+        argument : str
+            What it is called.
+        value : object
+            What was given.
+
+        Returns
+        -------
+        DesignError
+            To be raised.
+
+        Examples
+        --------
+        >>> print(gm.gear(18, module=2).train.needs_pair("cycle", True))
+        cycle = true: needs a mating gear: add the table [pinion]
+
+        """
         return ArgumentError(argument, value, reason="needs a mating gear", remedy=f"add the table [{self.lacking}]")
 
     def _without_pair(self) -> DesignError:

@@ -28,7 +28,24 @@ class Mount:
     joint: Joint = REVOLUTE
 
     def at(self, phi: ArrayLike) -> Rigid:
-        """own_to_fixed at rotation phi (..., rad)."""
+        """Where the member is at a rotation.
+
+        Parameters
+        ----------
+        phi : (...,)
+            Rotation, rad; mm of travel for a rack.
+
+        Returns
+        -------
+        Rigid
+            Own frame to fixed frame, `rotation` (..., 3, 3) and `translation` (..., 3), mm.
+
+        Examples
+        --------
+        >>> mount = gears.members["pinion"].mount
+        >>> mount.at(np.radians([0.0, 10.0])).rotation.shape
+        (2, 3, 3)
+        """
         turned = self._turn(phi)
         if self.eccentricity == (0.0, 0.0):
             return turned
@@ -38,7 +55,24 @@ class Mount:
         return self.base @ self.joint.to(self.sign * (np.asarray(phi, dtype=float) - self.zero))
 
     def rows(self, index: NDArray[np.intp]) -> Mount:
-        """The mounts `index` of many: `base` may hold one transform or as many as there are assemblies."""
+        """Some of the mounts of many assemblies.
+
+        Parameters
+        ----------
+        index : (K,) of int
+            Numbers of assemblies.
+
+        Returns
+        -------
+        Mount
+            The same where `base` holds one transform for all.
+
+        Examples
+        --------
+        >>> mount = gears.members["pinion"].mount
+        >>> mount.rows(np.array([0, 2])) is mount
+        True
+        """
         if self.base.rotation.ndim == 2:
             return self
         return replace(self, base=Rigid(self.base.rotation[index], self.base.translation[index]))
@@ -54,11 +88,45 @@ class Mount:
         return replace(self, eccentricity=(0.0, 0.0))
 
     def off(self, phi: ArrayLike) -> Array:
-        """How far (..., 3), mm, fixed frame, the teeth are off their place without eccentricity at rotation phi (..., rad)."""
+        """How far the teeth are off the place that they have without eccentricity.
+
+        Parameters
+        ----------
+        phi : (...,)
+            Rotation, rad; mm of travel for a rack.
+
+        Returns
+        -------
+        (..., 3)
+            mm, fixed frame.
+
+        Examples
+        --------
+        >>> mount = gears.members["pinion"].mount
+        >>> mount.off([0.0, 0.1]).tolist()
+        [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+        """
         return self._turn(phi).vector(np.array([*self.eccentricity, 0.0]))
 
     def shift(self, shift: Array) -> Mount:
-        """The mounts of as many assemblies as there are displacements (N, 3), mm, fixed frame."""
+        """The mounts of displaced assemblies.
+
+        Parameters
+        ----------
+        shift : (N, 3)
+            Displacements, mm, fixed frame.
+
+        Returns
+        -------
+        Mount
+            Of N assemblies.
+
+        Examples
+        --------
+        >>> mount = gears.members["pinion"].mount
+        >>> mount.shift(np.zeros((5, 3))).base.translation.shape
+        (5, 3)
+        """
         rotation = np.broadcast_to(self.base.rotation, (len(shift), 3, 3))
         return replace(self, base=Rigid(rotation, self.base.translation + shift))
 
@@ -78,5 +146,22 @@ class Mount:
         return self.sign * self.joint.spin(self.base)
 
     def velocity(self, r: Array) -> Array:
-        """How (..., 3), mm/rad, the member's points at r (..., 3), fixed frame, move as phi grows."""
+        """How points of the member move as phi grows.
+
+        Parameters
+        ----------
+        r : (..., 3)
+            Points, mm, fixed frame.
+
+        Returns
+        -------
+        (..., 3)
+            mm/rad.
+
+        Examples
+        --------
+        >>> mount = gears.members["pinion"].mount
+        >>> np.abs(mount.velocity(np.array([10.0, 0.0, 0.0]))).tolist()
+        [0.0, 10.0, 0.0]
+        """
         return self.sign * self.joint.velocity(self.base, r)

@@ -86,7 +86,26 @@ class Parabola:
         return points - self.coefficient * away**2 * normals, tangents, (normals + slope * along) * shorter, turned
 
     def at_height(self, x: float) -> float:
-        """p of the point at height x (mm); NaN where the parabola bends back before it."""
+        """Parameter of the parabola's point at a height.
+
+        Parameters
+        ----------
+        x : float
+            mm, as of `section`.
+
+        Returns
+        -------
+        float
+            p, mm; NaN where the parabola bends back before it.
+
+        Examples
+        --------
+        >>> from gearmesh.tools.rack import Line
+        >>> parabola = gm.Parabola(Line(np.radians(20.0), 0.0, 3.0), 0.001, 0.0)
+        >>> p = parabola.at_height(1.5)
+        >>> round(float(parabola.section(np.array(p))[0][0]), 9)
+        1.5
+        """
         c, s = np.cos(self.line.alpha), np.sin(self.line.alpha)
         rise = (self.line.at_height(x) - self.vertex) * c
         with np.errstate(invalid="ignore"):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from oracles.loaded import geared
 
+import gearmesh as gm
 from gearmesh.loaded.sharing import loaded_mesh
 
 CROWNED = tuple(
@@ -36,3 +37,15 @@ def test_there_is_a_torque_at_which_crowned_gears_run_most_evenly(
     assert bend[0] < 0.0 < bend[2]
     # under little torque it is nearly that of rigid gears
     assert little == pytest.approx(np.ptp(found.unloaded), rel=0.1)
+
+
+@pytest.mark.sweep
+def test_teeth_that_touch_beyond_their_flanks_are_refused() -> None:
+    tables = {
+        "pinion": {"teeth": 17, "tip_diameter": 53.5},
+        "gear": {"teeth": 40, "tip_diameter": 121.5, "dedendum": 0.4},
+    }
+    faces = {name: {**table, "face_width": 20} for name, table in tables.items()}
+    design = {"kind": "cylindrical", "module": 3, "backlash": 0.8, "assembly": {"dx": 0.1}, **faces}
+    with pytest.raises(gm.NoSolutionError, match=r"at phi1 = .* deg the teeth touch beyond their flanks"):
+        gm.build(gm.parse(design)).loaded_contact(50.0, [0.0])

@@ -29,7 +29,7 @@ PRIVATE = {
     r"\b(?:ladders?|rungs?)\b": "strip triangulation, diagonals",
     r"\b(?:the|a|an|its|their|no|greatest|with a) leads?\b(?! angle)": "transmission advance; lead is that of a helix",
     r"(?<!of )\bcourses?\b|\bdrifts?\b": "joint, travel",
-    r"(?<!gear )\btrains?\b": "gear set",
+    r"(?<!gear )(?<!\.)\btrains?\b": "gear set",
     r"\bfront doors?\b": "public names",
     r"\bma(?:ke|kes|king|de) good\b|\bmakes good errors\b": "compensate",
     r"\b[Ww]hat \w+ stands? on\b|\bwhat (?:it|they|both) stands? on\b": "assumptions; body",

@@ -108,7 +108,24 @@ class Engagement:
         return at_points
 
     def at(self, phi1: Array) -> Contacts:
-        """First touch at rotations phi1 (P,)."""
+        """First touch at rotations of the pinion, over the whole of both flanks.
+
+        Parameters
+        ----------
+        phi1 : (P,)
+            rad.
+
+        Returns
+        -------
+        Contacts
+            Parameters of both flanks, their status, and the rotations of the gear `x[:, 4]` (rad).
+
+        Examples
+        --------
+        >>> engagement = gears.contact().engagement
+        >>> engagement.at(np.radians([0.0, 2.0])).x.shape
+        (2, 5)
+        """
         contacts = Contacts.nothing(len(phi1))
         for k in range(0, len(phi1), CHUNK):
             part = np.arange(k, min(k + CHUNK, len(phi1)))
@@ -116,7 +133,24 @@ class Engagement:
         return contacts
 
     def near(self, phi1: Array) -> Contacts:
-        """As `at`, for places between nodes, not held against what the field samples."""
+        """As `at`, without holding what is found against the samples of the field: for places between nodes.
+
+        Parameters
+        ----------
+        phi1 : (P,)
+            rad.
+
+        Returns
+        -------
+        Contacts
+            As of `at`.
+
+        Examples
+        --------
+        >>> engagement = gears.contact().engagement
+        >>> bool(np.allclose(engagement.near(np.radians([1.0])).x[:, 4], engagement.at(np.radians([1.0])).x[:, 4]))
+        True
+        """
         return self._at(phi1, checked=False)
 
     def _at(self, phi1: Array, *, checked: bool = True) -> Contacts:
@@ -141,7 +175,27 @@ class Engagement:
         return contacts
 
     def along_line(self, phi1: Array, node: NDArray[np.intp]) -> Contacts:
-        """The lines of nodes (M,) at phi1 (M,), whatever of them both flanks have there."""
+        """The contact lines of nodes at other rotations, whatever of them both flanks have there.
+
+        Parameters
+        ----------
+        phi1 : (M,)
+            rad.
+        node : (M,) of int
+            Numbers of nodes of the engagement.
+
+        Returns
+        -------
+        Contacts
+            As of `at`.
+
+        Examples
+        --------
+        >>> engagement = gears.contact().engagement
+        >>> middle = np.array([len(engagement.phi1) // 2])
+        >>> engagement.along_line(engagement.phi1[middle], middle).line.tolist()
+        [True]
+        """
         contacts = Contacts.nothing(len(phi1))
         for number, part in enumerate(self.pair.parts):
             own = np.flatnonzero(self.contacts.part[node] == number)

@@ -45,7 +45,24 @@ class ArcRack:
         return (self.tip + self.b) / self.rho if self.convex else (self.b - self.tip) / self.rho
 
     def sine(self, fillet: Array) -> Array:
-        """sin(theta) (...,) where arc and fillet touch."""
+        """Where arc and fillet touch.
+
+        Parameters
+        ----------
+        fillet : (...,)
+            Radii of fillets, in the unit of the rack.
+
+        Returns
+        -------
+        (...,)
+            sin(theta), NaN where they do not touch.
+
+        Examples
+        --------
+        >>> rack = gm.load("samples/circular_arc.toml").arc_rack("pinion")
+        >>> round(float(rack.sine(np.array(0.1))), 3)
+        0.028
+        """
         with np.errstate(all="ignore"):
             if self.convex:
                 sine: Array = (fillet + self.b - self.root) / (self.rho + fillet)
@@ -54,7 +71,24 @@ class ArcRack:
         return sine
 
     def centre(self, fillet: Array) -> tuple[Array, Array]:
-        """Centre (x, y) (...,) of the fillet arc: x from the pitch plane, y from the middle of the space."""
+        """Centre of the fillet arc.
+
+        Parameters
+        ----------
+        fillet : (...,)
+            Radii of fillets, in the unit of the rack.
+
+        Returns
+        -------
+        tuple of (...,)
+            x from the pitch plane, y from the middle of the space; NaN where arc and fillet do not touch.
+
+        Examples
+        --------
+        >>> rack = gm.load("samples/circular_arc.toml").arc_rack("pinion")
+        >>> [round(float(value), 3) for value in rack.centre(np.array(0.1))]
+        [-0.1, -0.575]
+        """
         with np.errstate(all="ignore"):
             sine = self.sine(fillet)
             cosine = np.sqrt(1.0 - sine**2)
@@ -64,14 +98,47 @@ class ArcRack:
         return self.b - (self.rho - fillet) * sine, y
 
     def fits(self, fillet: Array) -> NDArray[np.bool_]:
-        """Whether there is room for fillets (...,)."""
+        """Whether there is room for fillets.
+
+        Parameters
+        ----------
+        fillet : (...,)
+            Radii, in the unit of the rack.
+
+        Returns
+        -------
+        (...,) of bool
+
+        Examples
+        --------
+        >>> rack = gm.load("samples/circular_arc.toml").arc_rack("pinion")
+        >>> rack.fits(np.array([0.1, 0.2]))
+        array([ True,  True])
+        """
         sine = self.sine(fillet)
         flank = sine < self.sine_at_tip if self.convex else sine > self.sine_at_tip
         has_room: NDArray[np.bool_] = (sine > 0.0) & (sine < 1.0) & flank & (self.centre(fillet)[1] >= -self.half_pitch)
         return has_room
 
     def room(self, module: float) -> tuple[float, float] | None:
-        """Smallest and largest fillet (modules) that there is room for, None where there is room for none."""
+        """Smallest and largest fillet that there is room for.
+
+        Parameters
+        ----------
+        module : float
+            Of the design, in the unit of the rack.
+
+        Returns
+        -------
+        tuple of float or None
+            In modules; None where there is room for none.
+
+        Examples
+        --------
+        >>> rack = gm.load("samples/circular_arc.toml").arc_rack("pinion")
+        >>> [round(end, 2) for end in rack.room(0.5)]
+        [0.16, 0.83]
+        """
         fits = np.flatnonzero(self.fits(TRIED * module))
         if not fits.size:
             return None
@@ -82,7 +149,26 @@ class ArcRack:
         return float(ends[0]), float(ends[1])
 
     def fillet_or_next(self, standard: float, module: float) -> float:
-        """The standard fillet (modules), or the nearest one for which there is room; the standard one where there is none."""
+        """The standard fillet, or the nearest one for which there is room.
+
+        Parameters
+        ----------
+        standard : float
+            Its radius in modules.
+        module : float
+            Of the design, in the unit of the rack.
+
+        Returns
+        -------
+        float
+            In modules; the standard one where there is room for none.
+
+        Examples
+        --------
+        >>> rack = gm.load("samples/circular_arc.toml").arc_rack("pinion")
+        >>> round(rack.fillet_or_next(1.5, 0.5), 2)
+        0.8
+        """
         room = self.room(module)
         if room is None or self.fits(np.array(standard * module)):
             return standard
