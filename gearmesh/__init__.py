@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.contact.contact import Contact
     from gearmesh.answers.contact.ease_off import EaseOffMap, EaseOffPoint
     from gearmesh.answers.contact.figures import PositionFigures
+    from gearmesh.answers.contact.fit import BacklashCurve
     from gearmesh.answers.contact.sides import SideContact
     from gearmesh.answers.contact.vh import PlaceFigures, TotalFigures, VHCheck
     from gearmesh.answers.exchange import RexsExport, RexsReading, load_rexs
@@ -122,6 +123,7 @@ __all__ = [
     "Animation",
     "ArcRack",
     "AssemblyContact",
+    "BacklashCurve",
     "BeveloidDesign",
     "Cad",
     "CandidateFigures",
@@ -297,6 +299,7 @@ _HOMES = {
         "EaseOffPoint",
     ),
     "gearmesh.answers.contact.figures": ("PositionFigures",),
+    "gearmesh.answers.contact.fit": ("BacklashCurve",),
     "gearmesh.answers.contact.sides": ("SideContact",),
     "gearmesh.answers.contact.vh": (
         "PlaceFigures",

@@ -645,10 +645,12 @@ class Gears(ModelledGears):
             "loaded" (a member's tooth with the largest pressure that each place of its flank sees), "stress" (contact pressure and
             tension in colours), "toolpath" (passes in the space, with the tool).
             As diagrams: "flank" (both flanks, of one member or of all, laid into their planes: path, ellipses and pattern, and the
-            ease-off of the pinion), "sliding" (with its sliding velocity instead), "te" (transmission error), "turns" (that over
-            whole turns of eccentric members), and of all torques "loaded_flank" (pressure on the flanks laid into their planes),
-            "loaded_te" (transmission error with and without load), "loaded_share" (load share of a tooth pair over its engagement),
-            "loaded_stress" (bending stress), "loaded_pair" (pressure and bending stress of a tooth pair over its engagement).
+            ease-off of the pinion), "sliding" (with its sliding velocity instead), "zone" (contact lines of all tooth pairs on the
+            flanks and in the plane of action, with their limit lines), "te" (transmission error), "backlash" (over a pitch),
+            "turns" (transmission error over whole turns of eccentric members), and of all torques "loaded_flank" (pressure on the
+            flanks laid into their planes), "loaded_te" (transmission error with and without load), "loaded_share" (load share of a
+            tooth pair over its engagement), "loaded_stress" (bending stress), "loaded_pair" (pressure and bending stress of a tooth
+            pair over its engagement).
         member : str, optional
             The member shown.
         of : LoadedContact, FiniteElementSolution or ToolPathAnswer, optional

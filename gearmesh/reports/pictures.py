@@ -21,12 +21,13 @@ from gearmesh.teeth.generation.tool_in_place import tool_in_place
 from gearmesh.teeth.region import Side
 from gearmesh.view import pictures
 from gearmesh.view.diagrams.flank_diagrams import plot_flanks
-from gearmesh.view.diagrams.plots import plot_transmission_error
+from gearmesh.view.diagrams.plots import plot_backlash, plot_transmission_error
 from gearmesh.view.diagrams.turns_plot import plot_turns
 from gearmesh.view.picture import FIGURES, VIEWS, Animation, Diagram, Picture
 
 if TYPE_CHECKING:
     from gearmesh.answers.contact.rolling import RollingContact
+    from gearmesh.answers.contact.zone import ZoneOfContact
     from gearmesh.view.mesh_section import MeshSection
 
 #: views that need no mating gear
@@ -68,7 +69,7 @@ def picture(
         _refuse_position(view, phi1)
         own, side = mesh.members[name], mesh.flanks[mesh.index(name)]
         return _tool_picture(gears, view, own, side, worm, size or pictures.SIZE, title)
-    contact = gears.contact(phi1, cycle=view == "te", turns=view == "turns", pair=pair)
+    contact = gears.contact(phi1, cycle=view in ("te", "backlash"), turns=view == "turns", pair=pair)
     path = contact.path
     if not path.touching.any():
         raise NoSolutionError(reason="no contact at any position shown", remedy="choose another phi1")
@@ -189,6 +190,14 @@ def _figure(
     if view == "te":
         what = f"{title}: transmission error"
         return Diagram(what, lambda file: plot_transmission_error(file, path, contact.cycle, what, unit, size, dpi))
+    if view == "backlash":
+        what = f"{title}: backlash"
+        return Diagram(what, lambda file: plot_backlash(file, contact.backlash(), what, size, dpi))
+    if view == "zone":
+        from gearmesh.view.diagrams.zone_diagram import plot_zone
+
+        what = f"{title}: zone of contact"
+        return Diagram(what, lambda file: plot_zone(file, _zone(contact), what, size, dpi))
     if (turns := contact.turns) is not None:
         what = f"{title}:\ntransmission error over whole turns"
         return Diagram(what, lambda file: plot_turns(file, turns, what, unit, size, dpi))
@@ -196,3 +205,15 @@ def _figure(
     return Diagram(
         what, lambda file: plot_flanks(file, pictures.flank_rows(contact, names, view == "sliding"), what, size, dpi)
     )
+
+
+def _zone(contact: Contact) -> ZoneOfContact:
+    """The zone of contact of a pair, with all its tooth pairs at the middle one of the positions that touch."""
+    from gearmesh.answers.contact.rolling import rolling_contact
+    from gearmesh.answers.contact.zone import zone_of_contact
+
+    pair, whole = contact.pair, contact.whole
+    if whole is None:
+        raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")
+    rolling = rolling_contact(pair, contact.path)
+    return zone_of_contact(pair, whole, rolling.contacts, float(rolling.phi1[0]))

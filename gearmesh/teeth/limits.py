@@ -169,10 +169,31 @@ def _undercut(tooth: Tooth, which: Side, sections: Sections) -> NDArray[np.bool_
     return cut_off(side, along(side.flank, tooth.near_tips(which, sections.t), stations, axial)[1], stations, axial)
 
 
+def ways_to_limiting_line(tooth: Tooth, which: Side, count: int, steps: int) -> tuple[Array, Array]:
+    """Points (steps, count, 3) of a flank as its tool leaves it, and unit normals: from its tip to the singular points, the
+    limiting line of its tool, at even stations from toe to heel; NaN at stations where there are none."""
+    tooth = tooth.unmodified_tooth
+    side, t = tooth.side(which), np.linspace(0.0, 1.0, count)
+    stations, start = tooth.stations(t), tooth.near_tips(which, t)
+    p = start + np.linspace(0.0, 1.0, steps)[:, None] * (_singular(tooth, which, t) - start)
+    points, normals = np.full((2, steps, count, 3), np.nan)
+    known = np.isfinite(p)
+    if known.any():
+        jet = along(side.flank, p[known], np.broadcast_to(stations, p.shape)[known], tooth.blank.axial)[1]
+        points[known], normals[known] = jet.r, jet.n
+    return points, normals
+
+
+def _singular(tooth: Tooth, which: Side, t: Array) -> Array:
+    """Parameter p (T,) of the singular point nearest to the tip at t (T,), NaN where there is none."""
+    side, start = tooth.side(which), tooth.near_tips(which, t)
+    ends = start, start + _reach(side) * (side.form_point[0] - start)
+    return singular_at(side.flank, ends, tooth.stations(t), tooth.blank.axial)
+
+
 def _side(tooth: Tooth, which: Side, sections: Sections, p_land: Array) -> SideLimits:
     side, stations, axial = tooth.side(which), sections.stations, tooth.blank.axial
-    start, form_point_flank = tooth.near_tips(which, sections.t), sections.of(which).form_point_flank
-    p = singular_at(side.flank, (start, start + _reach(side) * (side.form_point[0] - start)), stations, axial)
+    form_point_flank, p = sections.of(which).form_point_flank, _singular(tooth, which, sections.t)
     v, on_tool, on_tooth = (np.full((*stations.shape, *shape), np.nan) for shape in ((), (3,), (3,)))
     known = np.isfinite(p)
     if known.any():

@@ -1,7 +1,8 @@
 """The section through a mesh: both gears cut open across the teeth, where they touch, at one position or rolling through a pitch.
 
-The section is at right angles to the pinion's lengths (axis, cone distance) through the contact in the middle of its path. All
-tooth pairs in mesh have a dot where they touch; contact outside of the section is seen in the direction of its lengths.
+The section is at right angles to the pinion's lengths (axis, cone distance) through the contact in the middle of its path; that of
+a worm goes through its own axis, across the wheel's: the axial section of one and the middle section of the other. All tooth pairs
+in mesh have a dot where they touch; contact outside of the section is seen in the direction of its lengths.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from gearmesh.answers.contact.rolling import RollingContact
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import whole_file
-from gearmesh.kernel.numeric.algebra import Array, dot, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair
@@ -26,6 +27,8 @@ from gearmesh.view.scene import BLUE_STEEL, BRASS, Camera, Dots, Scene, SceneBod
 SEEN, PIXEL = 4.2, 0.08
 #: pictures to a pitch, and how long (ms) each stands
 FRAMES, STANDS = 24, 70
+#: sine of the angle between axes from which on a thread is cut along its own
+CROSSED = 0.7
 #: what of a point leads to the axis
 TO_AXIS = np.array([-1.0, -1.0, 0.0])
 #: colours of the sections
@@ -87,15 +90,31 @@ def mesh_section(
 ) -> MeshSection:
     """The section through the contact from which a pair rolls on."""
     pair, path, k = rolling.pair, rolling.path, rolling.middle
-    to_fixed = pair.pinion.mount.at(path.rotation[k])
-    own, blank = path.point1[k], pair.pinion.tooth.blank
-    back = unit(to_fixed.vector(blank.axial.gradient(own)))
-    up = to_fixed.vector(unit(TO_AXIS * own))
-    height = _picture_height(pair)
-    focus = path.point[k]
+    height, axial = _picture_height(pair), _axial_section(pair, path.point[k])
+    if axial is None:
+        to_fixed = pair.pinion.mount.at(path.rotation[k])
+        own, blank = path.point1[k], pair.pinion.tooth.blank
+        back = unit(to_fixed.vector(blank.axial.gradient(own)))
+        up, focus = to_fixed.vector(unit(TO_AXIS * own)), path.point[k]
+    else:
+        focus, up, back = axial
     camera = Camera(focus + 4.0 * height * back, focus, up, height, front=0.0)
     first, second = (meshes[name] for name in pair.members)
     return MeshSection(rolling, (first, second), camera, title, size)
+
+
+def _axial_section(pair: GearPair, contact: Array) -> tuple[Array, Array, Array] | None:
+    """Of a worm on a crossed axis, in its axial section across the wheel's axis: the point (3,) nearest to a contact, the way to
+    the worm's axis, and that along the wheel's; None of other pairs."""
+    first, second = pair.mounts
+    over = cross(first.axis, second.axis)
+    if pair.pinion.tooth.screw is None or float(np.linalg.norm(over)) < CROSSED:
+        return None
+    over = unit(over)
+    back = unit(cross(over, first.axis))
+    back = back * np.sign(dot(back, second.axis))
+    up = over * np.sign(dot(first.origin - contact, over))
+    return contact - dot(contact - first.origin, back) * back, up, back
 
 
 def facet(pair: GearPair, size: tuple[int, int]) -> float:

@@ -21,6 +21,9 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.view.palette import EDGE, LINES, PATH
 from gearmesh.view.scene import Curve, Dots, MemberContact, Project, ToothView
 
+#: what a way along the normal counts for in an ellipse, as a part of one along the major axis
+OUT_OF_PLANE = 0.25
+
 
 def ellipses_on_surface(
     contact: MemberContact, chosen: NDArray[np.int64], project: Project, lift: float, rays: int = 145, rings: int = 9
@@ -145,7 +148,10 @@ def _between(contact: MemberContact, run: NDArray[np.int64], between: int) -> tu
     major = unit(major - dot(major, normal)[:, None] * normal)
     minor = cross(normal, major) / _refine(contact.semi_minor[run], between)[:, None]
     major = major / _refine(contact.semi_major[run], between)[:, None]
-    form = major[:, :, None] * major[:, None, :] + minor[:, :, None] * minor[:, None, :]
+    # beyond the tangent plane too, or else the far side of a thread would lie within
+    away = OUT_OF_PLANE * normal / _refine(contact.semi_major[run], between)[:, None]
+    axes = np.stack((major, minor, away), axis=1)
+    form: Array = np.einsum("pki,pkj->pij", axes, axes)
     return _refine(contact.point[run], between), form
 
 

@@ -13,8 +13,8 @@ from gearmesh.errors import OutputError
 from gearmesh.view.scene import Scene
 
 #: what a picture of gears can show, and those views that are figures on paper
-VIEWS = ("contact", "pattern", "gap", "pair", "section", "tool", "contact_lines", "flank", "sliding", "te", "turns")
-FIGURES = ("flank", "sliding", "te", "turns")
+FIGURES = ("flank", "sliding", "zone", "te", "backlash", "turns")
+VIEWS = ("contact", "pattern", "gap", "pair", "section", "tool", "contact_lines", *FIGURES)
 #: what pictures of loaded contact show; all but the first are figures on paper
 LOADED_VIEWS = ("loaded", "loaded_flank", "loaded_te", "loaded_share", "loaded_stress", "loaded_pair")
 

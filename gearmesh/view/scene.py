@@ -205,6 +205,17 @@ class MemberContact:
         return every[np.isfinite(every[:, 0])]
 
     @property
+    def middle(self) -> Array:
+        """Point (3,) at the middle one of the positions with contact, of a contact line its middle one."""
+        known = np.flatnonzero(np.isfinite(self.point[:, 0]))
+        k = int(known[len(known) // 2])
+        line = self.lines[k] if self.lines else None
+        if line is None:
+            return np.asarray(self.point[k])
+        line = line[np.isfinite(line[:, 0])]
+        return np.asarray(line[len(line) // 2])
+
+    @property
     def ellipses(self) -> NDArray[np.int64]:
         """Indices of the positions that have an ellipse."""
         return np.flatnonzero(np.isfinite(self.semi_major + self.semi_minor + self.point[:, 0]))

@@ -196,7 +196,7 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
         )
     wound = view.grid is not None and _winds(view.grid)
     if view.grid is not None and wound:
-        view = replace(view, grid=_turn_near(view.grid, np.nanmean(contact.point, axis=0)))
+        view = replace(view, grid=_turn_near(view.grid, contact.middle))
     grid = _flank_points(view)
     normal = unit(np.nanmean(contact.normal, axis=0))
     if view.grid is not None:

@@ -159,6 +159,40 @@ def filleted() -> Contact:
         return contact_of(load(SAMPLES / "face_gear.toml", ["pinion.dedendum=1.25", "pinion.tool_tip_radius=0.25"]))
 
 
+@pytest.mark.parametrize("keys", [("worm_drive_zk_oversize",), ("spiral_bevel_basic",)])
+def test_backlash_over_a_pitch_is_between_first_touches_of_both_flanks(keys: tuple[str, ...]) -> None:
+    """Of whole members, solved anew at every rotation: the tooth pair that is ahead on either side."""
+    gears = sample(*keys)
+    found = fit(gears)
+    assert found is not None
+    phi1 = gears.pitch * np.array([0.03, 0.21, 0.4, 0.58, 0.77, 0.95])
+    sides = []
+    for pair in (gears, reversed_pair(gears)):
+        every = phi1[:, None] + gears.pitch * np.arange(-3, 4)
+        path = contact_path(solver_pair(pair), every.ravel())
+        # as of tooth pair 0 at rotations pitches away
+        ahead = np.where(path.touching, pair.drive * (path.phi2 - pair.ratio * path.rotation), -np.inf)
+        sides.append(ahead.reshape(every.shape).max(axis=1))
+    apart = -(sides[0] + sides[1])
+    step = gears.gear.tooth.pitch_angle
+    play = found.play(phi1)
+    np.testing.assert_allclose((apart - play + 0.5 * step) % step - 0.5 * step, 0.0, atol=2e-9)
+    assert found.backlash[0] - 1e-9 <= play.min() < play.max() <= found.backlash[1] + 1e-9
+
+
+def test_backlash_of_positions_and_curve_are_one() -> None:
+    """In the table of positions, over a pitch, and as limits in the summary."""
+    contact = contact_of(load(SAMPLES / "worm_drive_zk_oversize.toml", []))
+    curve, rows = contact.backlash(1441), contact.positions()
+    pitch = np.degrees(contact.pair.pitch)
+    along = np.interp(np.mod([row.phi1 for row in rows], pitch), curve.phi1, curve.backlash)
+    np.testing.assert_allclose([row.backlash for row in rows], along, atol=2e-5)
+    assert curve.least == pytest.approx(contact.summary["backlash_min_deg"], abs=1e-12)
+    assert curve.greatest == pytest.approx(contact.summary["backlash_max_deg"], abs=1e-12)
+    assert curve.least <= curve.backlash.min() + 1e-12
+    assert np.ptp(curve.backlash) > 0.9 * (curve.greatest - curve.least)
+
+
 @pytest.mark.sweep
 def test_a_tip_in_a_fillet_is_told_with_depth_and_place(filleted: Contact) -> None:
     """The gear's tips stand in the pinion's fillets, whole members say how much."""

@@ -47,6 +47,22 @@ def test_contact_of_spur_gears_moves_along_the_line_of_action() -> None:
     assert angle == pytest.approx(2.0 * np.pi / teeth, abs=1e-9)
 
 
+def test_section_of_a_worm_drive_is_axial_section_and_middle_section() -> None:
+    """Through the worm's axis, across the wheel's; lines of contact have their dots where they cross it."""
+    gears = gm.build(gm.load(SAMPLES / "worm_drive.toml"))
+    pair = gears.pairs[0]
+    path = gears.contact([0.0], cycle=False).path
+    section = mesh_section(rolling_contact(pair, path), dict.fromkeys(pair.members, None), (64, 48))
+    (right, up, back), focus = section.camera.axes, section.camera.focus
+    assert abs(back @ pair.gear.mount.axis) == pytest.approx(1.0, abs=1e-12)
+    assert abs(right @ pair.pinion.mount.axis) == pytest.approx(1.0, abs=1e-12)
+    assert abs((focus - pair.pinion.mount.origin) @ back) < 1e-9
+    assert up @ (pair.pinion.mount.origin - focus) > 0.0
+    points = section.points[np.isfinite(section.points[..., 0])]
+    assert len(points) >= 1
+    assert np.abs((points - focus) @ back).max() < 1e-2
+
+
 def test_sections_of_a_set_name_their_mesh_and_have_no_facets(monkeypatch: pytest.MonkeyPatch) -> None:
     """Meshed within less than half a pixel."""
     asked = []

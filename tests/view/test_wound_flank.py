@@ -10,7 +10,8 @@ from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
-from gearmesh.view.pictures import contact_picture
+from gearmesh.view.on_tooth import union_level
+from gearmesh.view.pictures import SIZE, contact_picture
 from gearmesh.view.scene import contact_on
 
 
@@ -25,6 +26,30 @@ def test_contact_on_a_thread_is_seen() -> None:
     starts = contact.point[near] + 0.1 * contact.normal[near]
     mesh = gear_solid(pair.pinion, 0.02)
     assert not any(hidden(start, camera.axes, mesh.vertices[mesh.triangles]) for start in starts)
+
+
+def test_middle_of_contact_on_a_worm_is_in_the_picture() -> None:
+    """Of contact lines, which go round the worm, the middle one."""
+    pair = pair_of(load(str(SAMPLES / "worm_drive.toml"), []))
+    path = analyse(pair, np.radians(np.linspace(-180.0, 120.0, 7)))
+    camera = contact_picture(pair, "worm", path).camera
+    middle = contact_on(0, path, pair.mounts).middle
+    x, y, _ = camera.pixels(middle, SIZE)
+    assert 0.15 * SIZE[0] < x < 0.85 * SIZE[0]
+    assert 0.15 * SIZE[1] < y < 0.85 * SIZE[1]
+
+
+def test_pattern_on_a_worm_is_where_its_ellipses_are() -> None:
+    """And not on the far side of the thread, which the tangent planes of ellipses cut, too."""
+    pair = pair_of(load(str(SAMPLES / "worm_drive.toml"), ["hob.reference_diameter=66"]))
+    path = analyse(pair, np.radians(np.linspace(-150.0, 150.0, 31)))
+    contact = contact_on(0, path, pair.mounts)
+    grid = pair.pinion.tooth.flank_grid(pair.flanks[0], np.linspace(0.0, 1.0, 21), np.linspace(0.0, 1.0, 201)).points
+    within = grid[union_level(contact, grid) <= 1.0]
+    centres = contact.point[contact.ellipses]
+    away = np.linalg.norm(within[:, None] - centres, axis=-1).min(axis=1)
+    assert len(within) > 100
+    assert away.max() < 1.5 * np.nanmax(contact.semi_major)
 
 
 def hidden(start: Array, axes: Array, corners: Array) -> bool:

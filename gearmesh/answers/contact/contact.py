@@ -24,9 +24,19 @@ from gearmesh.answers.contact.figures import (
     TorqueSummary,
     slid_summary,
 )
-from gearmesh.answers.contact.fit import UNMET, FitDetails, FitSummary, fit_warnings, fitted_cycle, verdict
+from gearmesh.answers.contact.fit import (
+    BACKLASHES,
+    UNMET,
+    BacklashCurve,
+    FitDetails,
+    FitSummary,
+    fit_warnings,
+    fitted_cycle,
+    verdict,
+)
 from gearmesh.answers.contact.sides import SideContact, side_contacts, whole_path
 from gearmesh.answers.contact.turns import TurnsDetails, TurnsSummary, turns_listing, turns_warnings
+from gearmesh.answers.contact.zone import ZoneFigures, zone_of_lines
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, csv_text, figures, round_to
 from gearmesh.contact.engagement.cycle import Cycle, engagement_range
@@ -120,6 +130,33 @@ class Contact(Result):
         """
         return ease_off_of(self.design, self.pair, self.engagement)
 
+    def backlash(self, count: int = BACKLASHES) -> BacklashCurve:
+        """The backlash over one pitch of the pinion, from phi1 = 0 on.
+
+        Parameters
+        ----------
+        count : int
+            Positions, evenly from phi1 = 0 to a pitch; its least and greatest values beside them.
+
+        Returns
+        -------
+        BacklashCurve
+            phi1, deg, backlash as rotation of the gear, deg, and at its pitch circle, mm.
+
+        Raises
+        ------
+        NoSolutionError
+            Where it is not known: gears that do not touch on both sides, or jam.
+
+        Examples
+        --------
+        >>> len(gears.contact().backlash(5).phi1)
+        5
+        """
+        if self.fit is None or self.fit.jammed or not np.isfinite(self.fit.backlash).any():
+            raise NoSolutionError(reason="the backlash is not known", remedy="tca reports why")
+        return BacklashCurve.of(self.pair, self.fit, count)
+
     @cached_property
     def unlike_turns(self) -> FullTurns | None:
         """The pair over whole turns, asked for or not; None of members that are neither eccentric nor have pitch deviations, and
@@ -171,6 +208,7 @@ class Contact(Result):
         regions = list(zip(*(region.tolist() for region in path.regions), strict=True))
         curved, output = self._curvatures(), self.pair.output
 
+        plays = None if self.fit is None or self.fit.jammed else self.fit.play(path.rotation)
         led = None if self.neighbours is None else output.way(self.neighbours)
 
         def optional(values: Array | None, factor: float, i: int) -> float | None:
@@ -199,6 +237,7 @@ class Contact(Result):
                 load_share=None if self.hertz is None else float(self.hertz.share[i]),
                 neighbour_advance=optional(self.neighbours, 1.0 / ARCSEC, i),
                 neighbour_advance_um=optional(led, 1e3, i),
+                backlash=optional(plays, 180.0 / math.pi, i),
                 te_first_order=optional(self.first_order, 1.0 / ARCSEC, i),
             )
             for i in range(len(phi1))
@@ -431,7 +470,12 @@ def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, 
 
 
 def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> Summary:
-    figures = Summary(PathSummary.of(pair, path), None if cycle is None else CycleSummary.of(cycle))
+    zone = None if cycle is None else zone_of_lines(pair, path)
+    figures = Summary(
+        PathSummary.of(pair, path),
+        None if cycle is None else CycleSummary.of(cycle),
+        None if zone is None else ZoneFigures.of(zone),
+    )
     return Summary(figures, slid_summary(pair, figures))
 
 

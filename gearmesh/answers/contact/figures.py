@@ -49,7 +49,9 @@ class PathSummary(Figures):
 class CycleSummary(Figures):
     """The mesh cycle: the gears as the tooth pairs in contact turn them, over one pitch."""
 
-    contact_ratio: float = figure("contact ratio of the flank surfaces without load", symbol="eps")
+    contact_ratio: float = figure(
+        "contact ratio of the flank surfaces without load: tooth pairs in contact on average", symbol="eps"
+    )
     transverse_contact_ratio: float | None = figure(
         "transverse contact ratio, of line contact", symbol="eps_alpha", optional=True
     )
@@ -209,5 +211,8 @@ class PositionFigures(Figures):
     )
     neighbour_advance_um: float | None = figure(
         "the same along the travel of a gear that slides", "um", key="neighbour_lead_um", optional=True
+    )
+    backlash: float | None = figure(
+        "backlash of the gears at this position, as rotation of the gear", "deg", "j_theta", optional=True
     )
     te_first_order: float | None = figure("transmission error of first order, in closed form", "arcsec", optional=True)

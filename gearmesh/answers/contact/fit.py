@@ -19,6 +19,8 @@ from gearmesh.teeth.gear_train import GearPair
 
 #: the flanks that drive, and the others
 SIDES = {True: "driving", False: "coast"}
+#: positions of a pitch at which backlash is drawn
+BACKLASHES = 241
 UNMET = "the driving or the coast flanks touch nowhere: the teeth may be apart or overlap, and the backlash is unknown"
 
 
@@ -73,6 +75,26 @@ class FitSummary(Figures):
             },
             1e3 * max((overlap.depth for overlap in fit.interference), default=0.0),
         )
+
+
+@dataclass(frozen=True)
+class BacklashCurve:
+    """Backlash over a pitch of the pinion: its rotations `phi1` (N,), deg, and that of the gear between its first touches, deg;
+    `transverse` (N,), mm: the same at the gear's pitch circle; `least`, `greatest`: over the pitch, deg."""
+
+    phi1: Array
+    backlash: Array
+    transverse: Array
+    least: float
+    greatest: float
+
+    @staticmethod
+    def of(pair: GearPair, fit: Fit, count: int) -> BacklashCurve:
+        """Of a pair's fit, at `count` even positions."""
+        phi1 = np.linspace(0.0, pair.pitch, count)
+        turns = fit.play(phi1)
+        low, high = np.degrees(fit.backlash)
+        return BacklashCurve(np.degrees(phi1), np.degrees(turns), turns * fit.pitch_radius, float(low), float(high))
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,8 @@ class Fit:
     `transverse_backlash` (mm): on the gear's pitch circle, of radius `pitch_radius` (mm), which goes through the pitch point where
     the axes are parallel, else through the point of contact at phi1 = 0; `clearances`: of the tips of pinion and gear over the
     mating gear's root; `interference`: the deepest on each side; `turns`: phi2 (rad) of the gear as it is driven, NaN where
-    contact breaks off; `play`: rotation (rad) of the gear between its first touches at any phi1, by its nodes; `lever` (mm)
+    contact breaks off; `play`: rotation (rad) of the gear between its first touches at any phi1 (rad), by its nodes where contact
+    breaks off or fillets jam; `lever` (mm)
     of the normal of contact about the gear's axis; `span`: phi1 (rad) over which a tooth pair was followed; `coast`: the
     engagement of the coast flanks, None where it has not been followed, as it is an image of that of the others.
     """
@@ -210,7 +211,7 @@ def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve)
         clearances=clearances,
         interference=tuple(_in_the_way(pair, (forwards, backwards), 0 if rough else ROUNDS)),
         turns=turns,
-        play=lambda phi1: np.interp(np.mod(phi1, pair.pitch), np.linspace(0.0, pair.pitch, len(plays)), plays),
+        play=_play_at(pair, (forwards, backwards), plays, exact=both and not rough),
         lever=lever,
         span=(float(forwards.phi1[0]), float(forwards.phi1[-1])),
         gaps=gaps,
@@ -295,6 +296,24 @@ def play(pair: GearPair, advances: Array, jammed: float = JAMMED) -> Array:
     return (
         -advances - step * np.floor(np.nanmin(-advances) / step + jammed) if np.isfinite(advances).any() else -advances
     )
+
+
+def _play_at(
+    pair: GearPair, curves: tuple[MeshCurve, MeshCurve | ImageCurve], plays: Array, *, exact: bool
+) -> Callable[[Array], Array]:
+    """Rotation (N,), rad, of the gear between its first touches at any phi1 (N,), rad: `exact` by both curves, or else by `plays`
+    (M,) at even phases of a pitch."""
+    even = np.linspace(0.0, pair.pitch, len(plays))
+    if not exact:
+        return lambda phi1: np.interp(np.mod(phi1, pair.pitch), even, plays)
+    # the same teeth at all phases
+    apart = float(plays[0]) + sum(float(curve.advance(even[:1])[0]) for curve in curves)
+
+    def at(phi1: Array) -> Array:
+        phase = np.mod(phi1, pair.pitch)
+        return np.asarray(apart - curves[0].advance(phase) - curves[1].advance(phase))
+
+    return at
 
 
 def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Array:

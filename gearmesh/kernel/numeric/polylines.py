@@ -1,4 +1,4 @@
-"""Polylines and polygons in a plane: where two of them cross, what is inside."""
+"""Polylines and polygons in a plane: where two of them cross, what is inside, and how far."""
 
 from __future__ import annotations
 
@@ -29,3 +29,18 @@ def contains(polygon: Array, points: Array) -> NDArray[np.bool_]:
     with np.errstate(divide="ignore", invalid="ignore"):
         crossed = ((y > py) != (v > py)) & (px < (u - x) * (py - y) / (v - y) + x)
     return np.asarray(crossed.sum(axis=-1) % 2 == 1)
+
+
+def depth_inside(polygon: Array, points: Array) -> Array:
+    """How far (...,) points (..., 2) are inside a polygon (N, 2), closed or not, < 0 outside; NaN of points that are."""
+    (x, y), (u, v) = polygon.T, (np.roll(polygon, -1, axis=0) - polygon).T
+    dx, dy = points[..., :1] - x, points[..., 1:] - y
+    share = np.clip((dx * u + dy * v) / np.maximum(u**2 + v**2, 1e-300), 0.0, 1.0)
+    distance = np.sqrt(((dx - share * u) ** 2 + (dy - share * v) ** 2).min(axis=-1))
+    return np.asarray(np.where(contains(polygon, points), distance, -distance))
+
+
+def share_inside(depth: Array) -> Array:
+    """The part (I, J) of the cell around each point of a grid in which a smooth function (I, J) is positive."""
+    width = np.sum([np.abs(slope) for slope in np.gradient(depth)], axis=0)
+    return np.asarray(np.clip(0.5 + depth / np.maximum(width, 1e-300), 0.0, 1.0))

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.numeric.polylines import share_inside
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.common.symbol_table import Row
 from gearmesh.systems.worm_drive.build import wheel_hob
@@ -66,9 +67,9 @@ def field(design: WormDriveDesign, tip: LandLevel, grid: tuple[int, int] = GRID)
     at = mesh.at(p, np.arcsin(across / rho))
     axial = dot(at.r - np.array([mesh.distance, 0.0, 0.0]), mesh.wheel_axis)
     out = tip.at(np.clip(axial, -half, half)) - _wheel_radius(mesh, at.r)
-    inside = _share(out) * _share(0.5 * design.worm.length - np.abs(at.r[..., 2]))
+    inside = share_inside(out) * share_inside(0.5 * design.worm.length - np.abs(at.r[..., 2]))
     if mesh.tilt:
-        inside = inside * _share(half - np.abs(axial))
+        inside = inside * share_inside(half - np.abs(axial))
     # dp and d(angle) of the trapezium rule
     step = abs(p_ends[1] - p_ends[0]) / (grid[0] - 1) * (across[:, 1:2] - across[:, :1]) / np.sqrt(rho**2 - across**2)
     ends = [np.where(np.arange(n) % (n - 1) == 0, 0.5, 1.0) for n in grid]
@@ -88,12 +89,6 @@ def _wheel_radius(mesh: ThreadMesh, r: Array) -> Array:
     """Distances (...,) of points (..., 3) from the wheel's axis."""
     arm = cross(r - np.array([mesh.distance, 0.0, 0.0]), mesh.wheel_axis)
     return np.asarray(np.sqrt(dot(arm, arm)))
-
-
-def _share(inside: Array) -> Array:
-    """The part (n, m) of the element around each point of a grid in which a smooth function (n, m) is positive."""
-    width = np.sum([np.abs(slope) for slope in np.gradient(inside)], axis=0)
-    return np.asarray(np.clip(0.5 + inside / np.maximum(width, 1e-300), 0.0, 1.0))
 
 
 def load_parameters(design: WormDriveDesign, tip: LandLevel, grid: tuple[int, int] = GRID) -> LoadParameters:

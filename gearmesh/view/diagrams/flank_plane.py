@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -83,28 +84,31 @@ class FlankPlane:
 
     def swept(self, contact: MemberContact) -> list[Array]:
         """The areas that contact lines sweep: strips of quadrilaterals (Q, 4, 2), one from each line to the next position's."""
-        strips, before, last = [], None, -2
-        share = np.linspace(0.0, 1.0, LINE_POINTS)
-        for k, line in enumerate(contact.lines):
-            if line is None or len(line) < 2:
+        return strips([None if line is None else self.frame.places(line) for line in contact.lines])
+
+
+def strips(lines: Sequence[Array | None]) -> list[Array]:
+    """Strips of quadrilaterals (Q, 4, 2) between lines (K, 2) of neighbouring positions, None where there is none."""
+    swept, before, last = [], None, -2
+    share = np.linspace(0.0, 1.0, LINE_POINTS)
+    for k, line in enumerate(lines):
+        if line is None or len(line) < 2:
+            continue
+        here = _evenly(line, share)
+        if before is not None and last == k - 1:
+            if np.nansum((here - before) ** 2) > np.nansum((here[::-1] - before) ** 2):
+                here = here[::-1]
+            if (np.linalg.norm((here - before)[[0, -1]], axis=-1) > APART * np.linalg.norm(here[-1] - here[0])).any():
+                before, last = here, k
                 continue
-            here = self.frame.places(_evenly(line, share))
-            if before is not None and last == k - 1:
-                if np.nansum((here - before) ** 2) > np.nansum((here[::-1] - before) ** 2):
-                    here = here[::-1]
-                if (
-                    np.linalg.norm((here - before)[[0, -1]], axis=-1) > APART * np.linalg.norm(here[-1] - here[0])
-                ).any():
-                    before, last = here, k
-                    continue
-                quads = np.stack((before[:-1], before[1:], here[1:], here[:-1]), axis=1)
-                strips.append(quads[np.isfinite(quads).all(axis=(1, 2))])
-            before, last = here, k
-        return strips
+            quads = np.stack((before[:-1], before[1:], here[1:], here[:-1]), axis=1)
+            swept.append(quads[np.isfinite(quads).all(axis=(1, 2))])
+        before, last = here, k
+    return swept
 
 
 def _evenly(line: Array, share: Array) -> Array:
-    """Points (S, 3) at shares of the way along a line (K, 3); NaN in the gaps between its pieces."""
+    """Points (S, 2) at shares of the way along a line (K, 2); NaN in the gaps between its pieces."""
     known = np.isfinite(line[:, 0])
     points = line[known]
     way = np.r_[0.0, np.linalg.norm(np.diff(points, axis=0), axis=-1).cumsum()]

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from gearmesh.answers.contact.fit import BacklashCurve
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import OutputError
@@ -27,6 +28,8 @@ _MARKERS = "osD^v*"
 _LEAST = 0.01
 #: least harmonic (arcsec, um) of a cycle whose harmonics are shown
 _LEAST_HARMONIC = 1e-3
+#: least range of backlash that is shown, as a part of it, and what counts as none, deg
+_LEAST_PLAY, _NO_PLAY = 1e-3, 1e-7
 #: inches that an entry of a legend takes
 _ENTRY = 1.9
 #: size (points) of titles
@@ -82,6 +85,48 @@ def plot_transmission_error(
     for plot in (axes, *others):
         plot.grid(True, color=GRID_LINES, lw=0.8)
         plot.set_axisbelow(True)
+    figure.suptitle(title, color=INK)
+    save_figure(figure, file)
+
+
+def plot_backlash(
+    file: Path | str,
+    curve: BacklashCurve,
+    title: str = "Backlash",
+    size: tuple[int, int] | None = None,
+    dpi: int = 150,
+) -> None:
+    """Backlash over a pitch of the pinion, as rotation of the gear (deg) and at its pitch circle (mm), with its least and greatest.
+
+    `size` is in pixels. Raises OutputError where the file cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    inches = (8.0, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
+    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    axes = figure.subplots()
+    axes.plot(curve.phi1, curve.backlash, color=CURVES[0], lw=1.8, label="backlash")
+    for label, value, style in (("greatest", curve.greatest, "--"), ("least", curve.least, ":")):
+        axes.axhline(value, color=INK, lw=1.0, ls=style, label=f"{label} {value:.6g}°")
+    low, high = (
+        min(curve.least, float(np.nanmin(curve.backlash))),
+        max(curve.greatest, float(np.nanmax(curve.backlash))),
+    )
+    room = max(0.15 * (high - low), _LEAST_PLAY * max(abs(low), abs(high)), _NO_PLAY)
+    axes.set_ylim(low - room, high + room)
+    axes.set_xlim(float(curve.phi1[0]), float(curve.phi1[-1]))
+    axes.ticklabel_format(useOffset=False)
+    axes.set(xlabel="pinion rotation φ₁ (deg), one pitch", ylabel="rotation of the gear between both flanks (deg)")
+    known = np.isfinite(curve.backlash) & (np.abs(curve.backlash) > _NO_PLAY)
+    if known.any():
+        radius = float(np.median(curve.transverse[known] / curve.backlash[known]))
+        other = axes.twinx()
+        other.set_ylim(*(radius * end for end in axes.get_ylim()))
+        other.set_ylabel("at its pitch circle (mm)")
+        other.ticklabel_format(useOffset=False)
+    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.set_axisbelow(True)
+    figure.legend(*axes.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=3, frameon=False)
     figure.suptitle(title, color=INK)
     save_figure(figure, file)
 

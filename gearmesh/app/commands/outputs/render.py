@@ -28,7 +28,9 @@ class View(StrEnum):
     contact_lines = "contact_lines"
     flank = "flank"
     sliding = "sliding"
+    zone = "zone"
     te = "te"
+    backlash = "backlash"
     turns = "turns"
     toolpath = "toolpath"
     loaded = "loaded"
@@ -42,7 +44,7 @@ class View(StrEnum):
 #: views of contact under torque
 LOADED = (View.loaded, View.loaded_flank, View.loaded_te, View.loaded_share, View.loaded_stress, View.loaded_pair)
 #: views that are figures on paper
-FIGURES = (View.flank, View.sliding, View.te, View.turns, *LOADED[1:])
+FIGURES = (View.flank, View.sliding, View.zone, View.te, View.backlash, View.turns, *LOADED[1:])
 #: the grinding worm among the members
 WORM = "worm"
 #: what a cutter may leave where nobody says
@@ -61,7 +63,7 @@ def render(
             "-o",
             "--output",
             metavar="FILE.(png|svg|pdf)",
-            help="Picture to write; svg and pdf of flank, sliding, te, turns, loaded_*.",
+            help="Picture to write; svg and pdf of flank, sliding, zone, te, backlash, turns, loaded_*.",
             show_default=False,
         ),
     ] = None,
@@ -71,10 +73,11 @@ def render(
             "--view",
             help="contact: path and ellipses on a tooth; pattern: the union of the ellipses; gap: the pattern by the roll test; "
             "pair: the gears in mesh; section: a section across the teeth; tool: a member with its tool; contact_lines: of "
-            "the tool on the tooth that it generates; flank, sliding: ease-off and sliding velocity on flank planes; te, turns: "
-            "transmission error, over a mesh cycle and over whole turns of eccentric members; toolpath: passes of the ball-end "
-            "cutter --tool in a space of --member. With --torque: loaded: largest pressures on a tooth; loaded_*: pressures on "
-            "flank planes, transmission error, load sharing, root stress.",
+            "the tool on the tooth that it generates; flank, sliding: ease-off and sliding velocity on flank planes; zone: "
+            "contact lines of all tooth pairs on the flanks and in the plane of action, with limit lines; te, turns: "
+            "transmission error, over a mesh cycle and over whole turns of eccentric members; backlash: over a mesh cycle; "
+            "toolpath: passes of the ball-end cutter --tool in a space of --member. With --torque: loaded: largest pressures on a "
+            "tooth; loaded_*: pressures on flank planes, transmission error, load sharing, root stress.",
         ),
     ] = View.contact,
     member: Annotated[

@@ -1,0 +1,192 @@
+"""The zone of contact as a figure: contact lines on the flanks of both members, and seen at right angles to the plane of action.
+
+All contact lines of a tooth pair from first to last touch are faint, those of all tooth pairs at one rotation of the pinion are
+marked. Flanks are as in `flank_diagrams`; below them is the zone in space, which lies still while the gears turn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.answers.contact.zone import ZoneOfContact
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.view.diagrams.flank_diagrams import (
+    ABOVE,
+    BESIDE,
+    WIDTH,
+    ContactPanel,
+    contact_panel,
+    draw_contact,
+    draw_outline,
+    flank_window,
+    name_edges,
+)
+from gearmesh.view.diagrams.flank_plane import FlankPlane, strips
+from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.palette import CURVES, EDGE, GRID_LINES, INK, LINES, PATH, PATTERN
+from gearmesh.view.scene import contact_on
+
+#: heights of a flank beyond it in which a limit line is still shown; margin about the zone in space, as a part of its height
+BEYOND, MARGIN = 0.6, 0.15
+#: lengths to a height up to which the zone in space is drawn to scale, and the magnifications of its width else
+LONGEST = 7.0
+#: what limit lines are called: of the gear, of the pinion
+LIMITS = {True: "limiting line of the tool (undercut)", False: "envelope of the contact lines (none beyond)"}
+
+
+@dataclass(frozen=True)
+class _ZoneLines:
+    """Contact `lines` of a tooth pair, the `strips` that they sweep, those `now`, a `path` of points (P, 2), and the `limits`."""
+
+    lines: Sequence[Array]
+    strips: Sequence[Array]
+    now: Sequence[Array]
+    path: Array
+    limits: Sequence[tuple[Array, bool]]
+
+
+def plot_zone(
+    file: Path | str, shown: ZoneOfContact, title: str, size: tuple[int, int] | None = None, dpi: int = 150
+) -> None:
+    """The zone of contact, written to a file. Raises OutputError where that cannot be written."""
+    from matplotlib.figure import Figure
+
+    pair, width = shown.pair, WIDTH - BESIDE
+    panels = [_panel(shown, name) for name in pair.members]
+    windows = [_window(shown, panel, width) for panel in panels]
+    space = _in_space(shown)
+    (left, right), (low, high) = _extent(space)
+    heights = [
+        width * (top - bottom) * magnified / (end - begin) + ABOVE for (begin, end), (bottom, top), magnified in windows
+    ]
+    heights.append(min(width * (high - low) / (right - left), 0.45 * width) + ABOVE)
+    inches = (WIDTH, sum(heights) + 0.8) if size is None else (size[0] / dpi, size[1] / dpi)
+    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    *flanks, below = figure.subplots(3, 1, gridspec_kw={"height_ratios": heights})
+    for axes, panel, window in zip(flanks, panels, windows, strict=True):
+        _draw_flank(axes, shown, panel, window)
+    _draw_space(below, shown, space)
+    handles = {
+        label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=3, frameon=False, fontsize=9)
+    figure.suptitle(title, color=INK)
+    save_figure(figure, file)
+
+
+def _panel(shown: ZoneOfContact, name: str) -> ContactPanel:
+    pair = shown.pair
+    which = pair.index(name)
+    side = pair.flanks[which]
+    plane = FlankPlane.of(pair.members[name], side)
+    words = [f"{name}, {side} flank"]
+    if shown.zone is not None and which == 1:
+        words.append(f"contact passes over {100.0 * shown.zone.share:.3g} % of it")
+    return contact_panel(plane, contact_on(which, shown.whole, pair.mounts), ": ".join(words))
+
+
+def _window(shown: ZoneOfContact, panel: ContactPanel, width: float) -> tuple[Any, Any, float]:
+    """That of a flank, and what lies little beyond it of its limit line."""
+    frame = panel.plane.frame
+    (left, low), (right, high) = frame.extent
+    limit = shown.limits.get(panel.plane.member.name)
+    if limit is not None:
+        lengths, places = frame.places(limit.own).T
+        reach = BEYOND * (high - low)
+        near = (lengths >= left) & (lengths <= right) & (places > low - reach) & (places < high + reach)
+        if near.any():
+            low, high = min(low, float(places[near].min())), max(high, float(places[near].max()))
+    return flank_window(np.array([[left, low], [right, high]]), panel.extent, width)
+
+
+def _draw_flank(axes: Any, shown: ZoneOfContact, panel: ContactPanel, window: tuple[Any, Any, float]) -> None:
+    plane, pair = panel.plane, shown.pair
+    which = pair.index(plane.member.name)
+    draw_contact(axes, panel, small=True)
+    draw_outline(axes, plane, window)
+    _mark(axes, plane.lines(contact_on(which, shown.now, pair.mounts)), shown)
+    limit = shown.limits.get(plane.member.name)
+    if limit is not None:
+        _draw_limit(axes, plane.frame.places(limit.own), undercut=limit.undercut)
+    low, high = plane.frame.outline[:, 0].min(), plane.frame.outline[:, 0].max()
+    (left, right), _, magnified = window
+    notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
+    notes += [f"cut off: flank from {low:.4g} to {high:.4g} mm"] if left > low or right < high else []
+    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=10, color=INK)
+    axes.set_xlabel(plane.labels[0], fontsize=9)
+    axes.set_ylabel(plane.labels[1], fontsize=9)
+    axes.tick_params(labelsize=8)
+    name_edges(axes, plane.frame, (left, right))
+
+
+def _in_space(shown: ZoneOfContact) -> _ZoneLines:
+    """What is drawn of the zone in space, in the plane of action."""
+    places, whole = shown.plane.places, shown.whole
+    lines = [None if line is None else places(line) for line in whole.lines]
+    path = places(whole.point)
+    path[[line is not None for line in lines]] = np.nan
+    return _ZoneLines(
+        [line for line in lines if line is not None],
+        strips(lines),
+        [places(line) for line in shown.now.lines if line is not None],
+        path,
+        [(places(limit.fixed), limit.undercut) for limit in shown.limits.values()],
+    )
+
+
+def _extent(space: _ZoneLines) -> Array:
+    """Least and greatest length and width of the zone in space, with room about it, (2, 2)."""
+    every = np.concatenate((*space.lines, space.path))
+    low, high = np.nanmin(every, axis=0), np.nanmax(every, axis=0)
+    room = MARGIN * max(float((high - low).min()), 0.1 * float((high - low).max()))
+    return np.stack((low - room, high + room), axis=-1)
+
+
+def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    if space.strips:
+        quads = list(np.concatenate(space.strips))
+        axes.add_collection(PolyCollection(quads, facecolors=PATTERN, edgecolors=PATTERN, linewidths=0.5, zorder=1))
+    if space.lines:
+        axes.add_collection(LineCollection(list(space.lines), colors=LINES, linewidths=1.1, zorder=3))
+    if np.isfinite(space.path).any():
+        axes.plot(*space.path.T, color=PATH, lw=1.8, zorder=5, label="path of contact")
+        at = shown.plane.places(shown.now.point[shown.now.touching])
+        axes.plot(*at.T, color=CURVES[1], ls="", marker="o", ms=6.0, zorder=7, label=f"contact at {_at(shown)}")
+    _mark(axes, space.now, shown)
+    for limit, undercut in space.limits:
+        _draw_limit(axes, limit, undercut=undercut)
+    (left, right), (low, high) = _extent(space)
+    axes.set_xlim(left, right)
+    axes.set_ylim(low, high)
+    if (right - left) <= LONGEST * (high - low):
+        axes.set_aspect("equal", adjustable="box")
+    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.set_axisbelow(True)
+    count = int(shown.now.touching.sum())
+    pairs = f"{count} tooth pair{'' if count == 1 else 's'} in contact"
+    axes.set_title(f"zone of contact, {shown.plane.name}: {pairs}", fontsize=10, color=INK)
+    axes.set_xlabel(shown.plane.labels[0], fontsize=9)
+    axes.set_ylabel(shown.plane.labels[1], fontsize=9)
+    axes.tick_params(labelsize=8)
+
+
+def _at(shown: ZoneOfContact) -> str:
+    return f"φ₁ = {np.degrees(shown.phi1):.4g}°"
+
+
+def _mark(axes: Any, lines: Sequence[Array], shown: ZoneOfContact) -> None:
+    label = f"contact lines at {_at(shown)}"
+    for k, line in enumerate(lines):
+        axes.plot(*line.T, color=CURVES[1], lw=2.6, zorder=7, **({"label": label} if k == 0 else {}))
+
+
+def _draw_limit(axes: Any, places: Array, *, undercut: bool) -> None:
+    colour = INK if undercut else EDGE
+    axes.plot(*places.T, color=colour, lw=1.6, ls="--", zorder=7, label=LIMITS[undercut], scalex=False, scaley=False)
