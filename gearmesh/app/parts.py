@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working
-from gearmesh.cad.suffixes import DXF, SECTIONS, STEP
+from gearmesh.cad.suffixes import AXIAL, DXF, SECTIONS, STEP
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.lengths import in_mm
 
@@ -93,9 +93,9 @@ class PartFile:
         if self.space and self.teeth is not None:
             raise ArgumentError("teeth", self.teeth, must_be="left out for --space, which is between two teeth")
 
-    def _lengths(self) -> tuple[float | None, float | None, float]:
+    def _lengths(self) -> tuple[float | None, float | str | None, float]:
         """Tolerance, place and offset of the section, mm. Raises DesignError for texts that are no lengths."""
-        z = None if self.section is None else in_mm("--section", self.section)
+        z = self.section if self.section in (None, AXIAL) else in_mm("--section", self.section)
         return tolerance_in_mm(self.tol), z, 0.0 if self.offset is None else in_mm("--offset", self.offset)
 
     def write(self, gears: Gears, member: str) -> None:

@@ -39,10 +39,11 @@ ON_FACE = 1e-9
 
 @dataclass(frozen=True)
 class MemberSection:
-    """What the plane at z (mm) cuts of a member; `deviation` (mm): of its splines, between their nodes too."""
+    """What the plane at z (mm) cuts of a member, at None that through its axis; `deviation` (mm): of its splines, between their
+    nodes too."""
 
     name: str
-    z: float
+    z: float | None
     contours: tuple[Contour, ...]
     deviation: float
 
@@ -237,12 +238,15 @@ def _arc(centre: Array, first: Array, last: Array) -> PlaneArc:
 
 def _fit(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneSpline, float]:
     """A piece of a generated link at one station as a cubic spline through exact points."""
+    return fitted(lambda s: piece.grid(tooth, s, sections).points[:, 0, :2], piece.region, tolerance)
+
+
+def fitted(exact: Callable[[Array], Array], what: str, tolerance: float) -> tuple[PlaneSpline, float]:
+    """A cubic spline through points (K, 2), mm, of an `exact` curve at s (K,) from 0 to 1, within a tolerance (mm), and its
+    deviation (mm). Raises NoSolutionError where that is not met, saying of what section."""
     from scipy.interpolate import make_interp_spline
 
     allowed = SHARE * tolerance
-
-    def exact(s: Array) -> Array:
-        return piece.grid(tooth, s, sections).points[:, 0, :2]
 
     def excess(drawn: Array, wanted: Array) -> Array:
         return np.asarray(np.linalg.norm(drawn - wanted, axis=-1).max(axis=1) / allowed)
@@ -258,7 +262,7 @@ def _fit(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tu
             break
         nodes = nodes.spread(by_interval(miss) / allowed, turn)
     raise NoSolutionError(
-        reason=f"the section of the {piece.region} with {nodes.y.size} points deviates by {1000.0 * miss.max():.3g} um, more "
+        reason=f"the section of the {what} with {nodes.y.size} points deviates by {1000.0 * miss.max():.3g} um, more "
         f"than the tolerance of {1000.0 * tolerance:g} um; choose a larger tolerance"
     )
 

@@ -6,3 +6,5 @@ STEP = (".step", ".stp")
 DXF, SVG = ".dxf", ".svg"
 #: of all of them
 SECTIONS = (DXF, SVG)
+#: the section through the axis, in the place of z
+AXIAL = "axial"

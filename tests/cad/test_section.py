@@ -36,6 +36,7 @@ CASES = {
     ),
     "undercut": ("beveloid_crossed", ["pinion.teeth=12", "pinion.tip_chamfer=0.2"], "pinion", 0.0),
     "full": ("spur", ["gear.bore=0"], "gear", 0.5),
+    "throated": ("worm_drive", [], "wheel", 0.5),
     "novikov": ("novikov", [], "pinion", 0.77),
     "relieved": ("spur", ['pinion.modifications={tip_relief={amount="20um", start_roll_length=13}}'], "pinion", 0.5),
 }

@@ -278,14 +278,14 @@ class ModelledGears(SolvedGears):
         curves: str = "splines",
         offset: Length = 0.0,
     ) -> Section:
-        """The transverse section of one member, as contours for drawings, wires and lasers.
+        """The transverse section of one member, or the axial one of a worm, as contours for drawings, wires and lasers.
 
         Parameters
         ----------
         member : str
             Its name, as "pinion".
         z : float or str, optional
-            Its place, mm, or with a unit; mid face.
+            Its place, mm, or with a unit; mid face. "axial": through the axis of a worm, along z, without keyways and holes.
         tolerance : float or str, optional
             Largest distance from the exact section, or from its parallel, mm, or with a unit; 0.0001 mm.
         curves : str
@@ -307,7 +307,7 @@ class ModelledGears(SolvedGears):
         ------
         DesignError
             For a member that there is not or whose end faces are not planes, for z beyond its face, and for an offset that a
-            contour has no room for.
+            contour has no room for; for an axial section of teeth that are no threads.
         NoSolutionError
             Where the tolerance is not met.
 
@@ -318,9 +318,12 @@ class ModelledGears(SolvedGears):
         """
         from gearmesh.answers.bodies.section import section_of
         from gearmesh.cad.brep import TOLERANCE
+        from gearmesh.cad.suffixes import AXIAL
 
-        place = None if z is None else in_mm("z", z)
-        return section_of(self, member, place, self.within(tolerance, TOLERANCE), curves, in_mm("offset", offset))
+        axial = z == AXIAL
+        place = None if z is None or axial else in_mm("z", z)
+        within = self.within(tolerance, TOLERANCE)
+        return section_of(self, member, place, within, curves, in_mm("offset", offset), axial=axial)
 
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
         """All that modifications remove of a flank, as a grid of amounts.

@@ -27,7 +27,7 @@ CLOSED = 1e-9
 class SectionFigures(Figures):
     """The transverse section of a member, as it was measured."""
 
-    z: float = figure("place of the section along the axis", "mm", "z")
+    z: float | None = figure("place of the section along the axis; none of an axial section", "mm", "z")
     loops: int = figure("closed loops", whole=True)
     curves: int = figure("arcs, lines and splines of all loops", whole=True)
     area: float = figure("area of the material", "mm2", "A")
@@ -97,8 +97,9 @@ class Section(Result):
 
     @property
     def headline(self) -> str:
+        at = "in axial section" if self.cut.z is None else f"at z = {self.cut.z:g} mm"
         return (
-            f"{self.cut.name} at z = {self.cut.z:g} mm, {len(self.loops)} loops of {self.measured.curves} curves within "
+            f"{self.cut.name} {at}, {len(self.loops)} loops of {self.measured.curves} curves within "
             f"{1e3 * self.cut.deviation:.3g} um"
         )
 
@@ -137,9 +138,17 @@ class Section(Result):
 
 
 def section_of(
-    gears: GearSet, member: str, z: float | None, tolerance: float, curves: str = "splines", offset: float = 0.0
+    gears: GearSet,
+    member: str,
+    z: float | None,
+    tolerance: float,
+    curves: str = "splines",
+    offset: float = 0.0,
+    *,
+    axial: bool = False,
 ) -> Section:
-    """The section of a member at z, by default mid face, as `Gears.section` says; in mm."""
+    """The section of a member at z, by default mid face, or the `axial` one of a thread, as `Gears.section` says; in mm."""
+    from gearmesh.cad.contours.axial import axial_section
     from gearmesh.cad.contours.paths import base_tolerance, drawn_section
     from gearmesh.cad.contours.redrawn import Curves
     from gearmesh.cad.section import member_section
@@ -152,7 +161,8 @@ def section_of(
     own = placed_teeth(part.member)
     # of a double helical member the middle of its first half, where there are teeth
     low, high = own.tooth.blank.body.ends
-    exact = member_section(own, 0.5 * (low + high) if z is None else z, base_tolerance(kind, offset, tolerance))
+    within = base_tolerance(kind, offset, tolerance)
+    exact = axial_section(own, within) if axial else member_section(own, 0.5 * (low + high) if z is None else z, within)
     section = drawn_section(exact, kind, offset, tolerance)
     warnings = [*gears.warnings, *part.warnings]
     stock = section.stock if section.stock > tolerance else 0.0

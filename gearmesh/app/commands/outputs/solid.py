@@ -46,8 +46,9 @@ def solid(
         str | None,
         typer.Option(
             "--section",
-            metavar="Z",
-            help="Position of the section of .dxf and .svg along the axis: 5mm, -0.1in; bare = mm. [default: mid face]",
+            metavar="Z|axial",
+            help="Position of the section of .dxf and .svg along the axis: 5mm, -0.1in; bare = mm; axial: through the axis of a "
+            "worm. [default: mid face]",
         ),
     ] = None,
     curves: Annotated[
