@@ -238,10 +238,10 @@ def _arc(centre: Array, first: Array, last: Array) -> PlaneArc:
 
 def _fit(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneSpline, float]:
     """A piece of a generated link at one station as a cubic spline through exact points."""
-    return fitted(lambda s: piece.grid(tooth, s, sections).points[:, 0, :2], piece.region, tolerance)
+    return section_spline(lambda s: piece.grid(tooth, s, sections).points[:, 0, :2], piece.region, tolerance)
 
 
-def fitted(exact: Callable[[Array], Array], what: str, tolerance: float) -> tuple[PlaneSpline, float]:
+def section_spline(exact: Callable[[Array], Array], what: str, tolerance: float) -> tuple[PlaneSpline, float]:
     """A cubic spline through points (K, 2), mm, of an `exact` curve at s (K,) from 0 to 1, within a tolerance (mm), and its
     deviation (mm). Raises NoSolutionError where that is not met, saying of what section."""
     from scipy.interpolate import make_interp_spline

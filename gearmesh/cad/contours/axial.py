@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from gearmesh.cad.brep import NARROWEST, Piece
 from gearmesh.cad.contours.curves import Contour, PlaneSpline
-from gearmesh.cad.section import TEETH, MemberSection, fitted
+from gearmesh.cad.section import TEETH, MemberSection, section_spline
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
@@ -112,7 +112,7 @@ def axial_section(member: Member, tolerance: float) -> MemberSection:
         lines = [PlaneLine(a, b) for a, b in pairwise(corners) if np.linalg.norm(b - a) > NARROWEST]
         # from the toe to the heel above the axis, that is clockwise
         around = (
-            [_reversed(curve) for curve in (*row, *lines)[::-1]] if angle == 0.0 else [*map(_below, (*row, *lines))]
+            [_backwards(curve) for curve in (*row, *lines)[::-1]] if angle == 0.0 else [*map(_below, (*row, *lines))]
         )
         contours.append(Contour(TEETH, tuple(around), True))
         deviation = max(deviation, missed)
@@ -137,17 +137,17 @@ def _row(tooth: Tooth, angle: float, low: float, high: float, tolerance: float) 
         ends = cut.within(low, high)
         if ends is None:
             continue
-        curve, missed = _drawn(cut, ends, even, alike, tolerance)
+        curve, missed = _draw(cut, ends, even, alike, tolerance)
         if curve.start[0] - low > NARROWEST or curves:
             curves.extend(_land(level, at, curve.start, tolerance))
         curves.append(curve)
         at, deviation = curve.end, max(deviation, missed)
     if high - at[0] > NARROWEST:
         curves.extend(_land(level, at, np.array([high, np.nan]), tolerance))
-    return _joined(curves), deviation
+    return _join(curves), deviation
 
 
-def _drawn(
+def _draw(
     cut: _Cut,
     ends: tuple[float, float],
     even: tuple[float, float],
@@ -162,7 +162,7 @@ def _drawn(
     if whole and cut.piece in alike:
         other, curve, missed = alike[cut.piece]
         return curve.move(np.array([cut.screw * (cut.angle - other.angle), 0.0])), missed
-    made = fitted(lambda s: cut.at(first + s * (last - first)), cut.piece.region, tolerance)
+    made = section_spline(lambda s: cut.at(first + s * (last - first)), cut.piece.region, tolerance)
     if whole:
         alike[cut.piece] = cut, *made
     return made
@@ -209,10 +209,10 @@ def _land(level: LandLevel | None, start: Array, end: Array, tolerance: float) -
         along = start[0] + s * (end[0] - start[0])
         return np.stack((along, level.at(along)), axis=-1)
 
-    return [fitted(exact, "land", tolerance)[0]]
+    return [section_spline(exact, "land", tolerance)[0]]
 
 
-def _joined(curves: list[PlaneCurve]) -> list[PlaneCurve]:
+def _join(curves: list[PlaneCurve]) -> list[PlaneCurve]:
     """Curves each of which begins where the one before ends."""
     joined = curves[:1]
     for curve in curves[1:]:
@@ -223,7 +223,7 @@ def _joined(curves: list[PlaneCurve]) -> list[PlaneCurve]:
     return joined
 
 
-def _reversed(curve: PlaneCurve) -> PlaneCurve:
+def _backwards(curve: PlaneCurve) -> PlaneCurve:
     if isinstance(curve, PlaneSpline):
         return PlaneSpline(curve.control[::-1], 1.0 - curve.knots[::-1])
     return PlaneLine(curve.end, curve.start)
