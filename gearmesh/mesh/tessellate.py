@@ -40,8 +40,9 @@ ROUNDS = 12
 WORSE = 0.99
 #: rounds in which they need not, where a plan without shear takes so many times the triangles
 PATIENCE, DEAR = 3, 1.15
-#: links with more than so many times the fewest triangles are thinned
-EXCESS = 1.6
+#: where links that have more than the fewest triangles have together more than so many times these, those with more than so many
+#: are thinned, until they have no more than so many
+LARGE, EXCESS, ENOUGH = 1.48, 1.55, 1.42
 #: with this share of what sampled deviations may reach: their triangles are of all shapes, and miss more between the samples
 BETWEEN = 0.97
 #: such a plan is taken at once if it takes no more than this share
@@ -223,7 +224,8 @@ class _Draft:
     @staticmethod
     def of(tooth: Tooth, regions: tuple[Region, ...], tolerance: float) -> _Draft:
         forms, allowed = Forms.of(tooth, regions), SAFETY * tolerance
-        plans = link_plans(forms, SAFETY * allowed, allowed, straight=tooth.face_breaks.size > 0)
+        straight, whole = tooth.face_breaks.size > 0, len(regions) == len(tooth.regions)
+        plans = link_plans(forms, SAFETY * allowed, allowed, straight=straight, whole=whole)
         return _Draft(
             tooth,
             regions,
@@ -238,14 +240,20 @@ class _Draft:
 
     def thin(self) -> tuple[PatchMesh, ...]:
         """All links in order, with fewer triangles where that many are far from needed."""
-        return tuple(self._thin(k) for k in range(len(self.regions)))
+        allowed, meshes = SAFETY * self.tolerance, [self.meshes[k] for k in range(len(self.regions))]
+        taken = np.array([len(mesh.patch.triangles) for mesh in meshes])
+        seams = [int(mesh.cells[0] + mesh.cells[-1]) for mesh in meshes]
+        fewest = np.array([self.forms.fewest(k, allowed, cells) for k, cells in enumerate(seams)])
+        more = taken > fewest
+        thinned = (taken > EXCESS * fewest) & (taken[more].sum() > LARGE * fewest[more].sum())
+        return tuple(
+            self._thin(k, int(ENOUGH * fewest[k]) - 6) if thinned[k] else mesh.patch for k, mesh in enumerate(meshes)
+        )
 
-    def _thin(self, k: int) -> PatchMesh:
-        mesh, allowed = self.meshes[k], SAFETY * self.tolerance
+    def _thin(self, k: int, enough: int) -> PatchMesh:
+        allowed = BETWEEN * SAFETY * self.tolerance
         assert self.trimmed is not None
-        if len(mesh.patch.triangles) <= EXCESS * self.forms.fewest(k, allowed, int(mesh.cells[0] + mesh.cells[-1])):
-            return mesh.patch
-        return thin_link(self.tooth, mesh, self.trimmed, self.forms, k, BETWEEN * allowed)
+        return thin_link(self.tooth, self.meshes[k], self.trimmed, self.forms, k, allowed, enough)
 
     def mesh(self, seams: list[Array], moved: list[bool], least: Array, fixed: Array) -> None:
         """Mesh what is new, with nodes at the stations `seams` of every seam, some of them `moved`, and refine its

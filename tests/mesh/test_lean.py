@@ -60,10 +60,12 @@ def ratio(mesh: ToothMesh) -> float:
         ("circular_arc", "pinion", 1.5),
         ("internal", "gear", 1.5),
         ("double_helical", "pinion", 1.4),
+        ("hypoid", "pinion", 1.5),
         # a tooth turns from the toe to the heel into another: triangles of its lines are merged where they are too small
-        ("beveloid_crossed", "pinion", 2.05),
-        ("beveloid_crossed", "gear", 2.05),
-        ("face_gear", "gear", 1.75),
+        ("face_gear", "gear", 1.55),
+        # borders ask for 1.13 and 1.17 times as many as the integral
+        ("beveloid_crossed", "pinion", 1.7),
+        ("beveloid_crossed", "gear", 1.8),
     ],
 )
 def test_flanks_and_fillets_take_few_triangles(sample: str, member: str, most: float) -> None:

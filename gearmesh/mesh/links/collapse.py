@@ -41,6 +41,12 @@ class Incidence:
         begins = np.searchsorted(triangles.ravel()[corners], np.arange(nodes + 1))
         return Incidence(edges, sides, np.bincount(sides.ravel(), minlength=len(edges)), corners, begins)
 
+    def corners_at(self, nodes: Index) -> tuple[Index, Index]:
+        """Corners (K,) at nodes (N,), one node after the other, and at which of them each is (K,)."""
+        first, count = self.begins[nodes], self.begins[nodes + 1] - self.begins[nodes]
+        place = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+        return self.corners[np.repeat(first, count) + place], np.repeat(np.arange(nodes.size), count)
+
 
 def edges_of(triangles: Index, count: int) -> tuple[Index, Index]:
     """Edges (E, 2) between `count` nodes, and which are those of each triangle (M, 3), opposite to its corners."""
@@ -67,23 +73,26 @@ class Rings:
     @staticmethod
     def of(triangles: Index, incidence: Incidence, edges: Index) -> Rings:
         ends = edges.ravel()
-        first, count = incidence.begins[ends], incidence.begins[ends + 1] - incidence.begins[ends]
-        place = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-        triangle, corner = np.divmod(incidence.corners[np.repeat(first, count) + place], 3)
-        end = np.repeat(np.arange(ends.size), count)
+        corners, end = incidence.corners_at(ends)
+        triangle, corner = np.divmod(corners, 3)
         # the other end of the edge
         other = ends[end ^ 1]
         after, before = triangles[triangle, (corner + 1) % 3], triangles[triangle, (corner + 2) % 3]
         ring = (after != other) & (before != other)
         taken_by = end // 2
         owner, after, before = taken_by[ring], after[ring], before[ring]
-        size = incidence.begins.size
-        order = np.argsort(owner * size + after, kind="stable")
-        codes = (owner * size + after)[order]
-        place = np.minimum(np.searchsorted(codes, owner * size + before), codes.size - 1)
-        following = np.where(codes[place] == owner * size + before, order[place], -1)
+        follows = following(owner, after, before, incidence.begins.size)
         begins = np.searchsorted(owner, np.arange(len(edges)))
-        return Rings(triangle[ring], owner, after, before, following, begins, triangle, taken_by)
+        return Rings(triangle[ring], owner, after, before, follows, begins, triangle, taken_by)
+
+    def collapses(self, edges: Index, at: Array, st: Array) -> Collapses:
+        """What they make of nodes st (N, 2) when these edges (C, 2) collapse into their first nodes, at places (C, 2)."""
+        keep, (count, size) = edges[:, 0], (len(edges), self.owner.size)
+        nodes = np.concatenate((keep, self.after, self.before))
+        after = count + np.arange(size)
+        corners = np.stack((self.owner, after, after + size), axis=1)
+        by = np.concatenate((np.arange(count), self.owner, self.owner))
+        return Collapses(edges, self.ring, corners, self.owner, nodes, by, np.concatenate((at, st[nodes[count:]])))
 
     def of_some(self, chosen: NDArray[np.bool_]) -> Rings:
         """Of the `chosen` (C,) edges alone, numbered as they are among them."""
@@ -100,6 +109,31 @@ class Rings:
             self.taken[taken],
             number[self.taken_by[taken]],
         )
+
+
+@dataclass(frozen=True)
+class Collapses:
+    """Edges (C, 2) collapse into their first nodes: triangles `ring` (J,) get the corners (J, 3) among the `nodes` (V,), which go
+    to `places` (V, 2); each of the former is there by the edge `owner` (J,), ascending, of the latter by the edge `by` (V,)."""
+
+    edges: Index
+    ring: Index
+    corners: Index
+    owner: Index
+    nodes: Index
+    by: Index
+    places: Array
+
+
+def following(owner: Index, after: Index, before: Index, count: int) -> Index:
+    """Which of the triangles (J,) at a corner that they have in common, the `owner` (J,), begins at the node before each of
+    them, -1 if none does; of so many nodes."""
+    codes, wanted = owner * count + after, owner * count + before
+    order = np.argsort(codes, kind="stable")
+    codes = codes[order]
+    place = np.minimum(np.searchsorted(codes, wanted), codes.size - 1)
+    follows: Index = np.where(codes[place] == wanted, order[place], -1)
+    return follows
 
 
 def independent(taken: Index, taken_by: Index, cost: Array, triangles: int) -> Index:

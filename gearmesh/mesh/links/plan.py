@@ -47,6 +47,8 @@ STATIONS = 65
 STEEP = 5.0
 #: and slopes count as no more than that
 SLOPE = 15.0
+#: triangles that a cell of a seam costs a link that has no use for it: one on the edge, and those that are out of shape
+SEAM = 2.0
 #: a plan with shear is taken if it has no more than this share of the triangles of one without
 WORTH = 0.97
 #: on links of so few cells along the face all nodes of section curves that need no more than so many times the lines' are on lines
@@ -89,7 +91,7 @@ class LinkPlan:
 @dataclass(frozen=True)
 class _Way:
     """A way to mesh links, tried with nodes closer by each of CLOSER (C): `along`, `across` (C, R, S, T), `triangles`
-    (C, R).
+    (C, R) and the `seams` (2, C, R), cells on the first and the last line.
     """
 
     along: Array
@@ -97,11 +99,12 @@ class _Way:
     triangles: Array
     alike: bool
     staggered: bool
+    seams: Array
 
     @staticmethod
     def of(along: Array, across: Array, *, alike: bool, staggered: bool) -> _Way:
         s, t = (np.linspace(0.0, 1.0, n) for n in along.shape[2:])
-        nodes = np.trapezoid(along, t, axis=-1) + 0.5 * staggered
+        nodes = np.asarray(np.trapezoid(along, t, axis=-1)) + 0.5 * staggered
         strips = across.max(axis=-1)
         total = np.trapezoid(strips, s, axis=-1)
         count = np.maximum(np.ceil(total - ROUNDING), 1.0)
@@ -109,21 +112,24 @@ class _Way:
             # the last line is a seam, and nothing is staggered there
             count = 2.0 * np.ceil(0.5 * count)
         triangles = 2.0 * count / total * np.trapezoid(strips * nodes, s, axis=-1)
-        return _Way(along, across, triangles, alike, staggered)
+        return _Way(along, across, triangles, alike, staggered, np.stack((nodes[..., 0], nodes[..., -1])))
 
 
-def link_plans(forms: Forms, tolerance: float, at_ends: float, *, straight: bool = False) -> list[LinkPlan]:
-    """Of each link the plan with the fewest triangles.
+def link_plans(
+    forms: Forms, tolerance: float, at_ends: float, *, straight: bool = False, whole: bool = False
+) -> list[LinkPlan]:
+    """Of each link the plan with the fewest triangles, those that its seams cost its neighbours included.
 
     `at_ends`: tolerance (mm) of the outline of the end faces; `straight`: without shear, as where the surfaces have
-    corners at stations.
+    corners at stations; `whole`: the last link of a tooth ends where the next tooth begins.
     """
     samples = np.linspace(0.0, 1.0, forms.length.shape[1])
     slope = _slopes(forms, tolerance)
     ways = _ways(forms, slope, tolerance)
     every = np.arange(len(slope))
-    closest = np.array([way.triangles.argmin(axis=0) for way in ways])
-    triangles = np.array([way.triangles[of, every] for way, of in zip(ways, closest, strict=True)])
+    costs = _costs(ways, whole)
+    closest = np.array([cost.argmin(axis=0) for cost in costs])
+    triangles = np.array([cost[of, every] for cost, of in zip(costs, closest, strict=True)])
     # the first way is the one with shear
     plain = 1 + triangles[1:].argmin(axis=0)
     sheared = (triangles[0] <= WORTH * triangles[plain, every]) & (not straight)
@@ -155,6 +161,18 @@ def link_plans(forms: Forms, tolerance: float, at_ends: float, *, straight: bool
             if np.abs(shear - level).max() <= STEEP:
                 plans[k] = plan(k, 0, shear, plans[k])
     return plans
+
+
+def _costs(ways: tuple[_Way, ...], whole: bool) -> list[Array]:
+    """Triangles (C, R) of each way, and those that its seams cost the links on the other side of them, by the cells that these
+    want there if each has the fewest triangles."""
+    triangles, every = np.concatenate([way.triangles for way in ways]), np.arange(ways[0].triangles.shape[1])
+    first, last = np.concatenate([way.seams for way in ways], axis=1)[:, triangles.argmin(axis=0), every]
+    before, after = np.roll(last, 1), np.roll(first, -1)
+    if not whole:
+        before[0] = after[-1] = np.inf
+    wanted = np.stack((before, after))[:, None]
+    return [way.triangles + SEAM * np.maximum(way.seams - wanted, 0.0).sum(axis=0) for way in ways]
 
 
 def _sizes(forms: Forms) -> Array:

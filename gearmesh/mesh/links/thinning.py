@@ -6,28 +6,30 @@ between two nodes becomes one node, where all triangles of its ring (see `collap
 along the edge and beside it at which the second form says that the worst of them is best. Which of them collapse at once,
 cheapest first, is decided by the second form; each is then measured on the exact surface and left as it was where that
 misses the tolerance, where facets would fold, or be thinner than the tolerance. What the form was too bold by counts for the
-nodes there from then on. Nodes on seams, on corners and on breaks stay, those of the section curves at toe and heel collapse
-on these curves, within the same tolerance.
+nodes there from then on. Where single edges come to rest others collapse as the nodes round them give way (see `relaxation`).
+Nodes on seams, on corners and on breaks stay, those of the section curves at toe and heel collapse on these curves, within
+the same tolerance.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
-from gearmesh.mesh.links.collapse import FLAT, Incidence, Index, Rings, area, independent
-from gearmesh.mesh.links.lines import between
-from gearmesh.mesh.links.measure import measured, off_chords, peaks
+from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, independent
+from gearmesh.mesh.links.measure import measured, off_chords
+from gearmesh.mesh.links.prediction import Prediction
+from gearmesh.mesh.links.relaxation import Patches, around, relaxed, turns
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
 
 #: rounds of collapsing and turning, at most; the usual number is 6 to 20
 ROUNDS = 40
 #: share of the nodes: where no more edges than that are tried in a round it is the last
-FEW = 0.01
+FEW, FEWER = 0.01, 0.002
 #: places along an edge at which its node is tried first
 ALONG = np.array([0.25, 0.75, 0.0, 1.0])
 #: then places round the best one, so many times, first as far as this share of the edges of the ring, then closer
@@ -39,10 +41,14 @@ LIKELY, NEAR = 3.0, 1.5
 TINY = 1e-9
 #: edges tried at once
 BLOCK = 20_000
+#: and patches relaxed at once; edges that miss the tolerance by more than this factor are not worth it
+PATCHES, FAR = 2_000, 2.0
+#: of edges whose patches overlap so many are tried at once, or as many as come to so many in all
+LAYERS, MANY = 3, 60
 #: a diagonal turns for an error this much smaller
 GAIN = 0.98
 #: corners whose means are where distances are measured besides centres and edges: long triangles are bent to both sides
-INSIDE = ([0, 0, 0, 0, 1, 2], [1, 1, 1, 1, 2, 0], [2, 2, 2, 2, 0, 1])
+INSIDE = np.array([[0, 0, 0, 0, 1, 2], [1, 1, 1, 1, 2, 0], [2, 2, 2, 2, 0, 1]])
 #: least cosine between a facet and the surface at its centre
 UPRIGHT = 0.5
 
@@ -54,25 +60,63 @@ Place = Callable[[Array, Array], LinkNodes]
 
 
 def thin(
-    patch: PatchMesh, place: Place, forms: Array, outline: Array, crease: NDArray[np.bool_], tolerance: float
+    patch: PatchMesh,
+    place: Place,
+    forms: Array,
+    outline: Array,
+    crease: NDArray[np.bool_],
+    tolerance: float,
+    enough: int = 0,
 ) -> PatchMesh:
-    """A link with fewer nodes and triangles.
+    """A link with fewer nodes and triangles, but hardly fewer than are `enough`.
 
     `place` puts nodes on its surface; `forms` (S, T, 3): L, M, N; `outline` (2, S) as that of `Forms`; `crease` (N,): nodes
     that stay; `tolerance` in mm.
     """
-    net = _Net.of(patch, place, forms, outline, crease, tolerance)
+    net = _Net.of(patch, place, Prediction(forms, outline), crease, tolerance)
     for _ in range(ROUNDS):
         net.turn()
         if net.collapse() <= FEW * len(net.st):
             break
+    net.fresh[:] = True
+    for _ in range(ROUNDS):
+        if len(net.triangles) <= enough or net.relax() <= FEWER * len(net.triangles):
+            break
+        net.turn()
     return net.result(patch.deviation)
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """Edges (C, 2) that may collapse into their first nodes, where they do so best, `at` (C, 2), and by how much their rings miss
+    the surface then by the second form, `cost` (C,), mm."""
+
+    edges: Index
+    at: Array
+    cost: Array
+
+    @staticmethod
+    def none() -> _Tried:
+        return _Tried(np.empty((0, 2), dtype=np.int64), np.empty((0, 2)), np.empty(0))
+
+    def of_some(self, which: Index | NDArray[np.bool_]) -> _Tried:
+        return _Tried(self.edges[which], self.at[which], self.cost[which])
+
+    def join(self, other: _Tried) -> _Tried:
+        return _Tried(
+            np.concatenate((self.edges, other.edges)),
+            np.concatenate((self.at, other.at)),
+            np.concatenate((self.cost, other.cost)),
+        )
 
 
 @dataclass
 class _Net:
-    """A triangulation that is being thinned: nodes st (N, 2), of which some are used, and their `kind` (N,); what has to be
-    tried again is `fresh` (N,); `bold`: codes (K,), ascending, of edges at which the second form was too bold, and by how much."""
+    """A triangulation that is being thinned: nodes st (N, 2), of which some are used, and their `kind` (N,).
+
+    Edges at `fresh` (N,) nodes have to be tried, others are `waiting` until there is room for them; `bold`: codes (K,),
+    ascending, of edges at which the second form was too bold, and by how much.
+    """
 
     nodes: LinkNodes
     st: Array
@@ -81,67 +125,36 @@ class _Net:
     kind: Index
     fresh: NDArray[np.bool_]
     place: Place
-    forms: Array
-    outline: Array
+    prediction: Prediction
     crease: NDArray[np.bool_]
     tolerance: float
+    waiting: _Tried = field(default_factory=lambda: _Tried.none())
     bold: tuple[Index, Array] = field(default_factory=lambda: (np.empty(0, dtype=np.int64), np.empty(0)))
 
     @staticmethod
-    def of(
-        patch: PatchMesh, place: Place, forms: Array, outline: Array, crease: NDArray[np.bool_], tolerance: float
-    ) -> _Net:
+    def of(patch: PatchMesh, place: Place, prediction: Prediction, crease: NDArray[np.bool_], tolerance: float) -> _Net:
         nodes, triangles = patch.nodes, patch.triangles
         s, t, count = nodes.s, nodes.t, nodes.s.size
         kind = np.where(t == 0.0, TOE, np.where(t == 1.0, HEEL, INNER))
         kind[(s == 0.0) | (s == 1.0) | crease] = FIXED
-        parameters = None if nodes.parameters is None else nodes.parameters.copy()
-        own = LinkNodes(
-            nodes.tooth, nodes.region, s.copy(), t.copy(), nodes.points.copy(), nodes.normals.copy(), parameters
-        )
         st, fresh = np.stack((s, t), axis=-1), np.ones(count, dtype=bool)
         errors = np.zeros(len(triangles))
-        net = _Net(own, st, triangles, errors, kind, fresh, place, forms, outline, crease, tolerance)
-        net.errors = net.miss(triangles)
+        net = _Net(nodes, st, triangles, errors, kind, fresh, place, prediction, crease, tolerance)
+        net.nodes, net.errors = net._copy(np.arange(count)), net._miss(triangles)
         return net
 
     def result(self, deviation: float) -> PatchMesh:
         """The nodes that are left, and the triangles between them; `deviation`: that of the patch before, mm."""
         used, corners = np.unique(self.triangles, return_inverse=True)
-        own = self.nodes
-        parameters = None if own.parameters is None else own.parameters[used]
-        nodes = LinkNodes(
-            own.tooth, own.region, own.s[used], own.t[used], own.points[used], own.normals[used], parameters
-        )
+        nodes = self._copy(used)
         triangles = corners.reshape(-1, 3)
         finite = self.errors[np.isfinite(self.errors)]
         return PatchMesh(
             nodes, triangles, nodes.middle(triangles).normals, max(deviation, float(finite.max(initial=0.0)))
         )
 
-    def miss(self, triangles: Index) -> Array:
-        """Measured distances (M,) of triangles from the surface, mm; inf where they lie on their face or are too thin."""
-        sides = np.arange(3 * len(triangles)).reshape(-1, 3)
-        edges = triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2)
-        _, errors, centres = measured(self.nodes, triangles, edges, sides, self.crease)
-        a, b, c = np.moveaxis(self.nodes.points[triangles], 1, 0)
-        square = cross(b - a, c - a)
-        size = np.sqrt(dot(square, square))
-        longest = np.sqrt(np.maximum(np.maximum(dot(b - a, b - a), dot(c - b, c - b)), dot(a - c, a - c)))
-        good = (dot(square, centres.normals) >= UPRIGHT * size) & (size >= self.tolerance * longest)
-        for places in INSIDE:
-            np.maximum(errors, np.abs(self.nodes.height(triangles[:, places])), out=errors)
-        return np.where(good, errors, np.inf)
-
-    def form(self, places: Array) -> Array:
-        """Second forms L, M, N (N, 3) at places (N, 2)."""
-        return between(self.forms, places[:, 0], places[:, 1])
-
-    def prediction(self, a: Array, b: Array, c: Array) -> Array:
-        """Distances (N,), mm, of triangles with corners (N, 2) by the second form; inf where they are no triangles."""
-        sides = ((b, c), (c, a), (a, b))
-        heights = np.stack([_height(self.form(0.5 * (p + q)), q - p) for p, q in sides], axis=-1)
-        return _worst(heights, area(a, b, c))
+    def _miss(self, triangles: Index) -> Array:
+        return _miss(self.nodes, triangles, self.crease, self.tolerance)
 
     def turn(self) -> None:
         """Turn diagonals of two triangles that are nearer to the surface with the other one."""
@@ -157,15 +170,16 @@ class _Net:
         if not one.size:
             return
         p = self.st
-        now = np.maximum(self.prediction(p[apex], p[b], p[c]), self.prediction(p[far], p[c], p[b]))
-        then = np.maximum(self.prediction(p[apex], p[b], p[far]), self.prediction(p[apex], p[far], p[c]))
+        miss = self.prediction.triangles
+        now = np.maximum(miss(p[apex], p[b], p[c]), miss(p[far], p[c], p[b]))
+        then = np.maximum(miss(p[apex], p[b], p[far]), miss(p[apex], p[far], p[c]))
         cost = np.where(then < GAIN * now, then - now, np.inf)
         pairs = np.stack((one, other), axis=1)
         chosen = independent(pairs.ravel(), np.repeat(np.arange(one.size), 2), cost, len(self.triangles))
         if not chosen.size:
             return
         made = np.stack((apex, b, far, apex, far, c), axis=1)[chosen].reshape(-1, 2, 3)
-        errors = self.miss(made.reshape(-1, 3)).reshape(-1, 2)
+        errors = self._miss(made.reshape(-1, 3)).reshape(-1, 2)
         good = errors.max(axis=1) < self.errors[pairs[chosen]].max(axis=1)
         at = pairs[chosen[good]]
         self.triangles = self.triangles.copy()
@@ -174,21 +188,67 @@ class _Net:
 
     def collapse(self) -> int:
         """Collapse edges, no two with a triangle in common, and say how many were tried."""
+        incidence, tried = self._tried()
+        cost = tried.cost * self._boldness(tried.edges)
+        cost[cost > self.tolerance] = np.inf
+        rings = Rings.of(self.triangles, incidence, tried.edges)
+        chosen = independent(rings.taken, rings.taken_by, cost, len(self.triangles))
+        some = tried.of_some(chosen)
+        rings = Rings.of(self.triangles, incidence, some.edges)
+        good = self._apply(rings.collapses(some.edges, some.at, self.st), cost[chosen])
+        cost[chosen[good]] = np.inf
+        self.waiting = tried.of_some(np.isfinite(cost))
+        return len(chosen)
+
+    def relax(self) -> int:
+        """The same with edges that miss the tolerance as long as the nodes round them stay."""
+        incidence, tried = self._tried()
+        cost = tried.cost * self._boldness(tried.edges)
+        cost[cost > FAR * self.tolerance] = np.inf
+        turn, made = turns(incidence, self.kind != FIXED), list[tuple[Patches, Index, Array]]()
+        layers = self._layers(incidence, tried.edges, cost)
+        for part in np.split(layers, np.arange(PATCHES, layers.size, PATCHES)):
+            some = tried.of_some(part)
+            patches = Patches.of(self.triangles, incidence, some.edges, some.at, self.st, turn)
+            patches, which = relaxed(patches, self.prediction, self.tolerance)
+            worst = self._measured(patches.collapses(some.edges[which]))[1]
+            good = worst <= self.tolerance
+            made.append((patches.of_some(good), part[which[good]], worst[good]))
+        patches = Patches.join([patches for patches, *_ in made])
+        good, worst = np.concatenate([which for _, which, _ in made]), np.concatenate([worst for *_, worst in made])
+        chosen = independent(patches.ring, patches.owner, worst, len(self.triangles))
+        mine = np.zeros(good.size, dtype=bool)
+        mine[chosen] = True
+        self._apply(patches.of_some(mine).collapses(tried.edges[good[chosen]]), worst[chosen])
+        # those that had no room are tried again, those that missed the tolerance where something changes
+        cost[layers] = np.inf
+        cost[good[~mine]] = worst[~mine]
+        self.waiting = tried.of_some(np.isfinite(cost))
+        return len(chosen)
+
+    def _layers(self, incidence: Incidence, edges: Index, cost: Array) -> Index:
+        """Which (K,) of edges (C, 2) to try together, cheap ones first: several times as many as have room beside each other."""
+        left = np.flatnonzero(np.isfinite(cost))
+        _, owner, ring = around(self.triangles, incidence, edges[left], len(self.st))
+        cost, chosen, count = cost[left], list[Index](), 0
+        while np.isfinite(cost).any() and (len(chosen) < LAYERS or count < MANY):
+            layer = independent(ring, owner, cost, len(self.triangles))
+            cost[layer] = np.inf
+            chosen.append(left[layer])
+            count += layer.size
+        return np.sort(np.concatenate(chosen)) if chosen else left
+
+    def _tried(self) -> tuple[Incidence, _Tried]:
+        """The edges that have to be tried, and how they collapse best."""
         incidence = Incidence.of(self.triangles, len(self.st))
         edges, moving = self._candidates(incidence)
-        rings = Rings.of(self.triangles, incidence, edges)
         at, cost = np.empty((len(edges), 2)), np.empty(len(edges))
         for low in range(0, len(edges), BLOCK):
             part = slice(low, low + BLOCK)
             own = Rings.of(self.triangles, incidence, edges[part])
             at[part], cost[part] = self._best(edges[part], moving[part], own)
-        cost = np.where(cost * self._boldness(edges) <= self.tolerance, cost, np.inf)
-        fresh = np.zeros(len(self.st), dtype=bool)
-        fresh[edges[np.isfinite(cost)].ravel()] = True
-        chosen = independent(rings.taken, rings.taken_by, cost, len(self.triangles))
-        self._apply(edges[chosen], at[chosen], cost[chosen], Rings.of(self.triangles, incidence, edges[chosen]), fresh)
-        self.fresh = fresh
-        return len(chosen)
+        self.fresh = np.zeros(len(self.st), dtype=bool)
+        return incidence, _Tried(edges, at, cost).join(self.waiting)
 
     def _candidates(self, incidence: Incidence) -> tuple[Index, NDArray[np.bool_]]:
         """Edges (C, 2) that may collapse, into the first node where not both are `moving` (C,)."""
@@ -199,6 +259,8 @@ class _Net:
         same_end = self.st[edges[:, 0], 1] == self.st[edges[:, 1], 1]
         inner, on_end = last == INNER, ((last == TOE) | (last == HEEL)) & (incidence.count == 1) & same_end
         wanted = (inner | on_end) & self.fresh[edges].any(axis=1)
+        # of those that wait, the others have not changed
+        self.waiting = self.waiting.of_some(np.flatnonzero(~self.fresh[self.waiting.edges].any(axis=1)))
         return edges[wanted], (first == last)[wanted]
 
     def _codes(self, edges: Index) -> Index:
@@ -253,99 +315,86 @@ class _Net:
         worst = np.full(places.shape[:2], np.inf)
         if not rings.owner.size:
             return worst
-        a, b, c = places[rings.owner], self.st[rings.after], self.st[rings.before]
-        along, opposite = near[rings.owner], rings.following
-        to_after = _height(self.form(0.5 * (along + b))[:, None], a - b[:, None])
-        to_before = to_after[opposite]
-        last = np.flatnonzero(opposite < 0)
-        to_before[last] = _height(self.form(0.5 * (along[last] + c[last]))[:, None], a[last] - c[last, None])
-        base = np.broadcast_to(_height(self.form(0.5 * (b + c)), c - b)[:, None], to_after.shape)
-        errors = _worst(np.stack((base, to_before, to_after), axis=-1), area(a, b[:, None], c[:, None]))
-        for end, chord, node in self._chords(rings, places[:, 0, 1]):
-            errors[chord] = np.maximum(errors[chord], self._sag(end, a[chord, :, 0], self.st[node, 0][:, None]))
-        owners = np.flatnonzero(np.append(True, rings.owner[1:] != rings.owner[:-1]))
-        worst[rings.owner[owners]] = np.maximum.reduceat(errors, owners, axis=0)
+        own = rings.owner
+        after, before = self.st[rings.after], self.st[rings.before]
+        errors = self.prediction.stars(near[own], places[own], after, before, rings.following)
+        owners = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
+        worst[own[owners]] = np.maximum.reduceat(errors, owners, axis=0)
         return worst
 
-    def _chords(self, rings: Rings, t: Array) -> Iterator[tuple[int, Index, Index]]:
-        """Those sides of rings (K,) with their nodes at t (C,) that are chords of a section curve, and their other ends (K,):
-        at the toe, 0, and at the heel, 1."""
-        for end in (0, 1):
-            for node in (rings.after, rings.before):
-                on = np.flatnonzero((self.st[node, 1] == end) & (t[rings.owner] == end))
-                if on.size:
-                    yield end, on, node[on]
+    def _measured(self, new: Collapses) -> tuple[Array, Array, LinkNodes]:
+        """By how much triangles (J,), and the worst of each edge (C,), miss the exact surface, mm; and the nodes (V,)."""
+        nodes = self._copy(new.nodes)
+        moved = np.flatnonzero((new.places != self.st[new.nodes]).any(axis=1))
+        _put(nodes, moved, self.place(*new.places[moved].T))
+        errors = _miss(nodes, new.corners, self.crease[new.nodes], self.tolerance)
+        largest = np.maximum(errors, self._off_ends(nodes, new.corners))
+        begins = np.searchsorted(new.owner, np.arange(len(new.edges)))
+        return errors, np.maximum.reduceat(largest, begins) if begins.size else largest, nodes
 
-    def _sag(self, end: int, a: Array, b: Array) -> Array:
-        """Distances (...,), mm, of chords between s a and b from the section curve at toe (0) or heel (1)."""
-        outline = self.outline[end]
-        sag: Array = 0.125 * np.interp(0.5 * (a + b), np.linspace(0.0, 1.0, outline.size), outline) * (b - a) ** 2
-        return sag
-
-    def _apply(self, edges: Index, at: Array, cost: Array, rings: Rings, fresh: NDArray[np.bool_]) -> None:
-        """Collapse edges (C, 2) at places (C, 2), where the exact surface agrees with the cost (C,)."""
-        if not len(edges):
-            return
-        keep, gone = edges.T
-        moved = (at != self.st[keep]).any(axis=1)
-        before = self._at(keep[moved])
-        self._put(keep[moved], self.place(*at[moved].T))
-        made = np.stack((keep[rings.owner], rings.after, rings.before), axis=1)
-        errors = self.miss(made)
-        worst = np.maximum.reduceat(errors, rings.begins)
-        worst = np.maximum(worst, self._off_ends(keep, rings))
-        bad = worst > self.tolerance
+    def _apply(self, new: Collapses, cost: Array) -> NDArray[np.bool_]:
+        """Collapse edges where the exact surface agrees with the cost (C,), mm, and say which (C,) did."""
+        if not len(new.edges):
+            return np.zeros(0, dtype=bool)
+        errors, worst, nodes = self._measured(new)
+        good = worst <= self.tolerance
         # neighbours of what missed the tolerance are as bold
         # the same edge is tried again where the form leaves room for what it was too bold by
-        codes = np.append(self.bold[0], self._codes(edges[bad]))
-        factors = np.append(self.bold[1], worst[bad] / np.maximum(cost[bad], TINY * self.tolerance))
+        bad = self._codes(new.edges[~good])
+        codes = np.append(self.bold[0], bad)
+        factors = np.append(self.bold[1], worst[~good] / np.maximum(cost[~good], TINY * self.tolerance))
         order = np.lexsort((factors, codes))
         self.bold = codes[order], factors[order]
-        back = bad[moved]
-        self._put(keep[moved][back], tuple(None if part is None else part[back] for part in before))
-        good = ~bad
+        moved, own = good[new.by], good[new.owner]
+        _put(self.nodes, new.nodes[moved], nodes, moved)
+        self.st[new.nodes[moved]] = new.places[moved]
+        keep, gone = new.edges[good].T
         number = np.arange(len(self.st))
-        number[gone[good]] = keep[good]
+        number[gone] = keep
         triangles = number[self.triangles]
-        self.errors[rings.ring[good[rings.owner]]] = errors[good[rings.owner]]
+        self.errors[new.ring[own]] = errors[own]
         left = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
         self.triangles, self.errors = triangles[left], self.errors[left]
-        fresh[made[good[rings.owner]].ravel()] = True
+        self.fresh[new.nodes[new.corners[own]].ravel()] = True
+        return good
 
-    def _off_ends(self, keep: Index, rings: Rings) -> Array:
-        """Largest distances (C,), mm, of chords of the rings at toe and heel from the section curves there."""
-        off, chords = np.zeros(keep.size), list(self._chords(rings, self.st[keep, 1]))
-        if chords:
-            owner = np.concatenate([rings.owner[chord] for _, chord, _ in chords])
-            ends = np.stack((keep[owner], np.concatenate([node for *_, node in chords])), axis=1)
-            middles = self.place(*self.st[ends].mean(axis=1).T).points
-            np.maximum.at(off, owner, off_chords(self.nodes.points[ends], middles))
+    def _off_ends(self, nodes: LinkNodes, triangles: Index) -> Array:
+        """Largest distances (M,), mm, of those sides of triangles (M, 3) that are chords of the section curves from these."""
+        off, s, t = np.zeros(len(triangles)), nodes.s[triangles], nodes.t[triangles]
+        after = np.roll(t, -1, axis=1)
+        on, side = np.nonzero((t == after) & ((t == 0.0) | (t == 1.0)))
+        if on.size:
+            ends = np.stack((side, (side + 1) % 3), axis=1)
+            middles = self.place(s[on[:, None], ends].mean(axis=1), t[on, side]).points
+            np.maximum.at(off, on, off_chords(nodes.points[triangles[on[:, None], ends]], middles))
         return off
 
-    def _at(self, which: Index) -> tuple[Array | None, ...]:
+    def _copy(self, which: Index) -> LinkNodes:
         own = self.nodes
-        parts = (own.s, own.t, own.points, own.normals, own.parameters)
-        return tuple(None if part is None else part[which] for part in parts)
-
-    def _put(self, which: Index, new: LinkNodes | tuple[Array | None, ...]) -> None:
-        own = self.nodes
-        if isinstance(new, LinkNodes):
-            new = new.s, new.t, new.points, new.normals, new.parameters
-        for part, values in zip((own.s, own.t, own.points, own.normals, own.parameters), new, strict=True):
-            if part is not None and values is not None:
-                part[which] = values
-        self.st[which, 0], self.st[which, 1] = own.s[which], own.t[which]
+        parameters = None if own.parameters is None else own.parameters[which]
+        return LinkNodes(
+            own.tooth, own.region, own.s[which], own.t[which], own.points[which], own.normals[which], parameters
+        )
 
 
-def _height(form: Array, away: Array) -> Array:
-    """Signed distances (...,), mm, of the middles of edges `away` (..., 2) long by second forms (..., 3) there."""
-    ds, dt = away[..., 0], away[..., 1]
-    height: Array = 0.125 * ((form[..., 0] * ds + 2.0 * form[..., 1] * dt) * ds + form[..., 2] * dt**2)
-    return height
+def _put(nodes: LinkNodes, which: Index, new: LinkNodes, some: NDArray[np.bool_] | slice = slice(None)) -> None:
+    """Put `some` new nodes in the places of `which` ones."""
+    for name in ("s", "t", "points", "normals", "parameters"):
+        part, values = getattr(nodes, name), getattr(new, name)
+        if part is not None:
+            part[which] = values[some]
 
 
-def _worst(heights: Array, areas: Array) -> Array:
-    """Largest distances (...,) of triangles by those of the middles of their sides (..., 3); inf without area (...,)."""
-    sides = heights.reshape(-1, 3)
-    errors = peaks(sides, 4.0 / 9.0 * (sides[:, 0] + sides[:, 1] + sides[:, 2])).reshape(areas.shape)
-    return np.where(areas > FLAT, errors, np.inf)
+def _miss(nodes: LinkNodes, triangles: Index, crease: NDArray[np.bool_], tolerance: float) -> Array:
+    """Measured distances (M,) of triangles from the surface, mm; inf where they lie on their face or are too thin."""
+    sides = np.arange(3 * len(triangles)).reshape(-1, 3)
+    edges = triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2)
+    _, errors, centres = measured(nodes, triangles, edges, sides, crease)
+    a, b, c = np.moveaxis(nodes.points[triangles], 1, 0)
+    square = cross(b - a, c - a)
+    size = np.sqrt(dot(square, square))
+    longest = np.sqrt(np.maximum(np.maximum(dot(b - a, b - a), dot(c - b, c - b)), dot(a - c, a - c)))
+    good = (dot(square, centres.normals) >= UPRIGHT * size) & (size >= tolerance * longest)
+    inside = np.abs(nodes.height(triangles[:, INSIDE].reshape(-1, len(INSIDE[0])))).reshape(-1, len(INSIDE))
+    errors = np.maximum(errors, inside.max(axis=1, initial=0.0))
+    return np.where(good, errors, np.inf)
