@@ -159,14 +159,6 @@ def member_mesh(pair: GearPair, name: str, request: Request, at: PlacedPair) -> 
     return held_mesh(pair.members[name], request, grid_of(pair, name, request, at))
 
 
-def _why_no_body(member: Member) -> str:
-    """Why a member has hexahedra as far as its rim alone."""
-    tooth = member.one_tooth
-    if tooth.joint.travel is not None:
-        return "is a bar, whose hexahedra end with its rim and leave out bolt holes"
-    return "is under threads" if tooth.screw is not None else "is under two rows of teeth"
-
-
 def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
     """One member's mesh in its own frame, its lines those of a grid; with the set held: rim or, of a whole body, bore (without one
     the ends of its shafts, or else the core) and cut faces, of a sector without these."""
@@ -177,7 +169,7 @@ def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
     if request.whole:
         body = member.turned_body
         if body is None or tooth.screw is not None:
-            why = f"the body of the {member.name} {_why_no_body(member)}"
+            why = f"hexahedra of the {member.name} end with its rim, as of all racks, threads and double helical gears"
             raise DesignError("fe.body", "whole", reason=why, allowed='"rim"')
         mesh = whole_mesh(tooth, body, teeth, grid, request.rim, request.size, second_order=request.second_order)
     else:

@@ -1,4 +1,4 @@
-"""Edges that collapse while the nodes round them give way, where the collapse alone would miss the tolerance.
+"""Edges that collapse while the nodes round them move, where the collapse alone would miss the tolerance.
 
 Single collapses come to rest where facets use three quarters of the tolerance: each of them needs what its ring has left.
 Here the triangles at all nodes of the ring are a patch, of which each edge has a copy for itself, so that all edges are tried
@@ -172,7 +172,7 @@ def turns(incidence: Incidence, loose: NDArray[np.bool_]) -> Index:
     return turn
 
 
-def relaxed(patches: Patches, prediction: Prediction, tolerance: float) -> tuple[Patches, Index]:
+def relax_patches(patches: Patches, prediction: Prediction, tolerance: float) -> tuple[Patches, Index]:
     """Those patches that keep the tolerance, mm, once relaxed, and which (K,) of all they are."""
     left = np.arange(patches.count)
     for sweeps, allowed in STAGES:

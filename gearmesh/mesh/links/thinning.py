@@ -6,7 +6,7 @@ between two nodes becomes one node, where all triangles of its ring (see `collap
 along the edge and beside it at which the second form says that the worst of them is best. Which of them collapse at once,
 cheapest first, is decided by the second form; each is then measured on the exact surface and left as it was where that
 misses the tolerance, where facets would fold, or be thinner than the tolerance. What the form was too bold by counts for the
-nodes there from then on. Where single edges come to rest others collapse as the nodes round them give way (see `relaxation`).
+nodes there from then on. Where single edges come to rest others collapse while the nodes round them move (see `relaxation`).
 Nodes on seams, on corners and on breaks stay, those of the section curves at toe and heel collapse on these curves, within
 the same tolerance.
 """
@@ -23,7 +23,7 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, independent
 from gearmesh.mesh.links.measure import measured, off_chords
 from gearmesh.mesh.links.prediction import Prediction
-from gearmesh.mesh.links.relaxation import Patches, around, relaxed, turns
+from gearmesh.mesh.links.relaxation import Patches, around, relax_patches, turns
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
 
 #: rounds of collapsing and turning, at most; the usual number is 6 to 20
@@ -87,7 +87,7 @@ def thin(
 
 
 @dataclass(frozen=True)
-class _Tried:
+class _EdgeTrials:
     """Edges (C, 2) that may collapse into their first nodes, where they do so best, `at` (C, 2), and by how much their rings miss
     the surface then by the second form, `cost` (C,), mm."""
 
@@ -96,14 +96,14 @@ class _Tried:
     cost: Array
 
     @staticmethod
-    def none() -> _Tried:
-        return _Tried(np.empty((0, 2), dtype=np.int64), np.empty((0, 2)), np.empty(0))
+    def none() -> _EdgeTrials:
+        return _EdgeTrials(np.empty((0, 2), dtype=np.int64), np.empty((0, 2)), np.empty(0))
 
-    def of_some(self, which: Index | NDArray[np.bool_]) -> _Tried:
-        return _Tried(self.edges[which], self.at[which], self.cost[which])
+    def of_some(self, which: Index | NDArray[np.bool_]) -> _EdgeTrials:
+        return _EdgeTrials(self.edges[which], self.at[which], self.cost[which])
 
-    def join(self, other: _Tried) -> _Tried:
-        return _Tried(
+    def join(self, other: _EdgeTrials) -> _EdgeTrials:
+        return _EdgeTrials(
             np.concatenate((self.edges, other.edges)),
             np.concatenate((self.at, other.at)),
             np.concatenate((self.cost, other.cost)),
@@ -128,7 +128,7 @@ class _Net:
     prediction: Prediction
     crease: NDArray[np.bool_]
     tolerance: float
-    waiting: _Tried = field(default_factory=lambda: _Tried.none())
+    waiting: _EdgeTrials = field(default_factory=lambda: _EdgeTrials.none())
     bold: tuple[Index, Array] = field(default_factory=lambda: (np.empty(0, dtype=np.int64), np.empty(0)))
 
     @staticmethod
@@ -188,7 +188,7 @@ class _Net:
 
     def collapse(self) -> int:
         """Collapse edges, no two with a triangle in common, and say how many were tried."""
-        incidence, tried = self._tried()
+        incidence, tried = self._trials()
         cost = tried.cost * self._boldness(tried.edges)
         cost[cost > self.tolerance] = np.inf
         rings = Rings.of(self.triangles, incidence, tried.edges)
@@ -202,16 +202,18 @@ class _Net:
 
     def relax(self) -> int:
         """The same with edges that miss the tolerance as long as the nodes round them stay."""
-        incidence, tried = self._tried()
+        incidence, tried = self._trials()
         cost = tried.cost * self._boldness(tried.edges)
         cost[cost > FAR * self.tolerance] = np.inf
         turn, made = turns(incidence, self.kind != FIXED), list[tuple[Patches, Index, Array]]()
         layers = self._layers(incidence, tried.edges, cost)
+        if not layers.size:
+            return 0
         for part in np.split(layers, np.arange(PATCHES, layers.size, PATCHES)):
             some = tried.of_some(part)
             patches = Patches.of(self.triangles, incidence, some.edges, some.at, self.st, turn)
-            patches, which = relaxed(patches, self.prediction, self.tolerance)
-            worst = self._measured(patches.collapses(some.edges[which]))[1]
+            patches, which = relax_patches(patches, self.prediction, self.tolerance)
+            worst = self._measurement(patches.collapses(some.edges[which]))[1]
             good = worst <= self.tolerance
             made.append((patches.of_some(good), part[which[good]], worst[good]))
         patches = Patches.join([patches for patches, *_ in made])
@@ -238,7 +240,7 @@ class _Net:
             count += layer.size
         return np.sort(np.concatenate(chosen)) if chosen else left
 
-    def _tried(self) -> tuple[Incidence, _Tried]:
+    def _trials(self) -> tuple[Incidence, _EdgeTrials]:
         """The edges that have to be tried, and how they collapse best."""
         incidence = Incidence.of(self.triangles, len(self.st))
         edges, moving = self._candidates(incidence)
@@ -248,7 +250,7 @@ class _Net:
             own = Rings.of(self.triangles, incidence, edges[part])
             at[part], cost[part] = self._best(edges[part], moving[part], own)
         self.fresh = np.zeros(len(self.st), dtype=bool)
-        return incidence, _Tried(edges, at, cost).join(self.waiting)
+        return incidence, _EdgeTrials(edges, at, cost).join(self.waiting)
 
     def _candidates(self, incidence: Incidence) -> tuple[Index, NDArray[np.bool_]]:
         """Edges (C, 2) that may collapse, into the first node where not both are `moving` (C,)."""
@@ -322,7 +324,7 @@ class _Net:
         worst[own[owners]] = np.maximum.reduceat(errors, owners, axis=0)
         return worst
 
-    def _measured(self, new: Collapses) -> tuple[Array, Array, LinkNodes]:
+    def _measurement(self, new: Collapses) -> tuple[Array, Array, LinkNodes]:
         """By how much triangles (J,), and the worst of each edge (C,), miss the exact surface, mm; and the nodes (V,)."""
         nodes = self._copy(new.nodes)
         moved = np.flatnonzero((new.places != self.st[new.nodes]).any(axis=1))
@@ -336,7 +338,7 @@ class _Net:
         """Collapse edges where the exact surface agrees with the cost (C,), mm, and say which (C,) did."""
         if not len(new.edges):
             return np.zeros(0, dtype=bool)
-        errors, worst, nodes = self._measured(new)
+        errors, worst, nodes = self._measurement(new)
         good = worst <= self.tolerance
         # neighbours of what missed the tolerance are as bold
         # the same edge is tried again where the form leaves room for what it was too bold by
