@@ -201,6 +201,8 @@ def _failure() -> str | None:
 @atexit.register
 def _end() -> None:
     if _own():
+        # it has nothing to finish
+        _begun[0].child.kill()
         _begun.pop().end()
 
 

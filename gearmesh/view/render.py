@@ -35,12 +35,16 @@ def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] |
     if path is not None and Path(path).suffix.lower() not in _KINDS:
         raise OutputError("cannot write", path, reason=f"the suffix of a picture must be {', '.join(_KINDS)}")
     size = size or scene.size
-    inner = beside_bar(size) if scene.maps else size
+    heading = round(_heading(scene, size) * size[1])
+    # what is higher than the room that scenes leave for it takes its own
+    above = max(0, heading - round(_ROOM * size[1]))
+    inner = beside_bar(size)[0] if scene.maps else size[0], size[1] - above
     tell(0.2)
     photograph = _photograph(scene, inner)
     tell(0.8)
-    # a colour bar stands on white, not on the teeth
-    image = np.pad(photograph, ((0, 0), (0, size[0] - inner[0]), (0, 0)), constant_values=255)
+    # heading and colour bar are on white, not on the teeth
+    image = np.pad(photograph, ((above, 0), (0, size[0] - inner[0]), (0, 0)), constant_values=255)
+    image[:heading] = 255
     image = _letter(image, scene, size, inner)
     if path is not None:
         from matplotlib.image import imsave
@@ -65,6 +69,8 @@ def _photograph(scene: Scene, size: tuple[int, int]) -> Image:
 # --- lettering ---
 
 _TOP = 0.925
+#: part of a picture's height that scenes leave for a heading: a title of one line and a legend of one row
+_ROOM = 0.09
 # Entries of the legend in a row, and the height of a row as a part of the picture's.
 _COLUMNS, _ROW = 4, 0.031
 #: nearest that a word may come to the picture's edges, as parts of it
@@ -76,22 +82,17 @@ _CLEAR = 0.009
 def _letter(image: Image, scene: Scene, size: tuple[int, int], inner: tuple[int, int]) -> Image:
     """The picture with title and legend on top, a colour bar at the side, axes, scale and words; nothing of it is boxed.
 
-    The camera sees what is `inner`.
+    The camera sees what is `inner`, in the lower left.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    # Letters keep their share of the picture: 11 points where it is 7.5 inches high.
-    dots_per_inch = size[1] / 7.5
-    figure = Figure(figsize=(size[0] / dots_per_inch, 7.5), dpi=dots_per_inch, facecolor="none")
-    canvas: Any = FigureCanvasAgg(figure)
+    figure = _sheet(size)
+    canvas: Any = figure.canvas
     if scene.maps:
         _draw_colour_bar(figure, scene.maps[0])
     _draw_heading(figure, scene)
     _draw_words(figure, scene, size, inner)
     _draw_axes(figure, scene.camera, size)
     if scene.camera.parallel:
-        _draw_scale(figure, scene.camera, size, inner[0] / size[0])
+        _draw_scale(figure, scene.camera, size, inner)
     canvas.draw()
     letters = np.asarray(canvas.buffer_rgba())
     lettered = np.array(image)
@@ -99,6 +100,17 @@ def _letter(image: Image, scene: Scene, size: tuple[int, int], inner: tuple[int,
     over, share = letters[where][:, :3].astype(float), letters[where][:, 3:] / 255.0
     lettered[where] = np.round(lettered[where] * (1.0 - share) + over * share).astype(np.uint8)
     return lettered
+
+
+def _sheet(size: tuple[int, int]) -> Any:
+    """What is lettered: a figure of the picture's `size`; letters keep their share of it: 11 points where it is 7.5 inches high."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    dots_per_inch = size[1] / 7.5
+    figure = Figure(figsize=(size[0] / dots_per_inch, 7.5), dpi=dots_per_inch, facecolor="none")
+    FigureCanvasAgg(figure)
+    return figure
 
 
 def _halo(width: float = 3.0) -> list[Any]:
@@ -112,14 +124,14 @@ def _draw_words(figure: Any, scene: Scene, size: tuple[int, int], inner: tuple[i
     """Words beyond their points, all of a word; those whose points are not in the picture are at its edge."""
     for word in scene.words:
         at, inside = (
-            scene.camera.pixels(point, inner)[:2] / size * [1.0, -1.0] + [0.0, 1.0]
+            scene.camera.pixels(point, inner)[:2] / size * [1.0, -1.0] + [0.0, inner[1] / size[1]]
             for point in (word.point, word.inside)
         )
         way = (at - inside) * size
         way = way / max(float(np.hypot(*way)), 1e-9)
         place = at + 0.028 * way * size[1] / np.array(size)
-        right = inner[0] / size[0] - _MARGIN[0]
-        kept = np.clip(place, _MARGIN, (right, _TOP - 0.05))
+        right, top = inner[0] / size[0] - _MARGIN[0], inner[1] / size[1] - (1.0 - _TOP)
+        kept = np.clip(place, _MARGIN, (right, top - 0.05))
         cut = word.beyond or np.abs(kept - place).max() > 0.03
         leftwards = at[0] < 0.5 if word.beyond else way[0] < 0.0
         arrow = ("\N{LEFTWARDS ARROW} ", "") if leftwards else ("", " \N{RIGHTWARDS ARROW}")
@@ -127,17 +139,17 @@ def _draw_words(figure: Any, scene: Scene, size: tuple[int, int], inner: tuple[i
         across = "left" if cut and leftwards else "right" if cut else "center"
         drawn = figure.text(*kept, text, ha=across, va="center", fontsize=12, color=INK, path_effects=_halo())
         if not cut:
-            _move_clear(drawn, at, way, inner[0] / size[0])
+            _move_clear(drawn, at, way, inner[0] / size[0], top)
 
 
-def _move_clear(drawn: Any, at: Array, way: Array, right: float) -> None:
+def _move_clear(drawn: Any, at: Array, way: Array, right: float, top: float) -> None:
     """Move a word on its `way` (2,) from what it names `at` (2,) until its box covers neither that nor an edge of the picture; the
-    `right` one may be that of a colour bar."""
+    `right` one may be that of a colour bar, the `top` one that of the heading."""
     size = np.array(drawn.figure.bbox.size)
     box = drawn.get_window_extent()
     half = 0.5 * np.array([box.width, box.height])
     far = max(float((half / np.maximum(np.abs(way), 1e-9)).min()) + _CLEAR * size[1], 0.028 * size[1])
-    low, high = _CLEAR * size[1] + half, np.array([right, _TOP - 0.03]) * size - half
+    low, high = _CLEAR * size[1] + half, np.array([right, top - 0.03]) * size - half
     drawn.set_position(np.clip(at * size + far * way, low, np.maximum(high, low)) / size)
 
 
@@ -145,6 +157,14 @@ def _line(x: tuple[float, float], y: tuple[float, float], colour: str, width: fl
     from matplotlib.lines import Line2D
 
     return Line2D(x, y, color=colour, lw=width, solid_capstyle="butt", path_effects=_halo(width + 2.0))
+
+
+def _heading(scene: Scene, size: tuple[int, int]) -> float:
+    """Part of a picture's height that its heading takes, 0 without one."""
+    figure = _sheet(size)
+    _draw_heading(figure, scene)
+    boxes = [part.get_window_extent() for part in (*figure.texts, *figure.legends)]
+    return 1.0 - min(box.y0 for box in boxes) / figure.bbox.height + _CLEAR if boxes else 0.0
 
 
 def _draw_heading(figure: Any, scene: Scene) -> None:
@@ -188,9 +208,9 @@ def _draw_axes(figure: Any, camera: Camera, size: tuple[int, int]) -> None:
             figure.text(x, y, "xyz"[k], color=colour, ha="center", va="center", fontsize=10, path_effects=_halo())
 
 
-def _draw_scale(figure: Any, camera: Camera, size: tuple[int, int], edge: float) -> None:
-    """A bar of a round length, at most a seventh of the picture's width, in the lower right corner."""
-    width = camera.height * size[0] / size[1]
+def _draw_scale(figure: Any, camera: Camera, size: tuple[int, int], inner: tuple[int, int]) -> None:
+    """A bar of a round length, at most a seventh of the picture's width, in the lower right corner of what the camera sees."""
+    width, edge = camera.height * size[0] / inner[1], inner[0] / size[0]
     power = 10.0 ** np.floor(np.log10(width / 7))
     length = max(step * power for step in (1, 2, 5) if step * power <= width / 7)
     left, right, y, tick = edge - 0.02 - length / width, edge - 0.02, 0.03, 0.008

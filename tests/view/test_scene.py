@@ -509,6 +509,24 @@ def test_ellipse_is_seen_where_it_lies_and_hidden_from_behind(parallel):
     assert np.abs(image - rgb(COMPOUND)).max(axis=-1).min() > 30
 
 
+@pytest.mark.quick
+@pytest.mark.usefixtures("needs_opengl")
+@pytest.mark.parametrize("words", [2, 30])
+def test_headings_are_on_white_however_near_the_body_is(words):
+    camera = frame(np.eye(3)[2], np.eye(3)[1], bar().vertices, SIZE, 0.1)
+    scene = Scene((SceneBody(bar(), Rigid.identity(), STEEL),), camera, title=words * "reason ", size=SIZE)
+    image, plain = render(scene), render(replace(scene, title=""))
+    white = (image[:, 2] == 255).all(axis=-1)
+    heading = int(np.argmin(white))
+    assert white[:heading].all()
+    assert not white[heading:].any()
+    assert not (plain[:, 2] == 255).all(axis=-1).any()
+    letters = (image.min(axis=-1) < 100).any(axis=1)
+    assert letters[:heading].any()
+    assert not letters[heading : heading + SIZE[1] // 3].any()
+    assert (heading > 0.09 * SIZE[1]) == (words > 2)
+
+
 @pytest.mark.usefixtures("needs_opengl")
 def test_long_titles_go_on_in_a_second_line():
     """Nothing of one is cut off at the sides, as the reason of an unresolved pressure was."""
@@ -569,7 +587,7 @@ def test_value_map_has_the_colours_of_its_bar():
     assert np.ptp(colour_at(image, scene.camera, flank_point(np.array(angle), np.array(5.5)))) < 30
     # The bar stands on white, however near the camera is.
     near = render(replace(scene, camera=replace(scene.camera, height=scene.camera.height / 5.0)))
-    assert near[20, inner - 3].min() < 255
+    assert near[-20, inner - 3].min() < 255
     assert (near[330:, inner:] == 255).all()
 
 

@@ -152,8 +152,8 @@ def render(
         raise ArgumentError("member", member, must_be=f"one of {', '.join(names)}")
     told = gears.warnings
     with working("picture"):
-        # how fine meshes are changes nothing that is shown
-        note = ", ".join(text for text in settings or () if not text.startswith("mesh."))
+        # how fine meshes are changes nothing that is shown, a name is shown anyway
+        note = ", ".join(text for text in settings or () if not text.startswith(("mesh.", "name=")))
         if output is not None and torques:
             loaded = gears.loaded_contact(torques, phi1, pair=mesh)
             gears.picture(view.value, member, of=loaded, size=pixels, dpi=dpi, note=note).save(output)
