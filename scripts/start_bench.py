@@ -46,7 +46,7 @@ USES = {
     "threadpoolctl": ("threadpoolctl", "contact under load"),
     "trimesh": ("trimesh", "solids handed over in Python"),
     "meshio": ("meshio", "ease-off and finite-element meshes as VTU"),
-    "pyvista": ("pyvista", "pictures in three dimensions"),
+    "pyvista": ("pyvista", "solids and models handed over in Python"),
     "vtk": ("vtkmodules.vtkRenderingOpenGL2", "pictures in three dimensions"),
     "manifold3d": ("manifold3d", "proof that a solid has no self-intersection"),
     "pydantic": ("pydantic.main", "keys of design files; options"),
