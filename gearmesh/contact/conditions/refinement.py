@@ -6,6 +6,7 @@ crosses that one.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import partial
 
@@ -16,7 +17,7 @@ from gearmesh.contact.conditions.meshing import Conditions, Touch
 from gearmesh.contact.pair import CORNER, NUMBERED, OF_CORNERS, Pair
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, turn, unit
 from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvature, tangent_basis
 
 #: a point this far (mm) outside a trimmed flank still counts as on its edge
@@ -29,6 +30,8 @@ RCOND = 1e-9
 EQUAL = 1e-12
 #: rise of the advance along an edge (1/mm) that counts as none
 RISE = 1e-12
+#: mm beside a corner of a tip line at which its directions are taken
+BESIDE = 1e-6
 #: normals that differ by less agree
 AGREE = 1e-8
 #: what marks an edge that is solved for from where an edge k crosses it: ALONG - k
@@ -135,11 +138,19 @@ class Trial:
 
 
 def refine_candidates(
-    pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: int, *, edges: bool = True
+    pair: Pair,
+    phi1: Array,
+    trial: Trial,
+    contacts: Contacts,
+    number: int,
+    *,
+    edges: bool = True,
+    look: Callable[[NDArray[np.intp], Array], Array] | None = None,
 ) -> None:
     """Solve for all places of part `number`, go on to edges that they lie beyond, if `edges` count, and keep what is ahead.
 
-    The trials record afterwards what became of them, not of those that came of them.
+    `look` gives what advance (M,), rad, there may be at most about places inside the flanks, by their positions (M,) and unknowns
+    (M, 5): asked of those that were not found at once, and may be ahead by what is known of them. The trials record afterwards what became of them, not of those that came of them.
     """
     tried: set[tuple[int, int, int]] = set()
     begun = trial
@@ -160,6 +171,10 @@ def refine_candidates(
         best[position], last[position], most[position] = ahead[order], good[order], advance[order]
         better = np.flatnonzero(best > _rank(contacts.advance, contacts.edges))
         contacts.take(better, trial, last[better], number, most[better])
+        if look is not None and trial is begun:
+            unsolved = (trial.edges[:, 0] < 0) & ~trial.good & np.isfinite(trial.most)
+            lost = np.flatnonzero(unsolved & (trial.most >= contacts.advance[trial.position]))
+            trial.most[lost] = np.minimum(trial.most[lost], look(trial.position[lost], trial.start[lost]))
         trial = _next(pair, phi1, trial, contacts, tried if edges else None)
 
 
@@ -246,8 +261,8 @@ def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> ND
     # steps on the pinion, and how far the gear has to turn for them
     first = unit(one.r_u)
     steps = np.stack((first, cross(one.n, first)), axis=1)
-    turn = (steps @ two.n[..., None])[..., 0] / dot(two.n, way)[:, None]
-    advance = pair.drive * turn
+    angle = (steps @ two.n[..., None])[..., 0] / dot(two.n, way)[:, None]
+    advance = pair.drive * angle
     over = np.zeros((2, asked.size, 2))
     for number in pair.ends:
         bound = pair.bounds[number]
@@ -259,7 +274,7 @@ def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> ND
                 continue
             gradient = bound.level.gradient(touch.own[bound.member].r[asked[own]])
             gradient = (touch.turns[bound.member][asked[own]] @ gradient[..., None])[..., 0]
-            on_member = steps[own] if bound.member == 0 else steps[own] - turn[own][..., None] * way[own][:, None]
+            on_member = steps[own] if bound.member == 0 else steps[own] - angle[own][..., None] * way[own][:, None]
             over[slot, own] = (on_member @ gradient[..., None])[..., 0]
     alone = trial.edges[asked, 1] < 0
     inwards = -(advance * over[0]).sum(axis=1) > 0.0
@@ -270,7 +285,35 @@ def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> ND
         step *= -np.sign((step * over[other]).sum(axis=1))[:, None]
         size = np.sqrt((step**2).sum(axis=1))
         along |= (advance * step).sum(axis=1) > RISE * size
+    along |= _rises_from_corners(
+        pair, trial.edges[asked], touch[asked], steps, angle[..., None] * way[:, None], advance
+    )
     rises[asked] = np.where(alone, inwards, along)
+    return rises
+
+
+def _rises_from_corners(
+    pair: Pair, edges: NDArray[np.intp], touch: Touch, steps: Array, turned: Array, advance: Array
+) -> NDArray[np.bool_]:
+    """Whether the advance rises along the tip line, on one side or the other, from those of places (C,) that are corners of it; by
+    two steps on the pinion (C, 2, 3), by what the gear's points then turn (C, 2, 3), mm, and the advance rises (C, 2)."""
+    rises = np.zeros(len(edges), dtype=bool)
+    for tip, corner in pair.tip_corners:
+        own = np.flatnonzero((edges[:, 0] == tip) & (edges[:, 1] == corner))
+        edge, station = pair.bounds[tip], pair.bounds[corner]
+        if not own.size or edge is None or station is None:
+            continue
+        r, rotation = touch.own[edge.member].r[own], touch.turns[edge.member]
+        on_member = steps[own] if edge.member == 0 else steps[own] - turned[own]
+        along = station.level.gradient(r)
+        of_station, *of_tip = (
+            (on_member @ turn(rotation[own] if rotation.ndim == 3 else rotation, gradient)[..., None])[..., 0]
+            for gradient in (along, *(edge.level.gradient(r + side * BESIDE * along) for side in (1.0, -1.0)))
+        )
+        for side, over in zip((1.0, -1.0), of_tip, strict=True):
+            step = np.stack((-over[:, 1], over[:, 0]), axis=-1)
+            step *= side * np.sign((step * of_station).sum(axis=1))[:, None]
+            rises[own] |= (advance[own] * step).sum(axis=1) > RISE * np.sqrt((step**2).sum(axis=1))
     return rises
 
 
@@ -354,7 +397,8 @@ def _edges_next(
         own, crossed = edges[k]
         # from an edge inwards; from where two cross along either of them, though that was solved for from elsewhere before: along
         # one edge the advance may have several summits
-        for edge, mark in ((-1, own),) if crossed < 0 else ((own, ALONG - crossed), (crossed, ALONG - own)):
+        ways = ((-1, own),) if crossed < 0 else ((own, ALONG - crossed), (crossed, ALONG - own))
+        for edge, mark in ways[: 1 if crossed >= 0 and OF_CORNERS[crossed] else 2]:
             spawn(k, trial.x[k], edge, -1, mark)
     for k in np.flatnonzero(~trial.good & leading).tolist():
         first, second = edges[k]

@@ -160,12 +160,15 @@ class Engagement:
         contacts = Contacts.nothing(len(phi1))
         # between contacts of two kinds both are followed
         both = self.followable[left] & self.followable[left + 1]
-        known, two = np.flatnonzero(smooth), np.flatnonzero(inside & ~smooth & both)
+        # along a line nodes have any point: half way between two of them there may be none
+        on_line = smooth & self.contacts.line[left]
+        known, two = np.flatnonzero(smooth & ~on_line), np.flatnonzero(on_line | (inside & ~smooth & both))
         with np.errstate(all="ignore"):
             place, ends = np.tile(two, 2), np.concatenate((left[two], left[two] + 1))
             start = np.concatenate((self._interpolate(phi1[known], left[known]), self._predict(phi1[place], ends)))
             self._refine(phi1, np.concatenate((known, place)), start, np.concatenate((left[known], ends)), contacts)
-        rest = ~contacts.touching
+        rest = ~contacts.touching | (on_line & ~contacts.line)
+        two = two[~on_line[two]]
         if checked and two.size:
             seen = tooth_outlook(self.pair, phi1[two]).best
             rest[two[seen > contacts.advance[two] + UNSEEN]] = True

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 #: every which column of the flank's grid is sampled
 COLUMNS = 2
+#: rad that a tooth goes round its axis, from where on only those of its columns are sampled that are near the gear, more closely
+WOUND = 0.5 * np.pi
 #: points times positions that are worked on at once
 CHUNK = 200_000
 #: maxima inside the flanks that are kept at a position
@@ -39,6 +41,8 @@ FINER = 3
 AROUND = 2
 #: a sampled place this far (mm) outside a flank is still on it
 SLACK = 1e-9
+#: by how much (rad) a summit along an edge is above its neighbours: the noise of tables
+DIP = 1e-9
 #: kinds of places: inside both flanks, and on the edges of either
 INTERIOR = -1
 #: limits of a flank in the order in which `heights` has them, the first that of a fillet if it is one; the flank's corners
@@ -74,8 +78,7 @@ class Outlook:
 
 def outlook(pair: Pair, phi1: Array) -> Outlook:
     """What advances may be expected of the flanks of a pair at phi1 (N,), rad."""
-    nodes, parts = _batches(pair, phi1)
-    seen = [_Field.of(pair, nodes, phi1, index, trimmed=True) for index in parts]
+    seen = [_Field.of(pair, nodes, phi1, trimmed=True) for nodes in _batches(pair, phi1)]
     return Outlook(*(np.concatenate([getattr(part, field.name) for part in seen]) for field in fields(Outlook)))
 
 
@@ -86,8 +89,7 @@ def candidates(
 
     Unless `trimmed` the gear's flank is taken as far as its table goes. The `finer` grid has all nodes of the other.
     """
-    nodes, indices = _batches(pair, phi1, only, finer=finer)
-    parts = [_candidates(pair, nodes, phi1, index, trimmed) for index in indices]
+    parts = [_candidates(pair, nodes, phi1, trimmed) for nodes in _batches(pair, phi1, only, finer=finer)]
     counted = np.cumsum([0, *(len(part.position) for part in parts)])
     parts = [
         replace(part, top=np.where(part.top < 0, -1, part.top + k)) for part, k in zip(parts, counted, strict=False)
@@ -95,14 +97,25 @@ def candidates(
     return Candidates(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Candidates)))
 
 
-def _batches(
-    pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, finer: bool = False
-) -> tuple[_Nodes, list[NDArray[np.intp]]]:
-    """The points that are sampled, and the positions that are worked on at once."""
-    nodes = _Nodes.of(pair.pinion, _halve(pair.pinion.grid) if finer else pair.pinion.grid[:, ::COLUMNS])
-    every = np.arange(len(phi1)) if only is None else only
-    step = max(1, CHUNK // nodes.r.shape[0])
-    return nodes, [every[k : k + step] for k in range(0, max(len(every), 1), step)]
+def _batches(pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, finer: bool = False) -> Iterator[_Nodes]:
+    """The points that are sampled, at positions that are worked on at once."""
+    grid, every = pair.pinion.grid, np.arange(len(phi1)) if only is None else only
+    sampled, wound = grid[:, ::COLUMNS], _is_wound(pair)
+    if finer or wound:
+        sampled = _halve(grid)
+    if wound and not finer:
+        sampled = sampled[::2]
+    jet = pair.pinion.surface.jet(sampled[..., 0].ravel(), sampled[..., 1].ravel())
+    whole = _Nodes(every, sampled, np.zeros(len(every), dtype=np.intp), sampled.shape[:2], jet.r, jet.n)
+    step = max(1, CHUNK // (sampled[:, ::COLUMNS].size // 2 if wound else len(jet.r)))
+    for k in range(0, max(len(every), 1), step):
+        nodes = whole.at(every[k : k + step])
+        yield nodes.facing(pair, phi1) if wound else nodes
+
+
+def _is_wound(pair: Pair) -> bool:
+    """Whether the pinion's tooth goes so far round its axis that only a part of its face is near the gear in any position."""
+    return pair.pinion.winding > WOUND and pair.gear.mount.eccentricity == (0.0, 0.0)
 
 
 def _halve(grid: Array) -> Array:
@@ -114,16 +127,59 @@ def _halve(grid: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Nodes:
-    """Points of the pinion's grid: parameters (I, J, 2), own points and normals (I J, 3)."""
+    """Points of the pinion's grid of parameters (I, J, 2) that are sampled at positions `index` (N,): a `shape` of I rows and W
+    columns of it, of each position from a column `first` (N,) on; own points and normals (I W, 3), of all positions, or
+    (N, I W, 3)."""
 
+    index: NDArray[np.intp]
     grid: Array
+    first: NDArray[np.intp]
+    shape: tuple[int, ...]
     r: Array
     n: Array
 
-    @staticmethod
-    def of(flank: Flank, grid: Array) -> _Nodes:
-        jet = flank.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
-        return _Nodes(grid, jet.r, jet.n)
+    def at(self, index: NDArray[np.intp]) -> _Nodes:
+        """The same whole grid at other positions."""
+        return replace(self, index=index, first=np.zeros(len(index), dtype=np.intp))
+
+    @property
+    def ends(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """At which positions (N,) the first column is the grid's, and the last one is."""
+        return self.first == 0, self.first + self.shape[1] == self.grid.shape[1]
+
+    def parameters(self, position: NDArray[np.intp], place: Array) -> Array:
+        """Parameters (C, 2) of the flank at places (C, 2), by row and column, of positions (C,)."""
+        return bilinear(self.grid, place + np.stack((np.zeros(len(position)), self.first[position]), axis=-1))
+
+    def facing(self, pair: Pair, phi1: Array) -> _Nodes:
+        """As many columns as it takes at any of the positions to have all whose circles may meet the gear, of each its own."""
+        rows, columns = self.shape
+        few = np.array([0, rows // 2, rows - 1])
+        r = self.r.reshape(rows, columns, 3)[few]
+        _, target = _seen_from_gear(pair, phi1, r.reshape(-1, 3), self.index)
+        joint, table = pair.gear.mount.joint, pair.gear.heights
+        beyond = table.beyond(joint.radius(target), target[..., 2]).reshape(len(LIMITS), -1, len(few), columns)
+        # of a column and its neighbours, none is inside a limit: nothing between them is
+        nearest = _least_beside(beyond.min(axis=2))
+        away = pair.next_winding(phi1[self.index][:, None], r[1])
+        near = (nearest <= SLACK).all(axis=0) & ~(away & np.roll(away, 1, axis=1) & np.roll(away, -1, axis=1))
+        first = np.where(near.any(axis=1), near.argmax(axis=1), columns // 2) - 1
+        last = np.where(near.any(axis=1), columns - near[:, ::-1].argmax(axis=1), columns // 2)
+        width = int(np.clip((last - first).max(initial=2) + 1, 3, columns))
+        first = np.clip(first, 0, columns - width)
+        if width == columns:
+            return self
+        own = first[:, None, None] + np.arange(width) + (np.arange(rows) * columns)[:, None]
+        own = own.reshape(len(first), -1)
+        return _Nodes(self.index, self.grid, first, (rows, width), self.r[own], self.n[own])
+
+
+def _least_beside(values: Array) -> Array:
+    """The least of values (..., J) of every column and its neighbours."""
+    least = values.copy()
+    least[..., 1:] = np.minimum(least[..., 1:], values[..., :-1])
+    least[..., :-1] = np.minimum(least[..., :-1], values[..., 1:])
+    return least
 
 
 @dataclass(frozen=True)
@@ -139,10 +195,8 @@ class Advances:
 
 def advances(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) -> Advances:
     """Advances (N, K) of points r (K, 3) or (N, K, 3) with normals n of the pinion, own frame, at positions `index` (N,)."""
-    first, second = pair.pinion.mount.rows(index), pair.gear.mount.rows(index)
-    own_to_base = second.base.inverse @ first.at(phi1[index])
-    rotation = np.swapaxes(own_to_base.rotation, -1, -2)
-    target = r @ rotation + own_to_base.translation[..., None, :]
+    second = pair.gear.mount.rows(index)
+    rotation, target = _seen_from_gear(pair, phi1, r, index)
     normal = n @ rotation
     z, joint = target[..., 2], second.joint
     theta = joint.angle(target)
@@ -154,6 +208,15 @@ def advances(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp
     pushes = pair.drive * second.sign * joint.along(target, normal) > 0.0
     pushes &= ~pair.next_winding(phi1[index][:, None], r)
     return Advances(np.where(pushes, pair.drive * ahead, np.nan), circles.beyond, rho, z)
+
+
+def _seen_from_gear(pair: Pair, phi1: Array, r: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Points r (K, 3) or (N, K, 3) of the pinion, own frame, as the gear at rest has them at positions `index` (N,): (N, K, 3), and
+    what rows of vectors are multiplied by, (N, 3, 3) or (3, 3)."""
+    first, second = pair.pinion.mount.rows(index), pair.gear.mount.rows(index)
+    own_to_base = second.base.inverse @ first.at(phi1[index])
+    rotation = np.swapaxes(own_to_base.rotation, -1, -2)
+    return rotation, r @ rotation + own_to_base.translation[..., None, :]
 
 
 def _turn(
@@ -191,9 +254,9 @@ class _Field:
     stations: dict[int, Array]
 
     @staticmethod
-    def of(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> _Field:
-        shape = (len(index), *nodes.grid.shape[:2])
-        field = advances(pair, phi1, nodes.r, nodes.n, index)
+    def of(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> _Field:
+        shape = (len(nodes.index), *nodes.shape)
+        field = advances(pair, phi1, nodes.r, nodes.n, nodes.index)
         advance = field.advance.reshape(shape)
         beyond = field.beyond.reshape(4, *shape)
         on = np.where(np.isfinite(advance) & ((beyond <= SLACK).all(axis=0) | (not trimmed)), advance, -np.inf)
@@ -221,8 +284,8 @@ class _Field:
         return _Field(advance, beyond, on, _bends(advance), best, _gain(advance), inside, crossings, stations)
 
 
-def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
-    field = _Field.of(pair, nodes, phi1, index, trimmed)
+def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candidates:
+    field, index = _Field.of(pair, nodes, phi1, trimmed), nodes.index
     on, best, gain = field.on, field.best, field.gain
     shape = on.shape
     places: list[tuple[NDArray[np.intp], Array, NDArray[np.intp], Array, Array]] = []
@@ -268,21 +331,18 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp],
             there, i, j, value = field.crossings[number]
             add_samples(there, i, j, number, value)
         elif member == 0 and name in pair.pinion.edges:
+            toe, heel = nodes.ends
             rim = {
                 "tip": on[:, -1, :],
-                "toe": on[:, :, 0],
-                "heel": on[:, :, -1],
+                "toe": np.where(toe[:, None], on[:, :, 0], -np.inf),
+                "heel": np.where(heel[:, None], on[:, :, -1], -np.inf),
                 FORM_POINT: on[:, 0, :],
                 ROOT: on[:, 0, :],
             }[name]
-            k = rim.argmax(axis=1)
-            there = np.flatnonzero(rim[rows, k] > -np.inf)
-            along, fixed = (
-                k[there].astype(float),
-                np.full(there.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0)),
-            )
-            i, j = (fixed, along) if along_face(number) else (along, fixed)
-            add_samples(there, i, j, number, rim[there, k[there]])
+            for there, k in _summits(rim):
+                fixed = np.full(there.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0))
+                i, j = (fixed, k.astype(float)) if along_face(number) else (k.astype(float), fixed)
+                add_samples(there, i, j, number, rim[there, k])
     sampled_count = sum(len(nodes_of[0]) for nodes_of in places)
     for names in CORNERS:
         first, second = (edge_number(1, name) for name in names)
@@ -303,7 +363,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp],
     sure = on.max(axis=(1, 2))
     worth = np.flatnonzero(most >= sure[position])
     position, place, edges, value = position[worth], place[worth], edges[worth], value[worth]
-    x = _starts(pair, nodes, phi1, index, position, place, value)
+    x = _starts(pair, nodes.parameters(position, place), phi1, index[position], value)
     order = np.argsort(value, kind="stable")
     order = order[worth[order] < sampled_count]
     top = np.full(len(index), -1)
@@ -315,19 +375,16 @@ def sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Ar
     """Unknowns (M, 5) where the flanks are most advanced near nodes x (M, 5) at positions (M,): over all of a node's columns on
     either side first, on which an advance may be too sharp to be seen between them, then on finer and finer lattices."""
     grid = pair.pinion.grid
+    last = np.array(grid.shape[:2]) - 1.0
     flat = grid.reshape(-1, 2)
     node = np.abs((flat - x[:, None, :2]) / np.ptp(flat, axis=0)).sum(axis=2).argmin(axis=1)
-    last = np.array(grid.shape[:2]) - 1.0
     place = np.stack(np.divmod(node, grid.shape[1]), axis=-1).astype(float)
     best = pair.drive * (x[:, 4] - pair.ratio * phi1[position])
     middle, rows, columns = place * [0.0, 1.0], np.arange(0.0, last[0] + 0.5, 0.5), np.linspace(-COLUMNS, COLUMNS, 17)
     for _ in range(FINER):
         ways = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1).reshape(-1, 2)
         tried = np.clip(middle[:, None] + ways, 0.0, last)
-        own = bilinear(grid, tried.reshape(-1, 2))
-        jet = pair.pinion.surface.jet(own[:, 0], own[:, 1])
-        r, n = (vectors.reshape(*tried.shape[:2], 3) for vectors in (jet.r, jet.n))
-        there = advances(pair, phi1, r, n, position)
+        there = _tried(pair, phi1, position, bilinear(grid, tried.reshape(-1, 2)).reshape(tried.shape))
         advance = np.where((there.beyond <= SLACK).all(axis=0) & np.isfinite(there.advance), there.advance, -np.inf)
         k = advance.argmax(axis=1)
         every = np.arange(len(k))
@@ -335,7 +392,34 @@ def sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Ar
         middle = place = np.where(higher[:, None], tried[every, k], place)
         best = np.where(higher, advance[every, k], best)
         rows, columns = (np.linspace(-reach, reach, 9) for reach in (rows[1] - rows[0], columns[1] - columns[0]))
-    return _starts(pair, _Nodes.of(pair.pinion, grid), phi1, position, every, place, best)
+    return _starts(pair, bilinear(grid, place), phi1, position, best)
+
+
+def seen_closely(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Array:
+    """The advance (M,), rad, that there may be at most about nodes x (M, 5) at positions (M,), by a lattice of steps half as long: of
+    teeth that wind round their axis; of others no more is known (inf)."""
+    if not _is_wound(pair) or not len(position):
+        return np.full(len(position), np.inf)
+    flat = pair.pinion.grid.reshape(-1, 2)
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    rows, columns = pair.pinion.grid.shape[:2]
+    steps = 0.5 * (high - low) / (rows - 1.0, 2.0 * (columns - 1.0))
+    shifts = np.arange(-2.0, 3.0)
+    ways = steps * np.stack(np.meshgrid(shifts, shifts, indexing="ij"), axis=-1).reshape(-1, 2)
+    there = _tried(pair, phi1, position, np.clip(x[:, None, :2] + ways, low, high))
+    shape = (len(position), len(shifts), len(shifts))
+    advance, beyond = there.advance.reshape(shape), there.beyond.max(axis=0).reshape(shape)
+    # beside an edge it may be as far ahead as beyond it
+    near = ~np.isnan(advance) & (-_largest_beside(-beyond) <= SLACK)
+    most: Array = np.where(near, advance + _bends(advance), -np.inf).max(axis=(1, 2))
+    return most
+
+
+def _tried(pair: Pair, phi1: Array, position: NDArray[np.intp], parameters: Array) -> Advances:
+    """Advances of the pinion's points at `parameters` (M, K, 2) at positions (M,)."""
+    jet = pair.pinion.surface.jet(parameters[..., 0].ravel(), parameters[..., 1].ravel())
+    r, n = (vectors.reshape(*parameters.shape[:2], 3) for vectors in (jet.r, jet.n))
+    return advances(pair, phi1, r, n, position)
 
 
 def _is_peak(on: Array) -> NDArray[np.bool_]:
@@ -344,6 +428,21 @@ def _is_peak(on: Array) -> NDArray[np.bool_]:
     for beside in _neighbours(on):
         peaks &= on >= beside
     return peaks
+
+
+def _summits(rim: Array) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """Positions (M,) and places (M,) of the greatest of values along an edge (N, K), and where they have another summit of it: where
+    flanks nearly touch along a line, it may leave them over one edge twice."""
+    rows, first = np.arange(len(rim)), rim.argmax(axis=1)
+    there = np.flatnonzero(rim[rows, first] > -np.inf)
+    yield there, first[there]
+    wide = np.pad(rim, ((0, 0), (1, 1)), constant_values=-np.inf)
+    others = np.where((rim > wide[:, :-2] + DIP) & (rim > wide[:, 2:] + DIP), rim, -np.inf)
+    others[rows, first] = -np.inf
+    second = others.argmax(axis=1)
+    there = np.flatnonzero(others[rows, second] > -np.inf)
+    if there.size:
+        yield there, second[there]
 
 
 def _largest_beside(values: Array) -> Array:
@@ -468,24 +567,17 @@ def _best_crossing(
     return there, where[0, there], where[1, there], best[there]
 
 
-def _starts(
-    pair: Pair,
-    nodes: _Nodes,
-    phi1: Array,
-    index: NDArray[np.intp],
-    position: NDArray[np.intp],
-    place: Array,
-    value: Array,
-) -> Array:
-    """Unknowns (C, 5) at grid places (C, 2) of the positions `index`[`position`]."""
+def _starts(pair: Pair, parameters: Array, phi1: Array, position: NDArray[np.intp], value: Array) -> Array:
+    """Unknowns (C, 5) where the pinion's points at `parameters` (C, 2) meet the gear at positions (C,), with advances (C,) where
+    they do not."""
     x = np.empty((len(position), 5))
-    x[:, :2] = bilinear(nodes.grid, place)
+    x[:, :2] = parameters
     jet = pair.pinion.surface.jet(x[:, 0], x[:, 1])
-    at = index[position]
-    there = advances(pair, phi1, jet.r[:, None], jet.n[:, None], at)
+    there = advances(pair, phi1, jet.r[:, None], jet.n[:, None], position)
     x[:, 2:4] = pair.gear.heights.parameters_at(there.rho[:, 0], there.z[:, 0])
     x[:, 4] = (
-        pair.drive * np.where(np.isfinite(there.advance[:, 0]), there.advance[:, 0], value) + pair.ratio * phi1[at]
+        pair.drive * np.where(np.isfinite(there.advance[:, 0]), there.advance[:, 0], value)
+        + pair.ratio * phi1[position]
     )
     return x
 

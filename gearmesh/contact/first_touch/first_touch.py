@@ -7,12 +7,14 @@ whether it lies inside both flanks, on an edge or where two edges cross.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts, Trial, advances_of, refine_candidates
-from gearmesh.contact.first_touch.field import INTERIOR, Candidates, candidates, sharpen
+from gearmesh.contact.first_touch.field import INTERIOR, Candidates, candidates, seen_closely, sharpen
 from gearmesh.contact.first_touch.search import UNSEEN, meeting_points, refine_missed
 from gearmesh.contact.pair import NUMBERED, Pair
 from gearmesh.kernel.numeric.algebra import Array
@@ -42,7 +44,8 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
                 worth &= (places.edges == INTERIOR).all(axis=1)
             trial = Trial.of(places.position[worth], places.x[worth], places.edges[worth])
             trial.most = places.most[worth]
-            refine_candidates(part, phi1, trial, contacts, number, edges=edges)
+            look = partial(seen_closely, part, phi1)
+            refine_candidates(part, phi1, trial, contacts, number, edges=edges, look=look)
             lost = _lost_candidates(part, phi1, trial, contacts)
             if lost.size:
                 sharp = sharpen(part, phi1, trial.position[lost], trial.start[lost])

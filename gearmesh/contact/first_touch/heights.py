@@ -24,6 +24,8 @@ from gearmesh.kernel.surface.surface import Surface
 
 #: rows of the lattice from form point to tip
 ROWS = 33
+#: degree of the lattice's first and last row over the face, where they bend; part of w up to which they do not
+DEGREE, STRAIGHT = 4, 1e-12
 #: a lattice point is met to this, mm
 MET = 1e-9
 
@@ -40,7 +42,8 @@ class Circles:
 @dataclass(frozen=True)
 class FlankHeights:
     """theta (rad) on the lattice, w (mm) at form point and tip by station, and the lattice's surface parameters
-    (ROWS, C, 2); `heights` makes it."""
+    (ROWS, C, 2); `rows`: w of the lattice's first row and from there to its last, as polynomials of the place on the face from -1 to
+    1, where they are not those straight ones at form point and tip. `heights` makes it."""
 
     station: tuple[float, float, float]
     sign: float
@@ -48,14 +51,23 @@ class FlankHeights:
     theta: SplineTable
     low: Array
     high: Array
+    rows: tuple[Array, Array] | None
     parameters: Array
 
     def at(self, rho: Array, z: Array) -> Circles:
         """Where circles (...,), own frame, meet the flank."""
         a, w, row, column, low, high = self._places(rho, z)
+        return Circles(self.theta.at(row, column), self._outside(a, w, low, high))
+
+    def beyond(self, rho: Array, z: Array) -> Array:
+        """How far (4, ...), mm, circles (...,), own frame, lie beyond form point, tip, toe and heel."""
+        a, w, _, _, low, high = self._places(rho, z)
+        return self._outside(a, w, low, high)
+
+    def _outside(self, a: Array, w: Array, low: Array, high: Array) -> Array:
         toe, heel = self.extent
         sense = np.sign(heel - toe)
-        return Circles(self.theta.at(row, column), np.stack((low - w, w - high, sense * (toe - a), sense * (a - heel))))
+        return np.stack((low - w, w - high, sense * (toe - a), sense * (a - heel)))
 
     def parameters_at(self, rho: Array, z: Array) -> Array:
         """Surface parameters (C, 2) near the places where circles (C,) meet the flank, or of the nearest on its rim."""
@@ -73,7 +85,10 @@ class FlankHeights:
         k = np.nan_to_num(np.clip(column, 0, last - 1)).astype(np.intp)
         share = column - k
         low, high = (limit[k] + share * (limit[k + 1] - limit[k]) for limit in (self.low, self.high))
-        return a, w, (w - low) * ((ROWS - 1) / (high - low)), column, low, high
+        first, span = low, high - low
+        if self.rows is not None:
+            first, span = (np.asarray(np.polyval(row, column * (2.0 / last) - 1.0)) for row in self.rows)
+        return a, w, (w - first) * ((ROWS - 1) / span), column, low, high
 
 
 def bilinear(table: Array, place: Array) -> Array:
@@ -104,7 +119,15 @@ def heights(surface: Surface, grid: Array, joint: Joint, *, axial: Level, extent
     low_a, high_a = (float(np.clip(end, a.min(), a.max())) for end in extent)
     stations = np.linspace(low_a, high_a, count)
     low, high = w[0], w[-1]
-    wanted = low + np.linspace(0.0, 1.0, ROWS)[:, None] * (high - low)
+    first, span = low, high - low
+    bent = [np.abs(np.diff(ends, 2)).max() > STRAIGHT * np.abs(ends).max() for ends in (first, span)]
+    rows = None
+    if any(bent):
+        # smooth though form point or tip line have corners: else a spline through the lattice is not near what is between
+        along = np.linspace(-1.0, 1.0, count)
+        rows = np.polyfit(along, first, DEGREE), np.polyfit(along, span, DEGREE)
+        first, span = (np.polyval(row, along) for row in rows)
+    wanted = first + np.linspace(0.0, 1.0, ROWS)[:, None] * span
     start = np.empty((ROWS, count, 2))
     for j in range(count):
         for k in range(2):
@@ -124,7 +147,7 @@ def heights(surface: Surface, grid: Array, joint: Joint, *, axial: Level, extent
     angle = joint.angle(surface.jet(met.values[:, 0], met.values[:, 1]).r)
     parameters = np.where(met.converged[:, None], met.values, start.reshape(-1, 2)).reshape(ROWS, count, 2)
     theta = _without_gaps(np.where(met.converged, angle, np.nan).reshape(ROWS, count), joint)
-    return FlankHeights((across, up, zero), sign, (low_a, high_a), SplineTable.of(theta), low, high, parameters)
+    return FlankHeights((across, up, zero), sign, (low_a, high_a), SplineTable.of(theta), low, high, rows, parameters)
 
 
 def _without_gaps(theta: Array, joint: Joint) -> Array:
