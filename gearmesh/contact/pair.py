@@ -37,6 +37,8 @@ WITHIN = np.array([name in (*CREASES, *RIDGES) for _, name in NUMBERED])
 OF_CORNERS = np.array([name in TIP_CORNERS for _, name in NUMBERED])
 #: number of a place for which no condition was found that holds: corners of edges
 CORNER = len(NUMBERED)
+#: azimuth (rad) of a pinion's tooth from where on it is sampled where it faces the gear alone
+WOUND = 0.5 * np.pi
 #: share of a flank by which it is looked beside a place on which side of a corner that lies
 STEP = 1e-6
 #: largest residual of what counts as solved: mm, and a part of the pinion's largest coordinate, if that is more
@@ -71,6 +73,11 @@ class Pair:
     @property
     def flanks(self) -> tuple[Flank, Flank]:
         return self.pinion, self.gear
+
+    @cached_property
+    def wound(self) -> bool:
+        """Whether the pinion's tooth goes so far round its axis that only a part of its face is near the gear in any position."""
+        return self.pinion.winding > WOUND and self.gear.mount.eccentricity == (0.0, 0.0)
 
     @cached_property
     def length(self) -> float:

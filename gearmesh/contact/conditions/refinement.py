@@ -150,7 +150,9 @@ def refine_candidates(
     """Solve for all places of part `number`, go on to edges that they lie beyond, if `edges` count, and keep what is ahead.
 
     `look` gives what advance (M,), rad, there may be at most about places inside the flanks, by their positions (M,) and unknowns
-    (M, 5): asked of those that were not found at once, and may be ahead by what is known of them. The trials record afterwards what became of them, not of those that came of them.
+    (M, 5): asked of those that were not found at once, and may be ahead by what is known of them.
+
+    The trials record afterwards what became of them, not of those that came of them.
     """
     tried: set[tuple[int, int, int]] = set()
     begun = trial

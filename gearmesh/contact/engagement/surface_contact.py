@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.bent_lines import directions
+from gearmesh.contact.conditions.line_ends import line_ends
 from gearmesh.contact.conditions.lines import STEEP, on_edges, trace
 from gearmesh.contact.conditions.meshing import Bound, Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, advances_of, margins
@@ -98,6 +99,9 @@ class _Ends:
         points = [end for end in open_ends if end not in lines]
         if points:
             known |= self._point_ends(points)
+        if lines and self.pair.wound:
+            known |= self._wound_ends(lines)
+            lines = [end for end in lines if end not in known]
         for own, piece in self.pair.pieces(c.x[[end.last for end in lines]]) if lines else ():
             on_piece = [lines[k] for k in own]
             last = [end.last for end in on_piece]
@@ -151,6 +155,17 @@ class _Ends:
             for k, phi1, fine in zip(left, event.phi1.tolist(), good, strict=True):
                 if fine and self._between(phi1, ends[k]):
                     places[ends[k]] = phi1, np.nan
+        return places
+
+    def _wound_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
+        """Where the lines of the last nodes have shrunk to the last point of them, as far as that is before the next node."""
+        last = [end.last for end in ends]
+        shrunk = line_ends(self.pair.parts[0], self.phi1[last], self.flanks.x[last])
+        places: dict[_End, tuple[float, float]] = {}
+        for k, end in enumerate(ends):
+            phi1 = np.array([at for at in shrunk.phi1[shrunk.line == k].tolist() if self._between(at, end)])
+            if phi1.size:
+                places[end] = float(phi1[(phi1 * end.step).argmax()]), np.nan
         return places
 
     def _line_ends(self, pair: Pair, ends: list[_End], x: Array) -> dict[_End, tuple[float, float]]:

@@ -22,13 +22,10 @@ from gearmesh.contact.pair import EDGES, FORM_POINT, NUMBERED, OF_CORNERS, ROOT,
 from gearmesh.kernel.numeric.algebra import Array
 
 if TYPE_CHECKING:
-    from gearmesh.contact.conditions.meshing import Flank
     from gearmesh.contact.pair import Pair
 
 #: every which column of the flank's grid is sampled
 COLUMNS = 2
-#: rad that a tooth goes round its axis, from where on only those of its columns are sampled that are near the gear, more closely
-WOUND = 0.5 * np.pi
 #: points times positions that are worked on at once
 CHUNK = 200_000
 #: maxima inside the flanks that are kept at a position
@@ -100,7 +97,7 @@ def candidates(
 def _batches(pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, finer: bool = False) -> Iterator[_Nodes]:
     """The points that are sampled, at positions that are worked on at once."""
     grid, every = pair.pinion.grid, np.arange(len(phi1)) if only is None else only
-    sampled, wound = grid[:, ::COLUMNS], _is_wound(pair)
+    sampled, wound = grid[:, ::COLUMNS], pair.wound
     if finer or wound:
         sampled = _halve(grid)
     if wound and not finer:
@@ -111,11 +108,6 @@ def _batches(pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, f
     for k in range(0, max(len(every), 1), step):
         nodes = whole.at(every[k : k + step])
         yield nodes.facing(pair, phi1) if wound else nodes
-
-
-def _is_wound(pair: Pair) -> bool:
-    """Whether the pinion's tooth goes so far round its axis that only a part of its face is near the gear in any position."""
-    return pair.pinion.winding > WOUND and pair.gear.mount.eccentricity == (0.0, 0.0)
 
 
 def _halve(grid: Array) -> Array:
@@ -396,9 +388,9 @@ def sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Ar
 
 
 def seen_closely(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Array:
-    """The advance (M,), rad, that there may be at most about nodes x (M, 5) at positions (M,), by a lattice of steps half as long: of
-    teeth that wind round their axis; of others no more is known (inf)."""
-    if not _is_wound(pair) or not len(position):
+    """The advance (M,), rad, that there may be at most about nodes x (M, 5) at positions (M,), by a lattice of steps half as long:
+    of teeth that wind round their axis; of others no more is known (inf)."""
+    if not pair.wound or not len(position):
         return np.full(len(position), np.inf)
     flat = pair.pinion.grid.reshape(-1, 2)
     low, high = flat.min(axis=0), flat.max(axis=0)
@@ -431,8 +423,8 @@ def _is_peak(on: Array) -> NDArray[np.bool_]:
 
 
 def _summits(rim: Array) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """Positions (M,) and places (M,) of the greatest of values along an edge (N, K), and where they have another summit of it: where
-    flanks nearly touch along a line, it may leave them over one edge twice."""
+    """Positions (M,) and places (M,) of the greatest of values along an edge (N, K), and where they have another summit: where flanks
+    nearly touch along a line, it may leave them over one edge twice."""
     rows, first = np.arange(len(rim)), rim.argmax(axis=1)
     there = np.flatnonzero(rim[rows, first] > -np.inf)
     yield there, first[there]

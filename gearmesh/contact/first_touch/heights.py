@@ -42,8 +42,8 @@ class Circles:
 @dataclass(frozen=True)
 class FlankHeights:
     """theta (rad) on the lattice, w (mm) at form point and tip by station, and the lattice's surface parameters
-    (ROWS, C, 2); `rows`: w of the lattice's first row and from there to its last, as polynomials of the place on the face from -1 to
-    1, where they are not those straight ones at form point and tip. `heights` makes it."""
+    (ROWS, C, 2); `rows`: w of the lattice's first row and from there to its last, as polynomials of the place on the face from -1
+    to 1, where form point and tip are not straight. `heights` makes it."""
 
     station: tuple[float, float, float]
     sign: float
