@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.meshing import Conditions
+from gearmesh.contact.conditions.meshing import Bound, Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, margins
 from gearmesh.contact.pair import Pair
 from gearmesh.errors import Solution
@@ -25,6 +25,8 @@ from gearmesh.kernel.surface.nearest import tangential
 STEPS, MOST, ROUGH = 24, 48, 1e-5
 #: how far (part of a flank's length) beyond the flanks a line is followed, to where it may enter them again
 BEYOND = 0.35
+#: evaluations of a point of a line at a station at most
+EVALUATIONS = 15
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,14 @@ def directions(pair: Pair, conditions: Conditions, x: Array) -> tuple[Array, Arr
 
 def pieces(pair: Pair, plain: Conditions, x: Array, count: int) -> LinePieces:
     """What both flanks have of the lines through x (M, 5), at `count` points each; `plain`: the conditions at these positions."""
-    own = _pieces(pair, plain, np.arange(len(x)), _follow(pair, plain, x), count)
+    states = np.full((len(x), 2 * MOST + 1, 5), np.nan)
+    over_face, good = _over_face(pair, plain, x) if pair.wound else (states, np.zeros(len(x), dtype=bool))
+    if good.any():
+        states[good, : over_face.shape[1]] = over_face[good]
+    rest = np.flatnonzero(~good)
+    if rest.size:
+        states[rest] = _follow(pair, plain.repeat(rest), x[rest])
+    own = _pieces(pair, plain, np.arange(len(x)), states, count)
     # a gap between two steps shows between the points of its piece
     return _pieces(pair, plain, own.line, own.x, count)
 
@@ -75,6 +84,36 @@ def _pieces(pair: Pair, plain: Conditions, line: NDArray[np.intp], states: Array
         for i, j, k, begin, end in zip(row, first, last, *ends, strict=True)
     ]
     return _evenly(pair, plain, line[row], between, count)
+
+
+def line_over_face(pair: Pair, plain: Conditions, x: Array, stations: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Points (M, S, 5) of the lines through x (M, 5) at stations (S,) or (M, S) of the gear, mm, and which of them (M, S) are
+    found."""
+    shape = len(x), stations.shape[-1]
+    rows = np.repeat(np.arange(shape[0]), shape[1])
+    repeated = plain.repeat(rows)
+    bound, across = Bound(1, pair.gear.axial, np.broadcast_to(stations, shape).ravel()), directions(pair, plain, x)[1]
+    solution = newton.solve(
+        replace(repeated, bounds=(bound,), across=across[rows]),
+        x[rows],
+        tolerance=pair.tolerance,
+        max_step=pair.max_step,
+        max_evaluations=EVALUATIONS,
+    )
+    one, two = repeated.touch(solution.values, np.arange(len(rows))).fixed
+    there: NDArray[np.bool_] = solution.converged & (dot(one.n, two.n) < 0.0)
+    return solution.values.reshape(*shape, 5), there.reshape(shape)
+
+
+def _over_face(pair: Pair, plain: Conditions, x: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Points (M, S, 5) of lines through x (M, 5) in order over the gear's face, NaN beyond where they end, and which lines (M,) run
+    from one end of it to the other without gaps, so that these are all of their points."""
+    stations = np.linspace(*pair.gear.extent, 2 * STEPS + 1)
+    states, there = line_over_face(pair, plain, x, stations)
+    rows = np.repeat(np.arange(len(x)), len(stations))
+    r = plain.repeat(rows).touch(states.reshape(-1, 5), np.arange(len(rows))).fixed[0].r.reshape(*there.shape, 3)
+    steps = np.linalg.norm(np.diff(r, axis=1), axis=-1)
+    return states, there.all(axis=1) & (steps < 2.0 * 4.0 * pair.length / STEPS).all(axis=1)
 
 
 def _follow(pair: Pair, plain: Conditions, x: Array) -> Array:

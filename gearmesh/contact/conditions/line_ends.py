@@ -8,20 +8,23 @@ in (s, phi1), of all places in one batch.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.bent_lines import Sections, directions
-from gearmesh.contact.conditions.meshing import Bound, Conditions
+from gearmesh.contact.conditions.bent_lines import EVALUATIONS, Sections, directions, line_over_face
+from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, margins
 from gearmesh.contact.pair import Pair, edge_number
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot, plane_cross, turn
+from gearmesh.kernel.surface.surface import Jet
 
-#: stations of the gear's face at which a line is looked at, and evaluations of its points at most
-STATIONS, EVALUATIONS = 33, 15
+#: stations of the gear's face at which a line is looked at
+STATIONS = 33
+#: how often, and at how many stations, it is looked closer where it is nearest to both flanks
+FINER, BESIDE = 6, 17
 #: steps over which slopes are taken: parts of a flank's length, and rad
 ALONG, TURNED = 1e-4, 1e-5
 #: steps of Newton's method at most, and the part of a flank's length, and rad, that count as none
@@ -51,33 +54,59 @@ def line_ends(pair: Pair, phi1: Array, x: Array) -> LineEnds:
     return LineEnds(line[good], ends[good, 5], ends[good, :5])
 
 
+def deepest_points(pair: Pair, phi1: Array, x: Array) -> tuple[Array, Array]:
+    """Of the lines through x (K, 5) at phi1 (K,), rad, the points (K, 5) that are deepest inside both flanks, as far as that must
+    be known to tell that a line has points on them, and their margins (K,), mm, < 0 inside."""
+    station = np.broadcast_to(np.linspace(*pair.gear.extent, STATIONS), (len(x), STATIONS))
+    points, margin, left = x.copy(), np.full(len(x), np.inf), np.arange(len(x))
+    for _ in range(FINER):
+        states, there, outside, _ = _margins_over_face(pair, phi1[left], points[left], station)
+        least = np.where(there, outside.max(axis=2), np.inf)
+        every, k = np.arange(left.size), least.argmin(axis=1)
+        deeper = least[every, k] < margin[left]
+        points[left[deeper]], margin[left[deeper]] = states[every, k][deeper], least[every, k][deeper]
+        # beside the best station, where it is not on both flanks itself and what is between it and the next may be: no more below
+        # it than they are above
+        wide = np.pad(least, ((0, 0), (1, 1)), mode="edge")
+        beside = np.nan_to_num(wide[every, k] + wide[every, k + 2] - 2.0 * least[every, k], nan=np.inf)
+        going = (margin[left] > -EDGE_SLACK) & deeper & (margin[left] <= beside + EDGE_SLACK)
+        step = np.abs(station[going, 1] - station[going, 0])[:, None]
+        station = station[going, k[going]][:, None] + step * np.linspace(-1.0, 1.0, BESIDE)
+        left = left[going]
+        if not left.size:
+            break
+    return points, margin
+
+
+def _margins_over_face(
+    pair: Pair, phi1: Array, x: Array, stations: Array
+) -> tuple[Array, NDArray[np.bool_], Array, tuple[Jet, Jet]]:
+    """Points (K, S, 5) of lines at stations of the gear, which of them (K, S) are found, how far (K, S, B), mm, they lie beyond
+    each edge, and the flanks there (K S)."""
+    plain = Conditions(pair.flanks, phi1, pair.length)
+    states, there = line_over_face(pair, plain, x, stations)
+    rows = np.repeat(np.arange(len(x)), there.shape[1])
+    touch = plain.repeat(rows).touch(states.reshape(-1, 5), np.arange(len(rows)))
+    outside, past = margins(pair, touch, states.reshape(-1, 5))
+    there &= (past <= EDGE_SLACK).reshape(there.shape)
+    return states, there, outside.reshape(*there.shape, -1), touch.own
+
+
 def _least_margins(pair: Pair, phi1: Array, x: Array) -> tuple[NDArray[np.intp], Array, NDArray[np.intp]]:
     """Where the margins of lines are least: their lines (M,), unknowns (M, 5), and by which edges (M, 2) they may shrink there, by
     their numbers in `Pair.bounds`; -1: along the first."""
-    count, gear = len(x), pair.gear
-    station = np.linspace(*gear.extent, STATIONS)
-    rows = np.repeat(np.arange(count), STATIONS)
-    plain = Conditions(pair.flanks, phi1, pair.length)
-    _, across = directions(pair, plain, x)
-    repeated = plain.repeat(rows)
-    at_station = replace(repeated, bounds=(Bound(1, gear.axial, np.tile(station, count)),), across=across[rows])
-    solution = newton.solve(
-        at_station, x[rows], tolerance=pair.tolerance, max_step=pair.max_step, max_evaluations=EVALUATIONS
-    )
-    touch = repeated.touch(solution.values, np.arange(len(rows)))
-    outside, past = margins(pair, touch, solution.values)
-    facing = dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
-    there = (solution.converged & facing & (past <= EDGE_SLACK)).reshape(count, STATIONS)
-    nearest = outside.argmax(axis=1).reshape(count, STATIONS)
-    least = np.where(there, outside.max(axis=1).reshape(count, STATIONS), np.inf)
+    count = len(x)
+    states, there, outside, own = _margins_over_face(pair, phi1, x, np.linspace(*pair.gear.extent, STATIONS))
+    nearest = outside.argmax(axis=2)
+    least = np.where(there, outside.max(axis=2), np.inf)
     wide = np.pad(least, ((0, 0), (1, 1)), constant_values=np.inf)
     lowest = np.isfinite(least) & (least <= wide[:, :-2]) & (least <= wide[:, 2:])
     corners = {
-        number: bound.level.value(touch.own[bound.member].r).reshape(count, STATIONS)
+        number: bound.level.value(own[bound.member].r).reshape(count, STATIONS)
         for _, number in pair.tip_corners
         if (bound := pair.bounds[number]) is not None
     }
-    states, places = solution.values.reshape(count, STATIONS, 5), []
+    places = []
     face_ends = [edge_number(1, name) for name in ("toe", "heel")]
     for k, s in zip(*np.nonzero(lowest), strict=True):
         first = int(nearest[k, s])

@@ -44,7 +44,11 @@ def trace(pair: Pair, phi1: Array, x: Array) -> ContactLines:
     every = np.arange(len(x))
     plain = Conditions(pair.flanks, phi1, pair.length)
     along, across = directions(pair, plain, x)
-    ends, places = _ends(pair, plain, x, along, across)
+    # lines over teeth that wind bend
+    if pair.wound:
+        ends, places = np.full((len(x), 2, 5), np.nan), np.full((len(x), 2), np.nan)
+    else:
+        ends, places = _ends(pair, plain, x, along, across)
     points: list[Array | None] = [None] * len(x)
     there = np.flatnonzero(np.isfinite(places).all(axis=1) & (places[:, 1] - places[:, 0] > EDGE_SLACK))
     middle, bent = x.copy(), np.full(len(x), True)

@@ -13,8 +13,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.conditions.line_ends import deepest_points
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.refinement import Contacts, Trial, advances_of, refine_candidates, solve
+from gearmesh.contact.conditions.refinement import (
+    EDGE_SLACK,
+    Contacts,
+    Trial,
+    advances_of,
+    refine_candidates,
+    solve,
+)
 from gearmesh.contact.first_touch.field import Outlook, outlook
 from gearmesh.contact.first_touch.first_touch import first_touch, touches
 from gearmesh.contact.first_touch.search import UNSEEN
@@ -160,15 +168,19 @@ class Engagement:
         contacts = Contacts.nothing(len(phi1))
         # between contacts of two kinds both are followed
         both = self.followable[left] & self.followable[left + 1]
-        # along a line nodes have any point: half way between two of them there may be none
-        on_line = smooth & self.contacts.line[left]
-        known, two = np.flatnonzero(smooth & ~on_line), np.flatnonzero(on_line | (inside & ~smooth & both))
+        beside_line = inside & (self.contacts.line[left] | self.contacts.line[left + 1]) & self.pair.wound
+        if beside_line.any():
+            self._on_lines(phi1, np.flatnonzero(beside_line), left, contacts)
+        # beyond the end of a line what comes after it is followed
+        beyond = beside_line & ~contacts.line & ~smooth
+        smooth &= ~beside_line
+        known, two = np.flatnonzero(smooth), np.flatnonzero((inside & ~smooth & ~beside_line & both) | beyond)
         with np.errstate(all="ignore"):
             place, ends = np.tile(two, 2), np.concatenate((left[two], left[two] + 1))
+            place, ends = place[self.followable[ends]], ends[self.followable[ends]]
             start = np.concatenate((self._interpolate(phi1[known], left[known]), self._predict(phi1[place], ends)))
             self._refine(phi1, np.concatenate((known, place)), start, np.concatenate((left[known], ends)), contacts)
-        rest = ~contacts.touching | (on_line & ~contacts.line)
-        two = two[~on_line[two]]
+        rest = ~contacts.touching
         if checked and two.size:
             seen = tooth_outlook(self.pair, phi1[two]).best
             rest[two[seen > contacts.advance[two] + UNSEEN]] = True
@@ -176,6 +188,23 @@ class Engagement:
         if anew.size:
             contacts.put(anew, first_touch(self.pair, phi1[anew]))
         return contacts
+
+    def _on_lines(self, phi1: Array, which: NDArray[np.intp], left: NDArray[np.intp], contacts: Contacts) -> None:
+        """What both flanks have, at positions `which` (M,), of the lines of a node beside them: of a line nodes have any point, and
+        half way between two of these there may be none."""
+        part, line = self.pair.parts[0], self.contacts.line
+        first, second = left[which], left[which] + 1
+        nearer = phi1[which] - self.phi1[first] < self.phi1[second] - phi1[which]
+        node = np.where((nearer & line[first]) | ~line[second], first, second)
+        with np.errstate(all="ignore"):
+            x, margin = deepest_points(part, phi1[which], self._predict(phi1[which], node))
+            own = np.flatnonzero(margin <= EDGE_SLACK)
+            trial = Trial.of(which[own], x[own], np.full((own.size, 2), -1))
+            trial.line[:] = True
+            solve(part, phi1, trial)
+        good = np.flatnonzero(trial.good & trial.line)
+        advance = advances_of(part, phi1, trial.x[good], trial.position[good])
+        contacts.take(trial.position[good], trial, good, 0, advance)
 
     def along_line(self, phi1: Array, node: NDArray[np.intp]) -> Contacts:
         """The contact lines of nodes at other rotations, whatever of them both flanks have there.

@@ -147,16 +147,17 @@ class _Nodes:
         """As many columns as it takes at any of the positions to have all whose circles may meet the gear, of each its own."""
         rows, columns = self.shape
         few = np.array([0, rows // 2, rows - 1])
-        r = self.r.reshape(rows, columns, 3)[few]
+        r = self.r.reshape(rows, columns, 3)[few, ::COLUMNS]
+        seen = r.shape[1]
         _, target = _seen_from_gear(pair, phi1, r.reshape(-1, 3), self.index)
         joint, table = pair.gear.mount.joint, pair.gear.heights
-        beyond = table.beyond(joint.radius(target), target[..., 2]).reshape(len(LIMITS), -1, len(few), columns)
+        beyond = table.beyond(joint.radius(target), target[..., 2]).reshape(len(LIMITS), -1, len(few), seen)
         # of a column and its neighbours, none is inside a limit: nothing between them is
         nearest = _least_beside(beyond.min(axis=2))
         away = pair.next_winding(phi1[self.index][:, None], r[1])
         near = (nearest <= SLACK).all(axis=0) & ~(away & np.roll(away, 1, axis=1) & np.roll(away, -1, axis=1))
-        first = np.where(near.any(axis=1), near.argmax(axis=1), columns // 2) - 1
-        last = np.where(near.any(axis=1), columns - near[:, ::-1].argmax(axis=1), columns // 2)
+        first = COLUMNS * np.where(near.any(axis=1), near.argmax(axis=1), seen // 2) - 1
+        last = COLUMNS * np.where(near.any(axis=1), seen - 1 - near[:, ::-1].argmax(axis=1), seen // 2) + 1
         width = int(np.clip((last - first).max(initial=2) + 1, 3, columns))
         first = np.clip(first, 0, columns - width)
         if width == columns:
@@ -423,8 +424,8 @@ def _is_peak(on: Array) -> NDArray[np.bool_]:
 
 
 def _summits(rim: Array) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """Positions (M,) and places (M,) of the greatest of values along an edge (N, K), and where they have another summit: where flanks
-    nearly touch along a line, it may leave them over one edge twice."""
+    """Positions (M,) and places (M,) of the greatest of values along an edge (N, K), and of another summit where they have one: a
+    line along which flanks nearly touch may leave them over one edge twice."""
     rows, first = np.arange(len(rim)), rim.argmax(axis=1)
     there = np.flatnonzero(rim[rows, first] > -np.inf)
     yield there, first[there]
