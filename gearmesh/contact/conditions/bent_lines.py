@@ -153,7 +153,7 @@ def _follow(pair: Pair, plain: Conditions, x: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Sections:
+class LineSections:
     """Where lines of contact go through planes across them, through points `at` (M, 3) with normals `along` (M, 3), fixed frame:
     the flanks' normals agree `across` (M, 3), as they then do along the line."""
 
@@ -179,7 +179,9 @@ def _sections(pair: Pair, here: Conditions, guess: Array, tolerance: float) -> S
     """Points (M, 5) of the lines in the planes across them through what is near them."""
     along, across = directions(pair, here, guess)
     at = here.touch(guess, np.arange(len(guess))).fixed[0].r
-    return newton.solve(Sections(here, at, along, across), guess, tolerance=tolerance, max_iterations=12, halvings=3)
+    return newton.solve(
+        LineSections(here, at, along, across), guess, tolerance=tolerance, max_iterations=12, halvings=3
+    )
 
 
 def _cut(pair: Pair, plain: Conditions, line: NDArray[np.intp], outer: Array, inner: Array) -> Array:

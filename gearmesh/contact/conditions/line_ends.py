@@ -13,18 +13,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.bent_lines import EVALUATIONS, Sections, directions, line_over_face
+from gearmesh.contact.conditions.bent_lines import EVALUATIONS, LineSections, directions, line_over_face
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, margins
 from gearmesh.contact.pair import Pair, edge_number
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, dot, plane_cross, turn
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, plane_cross, turn, unit
 from gearmesh.kernel.surface.surface import Jet
 
 #: stations of the gear's face at which a line is looked at
 STATIONS = 33
 #: how often, and at how many stations, it is looked closer where it is nearest to both flanks
 FINER, BESIDE = 6, 17
+#: rad by which the chords of a line that counts as straight differ at most
+STRAIGHT = 1e-3
 #: steps over which slopes are taken: parts of a flank's length, and rad
 ALONG, TURNED = 1e-4, 1e-5
 #: steps of Newton's method at most, and the part of a flank's length, and rad, that count as none
@@ -42,8 +44,8 @@ class LineEnds:
 
 
 def line_ends(pair: Pair, phi1: Array, x: Array) -> LineEnds:
-    """Where the lines through x (K, 5) at phi1 (K,), rad, shrink to points that both flanks have; several of a line, if it has
-    pieces."""
+    """Where those of the lines through x (K, 5) at phi1 (K,), rad, that bend shrink to points that both flanks have; several of a
+    line, if it has pieces."""
     line, start, edges = _least_margins(pair, phi1, x)
     ends, reached = _shrunk(pair, phi1[line], start, edges)
     plain, every = Conditions(pair.flanks, ends[:, 5], pair.length), np.arange(len(ends))
@@ -97,10 +99,10 @@ def _least_margins(pair: Pair, phi1: Array, x: Array) -> tuple[NDArray[np.intp],
     their numbers in `Pair.bounds`; -1: along the first."""
     count = len(x)
     states, there, outside, own = _margins_over_face(pair, phi1, x, np.linspace(*pair.gear.extent, STATIONS))
-    nearest = outside.argmax(axis=2)
+    nearest, bent = outside.argmax(axis=2), _are_bent(own[1].r.reshape(count, STATIONS, 3), there)
     least = np.where(there, outside.max(axis=2), np.inf)
     wide = np.pad(least, ((0, 0), (1, 1)), constant_values=np.inf)
-    lowest = np.isfinite(least) & (least <= wide[:, :-2]) & (least <= wide[:, 2:])
+    lowest = bent[:, None] & np.isfinite(least) & (least <= wide[:, :-2]) & (least <= wide[:, 2:])
     corners = {
         number: bound.level.value(own[bound.member].r).reshape(count, STATIONS)
         for _, number in pair.tip_corners
@@ -122,6 +124,16 @@ def _least_margins(pair: Pair, phi1: Array, x: Array) -> tuple[NDArray[np.intp],
     return lines, starts, edges
 
 
+def _are_bent(r: Array, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which lines (K,) through points r (K, S, 3), as far as they are `there` (K, S), are not straight."""
+    chords = unit(np.diff(r, axis=1))
+    both = there[:, 1:] & there[:, :-1]
+    first = chords[np.arange(len(r)), both.argmax(axis=1)]
+    apart = np.linalg.norm(cross(chords, first[:, None]), axis=-1)
+    bent: NDArray[np.bool_] = np.where(both, apart, 0.0).max(axis=1) > STRAIGHT
+    return bent
+
+
 def _shrunk(pair: Pair, phi1: Array, x: Array, edges: NDArray[np.intp]) -> tuple[Array, NDArray[np.bool_]]:
     """Unknowns and phi1 (M, 6) where lines near x (M, 5) at phi1 (M,) are tangent to an edge, or meet two, and which (M,) do."""
     count, reach = len(x), 0.5 * np.array([pair.length, pair.max_step[4]])
@@ -141,7 +153,7 @@ def _shrunk(pair: Pair, phi1: Array, x: Array, edges: NDArray[np.intp]) -> tuple
         shifted = shifted.reshape(-1, 6)
         plain = Conditions(pair.flanks, shifted[:, 5], pair.length)
         solution = newton.solve(
-            Sections(plain, planes, along, across),
+            LineSections(plain, planes, along, across),
             shifted[:, :5],
             tolerance=pair.tolerance,
             max_iterations=EVALUATIONS,

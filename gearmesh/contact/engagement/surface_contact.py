@@ -158,9 +158,11 @@ class _Ends:
         return places
 
     def _wound_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
-        """Where the lines of the last nodes have shrunk to the last point of them, as far as that is before the next node."""
+        """Where those of the lines of the last nodes that bend have shrunk to their last point, as far as that is before the next
+        node."""
         last = [end.last for end in ends]
-        shrunk = line_ends(self.pair.parts[0], self.phi1[last], self.flanks.x[last])
+        with np.errstate(all="ignore"):
+            shrunk = line_ends(self.pair.parts[0], self.phi1[last], self.flanks.x[last])
         places: dict[_End, tuple[float, float]] = {}
         for k, end in enumerate(ends):
             phi1 = np.array([at for at in shrunk.phi1[shrunk.line == k].tolist() if self._between(at, end)])

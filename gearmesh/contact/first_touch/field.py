@@ -377,7 +377,7 @@ def sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Ar
     for _ in range(FINER):
         ways = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1).reshape(-1, 2)
         tried = np.clip(middle[:, None] + ways, 0.0, last)
-        there = _tried(pair, phi1, position, bilinear(grid, tried.reshape(-1, 2)).reshape(tried.shape))
+        there = _advances_at(pair, phi1, position, bilinear(grid, tried.reshape(-1, 2)).reshape(tried.shape))
         advance = np.where((there.beyond <= SLACK).all(axis=0) & np.isfinite(there.advance), there.advance, -np.inf)
         k = advance.argmax(axis=1)
         every = np.arange(len(k))
@@ -399,7 +399,7 @@ def seen_closely(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) 
     steps = 0.5 * (high - low) / (rows - 1.0, 2.0 * (columns - 1.0))
     shifts = np.arange(-2.0, 3.0)
     ways = steps * np.stack(np.meshgrid(shifts, shifts, indexing="ij"), axis=-1).reshape(-1, 2)
-    there = _tried(pair, phi1, position, np.clip(x[:, None, :2] + ways, low, high))
+    there = _advances_at(pair, phi1, position, np.clip(x[:, None, :2] + ways, low, high))
     shape = (len(position), len(shifts), len(shifts))
     advance, beyond = there.advance.reshape(shape), there.beyond.max(axis=0).reshape(shape)
     # beside an edge it may be as far ahead as beyond it
@@ -408,7 +408,7 @@ def seen_closely(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) 
     return most
 
 
-def _tried(pair: Pair, phi1: Array, position: NDArray[np.intp], parameters: Array) -> Advances:
+def _advances_at(pair: Pair, phi1: Array, position: NDArray[np.intp], parameters: Array) -> Advances:
     """Advances of the pinion's points at `parameters` (M, K, 2) at positions (M,)."""
     jet = pair.pinion.surface.jet(parameters[..., 0].ravel(), parameters[..., 1].ravel())
     r, n = (vectors.reshape(*parameters.shape[:2], 3) for vectors in (jet.r, jet.n))
