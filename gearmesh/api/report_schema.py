@@ -10,13 +10,14 @@ from gearmesh.answers.check import MeshRoll, RollRow, Verdict
 from gearmesh.answers.contact.figures import CycleSummary, PathSummary, SlideSummary, TorqueSummary
 from gearmesh.answers.contact.fit import FitSummary
 from gearmesh.answers.contact.turns import TurnsSummary
+from gearmesh.answers.contact.zone import ZoneFigures
 from gearmesh.answers.load.figures import LoadedFigures
 from gearmesh.api.design_schema import DIALECT, JsonSchema
 from gearmesh.figures import MEMBER, UNITS, Figure, Figures
 from gearmesh.systems.system import kinds
 
 #: what the summary of a contact consists of; gear systems add figures of their own
-CONTACT = (PathSummary, CycleSummary, SlideSummary, FitSummary, TorqueSummary, TurnsSummary)
+CONTACT = (PathSummary, CycleSummary, ZoneFigures, SlideSummary, FitSummary, TorqueSummary, TurnsSummary)
 #: units of figures that are those of an angle, or of a travel where the gear is a rack
 ANGLE, TRAVEL = UNITS["arcsec"], UNITS["um"]
 NUMBER = {"type": ["number", "null"]}
