@@ -51,7 +51,7 @@ README = Path(str(worm_drive.__file__)).with_name("README.md")
 #: faults that the program does not report, and what it does report
 FAULTS = ("wrong key", "no solid", "bad solids", "no answer", "silent interference", "transmission error")
 REPORTED = ("undercut", "interference", "contact ratio below 1", "no contact")
-COLUMNS = {name: name for name in ("form", "drives", "refused", *REPORTED, "plain", *FAULTS)}
+COLUMNS = {name: name for name in ("form", "drives", "refused", "in contact", *REPORTED, "plain", *FAULTS)}
 REFUSED = {name: name for name in ("refused for", "drives", "keys that are named", "an example")}
 
 
@@ -85,7 +85,7 @@ def random_drive(seed: int) -> dict[str, Any]:
 @dataclass
 class Tried:
     """What was seen of a drive: the key that is `refused`, what the refusal is `about` and the `line` of it; `faults` and what is
-    `reported`, by what they are, with a figure; CPU `seconds`."""
+    `reported`, by what they are, with a figure; CPU `seconds`; whether it was tried in `contact`."""
 
     seed: int
     form: str
@@ -95,6 +95,7 @@ class Tried:
     faults: dict[str, str] = field(default_factory=dict)
     reported: dict[str, str] = field(default_factory=dict)
     seconds: float = 0.0
+    contact: bool = True
 
     @property
     def told(self) -> str:
@@ -107,7 +108,7 @@ def tried(task: tuple[int, bool, bool]) -> Tried:
     """One drive by its seed, its solids and its contact if asked for."""
     seed, solids, contact = task
     data = random_drive(seed)
-    drive = Tried(seed, data["worm"]["form"])
+    drive = Tried(seed, data["worm"]["form"], contact=contact)
     started = time.process_time()
     try:
         gears = gm.build(gm.parse(data))
@@ -182,6 +183,7 @@ def summary_of(drives: list[Tried]) -> list[tables.Row]:
                 "form": form,
                 "drives": len(some),
                 "refused": sum(bool(drive.refused) for drive in some),
+                "in contact": sum(drive.contact and not drive.refused for drive in some),
                 **{name: sum(name in drive.reported for drive in some) for name in REPORTED},
                 "plain": sum(not drive.told for drive in some),
                 **{fault: sum(fault in drive.faults for drive in some) for fault in FAULTS},
