@@ -36,6 +36,9 @@ from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import Dimension, ToolDescription
 from gearmesh.tools.drawing import ThreadDrawing
 
+#: stations at which a wheel's land is tried
+LANDS = 65
+
 
 @dataclass(frozen=True)
 class FaceFlank:
@@ -183,6 +186,8 @@ def prove_wheel(tooth: Tooth) -> None:
     flank before: its tip then lies beyond the singular points, turned inside out against mid face.
     """
     tooth.prove()
+    # lands are least next to where the throat ends, between the stations of that
+    tooth.prove_land(np.linspace(0.0, 1.0, LANDS))
     places, ends = np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0])
     for which in Side:
         generation = tooth.side(which).generation
