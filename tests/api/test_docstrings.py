@@ -19,7 +19,7 @@ from gearmesh.view.opengl import missing_opengl_message
 #: parameters that are no argument of a user
 OWN = {"self", "cls"}
 #: what takes parts that are no public names: how figures are made
-MAKERS = ("CyclicFigures.of", "DeviationMap.of", "DeviationMap.spiral_error")
+MAKERS = ("BacklashCurve.of", "CyclicFigures.of", "DeviationMap.of", "DeviationMap.spiral_error")
 SECTIONS = ("Parameters", "Returns", "Raises", "Examples")
 
 
