@@ -119,6 +119,14 @@ CHANGES: tuple[Change, ...] = (
         "the same at a shaft_angle of 90, else with the wheel's reference diameter m_n z2 / cos(beta_2)",
         "tips and roots in place at other shaft angles",
     ),
+    Change(
+        "0.12.0",
+        ("worm_drive",),
+        "wheel.face_width",
+        "the standard's, less where flanks end sooner",
+        "the same, less too where teeth are pointed or undercut removes the whole flank between the stations of the proof",
+        "solids of such wheels failed",
+    ),
 )
 
 
