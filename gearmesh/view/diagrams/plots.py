@@ -19,6 +19,7 @@ from gearmesh.answers.contact.fit import BacklashCurve
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import OutputError
+from gearmesh.figures import at_resolution
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.view.lettering import fit_title
 from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, INK, LINES, PATH
@@ -30,6 +31,8 @@ _LEAST = 0.01
 _LEAST_HARMONIC = 1e-3
 #: least range of backlash that is shown, as a part of it, and what counts as none, deg
 _LEAST_PLAY, _NO_PLAY = 1e-3, 1e-7
+#: deg either way that are drawn where there is no backlash
+_PLAY_OF_NONE = 1e-3
 #: inches that an entry of a legend takes
 _ENTRY = 1.9
 #: size (points) of titles
@@ -107,12 +110,13 @@ def plot_backlash(
     axes = figure.subplots()
     axes.plot(curve.phi1, curve.backlash, color=CURVES[0], lw=1.8, label="backlash")
     for label, value, style in (("greatest", curve.greatest, "--"), ("least", curve.least, ":")):
-        axes.axhline(value, color=INK, lw=1.0, ls=style, label=f"{label} {value:.6g}°")
+        axes.axhline(value, color=INK, lw=1.0, ls=style, label=f"{label} {at_resolution(value, _NO_PLAY):.6g}°")
     low, high = (
         min(curve.least, float(np.nanmin(curve.backlash))),
         max(curve.greatest, float(np.nanmax(curve.backlash))),
     )
-    room = max(0.15 * (high - low), _LEAST_PLAY * max(abs(low), abs(high)), _NO_PLAY)
+    most = max(abs(low), abs(high))
+    room = max(0.15 * (high - low), _LEAST_PLAY * most if most > _NO_PLAY else _PLAY_OF_NONE)
     axes.set_ylim(low - room, high + room)
     axes.set_xlim(float(curve.phi1[0]), float(curve.phi1[-1]))
     axes.ticklabel_format(useOffset=False)

@@ -35,6 +35,8 @@ from gearmesh.view.scene import contact_on
 BEYOND, MARGIN = 0.6, 0.15
 #: lengths to a height up to which the zone in space is drawn to scale, and the magnifications of its width else
 LONGEST = 7.0
+#: inches of a legend's entry
+LEGEND_ENTRY = 3.2
 #: what limit lines are called: of the gear, of the pinion
 LIMITS = {True: "limiting line of the tool (undercut)", False: "envelope of the contact lines (none beyond)"}
 
@@ -74,7 +76,10 @@ def plot_zone(
     handles = {
         label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=3, frameon=False, fontsize=9)
+    columns = max(1, int(inches[0] / LEGEND_ENTRY))
+    figure.legend(
+        handles.values(), handles.keys(), loc="outside lower center", ncols=columns, frameon=False, fontsize=9
+    )
     figure.suptitle(title, color=INK)
     save_figure(figure, file)
 
@@ -155,10 +160,14 @@ def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
         axes.add_collection(PolyCollection(quads, facecolors=PATTERN, edgecolors=PATTERN, linewidths=0.5, zorder=1))
     if space.lines:
         axes.add_collection(LineCollection(list(space.lines), colors=LINES, linewidths=1.1, zorder=3))
-    if np.isfinite(space.path).any():
+    known = np.isfinite(space.path).all(axis=1)
+    # between lines there is no path
+    if (known[1:] & known[:-1]).any():
         axes.plot(*space.path.T, color=PATH, lw=1.8, zorder=5, label="path of contact")
-        at = shown.plane.places(shown.now.point[shown.now.touching])
-        axes.plot(*at.T, color=CURVES[1], ls="", marker="o", ms=6.0, zorder=7, label=f"contact at {_at(shown)}")
+        points = shown.now.touching & np.array([line is None for line in shown.now.lines])
+        if points.any():
+            at = shown.plane.places(shown.now.point[points])
+            axes.plot(*at.T, color=CURVES[1], ls="", marker="o", ms=6.0, zorder=7, label=f"contact at {_at(shown)}")
     _mark(axes, space.now, shown)
     for limit, undercut in space.limits:
         _draw_limit(axes, limit, undercut=undercut)
