@@ -1,0 +1,43 @@
+"""Diagrams of the zone of contact and of backlash."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.view.diagrams import plots, zone_diagram
+
+
+@pytest.fixture
+def figures(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    kept: list[Any] = []
+    for module in (plots, zone_diagram):
+        monkeypatch.setattr(module, "save_figure", lambda figure, file: kept.append(figure))
+    return kept
+
+
+@pytest.mark.sweep
+def test_the_legend_of_a_small_zone_is_whole_and_lines_have_no_dots(figures: list[Any]) -> None:
+    """The lines at phi1 = 0 are those of the pairs in contact, one pitch apart along the worm's axis."""
+    gm.build(gm.load(SAMPLES / "worm_drive.toml")).picture("zone", size=(1000, 800)).save("zone.png")
+    (figure,) = figures
+    FigureCanvasAgg(figure).draw()
+    boxes = [text.get_window_extent() for text in figure.legends[0].get_texts()]
+    assert all(box.x0 >= 0.0 and box.x1 <= 1000.0 for box in boxes)
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "contact lines" in words
+    assert not any(word.startswith(("contact at", "path")) for word in words)
+
+
+def test_no_backlash_is_drawn_as_none(figures: list[Any]) -> None:
+    pair = {"teeth": 20, "face_width": 10}
+    contact = gm.build(gm.parse({"kind": "cylindrical", "module": 2, "pinion": pair, "gear": pair})).contact()
+    plots.plot_backlash("backlash.png", contact.backlash())
+    axes = figures[0].axes[0]
+    assert [line.get_label() for line in axes.lines] == ["backlash", "greatest 0°", "least 0°"]
+    assert np.ptp(axes.get_ylim()) == pytest.approx(2e-3, rel=1e-6)
