@@ -160,7 +160,7 @@ def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
         axes.add_collection(PolyCollection(quads, facecolors=PATTERN, edgecolors=PATTERN, linewidths=0.5, zorder=1))
     if space.lines:
         axes.add_collection(LineCollection(list(space.lines), colors=LINES, linewidths=1.1, zorder=3))
-    known = np.isfinite(space.path).all(axis=1)
+    known = np.asarray(np.isfinite(space.path).all(axis=1))
     # between lines there is no path
     if (known[1:] & known[:-1]).any():
         axes.plot(*space.path.T, color=PATH, lw=1.8, zorder=5, label="path of contact")
