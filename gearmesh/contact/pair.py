@@ -131,7 +131,7 @@ class Pair:
         """Which of the pinion's own points r (..., 3) rotations phi1 (...,), rad, have taken more than half round from where they
         face the gear: what has gone round to it again does so as another tooth of it."""
         if self.pinion.winding + np.abs(phi1).max(initial=0.0) <= np.pi:
-            return np.zeros(r.shape[:-1], dtype=bool)
+            return np.zeros(np.broadcast_shapes(r.shape[:-1], phi1.shape), dtype=bool)
         farther: NDArray[np.bool_] = np.abs(self.pinion.azimuth(r) + self.pinion.mount.sign * phi1) > np.pi
         return farther
 

@@ -104,9 +104,9 @@ def test_rolled_solids_of_an_internal_pair_agree_and_have_the_exact_volume() -> 
     checked = gears.check(0.005)
     assert not checked.complaints
     for name, member in gears.members.items():
-        solid = gears.solid(name, 0.002)
+        solid = gears.solid(name, 0.001)
         assert solid.figures["watertight"]
-        assert solid.figures["max_deviation_um"] <= 2.0
+        assert solid.figures["max_deviation_um"] <= 1.0
         assert solid.figures["volume_mm3"] == pytest.approx(member.tooth.volume(), rel=5e-5)
 
 
