@@ -324,7 +324,9 @@
   let current = pairs[0], picked = -1, stale = true, rolling = false, clock = 0;
   controls.addEventListener("change", () => { stale = true; });
 
-  const degrees = (angle) => `${(angle * 180 / Math.PI).toFixed(3).replace("-", "−")}°`;
+  // what rounds to zero has no sign
+  const rounded = (value, digits) => (Number(value.toFixed(digits)) || 0).toFixed(digits).replace("-", "−");
+  const degrees = (angle) => `${rounded(angle * 180 / Math.PI, 3)}°`;
 
   function showPosition() {
     const x = Number(roll.value) * (current.phi1.length - 1), nearest = Math.round(x);
@@ -351,9 +353,9 @@
       for (const { uniforms } of current.flanks) uniforms.touching.value = false;
       drawPressure(current, load, at(current.phi1, 1, x)[0], size);
     }
-    const te = at(current.te, 1, x)[0].toFixed(3).replace("-", "−"), words = [`φ₁ = ${degrees(at(current.phi1, 1, x)[0])}`];
+    const te = rounded(at(current.te, 1, x)[0], 3), words = [`φ₁ = ${degrees(at(current.phi1, 1, x)[0])}`];
     current.members.forEach((m) => words.push(`${members[m].name} ${members[m].travel
-      ? `${(turns[m] * members[m].travel).toFixed(3).replace("-", "−")} mm` : degrees(turns[m])}`));
+      ? `${rounded(turns[m] * members[m].travel, 3)} mm` : degrees(turns[m])}`));
     words.push(`transmission error ${te} ${current.te_unit}`, current.kind[nearest].startsWith("edge") ? current.kind[nearest]
       : `${current.kind[nearest]} contact`);
     if (load) {
@@ -362,7 +364,7 @@
         const place = between(half, phi1);
         return sum + (place === null ? 0 : at(half.share, 1, place)[0]);
       }, 0);
-      const stress = cyclic(current, load.stress, 2, phi1), under = cyclic(current, load.te, 1, phi1)[0].toFixed(2).replace("-", "−");
+      const stress = cyclic(current, load.stress, 2, phi1), under = rounded(cyclic(current, load.te, 1, phi1)[0], 2);
       words.push(`at ${Number(load.torque.toPrecision(4))} Nm: transmission error ${under} ${current.te_unit}`, `load share ${(100 * share).toFixed(0)} %`,
         `root stress ${current.members.map((m, k) => `${members[m].name} ${stress[k].toFixed(0)}`).join(", ")} MPa`);
     }
