@@ -183,7 +183,7 @@ def _envelope(pair: GearPair) -> LimitLine:
     jet = at(root.values[every], every)
     fixed = meeting_points(pair, pinion.name, jet.r, jet.n).fixed[..., 0, :]
     # of every row the first crossing and the others, one line each
-    number = np.array([np.count_nonzero(i[every][:k] == row) for k, row in enumerate(i[every])], dtype=int)
+    number = np.arange(every.size) - np.searchsorted(i[every], i[every])
     gap = np.full((1, 3), np.nan)
     parts = [np.flatnonzero(number == n) for n in np.unique(number)]
     own, placed = (

@@ -28,7 +28,7 @@ from gearmesh.kernel.plane.curves import PlaneCurve, PlaneLine
 from gearmesh.kernel.surface.levels import LandLevel
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.section import TurnedLink
+from gearmesh.teeth.section import Sections, TurnedLink
 from gearmesh.teeth.tooth import Tooth
 
 #: steps to the half plane at most, and the length (mm) of the last one
@@ -39,18 +39,20 @@ LOOKS = 9
 
 @dataclass(frozen=True)
 class _Cut:
-    """A piece of a thread's chain where it meets the half plane at `angle` (rad, unwound); `screw`: its parameter, mm/rad."""
+    """A piece of a thread's chain where it meets the half plane at `angle` (rad, unwound); `screw`: its parameter, mm/rad;
+    `mid_face`: the tooth's section there."""
 
     tooth: Tooth
     piece: Piece
     angle: float
     screw: float
+    mid_face: Sections
 
     def at(self, s: Array) -> Array:
         """Points (K, 2), z and rho, mm, at s (K,) of the piece; beyond an end of the face z is as of a screw surface."""
         tooth, (toe, heel) = self.tooth, self.tooth.blank.extent
         s = np.asarray(s, dtype=float)
-        points = self.piece.grid(tooth, s, tooth.sections([0.5])).points[:, 0]
+        points = self.piece.grid(tooth, s, self.mid_face).points[:, 0]
         middle, theta = points[0, 2], np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
         z = middle + self.screw * (self.angle - theta)
         diagonal = np.arange(len(s))
@@ -175,16 +177,21 @@ def _in_order(tooth: Tooth, angle: float, low: float, high: float) -> Iterator[_
     pitch = tooth.pitch_angle
     reach = (high - low) / abs(screw * pitch) / 2.0 + 2.0
     numbers = np.arange(-np.ceil(reach), np.ceil(reach) + 1.0)
-    regions = [piece for region in tooth.regions for piece in Piece.of(tooth, region)]
+    mid_face = tooth.sections([0.5])
+    pieces = [
+        (piece, _own_screw(tooth, piece, mid_face) or screw)
+        for region in tooth.regions
+        for piece in Piece.of(tooth, region)
+    ]
     for n in numbers if screw > 0.0 else numbers[::-1]:
         # where theta grows along the chain, z falls along a right-hand thread
-        for piece in regions[::-1] if screw > 0.0 else regions:
-            yield _Cut(tooth, piece, angle + float(n) * pitch, _own_screw(tooth, piece) or screw)
+        for piece, own in pieces[::-1] if screw > 0.0 else pieces:
+            yield _Cut(tooth, piece, angle + float(n) * pitch, own, mid_face)
 
 
-def _own_screw(tooth: Tooth, piece: Piece) -> float | None:
+def _own_screw(tooth: Tooth, piece: Piece, mid_face: Sections) -> float | None:
     """Screw parameter (mm/rad) of a piece by its normals in mid face; None of lands."""
-    grid = piece.grid(tooth, np.array([0.5]), tooth.sections([0.5]))
+    grid = piece.grid(tooth, np.array([0.5]), mid_face)
     r, n = grid.points[0, 0], grid.normals[0, 0]
     return None if abs(n[2]) < NARROWEST else float((r[1] * n[0] - r[0] * n[1]) / n[2])
 
