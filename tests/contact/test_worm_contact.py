@@ -110,7 +110,7 @@ def test_lines_end_where_no_point_of_them_is_left(keys: list[str]) -> None:
         x = np.repeat(engagement.contacts.x[[k]], 2, axis=0)
         x[:, 4] += pair.ratio * (phi1 - engagement.phi1[k])
         plain = Conditions(pair.flanks, phi1, pair.length)
-        states, there = line_over_face(pair, plain, x, np.linspace(*pair.gear.extent, 401))
+        states, there, _ = line_over_face(pair, plain, x, np.linspace(*pair.gear.extent, 401))
         touch = plain.repeat(np.repeat([0, 1], 401)).touch(states.reshape(-1, 5), np.arange(802))
         margin = np.max([flank.margin(at, r) for flank, at, r in _sides(pair.flanks, states, touch.own)], axis=0)
         inside, outside = np.where(there, margin.reshape(2, 401), np.inf).min(axis=1)

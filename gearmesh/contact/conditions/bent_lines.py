@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.meshing import Bound, Conditions
+from gearmesh.contact.conditions.meshing import Bound, Conditions, Touch
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, margins
 from gearmesh.contact.pair import Pair
 from gearmesh.errors import Solution
@@ -86,9 +86,9 @@ def _pieces(pair: Pair, plain: Conditions, line: NDArray[np.intp], states: Array
     return _evenly(pair, plain, line[row], between, count)
 
 
-def line_over_face(pair: Pair, plain: Conditions, x: Array, stations: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Points (M, S, 5) of the lines through x (M, 5) at stations (S,) or (M, S) of the gear, mm, and which of them (M, S) are
-    found."""
+def line_over_face(pair: Pair, plain: Conditions, x: Array, stations: Array) -> tuple[Array, NDArray[np.bool_], Touch]:
+    """Points (M, S, 5) of the lines through x (M, 5) at stations (S,) or (M, S) of the gear, mm, which of them (M, S) are found,
+    and both flanks there (M S)."""
     shape = len(x), stations.shape[-1]
     rows = np.repeat(np.arange(shape[0]), shape[1])
     repeated = plain.repeat(rows)
@@ -100,19 +100,18 @@ def line_over_face(pair: Pair, plain: Conditions, x: Array, stations: Array) -> 
         max_step=pair.max_step,
         max_evaluations=EVALUATIONS,
     )
-    one, two = repeated.touch(solution.values, np.arange(len(rows))).fixed
+    touch = repeated.touch(solution.values, np.arange(len(rows)))
+    one, two = touch.fixed
     there: NDArray[np.bool_] = solution.converged & (dot(one.n, two.n) < 0.0)
-    return solution.values.reshape(*shape, 5), there.reshape(shape)
+    return solution.values.reshape(*shape, 5), there.reshape(shape), touch
 
 
 def _over_face(pair: Pair, plain: Conditions, x: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Points (M, S, 5) of lines through x (M, 5) in order over the gear's face, NaN beyond where they end, and which lines (M,) run
     from one end of it to the other without gaps, so that these are all of their points."""
     stations = np.linspace(*pair.gear.extent, 2 * STEPS + 1)
-    states, there = line_over_face(pair, plain, x, stations)
-    rows = np.repeat(np.arange(len(x)), len(stations))
-    r = plain.repeat(rows).touch(states.reshape(-1, 5), np.arange(len(rows))).fixed[0].r.reshape(*there.shape, 3)
-    steps = np.linalg.norm(np.diff(r, axis=1), axis=-1)
+    states, there, touch = line_over_face(pair, plain, x, stations)
+    steps = np.linalg.norm(np.diff(touch.fixed[0].r.reshape(*there.shape, 3), axis=1), axis=-1)
     return states, there.all(axis=1) & (steps < 2.0 * 4.0 * pair.length / STEPS).all(axis=1)
 
 

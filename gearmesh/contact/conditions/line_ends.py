@@ -86,9 +86,7 @@ def _margins_over_face(
     """Points (K, S, 5) of lines at stations of the gear, which of them (K, S) are found, how far (K, S, B), mm, they lie beyond
     each edge, and the flanks there (K S)."""
     plain = Conditions(pair.flanks, phi1, pair.length)
-    states, there = line_over_face(pair, plain, x, stations)
-    rows = np.repeat(np.arange(len(x)), there.shape[1])
-    touch = plain.repeat(rows).touch(states.reshape(-1, 5), np.arange(len(rows)))
+    states, there, touch = line_over_face(pair, plain, x, stations)
     outside, past = margins(pair, touch, states.reshape(-1, 5))
     there &= (past <= EDGE_SLACK).reshape(there.shape)
     return states, there, outside.reshape(*there.shape, -1), touch.own
