@@ -185,7 +185,6 @@ def _conditions(pair: Pair, plain: Conditions, x: Array, edges: NDArray[np.intp]
         r = touch.own[bound.member].r[own]
         values[own, slot] = bound.level.value(r)
         alone = (slot == 0) & (edges[own, 1] < 0)
-        rotation = touch.turns[bound.member]
-        gradient = turn(rotation[own] if rotation.ndim == 3 else rotation, bound.level.gradient(r))
+        gradient = turn(touch.turns[bound.member][own], bound.level.gradient(r))
         values[own[alone], 1] = dot(gradient, tangent[own])[alone]
     return values

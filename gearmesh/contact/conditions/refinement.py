@@ -305,11 +305,11 @@ def _rises_from_corners(
         edge, station = pair.bounds[tip], pair.bounds[corner]
         if not own.size or edge is None or station is None:
             continue
-        r, rotation = touch.own[edge.member].r[own], touch.turns[edge.member]
+        r, rotation = touch.own[edge.member].r[own], touch.turns[edge.member][own]
         on_member = steps[own] if edge.member == 0 else steps[own] - turned[own]
         along = station.level.gradient(r)
         of_station, *of_tip = (
-            (on_member @ turn(rotation[own] if rotation.ndim == 3 else rotation, gradient)[..., None])[..., 0]
+            (on_member @ turn(rotation, gradient)[..., None])[..., 0]
             for gradient in (along, *(edge.level.gradient(r + side * BESIDE * along) for side in (1.0, -1.0)))
         )
         for side, over in zip((1.0, -1.0), of_tip, strict=True):
