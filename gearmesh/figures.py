@@ -36,7 +36,17 @@ UNITS = {
     "s": "",
 }
 #: what counts as 0 where people read a figure, by its unit: above what rounding leaves, far below what anybody measures
-RESOLUTION = {"mm": 1e-9, "mm2": 1e-9, "um": 1e-6, "deg": 1e-9, "arcsec": 1e-6, "MPa": 1e-6, "N": 1e-6, "Nm": 1e-9}
+RESOLUTION = {
+    "": 1e-12,
+    "mm": 1e-9,
+    "mm2": 1e-9,
+    "um": 1e-6,
+    "deg": 1e-9,
+    "arcsec": 1e-6,
+    "MPa": 1e-6,
+    "N": 1e-6,
+    "Nm": 1e-9,
+}
 #: where the name of a member stands in a key
 MEMBER = "{member}"
 

@@ -19,7 +19,7 @@ from gearmesh.contact.fit.fit import NOTHING, Fit
 from gearmesh.contact.flanks import smooth_under
 from gearmesh.contact.path import ContactPath
 from gearmesh.design.core import Design
-from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.figures import Content, Figures, Summary, at_resolution, figure
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot, spread
 from gearmesh.mesh.triangles import TriangleMesh
@@ -209,7 +209,11 @@ class Check(Result):
         keys = list(next(iter(meshes.values())))
         rows = [[member, *(values[key] for key in keys)] for member, values in meshes.items()]
         verdicts = [
-            [verdict.what, plain(verdict.value), plain(verdict.limit), "ok" if verdict.ok else "FAILED"]
+            [
+                verdict.what,
+                *(at_resolution(plain(value), NOTHING) for value in (verdict.value, verdict.limit)),
+                "ok" if verdict.ok else "FAILED",
+            ]
             for verdict in self.verdicts
         ]
         return [

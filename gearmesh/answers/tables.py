@@ -38,8 +38,9 @@ class Listing:
 
     @property
     def numeric(self) -> list[bool]:
-        """Which columns hold numbers only."""
-        return [all(isinstance(row[k], int | float) for row in self.rows) for k in range(len(self.columns))]
+        """Which columns hold numbers only, unknown ones too."""
+        columns = [[row[k] for row in self.rows if row[k] is not None] for k in range(len(self.columns))]
+        return [all(isinstance(value, int | float) for value in column) for column in columns]
 
     @property
     def cells(self) -> list[list[str]]:

@@ -71,13 +71,15 @@ def _with_unit(table: type[Table], name: str, value: Any) -> str:
 
 
 def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Table]) -> str:
-    here = nearest(name, table.model_fields)
-    if here is not None:
-        return f"did you mean {'.'.join([*path, here])}?"
     keys = list(_dotted_keys(design))
     # what must be given is meant rather than what may be
     keys.sort(key=lambda dotted: _is_required(design, dotted))
     everywhere = {dotted.rsplit(".", 1)[-1]: dotted for dotted in keys}
+    if name in everywhere:
+        return f"did you mean {everywhere[name]}?"
+    here = nearest(name, table.model_fields)
+    if here is not None:
+        return f"did you mean {'.'.join([*path, here])}?"
     # what is near the top of the file first
     for deepest in (1, max(dotted.count(".") for dotted in everywhere.values())):
         elsewhere = nearest(name, [leaf for leaf, dotted in everywhere.items() if dotted.count(".") <= deepest])

@@ -274,6 +274,12 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ),
     ("unknown key", set_in(BEVELOID, "pinion.cone", 3), "pinion.cone: unknown key; did you mean pinion.cone_angle?"),
     ("key of a table", set_in(BEVELOID, "helix", 3), "helix: unknown key; did you mean pinion.helix_angle?"),
+    ("in a table too deep", set_in(BEVELOID, "pinion.module", 3), "pinion.module: unknown key; did you mean module?"),
+    (
+        "of other axes",
+        set_in(BEVELOID, "shaft_angle", 30),
+        "shaft_angle: the cone and helix angles of the members give it",
+    ),
     ("strange key", set_in(BEVELOID, "gear.qqqq", 3), "gear.qqqq: unknown key; known here: teeth, bore, tip_chamfer"),
     ("key of two lines", set_in(BEVELOID, "gear.a\nb", 3), 'gear."a\\nb": unknown key; known here: teeth'),
     ("text for number", set_in(BEVELOID, "module", "five"), 'module = "five": must be a length in mm from'),

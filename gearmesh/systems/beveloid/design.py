@@ -118,6 +118,9 @@ class BeveloidDesign(PairDesign):
         "gear": {"teeth": 45, "face_width": 20},
     }
     about: ClassVar[str] = KINDS["beveloid"].about
+    absent: ClassVar[Mapping[str, str]] = {
+        "shaft_angle": "the cone and helix angles of the members give it; its data sheet (gearmesh describe DESIGN) has it",
+    }
 
     pressure_angle: Annotated[
         float, Key("angle", "normal pressure angle of the rack", low=1, high=45, source="[LT02] Table 1")

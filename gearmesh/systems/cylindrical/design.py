@@ -635,6 +635,10 @@ class CylindricalDesign(HalvesKeys, PairDesign):
         "gear": {"teeth": 45, "face_width": 20},
     }
     about: ClassVar[str] = KINDS["cylindrical"].about
+    absent: ClassVar[Mapping[str, str]] = {
+        "shaft_angle": 'the axes of kind "cylindrical" are parallel; kind "beveloid" has crossed helical gears, '
+        "whose helix angles give the shaft angle",
+    }
 
     pinion: CylindricalMember
     gear: CylindricalMember
