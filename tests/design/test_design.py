@@ -274,7 +274,11 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ),
     ("unknown key", set_in(BEVELOID, "pinion.cone", 3), "pinion.cone: unknown key; did you mean pinion.cone_angle?"),
     ("key of a table", set_in(BEVELOID, "helix", 3), "helix: unknown key; did you mean pinion.helix_angle?"),
-    ("in a table too deep", set_in(BEVELOID, "pinion.module", 3), "pinion.module: unknown key; did you mean module?"),
+    (
+        "in a table too deep",
+        set_in(BEVELOID, "pinion.pressure_angle", 20),
+        "pinion.pressure_angle: unknown key; did you mean pressure_angle?",
+    ),
     (
         "of other axes",
         set_in(BEVELOID, "shaft_angle", 30),
