@@ -28,7 +28,7 @@ from gearmesh.view import opengl
 from gearmesh.view import render as lettering
 from gearmesh.view.diagrams import plots
 from gearmesh.view.lettering import fit_title
-from gearmesh.view.offscreen.shapes import corner_normals, region_edges
+from gearmesh.view.offscreen.shapes import Viewer, corner_normals, region_edges
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
 from gearmesh.view.palette import COLOUR_MAP, COMPOUND, LINES, PATH
 from gearmesh.view.render import render
@@ -289,7 +289,13 @@ def test_shading_normals_are_smooth_in_a_region_and_sharp_between_regions():
 @pytest.mark.quick
 def test_region_edges_of_the_bar():
     """A box has twelve edges; two of them follow the flank's ends in 24 segments."""
-    assert len(region_edges(bar(segments=24))) == 10 + 2 * 24
+    box = bar(segments=24)
+    assert len(region_edges(box)) == 10 + 2 * 24
+    # of a box three edges are hidden; of its hollow mould no more than three are seen
+    mould = replace(box, triangles=box.triangles[:, ::-1], normals=-box.normals)
+    viewer = Viewer(Camera(np.array([30.0, 60.0, 90.0]), np.zeros(3), np.eye(3)[1], 20.0), 0.1)
+    assert len(region_edges(box, viewer.faces(box.corners()))) == 7 + 2 * 24
+    assert len(region_edges(mould, viewer.faces(mould.corners()))) == 3
 
 
 @pytest.mark.quick

@@ -30,6 +30,8 @@ _LIGHTS = (
     ((0.0, 0.0, 1.0), 0.26),
     ((-0.3, -1.0, 0.3), 0.26),
 )
+#: sine by which the triangles beside an edge that stands out fall off from each other at least
+_FLAT = 0.05
 #: a picture is drawn so many times its size each way: widths in its pixels are that much wider
 OVERSAMPLING = 2
 # what recedes faster is seen as a line
@@ -41,7 +43,7 @@ _PEELS = 8
 def drawing_order(scene: Scene, size: tuple[int, int]) -> Order:
     """What is to be drawn of a scene for a picture of a `size` in pixels."""
     camera = scene.camera
-    viewer = _Viewer(camera, camera.height / size[1])
+    viewer = Viewer(camera, camera.height / size[1])
     primitives = [one for body in scene.bodies for one in _body(body, viewer)]
     primitives += [one for area in scene.areas for one in _area(area, viewer)]
     primitives += [one for value_map in scene.maps for one in _map(value_map, viewer)]
@@ -65,7 +67,7 @@ def drawing_order(scene: Scene, size: tuple[int, int]) -> Order:
 
 
 @dataclass(frozen=True)
-class _Viewer:
+class Viewer:
     """Who looks at a scene, and the length of a `pixel` (mm) at the focus."""
 
     camera: Camera
@@ -85,6 +87,12 @@ class _Viewer:
         across = np.abs(cross(sides[:, 0], sides[:, 1]) @ self.camera.axes.T)
         steep = across[:, :2].max(axis=1) > _STEEPEST * across[:, 2]
         return np.where(steep, _STEEPEST, across[:, :2].max(axis=1) / np.where(steep, 1.0, across[:, 2])) / OVERSAMPLING
+
+    def faces(self, corners: Array) -> NDArray[np.bool_]:
+        """Which triangles (T, 3, 3) turn their outside to the viewer, (T,)."""
+        outward = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        towards = self.camera.axes[2] if self.camera.parallel else self.camera.position - corners[:, 0]
+        return np.asarray(dot(outward, towards) > 0.0)
 
     def front(self, pixels: float) -> tuple[list[float], list[float]]:
         """Point and direction of the plane before which nothing is shown of what was moved by so many pixels."""
@@ -118,8 +126,9 @@ def corner_normals(mesh: TriangleMesh) -> Array:
     return np.where((dot(mean, repeated) > _SHARP)[..., None], mean, repeated)
 
 
-def region_edges(mesh: TriangleMesh) -> NDArray[np.int64]:
-    """Edges (E, 2), vertex indices, between two regions, at sharp corners and along open boundaries."""
+def region_edges(mesh: TriangleMesh, seen: NDArray[np.bool_] | None = None) -> NDArray[np.int64]:
+    """Edges (E, 2), vertex indices, between two regions, at sharp corners and along open boundaries; if it is given which triangles
+    (T,) are `seen` from outside, those edges only that are."""
     edges = np.sort(mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     cell = np.repeat(np.arange(len(mesh.triangles)), 3)
     order = np.lexsort(edges.T)
@@ -128,7 +137,14 @@ def region_edges(mesh: TriangleMesh) -> NDArray[np.int64]:
     count = np.diff(np.r_[first, len(edges)])
     one, two = cell[first], cell[first + count - 1]
     bent = dot(mesh.normals[one], mesh.normals[two]) < np.cos(np.radians(50.0))
-    shown: NDArray[np.int64] = edges[first[(count != 2) | (mesh.regions[one] != mesh.regions[two]) | bent]]
+    marked = (count != 2) | (mesh.regions[one] != mesh.regions[two]) | bent
+    if seen is not None:
+        # the space before an edge that stands out is before either triangle, that before a re-entrant one before both
+        middles = mesh.corners().mean(axis=1)
+        across = middles[two] - middles[one]
+        reentrant = dot(mesh.normals[one], across) > -_FLAT * np.sqrt(dot(across, across))
+        marked &= np.where(reentrant, seen[one] & seen[two], seen[one] | seen[two])
+    shown: NDArray[np.int64] = edges[first[marked]]
     return shown
 
 
@@ -148,7 +164,7 @@ def _primitive(points: Array, cells: NDArray[np.int64], colour: str, **others: A
 # --- bodies ---
 
 
-def _body(body: SceneBody, viewer: _Viewer) -> Iterator[Primitive]:
+def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
     mesh = body.mesh.move(body.own_to_scene)
     corners = mesh.corners()
     cells = np.arange(corners[..., 0].size).reshape(-1, 3)
@@ -171,8 +187,8 @@ def _body(body: SceneBody, viewer: _Viewer) -> Iterator[Primitive]:
         culled="back" if opened else "",
         front=viewer.front(behind) if opened else None,
     )
-    edges = region_edges(mesh)
     # lines on the far side would show through a section
+    edges = region_edges(mesh, viewer.faces(corners) if opened else None)
     if len(edges) and body.section is None:
         pixels, width = behind - 0.5, 1.0 * OVERSAMPLING
         lines, front = viewer.move_back(mesh.vertices, pixels), viewer.front(pixels) if opened else None
@@ -200,14 +216,14 @@ def _patch(points: Array, values: Array) -> tuple[Array, NDArray[np.int64], Arra
     return points.reshape(-1, 3)[used], cells.reshape(-1, 4), values.reshape(-1)[used]
 
 
-def _area(area: PatternArea, viewer: _Viewer) -> Iterator[Primitive]:
+def _area(area: PatternArea, viewer: Viewer) -> Iterator[Primitive]:
     level = np.zeros(area.points.shape[:-1]) if area.level is None else area.level
     points, cells, values = _patch(area.points, level)
     if len(cells):
         yield _primitive(viewer.move_back(points, -0.5), cells, area.colour, values=_floats(values), cut=1.0)
 
 
-def _map(value_map: ValueMap, viewer: _Viewer) -> Iterator[Primitive]:
+def _map(value_map: ValueMap, viewer: Viewer) -> Iterator[Primitive]:
     from matplotlib import colormaps
 
     points, cells, values = _patch(value_map.points, value_map.values)
@@ -218,7 +234,7 @@ def _map(value_map: ValueMap, viewer: _Viewer) -> Iterator[Primitive]:
         yield _primitive(points, cells, INK, values=_floats(values), limit=limit, table=table, cut=limit)
 
 
-def _curve(curve: Curve, viewer: _Viewer) -> Iterator[Primitive]:
+def _curve(curve: Curve, viewer: Viewer) -> Iterator[Primitive]:
     known = _is_finite(curve.points)
     start = np.flatnonzero(known[:-1] & known[1:])
     if len(start):
