@@ -140,9 +140,10 @@ def region_edges(mesh: TriangleMesh, seen: NDArray[np.bool_] | None = None) -> N
     marked = (count != 2) | (mesh.regions[one] != mesh.regions[two]) | bent
     if seen is not None:
         # the space before an edge that stands out is before either triangle, that before a re-entrant one before both
-        middles = mesh.corners().mean(axis=1)
-        across = middles[two] - middles[one]
-        reentrant = dot(mesh.normals[one], across) > -_FLAT * np.sqrt(dot(across, across))
+        start, end = np.moveaxis(mesh.vertices[edges[first]], 1, 0)
+        along, inward = unit(end - start), mesh.corners()[two].mean(axis=1) - start
+        inward = inward - dot(inward, along)[:, None] * along
+        reentrant = dot(mesh.normals[one], inward) > -_FLAT * np.sqrt(dot(inward, inward))
         marked &= np.where(reentrant, seen[one] & seen[two], seen[one] | seen[two])
     shown: NDArray[np.int64] = edges[first[marked]]
     return shown
