@@ -37,8 +37,9 @@ from gearmesh.view.diagrams.flank_diagrams import plot_flanks
 from gearmesh.view.diagrams.modification_diagrams import is_modified, plot_modifications
 from gearmesh.view.diagrams.turns_plot import plot_turns
 from gearmesh.view.load.loaded_pictures import LoadedPictures
+from gearmesh.view.offscreen.letters import Image
 from gearmesh.view.picture import LOADED_VIEWS, Diagram
-from gearmesh.view.render import Image, render
+from gearmesh.view.render import render
 from gearmesh.view.report import page as pages
 from gearmesh.view.report.card import Card, mesh_card
 from gearmesh.view.report.page import PageSection, drawing, listing, picture, three_version

@@ -31,7 +31,8 @@ from gearmesh.view import opengl, pictures
 from gearmesh.view.diagrams.flank_diagrams import plot_flanks
 from gearmesh.view.diagrams.modification_diagrams import is_modified, plot_modifications
 from gearmesh.view.load.loaded_pictures import LoadedPictures
-from gearmesh.view.render import Image, render
+from gearmesh.view.offscreen.letters import Image
+from gearmesh.view.render import render
 
 #: the report, which also lists the files that belong to it, and the page beside it
 REPORT, PAGE = "report.json", "report.html"

@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 #: part of a figure's width that a title takes at most
 WIDEST = 0.96
 
 
-def fit_title(title: str, figure: Any, size: float) -> str:
-    """A title in letters of a `size` (points) with line breaks between words where it is wider than its figure."""
+def break_lines(title: str, fits: Callable[[str], bool]) -> str:
+    """A title with line breaks between words where a line does not fit."""
     lines = []
     for line in title.split("\n"):
         words = line.split(" ")
         while words:
-            count = next((n for n in range(len(words), 1, -1) if _fits(" ".join(words[:n]), figure, size)), 1)
+            count = next((n for n in range(len(words), 1, -1) if fits(" ".join(words[:n]))), 1)
             lines.append(" ".join(words[:count]))
             words = words[count:]
     return "\n".join(lines)
 
 
-def _fits(text: str, figure: Any, size: float) -> bool:
-    """Whether a text is narrow enough as the figure itself letters it."""
-    drawn = figure.text(0.5, 0.5, text, fontsize=size)
-    width = drawn.get_window_extent().width
-    drawn.remove()
-    return bool(width <= WIDEST * figure.bbox.width)
+def fit_title(title: str, figure: Any, size: float) -> str:
+    """A title in letters of a `size` (points) in lines that are not wider than their figure."""
+
+    def fits(text: str) -> bool:
+        """Whether a text is narrow enough as the figure itself letters it."""
+        drawn = figure.text(0.5, 0.5, text, fontsize=size)
+        width = drawn.get_window_extent().width
+        drawn.remove()
+        return bool(width <= WIDEST * figure.bbox.width)
+
+    return break_lines(title, fits)

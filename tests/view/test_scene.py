@@ -28,6 +28,7 @@ from gearmesh.view import opengl
 from gearmesh.view import render as lettering
 from gearmesh.view.diagrams import plots
 from gearmesh.view.lettering import fit_title
+from gearmesh.view.offscreen.letters import Sheet, ticks
 from gearmesh.view.offscreen.shapes import Viewer, corner_normals, region_edges
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
 from gearmesh.view.palette import COLOUR_MAP, COMPOUND, LINES, PATH
@@ -344,11 +345,59 @@ def test_words_are_beyond_what_they_name():
     )
     middle, end = np.zeros(3), np.array([4.0, 0.2, 0.0])
     scene = Scene((), camera, words=(Word("axis of a head cutter", end, middle),))
-    figure = Figure(figsize=(10.0, 7.5), dpi=SIZE[1] / 7.5)
-    FigureCanvasAgg(figure)
-    lettering._draw_words(figure, scene, SIZE, SIZE)
-    (box,) = (text.get_window_extent() for text in figure.texts)
-    assert camera.pixels(end, SIZE)[0] < box.x0 < box.x1 < SIZE[0]
+    sheet = Sheet(SIZE)
+    ((place, text, across),) = lettering._placed_words(sheet, scene, SIZE)
+    box = sheet.box(place, text, lettering._WORD, across)
+    assert camera.pixels(end, SIZE)[0] < box.left < box.right < SIZE[0]
+
+
+@pytest.mark.quick
+def test_letters_are_where_they_were_measured_to_be():
+    """What is written is inside of its box but for its rim, and takes nearly all of the box's width."""
+    sheet = Sheet(SIZE, np.full((SIZE[1], SIZE[0], 3), 128, dtype=np.uint8))
+    sheet.text((200.3, 90.7), "flank lines\nlp", 20.0, across=0.25, down=0.0, colour="#000000")
+    box = sheet.box((200.3, 90.7), "flank lines\nlp", 20.0, across=0.25, down=0.0)
+    for letters, rim in ((sheet.pixels() < 64, 0.0), (sheet.pixels() > 192, 1.5)):
+        rows, columns = np.nonzero(letters.any(axis=-1))
+        for seen, low, high in ((columns, box.left, box.right), (rows, box.top, box.bottom)):
+            assert low - rim - 1.0 <= seen.min() <= low + 3.0
+            assert high - 4.0 <= seen.max() <= high + rim
+
+
+@pytest.mark.quick
+def test_marks_cover_the_share_of_pixels_that_they_take():
+    """A turned square, a disc and a line cut off by the edge of the picture."""
+    middle, side = np.array([100.25, 80.5]), np.array([10.0, 0.0])
+    for draw, area in (
+        (
+            lambda sheet: sheet.fill(
+                [middle + side, middle + side[::-1], middle - side, middle - side[::-1]], "#000000"
+            ),
+            200.0,
+        ),
+        (lambda sheet: sheet.disc(middle, 30.0, "#000000"), np.pi * 10.0**2),
+        (lambda sheet: sheet.line((-5.0, 40.0), (20.0, 40.0), 6.0, "#000000", rim=False), 20.0 * 4.0),
+    ):
+        sheet = Sheet(SIZE, np.full((SIZE[1], SIZE[0], 3), 255, dtype=np.uint8))
+        draw(sheet)
+        # half of a place more or less along the outline
+        assert (1.0 - sheet.pixels()[..., 0] / 255.0).sum() == pytest.approx(area, abs=4.0)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("limit", "expected"),
+    [
+        (6.35, "0 1 2 3 4 5 6"),
+        (0.5, "0.0 0.1 0.2 0.3 0.4 0.5"),
+        (20.0, "0.0 2.5 5.0 7.5 10.0 12.5 15.0 17.5 20.0"),
+        (1234.0, "0 200 400 600 800 1000 1200"),
+    ],
+)
+def test_colour_bars_have_round_numbers(limit, expected):
+    values, numbers = ticks(limit)
+    assert " ".join(numbers) == expected
+    assert list(map(float, numbers)) == pytest.approx(values)
 
 
 @pytest.mark.quick
@@ -634,7 +683,7 @@ def test_who_asks_for_a_picture_does_not_load_what_draws_it():
     code = (
         "import sys; import numpy as np; from gearmesh.view.render import *\n"
         "image = render(Scene((), Camera(np.ones(3), np.zeros(3), np.eye(3)[2], 1.0), size=(64, 48)))\n"
-        "print(image.shape, *{'pyvista', 'vtkmodules', 'scipy'}.intersection(sys.modules))"
+        "print(image.shape, *{'pyvista', 'vtkmodules', 'scipy', 'matplotlib'}.intersection(sys.modules))"
     )
     drawn = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True)
     assert (drawn.stdout, drawn.stderr) == ("(48, 64, 3)\n", "")

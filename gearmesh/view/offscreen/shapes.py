@@ -225,14 +225,19 @@ def _area(area: PatternArea, viewer: Viewer) -> Iterator[Primitive]:
 
 
 def _map(value_map: ValueMap, viewer: Viewer) -> Iterator[Primitive]:
-    from matplotlib import colormaps
-
     points, cells, values = _patch(value_map.points, value_map.values)
     if len(cells):
         # Unlit, so that a colour on the tooth is exactly the colour in the bar.
-        table = (colormaps[COLOUR_MAP](np.linspace(0.0, 1.0, 256)) * 255.0).round().astype(np.uint8).tobytes()
-        points, limit = viewer.move_back(points, -0.5), value_map.limit
+        points, limit, table = viewer.move_back(points, -0.5), value_map.limit, colour_table().tobytes()
         yield _primitive(points, cells, INK, values=_floats(values), limit=limit, table=table, cut=limit)
+
+
+def colour_table() -> NDArray[np.uint8]:
+    """Colours (256, 4) of amounts on flanks, from none to the largest."""
+    from matplotlib import colormaps
+
+    table: NDArray[np.uint8] = (colormaps[COLOUR_MAP](np.linspace(0.0, 1.0, 256)) * 255.0).round().astype(np.uint8)
+    return table
 
 
 def _curve(curve: Curve, viewer: Viewer) -> Iterator[Primitive]:

@@ -1,0 +1,188 @@
+"""Letters, lines and boxes upon a picture, in DejaVu Sans by Pillow's FreeType.
+
+Matplotlib would take longer to be loaded than a tooth to be drawn; the font is the one that comes with it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.util import find_spec
+from math import ceil, floor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.view.palette import INK
+
+Image = NDArray[np.uint8]
+
+#: so many points are a picture's height: letters keep their share of it
+POINTS_HIGH = 540.0
+# what reaches farthest above and below a line of letters; lines of a text are so much further apart than these two
+_TALLEST, _SPACING = "lp", 1.2
+# the share of a pixel in a mark is counted on so many places each way
+_PLACES = 8
+_RIM = "#ffffff"
+
+
+@dataclass(frozen=True)
+class Box:
+    """Edges of what is drawn, pixels from the left and from the top."""
+
+    left: float
+    top: float
+    right: float
+    bottom: float
+
+    @property
+    def corners(self) -> Array:
+        """Corners (4, 2) one after the other, from the upper left one."""
+        x, y = (self.left, self.right, self.right, self.left), (self.top, self.top, self.bottom, self.bottom)
+        return np.stack((x, y), axis=-1)
+
+
+class Sheet:
+    """What is lettered: pixels (H, W, 3), or a size (W, H) alone to measure by. Places are pixels from the left and the top."""
+
+    def __init__(self, size: tuple[int, int], image: Image | None = None) -> None:
+        from PIL import Image as pillow
+
+        self.size, self.point = size, size[1] / POINTS_HIGH
+        self._image = None if image is None else pillow.fromarray(image)
+
+    def pixels(self) -> Image:
+        """The picture with all that was drawn, (H, W, 3)."""
+        return np.array(self._image)
+
+    def width(self, text: str, points: float) -> float:
+        """Pixels that the longest line of a text takes in letters of so many points."""
+        font = self._font(points)
+        return max(float(font.getlength(line)) for line in text.split("\n"))
+
+    def height(self, text: str, points: float) -> float:
+        """Pixels that the lines of a text take, one below the other."""
+        above, below = self._reach(points)
+        return (above + below) * (1.0 + _SPACING * text.count("\n"))
+
+    def box(self, at: ArrayLike, text: str, points: float, across: float = 0.5, down: float = 0.5) -> Box:
+        """Where a text is that has so much of its width to the left of a place (2,), and so much of its height above it."""
+        (x, y), wide, high = np.asarray(at, dtype=float), self.width(text, points), self.height(text, points)
+        left, top = float(x) - across * wide, float(y) - down * high
+        return Box(left, top, left + wide, top + high)
+
+    def text(
+        self, at: ArrayLike, text: str, points: float, *, across: float = 0.5, down: float = 0.5, colour: str = INK
+    ) -> None:
+        """Write lines, each in the middle of their `box`, with a white rim by which they are read on any ground."""
+        box = self.box(at, text, points, across, down)
+        left, top = floor(box.left), floor(box.top)
+        masks, margin = self._masks(text, points, (box.left - left, box.top - top))
+        for ground, mask in zip((_RIM, colour), masks, strict=True):
+            self._stamp(ground, mask, (left - margin, top - margin))
+
+    def text_upwards(self, at: ArrayLike, text: str, points: float) -> None:
+        """Write lines from below to above with a place (2,) at the middle of their left edge."""
+        from PIL.Image import Transpose
+
+        x, y = np.asarray(at, dtype=float)
+        masks, margin = self._masks(text, points)
+        for ground, mask in zip((_RIM, INK), masks, strict=True):
+            corner = round(x) - margin, round(y - 0.5 * self.width(text, points)) - margin
+            self._stamp(ground, mask.transpose(Transpose.ROTATE_90), corner)
+
+    def line(self, begin: ArrayLike, end: ArrayLike, points: float, colour: str = INK, rim: bool = True) -> None:
+        """A straight line between two places (2,), so many points wide, if asked for with a white rim along it."""
+        begin, end, half = np.asarray(begin, dtype=float), np.asarray(end, dtype=float), 0.5 * points * self.point
+        way = end - begin
+        aside = np.array([-way[1], way[0]]) / max(float(np.hypot(*way)), 1e-9)
+        for ground, reach in ((_RIM, half + self.point), (colour, half)) if rim else ((colour, half),):
+            self.fill((begin + reach * aside, end + reach * aside, end - reach * aside, begin - reach * aside), ground)
+
+    def disc(self, middle: ArrayLike, points: float, colour: str) -> None:
+        """A disc of so many points in diameter."""
+        angle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
+        round_ = 0.5 * points * self.point * np.stack((np.cos(angle), np.sin(angle)), axis=-1)
+        self.fill(np.asarray(middle) + round_, colour)
+
+    def fill(self, corners: ArrayLike, colour: str) -> None:
+        """A polygon with corners (N, 2), which covers pixels by their share in it."""
+        from PIL import Image as pillow
+        from PIL.ImageDraw import Draw
+
+        places = np.asarray(corners, dtype=float)
+        low, high = np.floor(places.min(axis=0)), np.ceil(places.max(axis=0))
+        size = np.maximum(high - low, 1.0).astype(int)
+        mask = pillow.new("L", tuple((_PLACES * size).tolist()))
+        # corners of a polygon are middles of places, and these belong to it
+        Draw(mask).polygon([tuple(place) for place in (_PLACES * (places - low) - 0.5).tolist()], fill=255)
+        self._stamp(colour, mask.resize(tuple(size.tolist()), pillow.Resampling.BOX), (int(low[0]), int(low[1])))
+
+    def paste(self, colours: Image, box: Box) -> None:
+        """Colours (H, W, 3) over a box, stretched between whole pixels."""
+        from PIL import Image as pillow
+
+        assert self._image is not None
+        left, top, right, bottom = (round(edge) for edge in (box.left, box.top, box.right, box.bottom))
+        stretched = pillow.fromarray(colours).resize((max(right - left, 1), max(bottom - top, 1)))
+        self._image.paste(stretched, (left, top))
+
+    def _stamp(self, colour: str, mask: Any, corner: tuple[int, int]) -> None:
+        """Colour what a mask covers whose upper left corner is at a pixel, as far as it is on the picture."""
+        assert self._image is not None
+        self._image.paste(colour, (*corner, corner[0] + mask.width, corner[1] + mask.height), mask)
+
+    def _masks(self, text: str, points: float, at: tuple[float, float] = (0.0, 0.0)) -> tuple[tuple[Any, Any], int]:
+        """What the rim and the letters of a text cover, whose box begins so far within a margin, and the margin, pixels."""
+        from PIL import Image as pillow
+        from PIL.ImageDraw import Draw
+
+        rim, font, (above, below) = max(1, round(1.5 * self.point)), self._font(points), self._reach(points)
+        wide, margin = self.width(text, points), rim + ceil(above)
+        size = ceil(at[0] + wide) + 2 * margin, ceil(at[1] + self.height(text, points)) + 2 * margin
+        covered, letters = pillow.new("L", size), pillow.new("L", size)
+        for k, line in enumerate(text.split("\n")):
+            x = margin + at[0] + 0.5 * (wide - float(font.getlength(line)))
+            y = margin + at[1] + above + k * _SPACING * (above + below)
+            for mask, stroke in ((covered, rim), (letters, 0)):
+                Draw(mask).text((x, y), line, 255, font, "ls", stroke_width=stroke)
+        return (covered, letters), margin
+
+    def _font(self, points: float) -> Any:
+        return _font(points * self.point)
+
+    def _reach(self, points: float) -> tuple[float, float]:
+        """Heights of letters above and below their line, pixels."""
+        _, top, _, bottom = self._font(points).getbbox(_TALLEST, anchor="ls")
+        return -float(top), float(bottom)
+
+
+def ticks(limit: float, most: int = 9) -> tuple[Array, tuple[str, ...]]:
+    """Round values from 0 to a limit, with so many steps between them at most, and how they are written."""
+    power = 10.0 ** np.floor(np.log10(limit / most))
+    step = next(part * power for part in (1.0, 2.0, 2.5, 5.0, 10.0) if limit <= most * part * power)
+    values = step * np.arange(np.floor(limit / step + 1e-9) + 1)
+    decimals = next(n for n in range(20) if abs(step * 10.0**n - round(step * 10.0**n)) < 1e-6)
+    return values, tuple(f"{value:.{decimals}f}" for value in values)
+
+
+@lru_cache(maxsize=32)
+def _font(pixels: float) -> Any:
+    from PIL.ImageFont import Layout, truetype
+
+    return truetype(str(_font_file()), pixels, layout_engine=Layout.BASIC)
+
+
+@lru_cache(maxsize=1)
+def _font_file() -> Path:
+    """The font that comes with Matplotlib, which is loaded only where its files are not beside it."""
+    spec = find_spec("matplotlib")
+    files = Path(spec.origin).parent / "mpl-data" if spec is not None and spec.origin is not None else Path("mpl-data")
+    if not files.is_dir():
+        from matplotlib import get_data_path
+
+        files = Path(get_data_path())
+    return files / "fonts" / "ttf" / "DejaVuSans.ttf"
