@@ -14,7 +14,7 @@ from gearmesh.errors import OutputError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
 from gearmesh.view.lettering import WIDEST, break_lines
-from gearmesh.view.offscreen.letters import Box, Image, Sheet, ticks
+from gearmesh.view.offscreen.letters import Image, LetteredImage, PixelBox, ticks
 from gearmesh.view.offscreen.shapes import colour_table, drawing_order
 from gearmesh.view.opengl import draw
 from gearmesh.view.palette import CURVES
@@ -87,7 +87,7 @@ def _letter(image: Image, scene: Scene, heading: _Heading, inner: tuple[int, int
 
     The camera sees what is `inner`, in the lower left.
     """
-    sheet = Sheet((image.shape[1], image.shape[0]), image)
+    sheet = LetteredImage((image.shape[1], image.shape[0]), image)
     if scene.maps:
         _draw_colour_bar(sheet, scene.maps[0])
     heading.draw(sheet)
@@ -99,7 +99,7 @@ def _letter(image: Image, scene: Scene, heading: _Heading, inner: tuple[int, int
     return sheet.pixels()
 
 
-def _placed_words(sheet: Sheet, scene: Scene, inner: tuple[int, int]) -> list[tuple[Array, str, float]]:
+def _placed_words(sheet: LetteredImage, scene: Scene, inner: tuple[int, int]) -> list[tuple[Array, str, float]]:
     """Places (2,) in pixels, words and the part of its width that each has to the left of its place.
 
     All of a word is beyond its point, or at the edge of the picture where the point is not in it.
@@ -125,7 +125,7 @@ def _placed_words(sheet: Sheet, scene: Scene, inner: tuple[int, int]) -> list[tu
     return placed
 
 
-def _clear_place(sheet: Sheet, text: str, at: Array, way: Array, right: float, top: float) -> Array:
+def _clear_place(sheet: LetteredImage, text: str, at: Array, way: Array, right: float, top: float) -> Array:
     """Middle (2,) of a word, on its `way` (2,) from what it names `at` (2,), whose box covers neither that nor an edge of the
     picture; the `right` one may be that of a colour bar, the `top` one that of the heading."""
     box, high = sheet.box(at, text, _WORD), sheet.size[1]
@@ -144,16 +144,16 @@ class _Entry:
     mark: str
     points: float = 0.0
 
-    def width(self, sheet: Sheet) -> float:
+    def width(self, sheet: LetteredImage) -> float:
         """Pixels that it takes in a row."""
         return (_MARK + _GAP) * _ENTRY * sheet.point + sheet.width(self.text, _ENTRY)
 
-    def draw(self, sheet: Sheet, left: float, y: float) -> None:
+    def draw(self, sheet: LetteredImage, left: float, y: float) -> None:
         """Draw it from a place on to the right, and so much above as below it."""
         unit = _ENTRY * sheet.point
         right = left + _MARK * unit
         if self.mark == "area":
-            sheet.fill(Box(left, y - 0.35 * unit, right, y + 0.35 * unit).corners, self.colour)
+            sheet.fill(PixelBox(left, y - 0.35 * unit, right, y + 0.35 * unit).corners, self.colour)
         elif self.mark == "line":
             sheet.line((left, y), (right, y), self.points, self.colour, rim=False)
         else:
@@ -172,13 +172,13 @@ class _Heading:
 
     @classmethod
     def of(cls, scene: Scene, size: tuple[int, int]) -> _Heading:
-        """That of a scene for a picture of a `size`, without any height where there is nothing to be said."""
+        """That of a scene for a picture of a `size`, without any height where there is neither."""
         entries = [_Entry(area.label, area.colour, "area") for area in scene.areas if area.label]
         entries += [_Entry(curve.label, curve.colour, "line", curve.width) for curve in scene.curves if curve.label]
         entries += [_Entry(dots.label, dots.colour, "dot", 6.0) for dots in scene.dots if dots.label]
         if not entries and not scene.title:
             return cls("", (), 0.0, 0)
-        sheet, high = Sheet(size), size[1]
+        sheet, high = LetteredImage(size), size[1]
         title = break_lines(scene.title, lambda text: sheet.width(text, _TITLE) <= WIDEST * size[0])
         bottom = _FIRST * high + (sheet.height(title, _TITLE) if title else 0.0)
         rows = _rows(sheet, entries)
@@ -188,7 +188,7 @@ class _Heading:
             bottom = first + (len(rows) - 1) * _ROW * high + 0.5 * sheet.height("", _ENTRY)
         return cls(title, rows, first, round(bottom + _CLEAR * high))
 
-    def draw(self, sheet: Sheet) -> None:
+    def draw(self, sheet: LetteredImage) -> None:
         """Draw it in the middle of the picture's width."""
         wide, high = sheet.size
         sheet.text((0.5 * wide, _FIRST * high), self.title, _TITLE, down=0.0)
@@ -200,7 +200,7 @@ class _Heading:
                 left += entry.width(sheet) + between
 
 
-def _rows(sheet: Sheet, entries: list[_Entry]) -> tuple[tuple[_Entry, ...], ...]:
+def _rows(sheet: LetteredImage, entries: list[_Entry]) -> tuple[tuple[_Entry, ...], ...]:
     """Entries of a legend in rows that are not wider than the picture."""
     rows: list[list[_Entry]] = []
     between, left = _BETWEEN * _ENTRY * sheet.point, 0.0
@@ -213,7 +213,7 @@ def _rows(sheet: Sheet, entries: list[_Entry]) -> tuple[tuple[_Entry, ...], ...]
     return tuple(map(tuple, rows))
 
 
-def _draw_axes(sheet: Sheet, camera: Camera) -> None:
+def _draw_axes(sheet: LetteredImage, camera: Camera) -> None:
     """The frame's x, y and z directions in the lower left corner, nearest last."""
     high = sheet.size[1]
     centre, length = np.array([0.078, 1.0 - 0.078]) * high, 0.046 * high
@@ -230,7 +230,7 @@ def _draw_axes(sheet: Sheet, camera: Camera) -> None:
             sheet.text(place, "xyz"[k], _NUMBER, colour=colour)
 
 
-def _draw_scale(sheet: Sheet, camera: Camera, inner: tuple[int, int]) -> None:
+def _draw_scale(sheet: LetteredImage, camera: Camera, inner: tuple[int, int]) -> None:
     """A bar of a round length, at most a seventh of the picture's width, in the lower right corner of what the camera sees."""
     (wide, high), pixel = sheet.size, camera.height / inner[1]
     power = 10.0 ** np.floor(np.log10(wide * pixel / 7))
@@ -243,10 +243,10 @@ def _draw_scale(sheet: Sheet, camera: Camera, inner: tuple[int, int]) -> None:
     sheet.text(((left + right) / 2, y - 0.012 * high), f"{length:g} mm", _NUMBER, down=1.0)
 
 
-def _draw_colour_bar(sheet: Sheet, value_map: ValueMap) -> None:
+def _draw_colour_bar(sheet: LetteredImage, value_map: ValueMap) -> None:
     """Colours from 0, below, to the map's limit, with round values beside them and what they are."""
     wide, high = sheet.size
-    box = Box((BESIDE_BAR + 0.02) * wide, 0.2 * high, (BESIDE_BAR + 0.042) * wide, 0.85 * high)
+    box = PixelBox((BESIDE_BAR + 0.02) * wide, 0.2 * high, (BESIDE_BAR + 0.042) * wide, 0.85 * high)
     sheet.paste(colour_table()[::-1, None, :3], box)
     for begin, end in zip(box.corners, np.roll(box.corners, 1, axis=0), strict=True):
         sheet.line(begin, end, 0.8, rim=False)

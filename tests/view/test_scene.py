@@ -28,7 +28,7 @@ from gearmesh.view import opengl
 from gearmesh.view import render as lettering
 from gearmesh.view.diagrams import plots
 from gearmesh.view.lettering import fit_title
-from gearmesh.view.offscreen.letters import Sheet, ticks
+from gearmesh.view.offscreen.letters import LetteredImage, ticks
 from gearmesh.view.offscreen.shapes import Viewer, corner_normals, region_edges
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
 from gearmesh.view.palette import COLOUR_MAP, COMPOUND, LINES, PATH
@@ -345,7 +345,7 @@ def test_words_are_beyond_what_they_name():
     )
     middle, end = np.zeros(3), np.array([4.0, 0.2, 0.0])
     scene = Scene((), camera, words=(Word("axis of a head cutter", end, middle),))
-    sheet = Sheet(SIZE)
+    sheet = LetteredImage(SIZE)
     ((place, text, across),) = lettering._placed_words(sheet, scene, SIZE)
     box = sheet.box(place, text, lettering._WORD, across)
     assert camera.pixels(end, SIZE)[0] < box.left < box.right < SIZE[0]
@@ -354,7 +354,7 @@ def test_words_are_beyond_what_they_name():
 @pytest.mark.quick
 def test_letters_are_where_they_were_measured_to_be():
     """What is written is inside of its box but for its rim, and takes nearly all of the box's width."""
-    sheet = Sheet(SIZE, np.full((SIZE[1], SIZE[0], 3), 128, dtype=np.uint8))
+    sheet = LetteredImage(SIZE, np.full((SIZE[1], SIZE[0], 3), 128, dtype=np.uint8))
     sheet.text((200.3, 90.7), "flank lines\nlp", 20.0, across=0.25, down=0.0, colour="#000000")
     box = sheet.box((200.3, 90.7), "flank lines\nlp", 20.0, across=0.25, down=0.0)
     for letters, rim in ((sheet.pixels() < 64, 0.0), (sheet.pixels() > 192, 1.5)):
@@ -378,7 +378,7 @@ def test_marks_cover_the_share_of_pixels_that_they_take():
         (lambda sheet: sheet.disc(middle, 30.0, "#000000"), np.pi * 10.0**2),
         (lambda sheet: sheet.line((-5.0, 40.0), (20.0, 40.0), 6.0, "#000000", rim=False), 20.0 * 4.0),
     ):
-        sheet = Sheet(SIZE, np.full((SIZE[1], SIZE[0], 3), 255, dtype=np.uint8))
+        sheet = LetteredImage(SIZE, np.full((SIZE[1], SIZE[0], 3), 255, dtype=np.uint8))
         draw(sheet)
         # half of a place more or less along the outline
         assert (1.0 - sheet.pixels()[..., 0] / 255.0).sum() == pytest.approx(area, abs=4.0)

@@ -30,7 +30,7 @@ _RIM = "#ffffff"
 
 
 @dataclass(frozen=True)
-class Box:
+class PixelBox:
     """Edges of what is drawn, pixels from the left and from the top."""
 
     left: float
@@ -45,7 +45,7 @@ class Box:
         return np.stack((x, y), axis=-1)
 
 
-class Sheet:
+class LetteredImage:
     """What is lettered: pixels (H, W, 3), or a size (W, H) alone to measure by. Places are pixels from the left and the top."""
 
     def __init__(self, size: tuple[int, int], image: Image | None = None) -> None:
@@ -68,11 +68,11 @@ class Sheet:
         above, below = self._reach(points)
         return (above + below) * (1.0 + _SPACING * text.count("\n"))
 
-    def box(self, at: ArrayLike, text: str, points: float, across: float = 0.5, down: float = 0.5) -> Box:
+    def box(self, at: ArrayLike, text: str, points: float, across: float = 0.5, down: float = 0.5) -> PixelBox:
         """Where a text is that has so much of its width to the left of a place (2,), and so much of its height above it."""
         (x, y), wide, high = np.asarray(at, dtype=float), self.width(text, points), self.height(text, points)
         left, top = float(x) - across * wide, float(y) - down * high
-        return Box(left, top, left + wide, top + high)
+        return PixelBox(left, top, left + wide, top + high)
 
     def text(
         self, at: ArrayLike, text: str, points: float, *, across: float = 0.5, down: float = 0.5, colour: str = INK
@@ -121,7 +121,7 @@ class Sheet:
         Draw(mask).polygon([tuple(place) for place in (_PLACES * (places - low) - 0.5).tolist()], fill=255)
         self._stamp(colour, mask.resize(tuple(size.tolist()), pillow.Resampling.BOX), (int(low[0]), int(low[1])))
 
-    def paste(self, colours: Image, box: Box) -> None:
+    def paste(self, colours: Image, box: PixelBox) -> None:
         """Colours (H, W, 3) over a box, stretched between whole pixels."""
         from PIL import Image as pillow
 
