@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import gearmesh as gm
+from gearmesh.app.terminal import working
 from gearmesh.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -136,17 +137,21 @@ def stem(path: Path) -> str:
 
 def load_design(path: Path, overrides: list[str] | None) -> Design:
     """The design of the command line."""
-    return gm.load(path, overrides or [])
+    with working("design"):
+        return gm.load(path, overrides or [])
 
 
 def load_gears(path: Path, overrides: list[str] | None) -> Gears:
     """The gears of the design of the command line."""
-    return gm.build(load_design(path, overrides))
+    design = load_design(path, overrides)
+    with working("gears"):
+        return gm.build(design)
 
 
 def load_alone(path: Path, overrides: list[str] | None) -> Gears:
     """The same, of which nothing is made that is not asked for."""
-    return gm.build(gm.load(path, overrides or [], complete=False), alone=True)
+    with working("gears"):
+        return gm.build(gm.load(path, overrides or [], complete=False), alone=True)
 
 
 def design_text(path: Path, overrides: list[str] | None) -> str:

@@ -22,6 +22,7 @@ from gearmesh.mesh.hexahedra.hexahedra import Cells, CoarsestLines, Focus, HexGr
 from gearmesh.mesh.hexahedra.hexes import HexMesh, join
 from gearmesh.mesh.hexahedra.layers import layers
 from gearmesh.mesh.hexahedra.turned_body import CORE, SHAFT_END, whole_mesh
+from gearmesh.progress import in_turn, part
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import CUT_REGIONS, Side
 from gearmesh.teeth.tooth import Tooth
@@ -113,11 +114,13 @@ def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "g
     Sets are those of `hex_mesh` with pinion_ or gear_ before them, and pinion_held, gear_held: rim and cut faces. Raises
     TrimError for teeth that cannot be trimmed, DesignError for a rim that does not fit.
     """
-    own = {name: member_mesh(pair, name, request, at) for name in request.members}
+    with part(0.0, 0.5):
+        own = {name: member_mesh(pair, name, request, at) for name in in_turn(request.members)}
     turns, both = list(at.turns), len(request.members) == 2
     gap = preload = 0.0
     if both:
-        gap, apart = _facet_gap(pair, own, at)
+        with part(0.5, 0.9):
+            gap, apart = _facet_gap(pair, own, at)
         lever = float(at.path.normal[0] @ pair.gear.mount.velocity(at.path.point[0]))
         turns[1] -= pair.drive * gap / abs(lever)
         overlap = max(OVERCLOSURE * at.approach, BEYOND_APART * apart)
@@ -293,14 +296,24 @@ def _inner(faces: Array) -> Array:
 
 def _heights(faces: Array, under: Array) -> Array:
     """Heights z (K,) of the nodes of faces (P, 4 or 8, 3) over the triangles of faces (Q, 4 or 8, 3) that they lie over."""
+    # by rising x, so that those between the least and the largest x of a triangle follow each other
     points = np.unique(faces.reshape(-1, 3), axis=0)
-    a, b, c = np.moveaxis(under[:, _FANS[under.shape[1]]].reshape(-1, 3, 3), 1, 0)
-    first, second, from_a = b - a, c - a, points[:, None] - a
+    triangles = under[:, _FANS[under.shape[1]]].reshape(-1, 3, 3)
+    begin, end = (
+        points[:, 0].searchsorted(triangles[..., 0].min(axis=1)),
+        points[:, 0].searchsorted(triangles[..., 0].max(axis=1), "right"),
+    )
+    count = end - begin
+    which = np.repeat(np.arange(len(triangles)), count)
+    point = points[np.arange(len(which)) + np.repeat(begin - np.cumsum(count) + count, count)]
+    a, b, c = np.moveaxis(triangles[which], 1, 0)
+    first, second, from_a = b - a, c - a, point - a
     area = plane_cross(first, second)
     with np.errstate(all="ignore"):
         u, v = plane_cross(from_a, second) / area, plane_cross(first, from_a) / area
     over = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
-    return (from_a[..., 2] - u * first[:, 2] - v * second[:, 2])[over]
+    heights: Array = (from_a[:, 2] - u * first[:, 2] - v * second[:, 2])[over]
+    return heights
 
 
 def _leading(mesh: HexMesh, side: Side, prefix: str = "") -> int:

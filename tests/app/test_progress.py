@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
+from oracles.places import ROOT
 
 import gearmesh as gm
 from gearmesh.progress import in_turn, listening, part, tell
@@ -21,11 +24,23 @@ def test_parts_are_fractions_of_the_whole() -> None:
     assert told == pytest.approx([0.2, 0.4, 0.55, 0.7, 0.85, 1.0, 1.0])
 
 
-def test_long_answers_say_how_far_they_are() -> None:
+@pytest.mark.parametrize(
+    ("ask", "least"), [(lambda gears: gears.check(0.05), 8), (lambda gears: gears.finite_elements(), 5)]
+)
+def test_long_answers_say_how_far_they_are(ask: Callable[[gm.Gears], object], least: int) -> None:
     tables = {"pinion": {"teeth": 18, "face_width": 10}, "gear": {"teeth": 24, "face_width": 10}}
     gears = gm.build(gm.parse({"kind": "cylindrical", "module": 2, **tables}))
     told: list[float] = []
     with listening(told.append):
-        gears.check(0.05)
+        ask(gears)
     assert told == sorted(told)
-    assert len(set(told)) > 8
+    assert len(set(told)) > least
+
+
+def test_search_for_the_contact_of_a_bevel_pair_says_how_far_it_is() -> None:
+    told: list[float] = []
+    with listening(told.append):
+        gm.build(gm.load(ROOT / "samples" / "spiral_bevel_basic.toml", ["name=another"]))
+    assert told == sorted(told)
+    # of the first flank, of both
+    assert 0.0 < told[0] < 0.5 < told[-2] < told[-1] == 1.0

@@ -40,6 +40,7 @@ from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, 
 from gearmesh.figures import Content, Entry, Summary
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.progress import part
 from gearmesh.teeth.gear_train import GearPair
 
 #: elements up to which models with default numbers of lines get more of them until these resolve the contact pressure
@@ -252,7 +253,10 @@ def finite_elements_of(
     Raises DesignError for a design that cannot be modelled, NoSolutionError where no teeth touch.
     """
     request = _request(design, pair, members, rotation, friction, sector)
-    made = _make(design, pair, request, place(pair, phi1, request.torque, request.materials))
+    with part(0.0, 0.3):
+        at = place(pair, phi1, request.torque, request.materials)
+    with part(0.3, 1.0):
+        made = _make(design, pair, request, at)
     return replace(made, warnings=(*warnings, *_missing_parts(pair, request), *_warnings(request, [made.measured])))
 
 
@@ -325,10 +329,12 @@ def _request(
 def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> FiniteElements:
     """The model of a placed pair, without warnings."""
     started = time.perf_counter()
-    built, needed = gear_model(pair, request, at, design.name or design.kind), None
+    with part(0.0, 0.5 if request.resolved else 0.9):
+        built, needed = gear_model(pair, request, at, design.name or design.kind), None
     if request.resolved and len(built.model.mesh.elements) > LARGEST_DEFAULT:
         needed, request = len(built.model.mesh.elements), replace(request, resolved=False)
-        built = gear_model(pair, request, at, design.name or design.kind)
+        with part(0.5, 0.9):
+            built = gear_model(pair, request, at, design.name or design.kind)
     figures = ModelFigures(
         **vars(mesh_figures(built.model.mesh)),
         phi1=float(np.degrees(at.turns[0])),

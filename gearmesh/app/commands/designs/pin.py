@@ -1,4 +1,7 @@
-"""The command `pin`: the design with everything given that its gears are built of."""
+"""The command `pin`: the design with everything given that its gears are built of.
+
+The gears show how far they are; what is left is to ask them for their values, a second at most in which the bar pulses.
+"""
 
 from __future__ import annotations
 

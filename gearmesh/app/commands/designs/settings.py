@@ -1,4 +1,8 @@
-"""The command `settings`: machine settings that give the contact asked for."""
+"""The command `settings`: machine settings that give the contact asked for.
+
+The gears show how far they are; a sheet or a compensation takes less than a second and has no steps of which the number is known,
+as equations are solved to their end: its bar pulses.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +53,8 @@ def settings(
         refuse_suffix(output, ".toml")
     for file in (output, json_file):
         refuse_unwritable(file)
-    gears = gm.build(design)
+    with working("gears"):
+        gears = gm.build(design)
     with working("settings"):
         own = gm.system(design.kind)
         # the settings of gears that are refinished are those of compensation alone

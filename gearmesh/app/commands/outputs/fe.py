@@ -23,6 +23,7 @@ from gearmesh.app.options import (
 )
 from gearmesh.app.terminal import Progress, refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
+from gearmesh.progress import part
 
 if TYPE_CHECKING:
     from gearmesh.answers.bodies.finite_element_model import UnloadedFiniteElements
@@ -102,7 +103,8 @@ def fe(
     design = load_design(design_file, [*(settings or []), *_fe_overrides(teeth, torque)])
     for file in (output if len(positions) == 1 else None, json_file, picture):
         refuse_unwritable(file)
-    gears = gm.build(design)
+    with working("gears"):
+        gears = gm.build(design)
     if not gears.pairs:
         _refuse_unpaired(gears, phi1=phi1, rotation=rotation, friction=friction, pair=pair, solve=solve or None)
     if solve:
@@ -128,9 +130,10 @@ def fe(
             )
             warnings = answer.warnings
         else:
-            model = gears.finite_elements(
-                positions[0], members=members, rotation=rotation, friction=friction or 0.0, pair=mesh, sector=sector
-            )
+            with part(0.0, 0.0 if solve else 0.8):
+                model = gears.finite_elements(
+                    positions[0], members=members, rotation=rotation, friction=friction or 0.0, pair=mesh, sector=sector
+                )
             if output is not None:
                 model.save(output, program=chosen)
             answer, warnings = _solve(gears, model, picture, progress) if solve else model, model.warnings

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.progress import tell
 from gearmesh.systems.spiral_bevel.design import ORDERS, SYNTHESISED
 from gearmesh.systems.spiral_bevel.machine.pair import SIDES
 from gearmesh.systems.spiral_bevel.synthesis.contact_preview import ContactPreview, ContactPreviews
@@ -100,6 +101,8 @@ class _Search:
                 if self.previews.count >= MOST[rolled]:
                     break
                 for choice, path in self._ellipses(direction, rolled=rolled):
+                    # of previews the most are known, how many are enough is not
+                    tell(min(self.previews.count / max(MOST), 1.0))
                     good = self._good(path)
                     if sum(good) > sum(most):
                         best, most = choice, good

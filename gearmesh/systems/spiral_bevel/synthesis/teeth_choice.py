@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from gearmesh.design.keys import DERIVED
 from gearmesh.errors import DesignError, NoSolutionError, VagueError
+from gearmesh.progress import in_turn
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import (
     FACTORS,
     ToothFaults,
@@ -247,7 +248,7 @@ def _saying(first: _Plain, best: _Plain) -> _Plain:
 
 @lru_cache(maxsize=REMEMBERED)
 def _search(key: _Remembered, blank: BevelBlank) -> Choices:
-    return {name: contact_choice(key.design, blank, name) for name in SIDES}
+    return {name: contact_choice(key.design, blank, name) for name in in_turn(SIDES)}
 
 
 @lru_cache(maxsize=REMEMBERED)
