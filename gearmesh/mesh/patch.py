@@ -19,7 +19,7 @@ Index = NDArray[np.int64]
 #: rows of nodes from which on it pays to look whether a link ends at the same parameters everywhere
 MANY_ROWS = 200
 #: where on an edge its distance from the surface is looked at
-PLACES = (0.15, 0.25, 0.35, 0.5, 0.65, 0.75, 0.85)
+PLACES = np.array([0.15, 0.25, 0.35, 0.5, 0.65, 0.75, 0.85])[:, None]
 #: digits of the station parameter t that count: stations that are the same but for rounding are trimmed once
 DIGITS = 12
 
@@ -82,10 +82,8 @@ class LinkNodes:
         first, last = edges.T
         along = self.points[last] - self.points[first]
         a, b = dot(self.normals[first], along), dot(self.normals[last], along)
-        largest = np.zeros(len(edges))
-        for x in PLACES:
-            np.maximum(largest, x * (1.0 - x) * np.abs(a * (1.0 - x) - b * x), out=largest)
-        return largest
+        arch: Array = (PLACES * (1.0 - PLACES) * np.abs(a * (1.0 - PLACES) - b * PLACES)).max(axis=0)
+        return arch
 
     def over(self, corners: Index, places: Array) -> Array:
         """Exact points (M, K, 3) at barycentric places (K, 3) of triangles (M, 3) in the (s, t) plane; of a surface

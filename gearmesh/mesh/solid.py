@@ -184,9 +184,10 @@ def labelled_mesh(
     name: str,
 ) -> TriangleMesh:
     """Mesh with facet normals everywhere but on flanks and fillets, where the given normals of the teeth stay."""
-    normals = facet_normals(vertices, triangles)
-    keep = np.flatnonzero(np.isin(regions[: len(tooth_normals)], [i for i, n in enumerate(names) if n in _EXACT]))
-    normals[keep] = tooth_normals[keep]
+    exact, normals = np.zeros(len(triangles), dtype=bool), np.empty((len(triangles), 3))
+    exact[: len(tooth_normals)] = np.array([name in _EXACT for name in names])[regions[: len(tooth_normals)]]
+    normals[exact] = tooth_normals[exact[: len(tooth_normals)]]
+    normals[~exact] = facet_normals(vertices, triangles[~exact])
     return TriangleMesh(vertices, triangles.astype(np.int64), regions.astype(np.int32), names, normals, name)
 
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.ends.end_mesh import EndMesh, end_mesh
 from gearmesh.mesh.links.forms import Forms
+from gearmesh.mesh.links.images import image
 from gearmesh.mesh.links.lines import denser, stations
 from gearmesh.mesh.links.link_mesh import LinkLines, LinkMesh, mesh_link, thin_link
 from gearmesh.mesh.links.plan import LinkPlan, link_plans
@@ -246,9 +247,21 @@ class _Draft:
         fewest = np.array([self.forms.fewest(k, allowed, cells) for k, cells in enumerate(seams)])
         more = taken > fewest
         thinned = (taken > EXCESS * fewest) & (taken[more].sum() > LARGE * fewest[more].sum())
-        return tuple(
-            self._thin(k, int(ENOUGH * fewest[k]) - 6) if thinned[k] else mesh.patch for k, mesh in enumerate(meshes)
-        )
+        patches = [mesh.patch for mesh in meshes]
+        for k in np.flatnonzero(thinned).tolist():
+            patches[k] = self._image(k, patches) or self._thin(k, int(ENOUGH * fewest[k]) - 6)
+        return tuple(patches)
+
+    def _image(self, k: int, patches: list[PatchMesh]) -> PatchMesh | None:
+        """What was made of a link before whose image link k is, where it is within the tolerance there, too."""
+        assert self.trimmed is not None
+        for other in range(k):
+            if patches[other] is not self.meshes[other].patch:
+                both = self.meshes[k], self.meshes[other]
+                patch = image(self.tooth, *both, patches[other], self.trimmed, (self.forms, k, other))
+                if patch is not None and patch.deviation <= SAFETY * self.tolerance:
+                    return patch
+        return None
 
     def _thin(self, k: int, enough: int) -> PatchMesh:
         allowed = BETWEEN * SAFETY * self.tolerance

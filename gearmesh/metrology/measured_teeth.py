@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair
 from gearmesh.kernel.numeric.grid_spline import GridSpline
 from gearmesh.metrology.evaluation import TraceRange, helix_range, profile_range
 from gearmesh.metrology.pitch import BallInSpace, PitchDeviations
@@ -79,7 +79,7 @@ class GridDeviations:
 
     def at(self, s: Array, t: Array) -> Array:
         """Deviations (...,), mm, at shares (...,)."""
-        s, t = np.broadcast_arrays(np.asarray(s, dtype=float), np.asarray(t, dtype=float))
+        s, t = broadcast_pair(s, t)
         inside = np.ones(s.shape, dtype=bool)
         for x, (first, last) in zip((s, t), self.extent, strict=True):
             inside &= (x >= first - EDGE) & (x <= last + EDGE)

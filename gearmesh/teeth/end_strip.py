@@ -28,7 +28,7 @@ from itertools import pairwise
 import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, components
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components
 from gearmesh.kernel.numeric.polylines import first_crossing
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.teeth.blank.development import Development
@@ -253,7 +253,7 @@ class EndStrip:
 
     def at(self, piece: StripPiece, sigma: Array, tau: Array) -> Array:
         """Points (..., 3) of a piece at sigma along it and tau from the end face (0) to the section under it (1), (...,) each."""
-        sigma, tau = np.broadcast_arrays(np.asarray(sigma, dtype=float), np.asarray(tau, dtype=float))
+        sigma, tau = broadcast_pair(sigma, tau)
         along, every = np.unique(sigma.ravel(), return_inverse=True)
         outer, inner = (q[every].reshape(*sigma.shape, 2) for q in (_outer(piece, along), self._inner(piece, along)))
         if not self.chamfer.rounded:

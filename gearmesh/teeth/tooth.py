@@ -646,7 +646,7 @@ class Tooth:
             def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
                 jet = side.flank.jet(x[:, 0], x[:, 1])
                 f = np.stack((axial.value(jet.r) - stations[which[index]], tip.value(jet.r) - level[index]), axis=-1)
-                rows = [[dot(g.gradient(jet.r), d) for d in (jet.r_u, jet.r_v)] for g in (axial, tip)]
+                rows = [[dot(g, d) for d in (jet.r_u, jet.r_v)] for g in (axial.gradient(jet.r), tip.gradient(jet.r))]
                 return f, np.moveaxis(np.array(rows), -1, 0)
 
             return residual

@@ -27,7 +27,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, about_axis, broadcast_pair
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.tools.description import Dimension, HeightZero, ToolDescription
 from gearmesh.tools.drawing import TurnedDrawing
@@ -51,21 +51,13 @@ class Revolved:
     angle0: float = 0.0
 
     def jet(self, u: Array, v: Array) -> Jet:
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        u, v = broadcast_pair(u, v)
         c, s = np.cos(self.angle0 + v), np.sin(self.angle0 + v)
-
-        def lift(plane: Array) -> Array:
-            radial, space = self.side * plane[..., 1], np.empty((*c.shape, 3))
-            space[..., 0], space[..., 1], space[..., 2] = radial * c, radial * s, -plane[..., 0]
-            return space
-
-        def swing(plane: Array) -> Array:
-            radial, space = self.side * plane[..., 1], np.empty((*c.shape, 3))
-            space[..., 0], space[..., 1], space[..., 2] = -radial * s, radial * c, 0.0
-            return space
-
-        points, tangents, normals, bent = self.profile.section(u)
-        return Jet(lift(points), lift(normals), lift(tangents), swing(points), lift(bent), swing(normals))
+        plane = np.array(self.profile.section(u))
+        radial, space = self.side * plane[..., 1], np.empty((*plane.shape[:-1], 3))
+        space[..., 0], space[..., 1], space[..., 2] = radial * c, radial * s, -plane[..., 0]
+        points, tangents, normals, bent = space
+        return Jet(points, normals, tangents, about_axis(points), bent, about_axis(normals))
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import Array, components
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.tools.description import Dimension, HeightZero, RolledRack, ToolDescription
 from gearmesh.tools.drawing import StraightDrawing
@@ -211,17 +211,12 @@ class RackSurface:
     side: int = 1
 
     def jet(self, u: Array, v: Array) -> Jet:
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        u, v = broadcast_pair(u, v)
         lift, trace = self._directions
-        points, tangents, normals, turned = self.profile.section(u)
-        return Jet(
-            r=points @ lift + v[..., None] * trace,
-            n=normals @ lift,
-            r_u=tangents @ lift,
-            r_v=np.broadcast_to(trace, (*u.shape, 3)),
-            n_u=turned @ lift,
-            n_v=np.zeros((*u.shape, 3)),
-        )
+        points, tangents, normals, turned = np.array(self.profile.section(u)) @ lift
+        along = np.empty((*u.shape, 3))
+        along[...] = trace
+        return Jet(points + v[..., None] * trace, normals, tangents, along, turned, np.zeros((*u.shape, 3)))
 
     @cached_property
     def _directions(self) -> tuple[Array, Array]:

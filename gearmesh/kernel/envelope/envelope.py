@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import NoSolutionError, Solution, Status
 from gearmesh.kernel.motion.motion import MachineAxis, Motion, MotionState
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, cross, dot
 from gearmesh.kernel.numeric.effort import spend
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.surface import Jet, Surface
@@ -78,15 +78,16 @@ class Envelope:
 
     def generation(self, u: Array, v: Array) -> Generation:
         """Solve the equation of meshing at (u, v) (...,) and return everything known there."""
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        u, v = broadcast_pair(u, v)
         tool = self.tool.jet(u, v)
         if self.motion.linear:
             iterations, (phi, velocity, f_phi) = 0, self._closed_form(tool)
             state = self.motion.at(phi)
         else:
-            phi, iterations = self._solve(tool)
+            phi, iterations, known = self._solve(tool)
             state = self.motion.at(phi)
-            velocity, f_phi = _velocity(state, tool.r), dot(tool.n, _velocity_change(state, tool.r))
+            velocity = _velocity(state, tool.r)
+            f_phi = dot(tool.n, _velocity_change(state, tool.r)) if known is None else known
         spend(phi.size, iterations + 1, linear=self.motion.linear)
         spin = cross(state.omega, tool.n)
         return Generation(
@@ -143,32 +144,33 @@ class Envelope:
         )
         return on_tool.move(g.state.tool_to_blank)
 
-    def _solve(self, tool: Jet) -> tuple[Array, int]:
-        """phi (...,) and the number of iterations, of a motion that is not linear."""
+    def _solve(self, tool: Jet) -> tuple[Array, int, Array | None]:
+        """phi (...,), the number of iterations, of a motion that is not linear, and df/dphi (...,) where that is known, too."""
         if self.motion.unmodified_motion is None:
-            return self._bracket(tool)
-        phi = self._harmonic(tool)
-        return (phi, 0) if self.motion.unmodified_motion is self.motion else self._polish(tool, phi)
+            return *self._bracket(tool), None
+        phi, f_phi = self._harmonic(tool)
+        return (phi, 0, f_phi) if self.motion.unmodified_motion is self.motion else (*self._polish(tool, phi), None)
 
     @cached_property
-    def _harmonics(self) -> tuple[tuple[Array, Array], ...]:
-        """Mean, cosine and sine parts of the unmodified motion's twist (omega, tau), each (3,)."""
+    def _harmonics(self) -> Array:
+        """Omega and tau (6, 3) of the unmodified motion by their mean, cosine and sine parts."""
         assert self.motion.unmodified_motion is not None
         phi = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
         state = self.motion.unmodified_motion.at(phi)
         weights = (np.ones(3) / 3.0, 2.0 / 3.0 * np.cos(phi), 2.0 / 3.0 * np.sin(phi))
         omega, tau = (np.broadcast_to(a, (3, 3)) for a in (state.omega, state.tau))
-        return tuple((w @ omega, w @ tau) for w in weights)
+        return np.concatenate((omega, tau), axis=1).T @ np.stack(weights, axis=1)
 
-    def _harmonic(self, tool: Jet) -> Array:
+    def _harmonic(self, tool: Jet) -> tuple[Array, Array]:
+        """phi (...,) and df/dphi (...,) of the unmodified motion."""
         # n . (omega x r + tau) = omega . (r x n) + tau . n
-        moment = cross(tool.r, tool.n)
-        mean, cosine, sine = (moment @ omega + tool.n @ tau for omega, tau in self._harmonics)
+        parts = np.concatenate((cross(tool.r, tool.n), tool.n), axis=-1) @ self._harmonics
+        mean, cosine, sine = parts[..., 0], parts[..., 1], parts[..., 2]
         with np.errstate(invalid="ignore"):
             away = np.arccos(-mean / np.hypot(cosine, sine))
         phi = np.arctan2(sine, cosine) - self.branch * away
         wrapped: Array = (phi + np.pi) % (2.0 * np.pi) - np.pi
-        return wrapped
+        return wrapped, sine * np.cos(wrapped) - cosine * np.sin(wrapped)
 
     def _polish(self, tool: Jet, phi: Array) -> tuple[Array, int]:
         # plain steps of the whole batch: half the time of the guarded ones, which nothing needs so near the solution

@@ -29,7 +29,7 @@ from gearmesh.errors import NoSolutionError, Solution, Status
 from gearmesh.kernel.motion.motion import MachineAxis, SeveralStates
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, cross, dot, plane_cross
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, cross, dot, plane_cross
 from gearmesh.kernel.numeric.effort import spend
 from gearmesh.kernel.surface.surface import Jet, Surface
 
@@ -201,7 +201,7 @@ class FeedEnvelope:
         Plain Newton steps from the start, then damped ones where these do not arrive. (v, psi) themselves need not converge:
         where the equations are all but dependent they slide along the surface.
         """
-        u, s = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(s, dtype=float))
+        u, s = broadcast_pair(u, s)
         v, psi = (np.array(np.broadcast_to(x, u.shape), dtype=float) for x in self.start(u, s))
         with np.errstate(divide="ignore", invalid="ignore"):
             g = self._at(u, v, psi, s)
@@ -256,7 +256,7 @@ class FeedEnvelope:
 
     def progress(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
         """The feed (...,), mm, at which the tool touches along one line, and its partials, 0 and 1."""
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        u, v = broadcast_pair(u, v)
         return v, np.zeros_like(v), np.ones_like(v)
 
     def jet(self, u: Array, s: Array) -> Jet:

@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import AXIS, Array, about_axis, about_z, cross, dot
+from gearmesh.kernel.numeric.algebra import AXIS, Array, about_axis, about_z, broadcast_pair, cross, dot
 from gearmesh.kernel.surface.surface import Jet
 
 Signs = tuple[float, float, float]
@@ -64,7 +64,7 @@ class Helicoid:
     lift: float = 0.0
 
     def jet(self, u: Array, v: Array) -> Jet:
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        u, v = broadcast_pair(u, v)
         return self.sweep(self.curve.at(u), v)
 
     def sweep(self, at: Generatrix, v: Array) -> Jet:

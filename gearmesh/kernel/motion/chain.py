@@ -9,6 +9,7 @@ import numpy as np
 
 from gearmesh.kernel.motion.motion import MachineAxis, MotionState, SeveralStates, Twist
 from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.two_turns import TwoTurns
 from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, rotation_about, turn
 
 
@@ -84,8 +85,26 @@ class Chain:
             return self
         return replace(self, steps=tuple(replace(step, higher=()) for step in self.steps))
 
+    @cached_property
+    def _two_turns(self) -> TwoTurns | None:
+        """The same where two steps turn, in a constant ratio, and nothing shifts."""
+        fixed, turns = [Rigid.identity()], list[tuple[float, float]]()
+        for step in self.steps:
+            if step.moves or any(step.higher):
+                return None
+            place = Rigid(np.eye(3), np.array(step.offset))
+            fixed[-1] = fixed[-1] @ (place if step.base is None else step.base @ place)
+            if step.turns:
+                turns.append((step.angle0, step.rate))
+                fixed.append(Rigid.identity())
+        if len(turns) != 2:
+            return None
+        return TwoTurns(turns[0], fixed[1], turns[1], fixed[2], fixed[0])
+
     def at(self, phi: Array) -> MotionState:
         """State at phi (...,), which every step follows."""
+        if self._two_turns is not None:
+            return self._two_turns.at(np.asarray(phi, dtype=float))
         total, ((omega, tau),), (((omega_phi, tau_phi),),) = _accumulate(self.steps, (np.asarray(phi, dtype=float),))
         return MotionState(total, omega, tau, omega_phi, tau_phi)
 

@@ -22,7 +22,7 @@ from numpy.polynomial import Polynomial
 
 from gearmesh.kernel.motion.motion import MachineAxis, SeveralStates
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import AXIS, Array, about_z, cross, rotation_about
+from gearmesh.kernel.numeric.algebra import AXIS, Array, about_z, broadcast_pair, cross, rotation_about
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class FeedMotion:
 
     def at_several(self, psi: Array, s: Array) -> SeveralStates:
         """State at psi, s (...,); parameter 0 is the roll, 1 the feed."""
-        psi, s = np.broadcast_arrays(np.asarray(psi, dtype=float), np.asarray(s, dtype=float))
+        psi, s = broadcast_pair(psi, s)
         spin = -self.tool_turn * AXIS
         cosine, sine = np.cos(self.tool_turn * psi), np.sin(self.tool_turn * psi)
         place, along, bend = self._path(s)

@@ -9,6 +9,7 @@ import numpy as np
 
 from gearmesh.kernel.motion.motion import MachineAxis, MotionState
 from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.two_turns import TwoTurns
 from gearmesh.kernel.numeric.algebra import AXIS, Array, about_z, cross, rotation_about, turn
 
 Vector = tuple[float, float, float]
@@ -91,8 +92,19 @@ class CradleRoll:
         """Coefficients of the blank's angle and its first two derivatives, highest first."""
         return _derivatives(self.turn)
 
+    @cached_property
+    def _two_turns(self) -> TwoTurns | None:
+        """The same where the ratio is constant and nothing else moves."""
+        if self.unmodified_motion is not self:
+            return None
+        standing = np.eye(3) if self._standing is None else self._standing
+        angle, rate = (*self.turn, 0.0, 0.0)[:2]
+        return TwoTurns((angle, rate), self.base, (0.0, self.sense), Rigid(standing, np.array(self.centre)))
+
     def at(self, phi: Array) -> MotionState:
         phi = np.asarray(phi, dtype=float)
+        if self._two_turns is not None:
+            return self._two_turns.at(phi)
         angle, rate, rate_phi = (_polynomial(p, phi) for p in self._turn)
         c, s = np.cos(self.sense * phi), np.sin(self.sense * phi)
         # the blank's axis and origin, as they go round in the tool's frame, and their derivatives

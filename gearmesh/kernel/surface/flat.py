@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.kernel.motion.joint import Prismatic
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.surface import Jet
 
@@ -62,7 +62,7 @@ class FlatSurface:
         return None
 
     def jet(self, u: Array, v: Array) -> Jet:
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        u, v = broadcast_pair(u, v)
         radius, zero, one = self.level.joint.travel, np.zeros_like(u), np.ones_like(u)
         none = np.zeros((*u.shape, 3))
         return Jet(

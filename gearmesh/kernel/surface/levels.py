@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
-from gearmesh.kernel.numeric.algebra import Array, components, dot
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components, dot
 from gearmesh.kernel.numeric.splines import Polynomials
 from gearmesh.kernel.surface.surface import Jet, Surface
 
@@ -190,7 +190,7 @@ class ConeSurface:
         return self.level
 
     def jet(self, u: Array, v: Array) -> Jet:
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        u, v = broadcast_pair(u, v)
         (a, b), offset = self.level.normal, self.level.offset
         c, s, zero, one = np.cos(u), np.sin(u), np.zeros_like(u), np.ones_like(u)
         rho = offset * a - v * b

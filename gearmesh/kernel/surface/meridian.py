@@ -21,7 +21,7 @@ from typing import Protocol
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from gearmesh.kernel.numeric.algebra import Array, components
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components
 from gearmesh.kernel.surface.levels import ConeLevel, Level, PlaneLevel, perpendicular, station_normal
 from gearmesh.kernel.surface.surface import Jet
 
@@ -273,7 +273,7 @@ class Meridian:
         return hessian
 
     def jet(self, u: Array, v: Array) -> Jet:
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        u, v = broadcast_pair(u, v)
         height, slope, bend = (column[..., None] for column in self.curve.at(v))
         a, w, origin = self._frame
         point = (v - origin)[..., None] * a + height * w

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.errors import NoSolutionError, Solution, Status
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, dot
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.surface import Jet, Surface
 
@@ -52,7 +52,7 @@ def follow(surface: Surface, p: Array, stations: Array, axial: Level, start: Arr
     what has not converged, so that a few points that have no v cost the others nothing. On a grid whose p is evenly spaced along
     the first axis a few rows are solved first and the others start from their interpolation.
     """
-    p, stations = np.broadcast_arrays(p, stations)
+    p, stations = broadcast_pair(p, stations)
     if p.ndim == 2 and p.shape[0] > 2 * START_ROWS:
         start = _interpolate(surface, p, stations, axial, start)
     v = np.broadcast_to(np.asarray(start, dtype=float), p.shape)

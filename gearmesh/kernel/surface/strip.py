@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, polar_angle
+from gearmesh.kernel.numeric.algebra import AXIS, Array, broadcast_pair, cross, dot, polar_angle
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.kernel.surface.surface import Jet
 
@@ -59,7 +59,7 @@ class Strip:
         return tuple(tuple((series, series.deriv(), series.deriv(2)) for series in curve) for curve in self.curves)
 
     def jet(self, u: Array, v: Array) -> Jet:
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        u, v = broadcast_pair(u, v)
         across, up = station_normal(self.axial)
         at = [[[d(v) for d in derivatives] for derivatives in curve] for curve in self._derivatives]
         # angle and length: value, by h, by v, by h and v, twice by v

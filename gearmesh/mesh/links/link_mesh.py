@@ -195,16 +195,11 @@ def _between(
     cells = np.maximum(1, np.ceil(np.diff(totals) - 1e-9).astype(int))
     # between lines they are closer where the curve is bent more
     evens = [integral(x, np.maximum(density, STRAIGHT * density.max() + FLOOR)) for x, density in outline]
-    ends = [np.interp(s, density[0], even) for density, even in zip(outline, evens, strict=True)]
     for _ in range(ROUNDS):
         nodes = [
-            [
-                np.append(s[k], np.interp(np.linspace(end[k], end[k + 1], n + 1)[1:-1], even, density[0]))
-                for k, n in enumerate(count)
-            ]
-            for density, even, end, count in zip(outline, evens, ends, cells, strict=True)
+            _outline_nodes(s, count, even, density) for density, even, count in zip(outline, evens, cells, strict=True)
         ]
-        off = _off_curves(curve, [np.append(np.concatenate(inner), 1.0) for inner in nodes])
+        off = _off_curves(curve, nodes)
         worst = np.array(
             [np.maximum.reduceat(away, np.cumsum(count) - count) for away, count in zip(off, cells, strict=True)]
         )
@@ -212,7 +207,22 @@ def _between(
             break
         more = np.ceil(cells * np.clip(np.sqrt(worst / tolerance), 1.0, 2.0)).astype(int)
         cells = np.where(worst > tolerance, np.maximum(more, cells + 1), cells)
-    return [[line[1:] for line in inner] for inner in nodes], float(worst.max())
+    inner = [
+        [of[end - n + 1 : end] for end, n in zip(np.cumsum(count).tolist(), count.tolist(), strict=True)]
+        for of, count in zip(nodes, cells, strict=True)
+    ]
+    return inner, float(worst.max())
+
+
+def _outline_nodes(s: Array, count: Index, even: Array, density: tuple[Array, Array]) -> Array:
+    """Nodes s (N + 1,) where cells between s (S + 1,) are cut into so many (S,): by equal parts of what is `even` over the s of a
+    density."""
+    ends = np.interp(s, density[0], even)
+    cell = np.repeat(np.arange(count.size), count)
+    place = np.arange(cell.size) - (np.cumsum(count) - count)[cell]
+    nodes = np.interp(place * (np.diff(ends) / count)[cell] + ends[cell], even, density[0])
+    nodes[place == 0] = s[:-1]
+    return np.append(nodes, s[-1])
 
 
 def _off_curves(curve: SectionCurve, nodes: Sequence[Array]) -> list[Array]:

@@ -269,11 +269,12 @@ def _widest_aligned(length: Array, twist: Array, face: Array, dt: Array, limit: 
     """Widest ds where lines have their nodes at the same stations."""
     bound = length * face - twist**2
 
-    def edges(ds: Array) -> tuple[Array, Array, Array]:
+    def edges(ds: Array, length: Array, twist: Array, face: Array, dt: Array) -> tuple[Array, Array, Array]:
         along, across = np.abs(face) * dt**2, np.abs(length) * ds**2
         return along, across, along + across - 2.0 * np.abs(twist) * ds * dt
 
-    return _inside(_on_edges(length, twist, face, dt, limit), edges, bound * dt**2, limit)
+    widest = _on_edges(length, twist, face, dt, limit)
+    return _inside(widest, edges, (length, twist, face, dt), bound * dt**2, limit)
 
 
 def _widest_staggered(length: Array, twist: Array, face: Array, dt: Array, limit: float) -> Array:
@@ -290,32 +291,38 @@ def _widest_staggered(length: Array, twist: Array, face: Array, dt: Array, limit
         ds = np.where(under >= 0.0, np.fmin(ds, first), ds)
     ds = np.clip(ds, 1e-5, 1e3)
 
-    def edges(ds: Array) -> tuple[Array, Array, Array]:
+    def edges(ds: Array, length: Array, skew: Array, quarter: Array) -> tuple[Array, Array, Array]:
         even = np.abs(length) * ds**2 + np.abs(quarter)
         return 4.0 * np.abs(quarter), even + skew * ds, even - skew * ds
 
-    return _inside(ds, edges, (length * face - twist**2) * dt**2, limit)
+    return _inside(ds, edges, (length, skew, quarter), (length * face - twist**2) * dt**2, limit)
 
 
-def _inside(widest: Array, edges: Callable[[Array], tuple[Array, Array, Array]], bowl: Array, limit: float) -> Array:
+def _inside(
+    widest: Array, edges: Callable[..., tuple[Array, Array, Array]], given: tuple[Array, ...], bowl: Array, limit: float
+) -> Array:
     """Widest ds up to `widest` where triangles with edges of the given forms by ds keep their insides within `limit`,
     8 eps.
 
-    `bowl`: (L N - M^2) dt^2, of which only what is above 0 asks for that. The distance inside an acute triangle is
+    `edges` of ds and of what is `given`, which broadcasts to the shape of `widest`; `bowl`: (L N - M^2) dt^2, of which only
+    what is above 0 asks for that. The distance inside an acute triangle is
     half the square of its circumradius, a b c / (4 ds^2 dt^2 (L N - M^2)).
     """
     curved = bowl > 0.0
     if not curved.any():
         return widest
-    low, high = np.full_like(widest, 1e-5), widest
+    bowl, own = bowl[curved], [np.broadcast_to(of, widest.shape)[curved] for of in given]
+    low, high = np.full_like(bowl, 1e-5), widest[curved]
     for _ in range(HALVINGS):
         # the whole is tried first
         middle = high if _ == 0 else 0.5 * (low + high)
-        a, b, c = edges(middle)
+        a, b, c = edges(middle, *own)
         acute = a + b + c > 2.0 * np.maximum(np.maximum(a, b), c)
-        good = ~acute | (a * b * c <= limit * middle**2 * bowl) | ~curved
+        good = ~acute | (a * b * c <= limit * middle**2 * bowl)
         low, high = np.where(good, middle, low), np.where(good, high, middle)
-    return low
+    widest = widest.copy()
+    widest[curved] = low
+    return widest
 
 
 def _levels(slope: Array) -> Array:

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import DesignError
 from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, cross
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, cross
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.mapped import MappedSurface, Mapping
@@ -126,7 +126,7 @@ class Thread:
         return 2.0 * float(half[0]) * float(np.cos(self.worm.lead_angle))
 
     def _mapping(self, side: int, p: Array, v: Array) -> Mapping:
-        p, v = np.broadcast_arrays(np.asarray(p, dtype=float), np.asarray(v, dtype=float))
+        p, v = broadcast_pair(p, v)
         worm, end = self.worm if side > 0 else self.worm.mirror_image, self.worm.shaper.form_point[0]
         y = side * v
         low, low_y = self.beginning(y)
@@ -140,7 +140,7 @@ class Thread:
 
     def _crest_mapping(self, side: int, q: Array, v: Array) -> Mapping:
         """Of the rounding, whose parameter stays; Z would be far from even across it."""
-        q, v = np.broadcast_arrays(np.asarray(q, dtype=float), np.asarray(v, dtype=float))
+        q, v = broadcast_pair(q, v)
         worm, shaper = self.worm if side > 0 else self.worm.mirror_image, self.worm.shaper
         # the rounding's point from the shaper's axis, where the shaper's space is centred on x; its normal is at -q
         points, tangents, _, _ = shaper.rounding.section(-q)
@@ -172,7 +172,7 @@ class Wall:
     side: int
 
     def jet(self, u: Array, v: Array) -> Jet:
-        q, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        q, v = broadcast_pair(u, v)
         curve, ahead, behind = (self.flank.jet(np.zeros_like(v), v + step) for step in (0.0, STEP, -STEP))
         bend = (ahead.r_v - behind.r_v) / (2.0 * STEP)
         rho = np.hypot(curve.r[..., 0], curve.r[..., 1])

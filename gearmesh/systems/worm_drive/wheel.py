@@ -22,7 +22,7 @@ from gearmesh.kernel.envelope.helicoid import Helicoid
 from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import RackRoll
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair
 from gearmesh.kernel.surface.levels import ConeLevel, LandLevel
 from gearmesh.kernel.surface.mapped import Mapping
 from gearmesh.kernel.surface.meridian import CircularMeridian, CylinderMeridian, Joined, Meridian, Straight
@@ -55,7 +55,7 @@ class FaceFlank:
     height: float
 
     def jet(self, u: Array, v: Array) -> Jet:
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        u, v = broadcast_pair(u, v)
         away, depth = np.hypot(self.height, v), self.outer - self.height
         share, rate = (self.outer - away) / depth, -v / away / depth
         a, a_v = self.form_point + (u - self.form_point) * share, (u - self.form_point) * rate

@@ -23,7 +23,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair
 from gearmesh.kernel.numeric.grid_spline import GridSpline
 from gearmesh.teeth.micro_geometry.screw_involute import Amount, AmountJet
 
@@ -220,7 +220,7 @@ class Modification:
         return Modification(fields, self.extent)
 
     def jet(self, length: Array, z: Array) -> AmountJet:
-        length, z = np.broadcast_arrays(np.asarray(length, dtype=float), np.asarray(z, dtype=float))
+        length, z = broadcast_pair(length, z)
         one = np.ones_like(length)
         x, x_l, x_ll = level_off(length, self.extent.least) if self.extent.levels else (length, one, 0.0 * one)
         parts = [field.jet(x, z) for field in self.fields]

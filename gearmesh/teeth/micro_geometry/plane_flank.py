@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, dot
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.micro_geometry.screw_involute import NO_AMOUNT, Amount
 
@@ -46,7 +46,7 @@ class PlaneFlank:
         return replace(made, half=float(side * (r[0] * n[0] + r[2] * n[2] - r[1])))
 
     def jet(self, u: Array, v: Array) -> Jet:
-        x, z = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        x, z = broadcast_pair(u, v)
         given = NO_AMOUNT if self.amount is None else self.amount.jet(x, z)
         s, tangent, over = self.side, np.tan(self.alpha_t), 1.0 / np.cos(self.alpha_t)
         by_x, by_z = s * (tangent + over * given.a_l), self.slope + s * over * given.a_z

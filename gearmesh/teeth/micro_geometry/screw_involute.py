@@ -27,7 +27,7 @@ from typing import Protocol
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, dot
 from gearmesh.kernel.surface.surface import Jet
 
 
@@ -90,7 +90,7 @@ class ScrewInvolute:
         return length
 
     def jet(self, u: Array, v: Array) -> Jet:
-        length, z = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        length, z = broadcast_pair(u, v)
         if self.amount is None:
             return self._jet(length, z, NO_AMOUNT)
         return self._jet(length, z, self.amount.jet(length, z))
