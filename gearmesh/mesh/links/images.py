@@ -34,7 +34,7 @@ def image(
     fixed = tooth.face_breaks
     own = [*(mesh.stations(s) for s in (0.0, 1.0)), fixed]
     for turned in (False, True):
-        ends = [_seen(t, turned) for t in (*(other.stations(1.0 - s) for s in (0.0, 1.0)), fixed)]
+        ends = [_image_stations(t, turned) for t in (*(other.stations(1.0 - s) for s in (0.0, 1.0)), fixed)]
         if _same_forms(*forms, turned) and all(map(_same_stations, own, ends)):
             break
     else:
@@ -54,7 +54,7 @@ def image(
     return PatchMesh(nodes, triangles, centres.normals, max(mesh.patch.deviation, float(peaks.max())))
 
 
-def _seen(t: Array, turned: bool) -> Array:
+def _image_stations(t: Array, turned: bool) -> Array:
     """Stations in order as the image has them."""
     return 1.0 - t[::-1] if turned else t
 
