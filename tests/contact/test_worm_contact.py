@@ -119,6 +119,19 @@ def test_lines_end_where_no_point_of_them_is_left(keys: list[str]) -> None:
         assert 5e-4 < outside < 5e-3
 
 
+def test_first_touch_at_the_very_ends_of_a_line_is_on_the_line() -> None:
+    """Of the line one point is left, inside the tip line, which touches there; other places of the tip are 9e-8 rad behind. Second
+    route: an identical hob has no transmission error."""
+    gears = pair_of(load(SAMPLES / "worm_drive_dual_lead.toml"))
+    pair = solver_pair(gears).parts[0]
+    engagement = whole_engagement(pair, gears.pitch)
+    assert engagement is not None
+    surface = MeshCurve(engagement, gears.pitch).surface
+    contacts = touches(pair, np.array([surface.begin, surface.begin + 1e-6, surface.end - 1e-6, surface.end]))[0]
+    assert contacts.line.all()
+    assert np.abs(contacts.advance).max() < 1e-12
+
+
 def test_first_touch_where_a_line_nearly_leaves_over_one_edge_twice() -> None:
     """An identical hob, worm and wheel displaced: the worm's tip touches at one side of the face or at the other. No exact point of
     its tip line is ahead."""

@@ -39,9 +39,9 @@ class LinePieces:
     length: Array
 
 
-def directions(pair: Pair, conditions: Conditions, x: Array) -> tuple[Array, Array]:
-    """Unit vectors (M, 3), fixed frame, along and across the lines through x (M, 5)."""
-    one, two = conditions.touch(x, np.arange(len(x))).fixed
+def directions(pair: Pair, touch: Touch) -> tuple[Array, Array]:
+    """Unit vectors (M, 3), fixed frame, along and across the lines through places (M,) where both flanks touch."""
+    one, two = touch.fixed
     e1, e2 = tangent_basis(one)
     ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta)
     return ellipse.major, ellipse.minor
@@ -72,16 +72,14 @@ def _pieces(pair: Pair, plain: Conditions, line: NDArray[np.intp], states: Array
     inside = np.pad(outside <= EDGE_SLACK, ((0, 0), (1, 1))).astype(int)
     row, first = np.nonzero(np.diff(inside, axis=1) > 0)
     last = np.nonzero(np.diff(inside, axis=1) < 0)[1] - 1
-    ends = []
-    for inner, outer in ((first, first - 1), (last, last + 1)):
-        end = states[row, inner].copy()
-        beyond = np.clip(outer, 0, states.shape[1] - 1)
-        cut = np.flatnonzero((beyond == outer) & np.isfinite(states[row, beyond, 0]))
-        end[cut] = _cut(pair, plain, line[row[cut]], states[row[cut], outer[cut]], end[cut])
-        ends.append(end)
+    # both ends of all pieces at once
+    rows, inner, outer = np.tile(row, 2), np.concatenate((first, last)), np.concatenate((first - 1, last + 1))
+    ends, beyond = states[rows, inner], np.clip(outer, 0, states.shape[1] - 1)
+    cut = np.flatnonzero((beyond == outer) & np.isfinite(states[rows, beyond, 0]))
+    ends[cut] = _cut(pair, plain, line[rows[cut]], states[rows[cut], outer[cut]], ends[cut])
     between = [
         np.concatenate((begin[None], states[i, j : k + 1], end[None]))
-        for i, j, k, begin, end in zip(row, first, last, *ends, strict=True)
+        for i, j, k, begin, end in zip(row, first, last, *np.split(ends, 2), strict=True)
     ]
     return _evenly(pair, plain, line[row], between, count)
 
@@ -92,7 +90,8 @@ def line_over_face(pair: Pair, plain: Conditions, x: Array, stations: Array) -> 
     shape = len(x), stations.shape[-1]
     rows = np.repeat(np.arange(shape[0]), shape[1])
     repeated = plain.repeat(rows)
-    bound, across = Bound(1, pair.gear.axial, np.broadcast_to(stations, shape).ravel()), directions(pair, plain, x)[1]
+    bound = Bound(1, pair.gear.axial, np.broadcast_to(stations, shape).ravel())
+    across = directions(pair, plain.touch(x, np.arange(len(x))))[1]
     solution = newton.solve(
         replace(repeated, bounds=(bound,), across=across[rows]),
         x[rows],
@@ -123,13 +122,13 @@ def _follow(pair: Pair, plain: Conditions, x: Array) -> Array:
     position = np.tile(np.arange(count), 2)
     way = np.repeat([1, -1], count)
     at, active = x[position].copy(), np.arange(2 * count)
-    heading = directions(pair, plain, x)[0][position] * way[:, None]
+    heading = directions(pair, plain.touch(x, np.arange(count)))[0][position] * way[:, None]
     step = length / STEPS
     for k in range(1, MOST + 1):
         which = position[active]
         here = plain.repeat(which)
-        fixed = here.touch(at[active], np.arange(len(active))).fixed
-        along = directions(pair, here, at[active])[0]
+        there = here.touch(at[active], np.arange(len(active)))
+        fixed, along = there.fixed, directions(pair, there)[0]
         along *= np.sign(dot(along, heading[active]))[:, None]
         guess = at[active].copy()
         for member, jet in enumerate(fixed):
@@ -176,10 +175,10 @@ class LineSections:
 
 def _sections(pair: Pair, here: Conditions, guess: Array, tolerance: float) -> Solution:
     """Points (M, 5) of the lines in the planes across them through what is near them."""
-    along, across = directions(pair, here, guess)
-    at = here.touch(guess, np.arange(len(guess))).fixed[0].r
+    touch = here.touch(guess, np.arange(len(guess)))
+    along, across = directions(pair, touch)
     return newton.solve(
-        LineSections(here, at, along, across), guess, tolerance=tolerance, max_iterations=12, halvings=3
+        LineSections(here, touch.fixed[0].r, along, across), guess, tolerance=tolerance, max_iterations=12, halvings=3
     )
 
 
@@ -189,8 +188,9 @@ def _cut(pair: Pair, plain: Conditions, line: NDArray[np.intp], outer: Array, in
         return np.empty((0, 5))
     here = plain.repeat(line)
     every = np.arange(len(line))
-    across = directions(pair, here, inner)[1]
-    beyond, within = (margins(pair, here.touch(x, every), x)[0] for x in (outer, inner))
+    there = here.touch(inner, every)
+    across = directions(pair, there)[1]
+    beyond, within = margins(pair, here.touch(outer, every), outer)[0], margins(pair, there, inner)[0]
     own, edge = np.nonzero((beyond > EDGE_SLACK) & np.isfinite(within))
     share = np.clip(beyond[own, edge] / (beyond[own, edge] - within[own, edge]), 0.0, 1.0)[:, None]
     start = outer[own] + share * (inner[own] - outer[own])

@@ -43,7 +43,7 @@ def trace(pair: Pair, phi1: Array, x: Array) -> ContactLines:
     """The lines through solutions x (M, 5) at phi1 (M,)."""
     every = np.arange(len(x))
     plain = Conditions(pair.flanks, phi1, pair.length)
-    along, across = directions(pair, plain, x)
+    along, across = directions(pair, plain.touch(x, every))
     # lines over teeth that wind bend
     if pair.wound:
         ends, places = np.full((len(x), 2, 5), np.nan), np.full((len(x), 2), np.nan)

@@ -12,9 +12,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.conditions.events import TOLERANCE, root_between
 from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement
-from gearmesh.contact.engagement.events import TOLERANCE, root_between
 from gearmesh.contact.engagement.surface_contact import SurfaceContact, surface_contact
 from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
 from gearmesh.kernel.numeric.algebra import Array

@@ -13,10 +13,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.line_ends import deepest_points
+from gearmesh.contact.conditions.line_ends import touch_along_lines
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import (
-    EDGE_SLACK,
     Contacts,
     Trial,
     advances_of,
@@ -197,14 +196,7 @@ class Engagement:
         nearer = phi1[which] - self.phi1[first] < self.phi1[second] - phi1[which]
         node = np.where((nearer & line[first]) | ~line[second], first, second)
         with np.errstate(all="ignore"):
-            x, margin = deepest_points(part, phi1[which], self._predict(phi1[which], node))
-            own = np.flatnonzero(margin <= EDGE_SLACK)
-            trial = Trial.of(which[own], x[own], np.full((own.size, 2), -1))
-            trial.line[:] = True
-            solve(part, phi1, trial)
-        good = np.flatnonzero(trial.good & trial.line)
-        advance = advances_of(part, phi1, trial.x[good], trial.position[good])
-        contacts.take(trial.position[good], trial, good, 0, advance)
+            touch_along_lines(part, phi1, which, self._predict(phi1[which], node), contacts)
 
     def along_line(self, phi1: Array, node: NDArray[np.intp]) -> Contacts:
         """The contact lines of nodes at other rotations, whatever of them both flanks have there.

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.bent_lines import directions
+from gearmesh.contact.conditions.events import Events, reaches
 from gearmesh.contact.conditions.line_ends import line_ends
 from gearmesh.contact.conditions.lines import STEEP, on_edges, trace
 from gearmesh.contact.conditions.meshing import Bound, Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, advances_of, margins
 from gearmesh.contact.engagement.engagement import Engagement
-from gearmesh.contact.engagement.events import Events, reaches
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.pair import Pair, along_face, within
 from gearmesh.kernel.numeric import newton
@@ -160,9 +160,10 @@ class _Ends:
     def _wound_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
         """Where those of the lines of the last nodes that bend have shrunk to their last point, as far as that is before the next
         node."""
-        last = [end.last for end in ends]
+        last, beyond = ([getattr(end, name) for end in ends] for name in ("last", "beyond"))
+        within = 2.0 * float(np.abs(self.phi1[beyond] - self.phi1[last]).max())
         with np.errstate(all="ignore"):
-            shrunk = line_ends(self.pair.parts[0], self.phi1[last], self.flanks.x[last])
+            shrunk = line_ends(self.pair.parts[0], self.phi1[last], self.flanks.x[last], within)
         places: dict[_End, tuple[float, float]] = {}
         for k, end in enumerate(ends):
             phi1 = np.array([at for at in shrunk.phi1[shrunk.line == k].tolist() if self._between(at, end)])
@@ -182,14 +183,14 @@ class _Ends:
         before, plain = (Conditions(pair.flanks, self.phi1[k], pair.length) for k in (last, beyond))
         # the middle of the last line is followed at its station
         axial = pair.pinion.axial
-        station = axial.value(before.touch(x, every).own[0].r)
-        _, across = directions(pair, before, x)
+        touch = before.touch(x, every)
+        station, across = axial.value(touch.own[0].r), directions(pair, touch)[1]
         at_station = replace(plain, bounds=(Bound(0, axial, station),), across=across)
         x = x + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (plain.phi1 - before.phi1)[:, None]
         followed = newton.solve(at_station, x, tolerance=pair.tolerance, max_step=pair.max_step)
         x = np.where(followed.converged[:, None], followed.values, x)
-        along, across = directions(pair, plain, x)
         touch = plain.touch(x, every)
+        along, across = directions(pair, touch)
         own = margins(pair, touch, x)[0]
         places: list[dict[int, float]] = [{} for _ in ends]
         meets = on_edges(pair, plain, across, x)
@@ -233,7 +234,7 @@ class _Ends:
         pair = self.pair
         plain = Conditions(pair.flanks, self.phi1[[end.last]], pair.length)
         x = middle[None]
-        _, across = directions(pair, plain, x)
+        _, across = directions(pair, plain.touch(x, np.zeros(1, dtype=np.intp)))
         meets = {number: values for number, (values, met) in on_edges(pair, plain, across, x).items() if met[0]}
         choices = [(a, b) for a in pair.ends if along_face(a) for b in meets if not along_face(b)]
         if not choices:
@@ -310,7 +311,7 @@ class _Ends:
         axial, start = pair.pinion.axial, self.flanks.x[[end.last]]
         low, high = self._sides(end)
         before = Conditions(pair.flanks, low, pair.length)
-        _, across = directions(pair, before, start)
+        _, across = directions(pair, before.touch(start, np.zeros(1, dtype=np.intp)))
 
         def least(phi1: Array, _index: NDArray[np.intp]) -> Array:
             """The least margin (1,), mm, of the line at phi1 (1,)."""

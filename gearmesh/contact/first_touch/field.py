@@ -10,7 +10,7 @@ do meet, so the greatest advance sampled is a lower bound of the true one.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -62,6 +62,13 @@ class Candidates:
     gain: Array
     top: NDArray[np.intp]
 
+    @staticmethod
+    def nothing() -> Candidates:
+        """None, of no positions."""
+        none = np.zeros(0)
+        whole = np.zeros(0, dtype=np.intp)
+        return Candidates(whole, np.zeros((0, 5)), np.zeros((0, 2), dtype=np.intp), none, none, none, whole)
+
 
 @dataclass(frozen=True)
 class Outlook:
@@ -75,8 +82,11 @@ class Outlook:
 
 def outlook(pair: Pair, phi1: Array) -> Outlook:
     """What advances may be expected of the flanks of a pair at phi1 (N,), rad."""
-    seen = [_Field.of(pair, nodes, phi1, trimmed=True) for nodes in _batches(pair, phi1)]
-    return Outlook(*(np.concatenate([getattr(part, field.name) for part in seen]) for field in fields(Outlook)))
+    best, gain, inside = _nothing_seen(len(phi1))
+    for rows, nodes in _batches(pair, phi1):
+        seen = _Field.of(pair, nodes, phi1, trimmed=True)
+        best[rows], gain[rows], inside[rows] = seen.best, seen.gain, seen.inside
+    return Outlook(best, gain, inside)
 
 
 def candidates(
@@ -86,16 +96,30 @@ def candidates(
 
     Unless `trimmed` the gear's flank is taken as far as its table goes. The `finer` grid has all nodes of the other.
     """
-    parts = [_candidates(pair, nodes, phi1, trimmed) for nodes in _batches(pair, phi1, only, finer=finer)]
-    counted = np.cumsum([0, *(len(part.position) for part in parts)])
-    parts = [
-        replace(part, top=np.where(part.top < 0, -1, part.top + k)) for part, k in zip(parts, counted, strict=False)
-    ]
-    return Candidates(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Candidates)))
+    count = len(phi1) if only is None else len(only)
+    best, gain, _ = _nothing_seen(count)
+    top, parts = np.full(count, -1), [Candidates.nothing()]
+    for rows, nodes in _batches(pair, phi1, only, finer=finer):
+        part = _candidates(pair, nodes, phi1, trimmed)
+        before = sum(len(earlier.position) for earlier in parts)
+        best[rows], gain[rows], top[rows] = part.best, part.gain, np.where(part.top < 0, -1, part.top + before)
+        parts.append(part)
+    position, x, edges, most = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("position", "x", "edges", "most")
+    )
+    return Candidates(position, x, edges, most, best, gain, top)
 
 
-def _batches(pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, finer: bool = False) -> Iterator[_Nodes]:
-    """The points that are sampled, at positions that are worked on at once."""
+def _nothing_seen(count: int) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Best, gain and inside (N,), as of an `Outlook`, of positions where nothing meets."""
+    return np.full(count, -np.inf), np.zeros(count), np.zeros(count, dtype=bool)
+
+
+def _batches(
+    pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, finer: bool = False
+) -> Iterator[tuple[NDArray[np.intp], _Nodes]]:
+    """The points that are sampled, at positions that are worked on at once, and which of those asked for these are: of teeth that
+    wind round their axis only those at which they come near each other."""
     grid, every = pair.pinion.grid, np.arange(len(phi1)) if only is None else only
     sampled, wound = grid[:, ::COLUMNS], pair.wound
     if finer or wound:
@@ -105,9 +129,14 @@ def _batches(pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, f
     jet = pair.pinion.surface.jet(sampled[..., 0].ravel(), sampled[..., 1].ravel())
     whole = _Nodes(every, sampled, np.zeros(len(every), dtype=np.intp), sampled.shape[:2], jet.r, jet.n)
     step = max(1, CHUNK // (sampled[:, ::COLUMNS].size // 2 if wound else len(jet.r)))
-    for k in range(0, max(len(every), 1), step):
-        nodes = whole.at(every[k : k + step])
-        yield nodes.facing(pair, phi1) if wound else nodes
+    for k in range(0, len(every), step):
+        rows = np.arange(k, min(k + step, len(every)))
+        nodes = whole.at(every[rows])
+        if wound:
+            near, nodes = nodes.facing(pair, phi1)
+            rows = rows[near]
+        if rows.size:
+            yield rows, nodes
 
 
 def _halve(grid: Array) -> Array:
@@ -143,8 +172,9 @@ class _Nodes:
         """Parameters (C, 2) of the flank at places (C, 2), by row and column, of positions (C,)."""
         return bilinear(self.grid, place + np.stack((np.zeros(len(position)), self.first[position]), axis=-1))
 
-    def facing(self, pair: Pair, phi1: Array) -> _Nodes:
-        """As many columns as it takes at any of the positions to have all whose circles may meet the gear, of each its own."""
+    def facing(self, pair: Pair, phi1: Array) -> tuple[NDArray[np.bool_], _Nodes]:
+        """Positions (N,) at which any circles may meet the gear, and of these as many columns as it takes at any of them to have
+        all whose circles do, of each its own."""
         rows, columns = self.shape
         few = np.array([0, rows // 2, rows - 1])
         r = self.r.reshape(rows, columns, 3)[few, ::COLUMNS]
@@ -156,15 +186,16 @@ class _Nodes:
         nearest = _least_beside(beyond.min(axis=2))
         away = pair.next_winding(phi1[self.index][:, None], r[1])
         near = (nearest <= SLACK).all(axis=0) & ~(away & np.roll(away, 1, axis=1) & np.roll(away, -1, axis=1))
-        first = COLUMNS * np.where(near.any(axis=1), near.argmax(axis=1), seen // 2) - 1
-        last = COLUMNS * np.where(near.any(axis=1), seen - 1 - near[:, ::-1].argmax(axis=1), seen // 2) + 1
+        there = near.any(axis=1)
+        near, here = near[there], self.at(self.index[there])
+        first, last = COLUMNS * near.argmax(axis=1) - 1, COLUMNS * (seen - 1 - near[:, ::-1].argmax(axis=1)) + 1
         width = int(np.clip((last - first).max(initial=2) + 1, 3, columns))
         first = np.clip(first, 0, columns - width)
-        if width == columns:
-            return self
+        if width == columns or not len(first):
+            return there, here
         own = first[:, None, None] + np.arange(width) + (np.arange(rows) * columns)[:, None]
         own = own.reshape(len(first), -1)
-        return _Nodes(self.index, self.grid, first, (rows, width), self.r[own], self.n[own])
+        return there, replace(here, first=first, shape=(rows, width), r=self.r[own], n=self.n[own])
 
 
 def _least_beside(values: Array) -> Array:

@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.conditions.line_ends import touch_along_lines
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts, Trial, advances_of, refine_candidates
 from gearmesh.contact.first_touch.field import INTERIOR, Candidates, candidates, seen_closely, sharpen
@@ -19,6 +20,8 @@ from gearmesh.contact.first_touch.search import UNSEEN, meeting_points, refine_m
 from gearmesh.contact.pair import NUMBERED, Pair
 from gearmesh.kernel.numeric.algebra import Array
 
+#: rad by which contact on an edge may be behind a line of contact that is about to leave the flanks there
+LINE_ENDS = 1e-5
 #: numbers of the gear's edges
 OF_GEAR = [number for number, (member, _) in enumerate(NUMBERED) if member == 1]
 
@@ -46,6 +49,8 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             trial.most = places.most[worth]
             look = partial(seen_closely, part, phi1)
             refine_candidates(part, phi1, trial, contacts, number, edges=edges, look=look)
+            if edges and number == 0 and part.wound:
+                _along_lines(part, phi1, trial, contacts)
             lost = _lost_candidates(part, phi1, trial, contacts)
             if lost.size:
                 sharp = sharpen(part, phi1, trial.position[lost], trial.start[lost])
@@ -62,6 +67,16 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             if number == 0:
                 flanks = contacts.at(np.arange(len(phi1)))
     return contacts, flanks
+
+
+def _along_lines(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> None:
+    """Of lines of contact that bend, known at places beside the flanks, what the flanks have of them, where that may be: at the
+    ends of a line, which touches an edge there, what else is known is next to nothing behind it."""
+    ahead = advances_of(pair, phi1, trial.x, trial.position) - contacts.advance[trial.position]
+    beside = np.flatnonzero(trial.line & ~trial.good & (ahead > 0.0) & (ahead < LINE_ENDS))
+    first = beside[np.unique(trial.position[beside], return_index=True)[1]]
+    if first.size:
+        touch_along_lines(pair, phi1, trial.position[first], trial.x[first], contacts)
 
 
 def _confirm_missed(
