@@ -32,6 +32,8 @@ CHUNK = 200_000
 INSIDE = 3
 #: rounds in which the circle through an eccentric gear's teeth is found
 ROUNDS = 5
+#: parts into which a cell that may hold a small overlap is divided, each way, and how often
+PARTS, CLOSER = 6, 2
 #: finer and finer lattices about a sharp peak
 FINER = 3
 #: nodes about a place that estimate what may lie between them, at most
@@ -378,10 +380,9 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
         else:
             add(*_on_last_row(field, field.stations[number]), (tip, number))
     # where nothing is sampled, less may overlap than a cell holds
-    position, i, j, value, most = _cells(field, ())
-    own = np.flatnonzero(best[position] == -np.inf)
+    small = _small_overlaps(pair, nodes, phi1, field)
     for number in pair.ends:
-        add(position[own], i[own], j[own], value[own], most[own], (number, INTERIOR))
+        add(*small, (number, INTERIOR))
     position, place, edges, value, most = (np.concatenate(column) for column in zip(*places, strict=True))
     # what is interpolated may seem to be ahead too much
     sure = on.max(axis=(1, 2))
@@ -514,23 +515,57 @@ def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: 
     return gain
 
 
-def _cells(
-    field: _Field, crossed: Sequence[str], station: Array | None = None
-) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
+#: positions (M,), the middles of cells, grid places i, j (M,), and mean and greatest advance (M,) of their nodes
+_Cells = tuple[NDArray[np.intp], Array, Array, Array, Array]
+
+
+def _cells(field: _Field, crossed: Sequence[str], station: Array | None = None) -> _Cells:
     """Cells of the grid in which the flanks may overlap while edges of the gear, `crossed`, go through them, and a `station` of it
-    from which nodes (N, I, J) are so far, one per position: positions (M,), the middles of the cells, grid places i, j (M,), and
-    mean and greatest advance (M,) of their nodes.
+    from which nodes (N, I, J) are so far, one per position.
 
     All of a small overlap of two flanks may lie within one cell; then nothing else shows it.
     """
+    there, apart = _overlapping(field.advance, field.beyond, crossed, station)
+    return _nearest_cells(field, there, apart)
+
+
+def _small_overlaps(pair: Pair, nodes: _Nodes, phi1: Array, field: _Field) -> _Cells:
+    """Cells of positions where nothing is sampled in which the flanks may overlap all the same, by a finer lattice in them."""
+    there, apart = _overlapping(field.advance, field.beyond, ())
+    there[field.best > -np.inf] = False
+    position, *corner = np.nonzero(there)
+    place, own, steps = (
+        np.stack(corner, axis=-1).astype(float),
+        np.arange(len(position)),
+        np.linspace(0.0, 1.0, PARTS + 1),
+    )
+    for _ in range(CLOSER):
+        if not own.size:
+            break
+        ways = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1)
+        lattice = place[:, None, None] + ways
+        parameters = nodes.parameters(np.repeat(position[own], ways[..., 0].size), lattice.reshape(-1, 2))
+        seen = _advances_at(pair, phi1, nodes.index[position[own]], parameters.reshape(len(own), -1, 2))
+        shape = lattice.shape[:3]
+        cell, i, j = np.nonzero(_overlapping(seen.advance.reshape(shape), seen.beyond.reshape(4, *shape), ())[0])
+        place, own, steps = lattice[cell, i, j], own[cell], steps / PARTS
+    there[:] = False
+    there[position[own], corner[0][own], corner[1][own]] = True
+    return _nearest_cells(field, there, apart)
+
+
+def _overlapping(
+    advance: Array, beyond: Array, crossed: Sequence[str], station: Array | None = None
+) -> tuple[NDArray[np.bool_], Array]:
+    """In which cells of lattices (N, I, J), by the signs at their nodes, flanks may overlap while edges `crossed`, and a `station`,
+    go through them, and how far (mm) they are from there on average, (N, I - 1, J - 1) each; `beyond` (4, N, I, J)."""
     nodes = [(slice(i, i - 1 or None), slice(j, j - 1 or None)) for i in (0, 1) for j in (0, 1)]
-    advance = np.stack([field.advance[:, i, j] for i, j in nodes])
-    there = np.isfinite(advance).max(axis=0)
+    there = np.isfinite(np.stack([advance[:, i, j] for i, j in nodes])).max(axis=0)
     apart = np.zeros(there.shape)
-    for limit, beyond in enumerate(field.beyond):
-        own = np.stack([beyond[:, i, j] for i, j in nodes])
+    for limit, name in enumerate(LIMITS):
+        own = np.stack([beyond[limit][:, i, j] for i, j in nodes])
         there = there & (own.min(axis=0) <= 0.0)
-        if LIMITS[limit] in crossed:
+        if name in crossed:
             there = there & (own.max(axis=0) > 0.0)
             apart += np.abs(own.mean(axis=0))
         else:
@@ -539,10 +574,15 @@ def _cells(
         own = np.stack([station[:, i, j] for i, j in nodes])
         there = there & (own.min(axis=0) <= 0.0) & (own.max(axis=0) > 0.0)
         apart += np.abs(own.mean(axis=0))
+    return there, apart
+
+
+def _nearest_cells(field: _Field, there: NDArray[np.bool_], apart: Array) -> _Cells:
+    """Of the cells (N, I - 1, J - 1) that are `there` of every position the one least `apart`."""
     cell = np.where(there, apart, np.inf).reshape(len(there), -1).argmin(axis=1)
     position = np.flatnonzero(there.any(axis=(1, 2)))
     i, j = np.divmod(cell[position], there.shape[2])
-    advances = advance[:, position, i, j]
+    advances = np.stack([field.advance[position, i + k, j + m] for k in (0, 1) for m in (0, 1)])
     return position, i + 0.5, j + 0.5, np.nanmean(advances, axis=0), np.nanmax(advances, axis=0)
 
 

@@ -82,11 +82,12 @@ def _along_lines(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> N
 def _confirm_missed(
     pair: Pair, phi1: Array, missed: NDArray[np.intp], coarse: Candidates, contacts: Contacts
 ) -> NDArray[np.intp]:
-    """Those positions of `missed` (M,) at which the sample that is ahead is not known to do so by the error of its table."""
+    """Those positions of `missed` (M,) at which the sample that is ahead is not known to do so by the error of its table. Where a
+    line of the grid crosses an edge of the gear is a guess, which counts beside lines of contact: nothing is ahead of those."""
     top = coarse.top[missed]
     advance = meeting_points(pair, Conditions(pair.flanks, phi1, pair.length), missed, coarse.x[top])[1]
     of_table = (advance > -np.inf) & (advance <= contacts.advance[missed] + UNSEEN)
-    return missed[~of_table | np.isin(coarse.edges[top, 0], OF_GEAR)]
+    return missed[~of_table | (np.isin(coarse.edges[top, 0], OF_GEAR) & ~contacts.line[missed])]
 
 
 def _on_finer_grid(
