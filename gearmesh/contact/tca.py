@@ -166,16 +166,20 @@ def _result(pair: Pair, asked: Array, rotation: Array, contacts: Contacts, start
 
 def contact_jets(pair: Pair, rotation: Array, contacts: Contacts) -> tuple[tuple[Jet, Jet], tuple[Jet, Jet]]:
     """Jets (N,) of both members at the contacts, in their own frames and in the fixed one; NaN where there is none."""
-    jets = [
-        Conditions(part.flanks, rotation, pair.length).touch(contacts.x, np.arange(len(rotation)))
-        for part in pair.parts
-    ]
+    jets = {
+        number: Conditions(part.flanks, rotation, pair.length).touch(contacts.x, np.arange(len(rotation)))
+        for number, part in enumerate(pair.parts)
+        if number == 0 or (contacts.part == number).any()
+    }
     own: list[Jet] = []
     fixed: list[Jet] = []
     for member in (0, 1):
-        for kept, of_parts in ((own, [jet.own[member] for jet in jets]), (fixed, [jet.fixed[member] for jet in jets])):
-            chosen = of_parts[0]
-            for number, other in enumerate(of_parts[1:], start=1):
+        for kept, of_parts in (
+            (own, {number: jet.own[member] for number, jet in jets.items()}),
+            (fixed, {number: jet.fixed[member] for number, jet in jets.items()}),
+        ):
+            chosen = of_parts.pop(0)
+            for number, other in of_parts.items():
                 chosen = chosen.where(contacts.part != number, other)
             kept.append(chosen)
     return (own[0], own[1]), (fixed[0], fixed[1])

@@ -130,8 +130,8 @@ def _normals_at(pair: GearPair, frame: FlankFrame, places: Array) -> Array:
     grid = pair.pinion.tooth.flank_grid(pair.flanks[0], *(np.linspace(0.0, 1.0, n) for n in PINION_GRID))
     size = np.ptp(frame.extent, axis=0)
     known = (frame.places(grid.points) / size).reshape(-1, 2)
-    asked = (places / size)[..., None, :]
-    number = ((asked - known) ** 2).sum(axis=-1).argmin(axis=-1)
+    # squares of distances, less those of the places: one product, where differences take five times as long
+    number = ((known**2).sum(axis=-1) - 2.0 * (places / size) @ known.T).argmin(axis=-1)
     normals: Array = _round_axis(grid.points, grid.normals).reshape(-1, 3)[number]
     return np.where(np.isnan(places[..., :1]), np.nan, normals)
 

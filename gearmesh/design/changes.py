@@ -127,6 +127,14 @@ CHANGES: tuple[Change, ...] = (
         "the same, less too where teeth are pointed or undercut removes the whole flank between the stations of the proof",
         "solids of such wheels failed",
     ),
+    Change(
+        "0.13.0",
+        ("worm_drive",),
+        "worm.root_rounding",
+        "0.2",
+        "0.2, less where the space has no room for it",
+        "worms of ZC threads with large pressure angles were refused",
+    ),
 )
 
 

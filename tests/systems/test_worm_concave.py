@@ -10,6 +10,7 @@ from oracles.places import SAMPLES
 from gearmesh.errors import DesignError
 from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.designs import load
+from gearmesh.systems.system import complete_design
 from gearmesh.systems.worm_drive.build import build
 from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.teeth.limits import lost_heights
@@ -41,6 +42,24 @@ def test_plain_concave_drives_are_not_undercut(threads: int, teeth: int, quotien
             for p in (ends.form_point_flank, ends.tip)
         )
         assert (np.hypot(*tip.T[:2]) - np.hypot(*begin.T[:2]) > 4.0).all()
+
+
+@pytest.mark.parametrize(("angle", "lead", "rounding"), [(20.0, 0.0, 0.2), (23.58, 0.0, 0.16), (23.58, 0.004, 0.1)])
+def test_root_roundings_are_as_large_as_the_space_has_room_for(angle: float, lead: float, rounding: float) -> None:
+    """The drive of seed 9, which was refused: 0.02 more, as stated, are too much."""
+    made = {
+        "kind": "worm_drive",
+        "module": 4.0,
+        "pressure_angle": angle,
+        "worm": {"threads": 1, "form": "ZC", "quotient": 17.063, "dual_lead": lead},
+        "wheel": {"teeth": 40},
+    }
+    design = complete_design(WormDriveDesign.model_validate(made))
+    assert design.worm.root_rounding == rounding
+    pair_of(design)
+    if rounding < 0.2:
+        with pytest.raises(DesignError, match="fillets of neighbouring teeth overlap"):
+            build(design.with_values({"worm.root_rounding": rounding + 0.02}).in_mm())
 
 
 def test_flank_that_begins_beyond_the_tip_is_refused() -> None:

@@ -133,7 +133,9 @@ def _about_least(station: Array, outside: Array, k: NDArray[np.intp]) -> Array:
     away = [(tried - at[:, i])[..., None] for i in (0, 1)]
     margin = np.fmax.reduce(m[:, 0] + away[0] * (first + away[1] * bend), axis=2)
     vertex = np.where(np.isfinite(margin).all(axis=0), tried[margin.argmin(axis=0), every], station[every, k])
-    return vertex[:, None] + CLOSE * np.where(CLOSE < 0.0, (vertex - low)[:, None], (high - vertex)[:, None])
+    ways = np.where(CLOSE < 0.0, (vertex - low)[:, None], (high - vertex)[:, None])
+    stations: Array = vertex[:, None] + CLOSE * ways
+    return stations
 
 
 def _margins_over_face(

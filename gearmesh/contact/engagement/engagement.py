@@ -360,13 +360,16 @@ def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
     known = contacts.touching & (contacts.edges[:, 0] < CORNER)
     for number, part in enumerate(pair.parts):
         own = np.flatnonzero(known & (contacts.part == number))
+        if not own.size:
+            continue
         choice = part.numbers[np.where(known[:, None], contacts.edges, -1)]
         conditions = Conditions(part.flanks, phi1, pair.length, part.all_bounds, choice=choice)
         slopes[own] = conditions.rate(contacts.x[own], own)
         # along an edge that lies on the mating gear all its length the place is no more determined than along a line
         edges = contacts.edges[own]
         free = own[contacts.line[own] | ((edges[:, 0] >= 0) & (edges[:, 1] < 0) & np.isnan(slopes[own, 4]))]
-        slopes[free, :4], slopes[free, 4] = np.nan, _turning(conditions, contacts, free, pair.ratio)
+        if free.size:
+            slopes[free, :4], slopes[free, 4] = np.nan, _turning(conditions, contacts, free, pair.ratio)
     return slopes
 
 

@@ -28,6 +28,7 @@ from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.standards.iso10828 import ThreadForm, lead_angle
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
+from gearmesh.systems.worm_drive.design import ROUNDING, WormDriveDesign
 from gearmesh.systems.worm_drive.helical_wheel import helical_wheel
 from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, Rounding, RunOut, WormThread
 from gearmesh.systems.worm_drive.wheel import Throat, WormHob, crossed_axes, prove_wheel
@@ -43,7 +44,6 @@ from gearmesh.tools.description import Dimension, ToolDescription
 if TYPE_CHECKING:
     from gearmesh.design.core import MemberBody
     from gearmesh.systems.common.pinned import Values
-    from gearmesh.systems.worm_drive.design import WormDriveDesign
 
 #: what the tools that make flanks of each form are called
 TOOLS = {
@@ -74,6 +74,8 @@ WHEEL_REMEDIES = {
     ),
 }
 
+#: parts of the usual rounding of roots that are tried, and the land between two of them that is left at least, in axial modules
+ROUNDING_SHARES, LEAST_LAND = np.linspace(1.0, 0.0, 11), 0.002
 #: height of the flanks that run-outs leave, in axial modules, or as a multiple of a broken tip edge, and the steepest angle (rad)
 #: at which their root rises
 LEFT, EDGE, STEEPEST = 0.05, 1.5, math.radians(70.0)
@@ -293,6 +295,25 @@ def root_rounding(design: WormDriveDesign, side: int) -> Rounding:
     except DesignError as failure:
         why = "the flank does not reach the rounding of the root"
         raise VagueError("worm.root_rounding", spec.root_rounding, reason=why) from failure
+
+
+def usual_rounding(design: WormDriveDesign) -> float:
+    """The coefficient of root roundings that a design leaves open: `ROUNDING`, or as much of it, in steps, as leaves those of both
+    flanks of a space side by side; where none does, or the flanks reach none, `ROUNDING`."""
+    spec, m = design.worm, design.axial_module
+    # of threads that grow thicker along the axis spaces are narrowest at one end
+    narrower = abs(spec.dual_lead) * (0.5 * spec.length + spec.run_out)
+    rounding: float
+    for rounding in (ROUNDING * ROUNDING_SHARES).round(6).tolist():
+        open_to = design.fill({"worm.root_rounding": rounding})
+        try:
+            sides = [(worm_thread(open_to, side).axial_pitch, root_rounding(open_to, side)) for side in (1, -1)]
+        except DesignError:
+            break
+        # arcs end on the root under their centres
+        if all(0.5 * pitch - narrower + own.arc.centre[1] > LEAST_LAND * m for pitch, own in sides):
+            return rounding
+    return ROUNDING
 
 
 def _run_out(design: WormDriveDesign, form_radii: list[float]) -> RunOut | None:

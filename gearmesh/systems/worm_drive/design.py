@@ -105,8 +105,15 @@ class WormTable(MemberBody, ThreadCount):
         float, Key("coefficient", "root below the reference cylinder", low=0, high=3, source="DIN 3975")
     ] = 1.0 + CLEARANCE
     root_rounding: Annotated[
-        float, Key("coefficient", "rounding between flank and root cylinder, in the axial section", low=0, high=2)
-    ] = ROUNDING
+        float,
+        Key(
+            "coefficient",
+            "rounding between flank and root cylinder, in the axial section",
+            low=0,
+            high=2,
+            default="0.2, less where the space has no room for it",
+        ),
+    ] = DERIVED
     thickness: Annotated[
         float,
         Key("coefficient", "axial thickness of the thread before backlash", low=0.2, high=3, default="pi / 2"),

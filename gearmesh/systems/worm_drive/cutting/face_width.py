@@ -15,7 +15,7 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.surface.stations import TrimError
-from gearmesh.systems.worm_drive.build import refuse_tools, root_rounding, wheel_tooth
+from gearmesh.systems.worm_drive.build import refuse_tools, root_rounding, usual_rounding, wheel_tooth
 from gearmesh.systems.worm_drive.wheel import prove_wheel
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
@@ -32,12 +32,17 @@ GENTLE = math.radians(10.0)
 
 
 def derived_values(design: WormDriveDesign) -> dict[str, float]:
-    """The face width of the wheel by its dotted key, in the design's units."""
-    usual = design.usual_face_width
+    """The face width of the wheel, and the rounding of the worm's roots, by their dotted keys, in the design's units."""
+    rounding = (
+        {} if math.isfinite(design.worm.root_rounding) else {"worm.root_rounding": usual_rounding(design.in_mm())}
+    )
+    if math.isfinite(design.wheel.face_width):
+        return rounding
+    design, usual = design.fill(rounding), design.usual_face_width
     # where it is not the width that is wrong it stays
     steep = design.lead_angle > GENTLE and design.wheel.form != "helical"
     share = next(_sound_shares(design, usual), 1.0) if steep else 1.0
-    return {"wheel.face_width": share * usual}
+    return {**rounding, "wheel.face_width": share * usual}
 
 
 def _sound_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:
