@@ -188,7 +188,7 @@ class _Nodes:
         nearest = _least_beside(beyond.min(axis=2))
         away = pair.next_winding(phi1[self.index][:, None], r[1])
         near = (nearest <= SLACK).all(axis=0) & ~(away & np.roll(away, 1, axis=1) & np.roll(away, -1, axis=1))
-        there: NDArray[np.bool_] = near.any(axis=1)
+        there = np.asarray(near.any(axis=1))
         near, here = near[there], self.at(self.index[there])
         first, last = COLUMNS * near.argmax(axis=1) - 1, COLUMNS * (seen - 1 - near[:, ::-1].argmax(axis=1)) + 1
         width = int(np.clip((last - first).max(initial=2) + 1, 3, columns))

@@ -67,7 +67,10 @@ def field(design: WormDriveDesign, tip: LandLevel, grid: tuple[int, int] = GRID)
     at = mesh.at(p, np.arcsin(across / rho))
     axial = dot(at.r - np.array([mesh.distance, 0.0, 0.0]), mesh.wheel_axis)
     out = tip.at(np.clip(axial, -half, half)) - _wheel_radius(mesh, at.r)
-    inside = share_inside(out) * share_inside(0.5 * design.worm.length - np.abs(at.r[..., 2]))
+    # towards one end of the face the flank turns away from the wheel, where its points touch after an endless way; beyond, they
+    # would from inside the wheel
+    length = np.maximum(0.5 * design.worm.length - np.abs(at.r[..., 2]), -0.5 * mesh.thread.axial_pitch)
+    inside = share_inside(out) * share_inside(length) * (at.over_thread * mesh.at_reference().over_thread > 0.0)
     if mesh.tilt:
         inside = inside * share_inside(half - np.abs(axial))
     # dp and d(angle) of the trapezium rule
