@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracles.built import built
+from oracles.built import built, built_sample
 
 import gearmesh as gm
+from gearmesh.answers.bodies.finite_element_model import omissions
 from gearmesh.errors import DesignError
 from gearmesh.fe import ccx
 from gearmesh.fe.model import NodeForces
@@ -172,3 +173,10 @@ def test_what_has_no_rings_is_refused_and_what_is_left_out_is_reported(tmp_path:
     }
     with pytest.raises(DesignError, match=r"body = whole: hexahedra of the rack end with its rim, .* allowed is .rim"):
         built(rack).finite_elements(members=("rack",))
+
+
+def test_broken_tips_of_threads_are_left_out_and_named() -> None:
+    """The wheel's elements have its own."""
+    members = built_sample("worm_drive", "worm.tip_rounding=0.3", "wheel.tip_rounding=0.2").members
+    left = "the finite-element model has no shaft and none of: chamfer or rounding of the tip (worm)"
+    assert omissions([members["worm"], members["wheel"]], whole=False) == [left]

@@ -243,6 +243,9 @@ def omissions(members: Collection[Member], whole: bool) -> list[str]:
         for part in (*member.features.names, *web):
             if not (whole and part in own):
                 parts.setdefault(part, []).append(member.name)
+        if member.tooth.screw is not None and member.tooth.tip_edge is not None:
+            # hexahedra of threads go by half planes through the axis, where the drawn edge has no points
+            parts.setdefault("chamfer or rounding of the tip", []).append(member.name)
         if member.tooth.blank.ends != SHARP:
             parts.setdefault("ends of the face within chamfers or roundings", []).append(member.name)
         if whole and (core := core_radius(member.tooth, member.body)):
