@@ -49,6 +49,31 @@ def test_solids_touch_and_do_not_overlap(name: str) -> None:
         assert into.thickness > TOLERANCE
 
 
+@pytest.mark.sweep
+@pytest.mark.parametrize(
+    ("sample", "tolerance"), [("worm_drive", 0.02), ("worm_drive_zk_oversize", 0.02), ("worm_drive_dual_lead", 0.005)]
+)
+def test_solids_of_samples_touch_where_they_should_on_both_sides(sample: str, tolerance: float) -> None:
+    """At five positions of a pitch: slivers where the driving flanks touch, and as many where the others do, turned on by the
+    backlash of that position; nothing between them, and overlaps beyond, by both tolerances."""
+    gears = built_sample(sample)
+    (pair,), fit = gears.pairs, gears.contact().fit
+    assert fit is not None
+    worm, wheel = (gears.solid(member, tolerance).mesh for member in gears.members)
+    step = 1.25 * 2.0 * tolerance / fit.lever
+    phi1 = (np.arange(5.0) / 5.0 + 0.03) * pair.pitch
+    for rotation, first, play in zip(phi1, fit.turns(phi1), fit.play(phi1), strict=True):
+        ways = (0.0, play, -step, play + step, *((step, 0.5 * play, play - step) if play > 2.0 * step else ()))
+        touching, coasting, *beyond = (
+            overlap(pair, (worm, wheel), rotation, first + pair.drive * way) for way in ways[:4]
+        )
+        assert 0.0 < touching.thickness < tolerance
+        assert 0.0 < coasting.thickness < tolerance
+        assert min(into.thickness for into in beyond) > tolerance
+        for way in ways[4:]:
+            assert overlap(pair, (worm, wheel), rotation, first + pair.drive * way).volume == 0.0
+
+
 @pytest.mark.parametrize("changes", [["hob.reference_diameter=66"], ["shaft_angle=75"]], ids=str)
 def test_roots_of_wheels_end_where_fillets_begin(changes: list[str]) -> None:
     """Where the hob's axis is turned out of the plane across the wheel's, its tip cylinder leaves points beside the plane of the
