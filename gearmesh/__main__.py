@@ -1,8 +1,19 @@
-"""`python -m gearmesh`."""
+"""The program `gearmesh`, and `python -m gearmesh`."""
+
+from __future__ import annotations
 
 import sys
 
-from gearmesh.app.cli import main
+
+def main() -> int:
+    """Answer the command line. Stopped while that is being loaded, it says so as it does later."""
+    try:
+        from gearmesh.app.cli import main as answer
+    except KeyboardInterrupt:
+        print("gearmesh: error: stopped: no file was written", file=sys.stderr)
+        return 130
+    return answer()
+
 
 if __name__ == "__main__":
     sys.exit(main())

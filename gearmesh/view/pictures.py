@@ -289,7 +289,7 @@ def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
             beyond=ease_off.beyond,
             unit="µm",
         )
-    velocity = AT_1000_RPM * side.sliding_velocity
+    velocity, further = (AT_1000_RPM * side.sliding_velocity(at) for at in (ease_off.phi1, ease_off.continued_phi1))
     speed, arrows = np.linalg.norm(velocity, axis=-1), plane.frame.directions(ease_off.points, velocity)
     return FieldPanel(
         f"{name}: sliding velocity at 1000 rpm (m/s)",
@@ -298,6 +298,8 @@ def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
         speed,
         LEAST_SPEED,
         arrows,
+        continued=np.linalg.norm(further, axis=-1),
+        beyond=ease_off.beyond,
         unit="m/s",
         sense=f"velocity of the {name}'s flank relative to the {side.pair.gear.name}'s",
     )

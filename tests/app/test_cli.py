@@ -611,6 +611,23 @@ def test_help_loads_no_mathematics_and_describe_draws_nothing() -> None:
     assert "render" in done.stdout
 
 
+@pytest.mark.quick
+def test_stopped_while_it_is_being_loaded_is_one_line() -> None:
+    """Ctrl-C when the library of the command line is looked for."""
+    program = (
+        "import runpy, sys\n"
+        "class Stop:\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        "        if name == 'typer':\n"
+        "            raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, Stop())\n"
+        "runpy.run_module('gearmesh', run_name='__main__')"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "gearmesh: error: stopped: no file was written\n"
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 def test_full_standard_output_is_one_line() -> None:
     with open("/dev/full", "w") as full_device:

@@ -11,6 +11,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.view.diagrams import plots, zone_diagram
+from gearmesh.view.diagrams.plots import sheet
 
 
 @pytest.fixture
@@ -40,3 +41,15 @@ def test_no_backlash_is_drawn_as_none(figures: list[Any]) -> None:
     axes = figures[0].axes[0]
     assert [line.get_label() for line in axes.lines] == ["backlash", "greatest 0°", "least 0°"]
     assert np.ptp(axes.get_ylim()) == pytest.approx(2e-3, rel=1e-6)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("size", [(1600, 1200), (640, 480), (480, 1200)])
+def test_figures_with_little_room_have_smaller_letters(size: tuple[int, int]) -> None:
+    """All pixels, and at least so many inches that words stand clear."""
+    inches, dots = sheet((10.0, 8.0), size, 150.0)
+    assert np.multiply(inches, dots) == pytest.approx(size)
+    assert dots <= 150.0
+    assert inches[0] >= 8.0 - 1e-9
+    assert inches[1] >= 6.4 - 1e-9
+    assert sheet((10.0, 8.0), None, 150.0) == ((10.0, 8.0), 150.0)

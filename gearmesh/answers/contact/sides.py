@@ -31,10 +31,9 @@ class SideContact:
     whole: ContactPath
     ease_off: EaseOff
 
-    @property
-    def sliding_velocity(self) -> Array:
-        """Velocity (I, J, 3), mm per rad of the pinion, own frame, of its points against the gear's, where each touches."""
-        to_fixed = self.pair.pinion.mount.at(self.ease_off.phi1)
+    def sliding_velocity(self, phi1: Array) -> Array:
+        """Velocity (I, J, 3), mm per rad of the pinion, own frame, of its points against the gear's, each at a phi1 (I, J), rad."""
+        to_fixed = self.pair.pinion.mount.at(phi1)
         r = to_fixed.point(self.ease_off.points)
         between = self.pair.pinion.mount.velocity(r) - self.pair.ratio * self.pair.gear.mount.velocity(r)
         return to_fixed.inverse.vector(between)

@@ -29,7 +29,8 @@ class EaseOff:
 
     `points` (I, J, 3), own frame, mm; `distance` (I, J), mm, along the normal, 0 where it is least, and `phi1` (I, J), rad: NaN
     where the gear's flank ends before the point is nearest to it. `beyond` (I, J), mm: how far it ends before that, < 0 where it
-    does not; `continued` (I, J), mm: the distance from the flank as its table goes on, NaN where that ends too.
+    does not; `continued` (I, J), mm, and `continued_phi1` (I, J), rad: the same of the flank as its table goes on, NaN where
+    that ends too.
     """
 
     points: Array
@@ -37,6 +38,7 @@ class EaseOff:
     phi1: Array
     beyond: Array
     continued: Array
+    continued_phi1: Array
 
 
 def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) -> EaseOff:
@@ -64,7 +66,7 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
         )
         beyond = any_nearest.read(past)
     shape = grid.shape[:2]
-    parts = (values.reshape(shape) for values in (distance, nearest.phi1, beyond, continued))
+    parts = (values.reshape(shape) for values in (distance, nearest.phi1, beyond, continued, any_nearest.phi1))
     return EaseOff(jet.r.reshape(*shape, 3), *parts)
 
 

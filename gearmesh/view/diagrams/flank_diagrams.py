@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array, spread
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.diagrams.flank_plane import FlankPlane
-from gearmesh.view.diagrams.plots import save_figure
-from gearmesh.view.palette import COMPOUND, EDGE, GROUND, INK, LINES, OUTLINE, PATH, PATTERN
+from gearmesh.view.diagrams.plots import save_figure, sheet
+from gearmesh.view.palette import COMPOUND, EDGE, FAINT, GROUND, INK, LINES, OUTLINE, PATH, PATTERN
 from gearmesh.view.scene import MemberContact
 
 #: arrows of a field, up the profile and along the face
@@ -173,8 +173,8 @@ def plot_flanks(
         + ABOVE
         for row in windows
     ]
-    inches = (width * columns, sum(heights) + 0.8) if size is None else (size[0] / dpi, size[1] / dpi)
-    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    inches, dots = sheet((width * columns, sum(heights) + 0.8), size, dpi)
+    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
     grid = figure.subplots(len(rows), columns, squeeze=False, gridspec_kw={"height_ratios": heights})
     for row, windows_of, places in zip(rows, windows, grid, strict=True):
         for panel, window, axes in zip(row, windows_of, places, strict=False):
@@ -353,6 +353,7 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
     if past is not None and past.max() > 0.0:
         # cells are cut where the values end
         axes.contourf(x, y, past, levels=[0.0, float(past.max())], colors=[GROUND], zorder=2.5).set_gid(COVER)
+        axes.fill([], [], facecolor=GROUND, edgecolor=FAINT, lw=0.8, label="not reached by the mating flank")
     if panel.arrows is not None:
         _draw_arrows(axes, panel, max(high, panel.least))
     if panel.is_flat:

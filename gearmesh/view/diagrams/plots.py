@@ -37,6 +37,8 @@ _PLAY_OF_NONE = 1e-3
 _ENTRY = 1.9
 #: size (points) of titles
 TITLE = 12.0
+#: share of the room that a figure needs in which its words still stand clear
+_LEAST_SHARE = 0.8
 #: pitches that are shown beyond the engagement of a pair
 _BEYOND = 0.6
 # The dates that matplotlib would write into the file, switched off.
@@ -72,8 +74,8 @@ def plot_transmission_error(
 
     rad, name = unit[0], unit[1].replace("um", "µm")
     heard = _harmonics(cycle, rad)
-    inches = (10.5 if heard.size else 8.0, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
-    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    inches, dots = sheet((10.5 if heard.size else 8.0, 5.0), size, dpi)
+    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
     axes, *others = figure.subplots(
         1, 1 + bool(heard.size), squeeze=False, width_ratios=(3.2, 1.0)[: 1 + bool(heard.size)]
     )[0]
@@ -105,8 +107,8 @@ def plot_backlash(
     """
     from matplotlib.figure import Figure
 
-    inches = (8.0, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
-    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    inches, dots = sheet((8.0, 5.0), size, dpi)
+    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
     axes = figure.subplots()
     axes.plot(curve.phi1, curve.backlash, color=CURVES[0], lw=1.8, label="backlash")
     for label, value, style in (("greatest", curve.greatest, "--"), ("least", curve.least, ":")):
@@ -267,6 +269,17 @@ def plot_curves(
     if len(curves) > 1:
         axes.legend()
     save_figure(figure, file)
+
+
+def sheet(needed: tuple[float, float], size: tuple[int, int] | None, dpi: float) -> tuple[tuple[float, float], float]:
+    """Inches of a figure and its pixels per inch: what it needs, or a `size` in pixels.
+
+    A size with much less room than is needed has fewer pixels per inch: words would lie over each other.
+    """
+    if size is None:
+        return needed, dpi
+    dots = min(dpi, size[0] / (_LEAST_SHARE * needed[0]), size[1] / (_LEAST_SHARE * needed[1]))
+    return (size[0] / dots, size[1] / dots), dots
 
 
 def _figure() -> tuple[Any, Any]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.diagrams.plots import save_figure, sheet
 from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
 
 
@@ -29,8 +29,8 @@ def plot_turns(
     from matplotlib.figure import Figure
 
     rad, name = unit[0], unit[1].replace("um", "µm")
-    inches = (10.5, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
-    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    inches, dots = sheet((10.5, 5.0), size, dpi)
+    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
     axes, bars = figure.subplots(1, 2, width_ratios=(3.2, 1.0))
     axes.plot(turns.phi1 / (2.0 * np.pi), turns.te / rad, color=CURVES[0], lw=0.9)
     axes.set(xlabel="turns of the pinion, until the same teeth mesh again", ylabel=f"transmission error ({name})")

@@ -27,7 +27,7 @@ from gearmesh.view.diagrams.flank_diagrams import (
     name_edges,
 )
 from gearmesh.view.diagrams.flank_plane import FlankPlane, strips
-from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.diagrams.plots import save_figure, sheet
 from gearmesh.view.palette import CURVES, EDGE, GRID_LINES, INK, LINES, PATH, PATTERN
 from gearmesh.view.scene import contact_on
 
@@ -67,8 +67,8 @@ def plot_zone(
         width * (top - bottom) * magnified / (end - begin) + ABOVE for (begin, end), (bottom, top), magnified in windows
     ]
     heights.append(min(width * (high - low) / (right - left), 0.45 * width) + ABOVE)
-    inches = (WIDTH, sum(heights) + 0.8) if size is None else (size[0] / dpi, size[1] / dpi)
-    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    inches, dots = sheet((WIDTH, sum(heights) + 0.8), size, dpi)
+    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
     *flanks, below = figure.subplots(3, 1, gridspec_kw={"height_ratios": heights})
     for axes, panel, window in zip(flanks, panels, windows, strict=True):
         _draw_flank(axes, shown, panel, window)

@@ -16,7 +16,7 @@ from gearmesh.loaded.sharing import LoadedMesh, whole_cycle
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view.diagrams.flank_diagrams import draw_outline, flank_window, is_long, name_edges
 from gearmesh.view.diagrams.flank_plane import FlankPlane
-from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.diagrams.plots import save_figure, sheet
 from gearmesh.view.load.footprints import Footprints, largest_pressure, scale_limit
 from gearmesh.view.palette import COLOUR_MAP, CURVES, EDGE, FAINT, GRID_LINES, INK
 
@@ -162,8 +162,8 @@ def plot_loaded_flanks(
         max((width - BESIDE) * (high - low) * tall / (right - left) for (left, right), (low, high), tall in row) + ABOVE
         for row in windows
     ]
-    inches = (width * columns + 1.0, sum(heights) + 0.8) if size is None else (size[0] / dpi, size[1] / dpi)
-    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    inches, dots = sheet((width * columns + 1.0, sum(heights) + 0.8), size, dpi)
+    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
     grid = figure.subplots(len(rows), columns, squeeze=False, gridspec_kw={"height_ratios": heights})
     scale = ScalarMappable(Normalize(0.0, limit), COLOUR_MAP)
     for row, windows_of, places in zip(rows, windows, grid, strict=True):
@@ -372,8 +372,8 @@ def _figure(count: int, size: tuple[int, int] | None, dpi: int) -> tuple[Any, li
     """A figure of plots side by side."""
     from matplotlib.figure import Figure
 
-    inches = ((8.0, 5.4, 5.0)[count - 1] * count, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
-    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    inches, dots = sheet(((8.0, 5.4, 5.0)[count - 1] * count, 5.0), size, dpi)
+    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
     return figure, list(figure.subplots(1, count, squeeze=False)[0])
 
 

@@ -121,7 +121,13 @@ def render(
         ),
     ] = None,
     dpi: Annotated[
-        int, typer.Option("--dpi", min=20, max=1200, help="Resolution of figures, in pixels per inch.")
+        int,
+        typer.Option(
+            "--dpi",
+            min=20,
+            max=1200,
+            help="Resolution of figures, in pixels per inch; less where --size has little room.",
+        ),
     ] = 150,
     animate: Annotated[
         Path | None,
