@@ -113,6 +113,7 @@ if TYPE_CHECKING:
     from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
     from gearmesh.teeth.mount import Mount
     from gearmesh.teeth.region import Side
+    from gearmesh.teeth.tooth import Tooth
     from gearmesh.tools.rack import Parabola
     from gearmesh.view.picture import Animation, Diagram, Picture
 
@@ -231,6 +232,7 @@ __all__ = [
     "ToolPart",
     "ToolPathAnswer",
     "ToolPathFigures",
+    "Tooth",
     "ToothPairPosition",
     "TopographyFigures",
     "TotalFigures",
@@ -454,6 +456,7 @@ _HOMES = {
     ),
     "gearmesh.teeth.mount": ("Mount",),
     "gearmesh.teeth.region": ("Side",),
+    "gearmesh.teeth.tooth": ("Tooth",),
     "gearmesh.tools.rack": ("Parabola",),
     "gearmesh.view.picture": (
         "Animation",

@@ -104,7 +104,23 @@ class Tooth:
         return self.joint.pitch(self.teeth)
 
     def side(self, side: Side) -> ToothSide:
-        """The generated surfaces of one side."""
+        """The generated surfaces of one side.
+
+        Parameters
+        ----------
+        side : Side
+            "right" or "left".
+
+        Returns
+        -------
+        ToothSide
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.side("right") is tooth.right
+        True
+        """
         return self.right if Side(side) is Side.RIGHT else self.left
 
     @cached_property
@@ -243,7 +259,24 @@ class Tooth:
         return self if (right, left) == (self.right, self.left) else replace(self, right=right, left=left)
 
     def breaks_of(self, which: Side) -> Array:
-        """Stations t inside (0, 1) where undercut of one side begins or ends, ascending."""
+        """Stations where undercut of one side begins or ends.
+
+        Parameters
+        ----------
+        which : Side
+            "right" or "left".
+
+        Returns
+        -------
+        numpy.ndarray
+            t (K,) inside (0, 1), ascending.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.breaks_of("right").size
+        0
+        """
         side = self.side(which)
         return _changes(lambda t: self._cut_off(side, t))
 
@@ -281,8 +314,28 @@ class Tooth:
         return nominal.jet, odd
 
     def near_tips(self, which: Side, t: Array) -> Array:
-        """Flank parameter (T,) of sound points of a side near its tip at t (T,): the nominal one, or where that says nothing, as of
-        steep flanks, that of the tip."""
+        """Where on the flank's profile points near the tip are sound.
+
+        The nominal tip, or where that says nothing, as of steep flanks, the true one.
+
+        Parameters
+        ----------
+        which : Side
+            "right" or "left".
+        t : numpy.ndarray
+            Stations (T,) from 0 at the toe to 1 at the heel.
+
+        Returns
+        -------
+        numpy.ndarray
+            Profile parameters (T,).
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.near_tips("right", np.array([0.5])).shape
+        (1,)
+        """
         side, odd = self.side(which), self._nominal_tip(self.side(which), t)[1]
         p = np.full(t.shape, side.tip)
         if odd.any():
@@ -311,12 +364,51 @@ class Tooth:
         return self._folded_sides[which]
 
     def stations(self, t: ArrayLike) -> Array:
-        """Station coordinates (T,), mm, at t (T,)."""
+        """Coordinates of stations between toe and heel.
+
+        Parameters
+        ----------
+        t : array_like
+            Stations (T,) from 0 at the toe to 1 at the heel.
+
+        Returns
+        -------
+        numpy.ndarray
+            (T,), mm: z, of conical teeth the distance along the cone.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.stations([0.0, 0.5, 1.0]).round(6).tolist()
+        [-5.0, 0.0, 5.0]
+        """
         toe, heel = self.blank.extent
         return toe + (heel - toe) * np.asarray(t, dtype=float)
 
     def sections(self, t: ArrayLike) -> Sections:
-        """Trim both sides at stations t (T,)."""
+        """Both sides, trimmed at stations.
+
+        Parameters
+        ----------
+        t : array_like
+            Stations (T,) from 0 at the toe to 1 at the heel.
+
+        Returns
+        -------
+        Sections
+            Where fillets, flanks and tips end, and the polar angles of tips and roots, rad.
+
+        Raises
+        ------
+        TrimError
+            Where the tooth cannot be trimmed there.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.sections([0.5]).right.tip_angle.shape
+        (1,)
+        """
         t = np.atleast_1d(np.asarray(t, dtype=float))
         return self._sections(t, self._tips(t))
 
@@ -335,7 +427,31 @@ class Tooth:
         return Sections(t, stations, right, left)
 
     def ends(self, which: Side, t: Array) -> Ends:
-        """Where the links of one side end at t (T,), but for the root's angle (NaN); the other side is not asked."""
+        """Where fillet and flank of one side end; the other side is not asked.
+
+        Parameters
+        ----------
+        which : Side
+            "right" or "left".
+        t : numpy.ndarray
+            Stations (T,) from 0 at the toe to 1 at the heel.
+
+        Returns
+        -------
+        Ends
+            Without the angle of the root (NaN).
+
+        Raises
+        ------
+        TrimError
+            Where the tooth cannot be trimmed there.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.ends("right", np.array([0.5])).tip_angle.shape
+        (1,)
+        """
         return self._ends(which, t, self._tip(self.side(which), self.stations(t), t), root=False)
 
     @cached_property
@@ -409,8 +525,18 @@ class Tooth:
         return {}
 
     def prove(self) -> None:
-        """Trim the tooth at PROOF_STATIONS from toe to heel, and where loops of flanks with two cusps end. Raises TrimError
-        where it cannot be."""
+        """Trim the tooth at many stations from toe to heel, and where loops of flanks with two cusps end.
+
+        Raises
+        ------
+        TrimError
+            Where it cannot be trimmed, naming the station.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.prove()
+        """
         t = np.linspace(0.0, 1.0, PROOF_STATIONS)
         tips = self._tips(t)
         self._prove_land(t, tips)
@@ -422,9 +548,24 @@ class Tooth:
         self._sections(t, tips)
 
     def prove_land(self, t: Array) -> None:
-        """Trim the flanks at the tip alone, at t (T,), a fiftieth of the work. Raises TrimError where the tooth is pointed.
+        """Trim the flanks at the tip alone, a fiftieth of the work.
 
         Tip roundings and chamfers are known to `sections` alone.
+
+        Parameters
+        ----------
+        t : numpy.ndarray
+            Stations (T,) from 0 at the toe to 1 at the heel.
+
+        Raises
+        ------
+        TrimError
+            Where the tooth is pointed.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.prove_land(np.array([0.0, 1.0]))
         """
         self._prove_land(t, self._tips(t))
 
@@ -434,7 +575,23 @@ class Tooth:
             self._width_of_land(right, left, t)
 
     def prove_root(self, t: Array) -> None:
-        """Follow the fillets' ends at the root alone, at t (T,), a tenth of the work. Raises TrimError where they overlap."""
+        """Follow the fillets' ends at the root alone, a tenth of the work.
+
+        Parameters
+        ----------
+        t : numpy.ndarray
+            Stations (T,) from 0 at the toe to 1 at the heel.
+
+        Raises
+        ------
+        TrimError
+            Where the fillets of a space overlap.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.prove_root(np.array([0.0, 1.0]))
+        """
         right, left = (self._root_angle(self.side(side), self.stations(t)) for side in Side)
         self._width_of_root(right, self.joint.running(left) - self.pitch_angle, t)
 
@@ -446,28 +603,110 @@ class Tooth:
         return np.array([self._root_jet(side, stations).r for side in sides])
 
     def root_middle(self, z: Array) -> Array:
-        """y (...,), mm, of the middle of the root before a rack's tooth, as its tools leave it, at z (...,): where bars end."""
+        """The middle of the root before a rack's tooth, as its tools leave it: where bars end.
+
+        Parameters
+        ----------
+        z : numpy.ndarray
+            Places (...,) along the face, mm.
+
+        Returns
+        -------
+        numpy.ndarray
+            y (...,), mm.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.root_middle(np.zeros(1)).shape
+        (1,)
+        """
         right, left = self.unmodified_tooth.root_ends
         middle = 0.5 * (right + left - self.joint.to(self.pitch_angle).translation)
         return np.asarray(np.interp(z, middle[:, 2], middle[:, 1]))
 
     def grid(self, region: Region, s: ArrayLike, sections: Sections) -> Grid:
-        """Exact points and normals of one link at s (S,), or s (S, T), by the sections' stations (T,)."""
+        """Exact points and normals of one link of the tooth's outline.
+
+        Parameters
+        ----------
+        region : Region
+            Which link, as "flank_right".
+        s : array_like
+            Share (S,), or (S, T), of the way along it.
+        sections : Sections
+            Where links end at T stations.
+
+        Returns
+        -------
+        Grid
+            Points and normals (S, T, 3), own frame, mm.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.grid(next(iter(tooth.chain)), [0.0, 1.0], tooth.sections([0.5])).points.shape
+        (2, 1, 3)
+        """
         return self.chain[region].grid(s, sections)
 
     def flank_grid(self, which: Side, s: ArrayLike, t: ArrayLike) -> Grid:
-        """Exact grid (S, T) of a trimmed flank, s from form point to tip on both sides; the other side is not asked."""
+        """Exact points and normals of a trimmed flank; the other side is not asked.
+
+        Parameters
+        ----------
+        which : Side
+            "right" or "left".
+        s : array_like
+            Shares (S,) of the way from the form point to the tip.
+        t : array_like
+            Stations (T,) from 0 at the toe to 1 at the heel.
+
+        Returns
+        -------
+        Grid
+            Points and normals (S, T, 3), own frame, mm.
+
+        Raises
+        ------
+        TrimError
+            Where the tooth cannot be trimmed there.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tip = tooth.flank_grid("right", [1.0], [0.5]).points[0, 0]
+        >>> print(f"{np.hypot(*tip[:2]):.3f}")
+        20.000
+        """
         which = Side(which)
         t, s = np.atleast_1d(np.asarray(t, dtype=float)), np.asarray(s, dtype=float)[:, None]
         ends = self.ends(which, t)
         return self._flank(which).between(s if which is Side.RIGHT else 1.0 - s, ends, self.stations(t))
 
     def volume(self, order: int = 24) -> float:
-        """Volume (mm^3) of all teeth and the body, by Gauss quadrature of exact section areas.
+        """Volume of all teeth and the body, by Gauss quadrature of exact section areas.
 
         A section is a cone, plane or cylinder of a constant station down to a floor, the straight line between the ends of
         the body's profile. With u along its generatrix its area is the integral of rho du over the polar angle, and the
         volume that of the areas over the station. Floor and profile enclose the rest, a solid of revolution.
+
+        Parameters
+        ----------
+        order : int
+            Points of a rule.
+
+        Returns
+        -------
+        float
+            mm^3.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> volume = tooth.volume()
+        >>> abs(volume - tooth.volume(order=32)) < 1e-6 * volume
+        True
         """
         return self.teeth * self._swept(order) - self.blank.body.enclosed_volume()
 
@@ -500,9 +739,28 @@ class Tooth:
         return abs(way) * float(np.sign(self.blank.extent[1] - self.blank.extent[0])) * total
 
     def quadrature(self, order: int = 24) -> tuple[Array, Array]:
-        """Points (N, 3), mm, and weights (N,), mm^3, of Gauss's rule over one tooth down to its floor, as `volume`.
+        """Gauss's rule over one tooth down to its floor, as `volume` has it.
 
         Along the generatrices it is exact for products of up to three coordinates.
+
+        Parameters
+        ----------
+        order : int
+            Points of a rule.
+
+        Returns
+        -------
+        points : numpy.ndarray
+            (N, 3), mm.
+        weights : numpy.ndarray
+            (N,), mm^3.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> points, weights = tooth.quadrature()
+        >>> bool(weights.sum() > 0.0)
+        True
         """
         (nodes, weights), (places, shares) = (np.polynomial.legendre.leggauss(n) for n in (order, ACROSS))
         nodes, weights, places, shares = 0.5 * (nodes + 1.0), 0.5 * weights, 0.5 * (places + 1.0), 0.5 * shares

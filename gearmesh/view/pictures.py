@@ -289,7 +289,7 @@ def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
             beyond=ease_off.beyond,
             unit="µm",
         )
-    velocity, further = (AT_1000_RPM * side.sliding_velocity(at) for at in (ease_off.phi1, ease_off.continued_phi1))
+    velocity, further = (AT_1000_RPM * one for one in (side.sliding_velocity, side.continued_sliding_velocity))
     speed, arrows = np.linalg.norm(velocity, axis=-1), plane.frame.directions(ease_off.points, velocity)
     return FieldPanel(
         f"{name}: sliding velocity at 1000 rpm (m/s)",

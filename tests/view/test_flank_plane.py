@@ -87,7 +87,7 @@ def test_the_pattern_is_the_union_of_many_ellipses() -> None:
 def test_sliding_grows_with_the_distance_from_the_pitch_point() -> None:
     """Spur gears: (1 + z1/z2) times the way along the line of action, whose end is the roll length; never out of the flank."""
     side = contact("spur").sides[0]
-    pair, found, velocity = side.pair, side.ease_off, side.sliding_velocity(side.ease_off.phi1)
+    pair, found, velocity = side.pair, side.ease_off, side.sliding_velocity
     known = np.isfinite(velocity[..., 0])
     assert known.mean() > 0.8
     # z 20, module 3 mm, pressure angle 20 deg

@@ -31,8 +31,17 @@ class SideContact:
     whole: ContactPath
     ease_off: EaseOff
 
-    def sliding_velocity(self, phi1: Array) -> Array:
-        """Velocity (I, J, 3), mm per rad of the pinion, own frame, of its points against the gear's, each at a phi1 (I, J), rad."""
+    @property
+    def sliding_velocity(self) -> Array:
+        """Velocity (I, J, 3), mm per rad of the pinion, own frame, of its points against the gear's, where each touches."""
+        return self._sliding_velocity(self.ease_off.phi1)
+
+    @property
+    def continued_sliding_velocity(self) -> Array:
+        """The same (I, J, 3) beyond the edges of the gear's flank, too, as that goes on."""
+        return self._sliding_velocity(self.ease_off.continued_phi1)
+
+    def _sliding_velocity(self, phi1: Array) -> Array:
         to_fixed = self.pair.pinion.mount.at(phi1)
         r = to_fixed.point(self.ease_off.points)
         between = self.pair.pinion.mount.velocity(r) - self.pair.ratio * self.pair.gear.mount.velocity(r)
