@@ -45,14 +45,14 @@ class LinkNodes:
         """
         link = tooth.chain[region]
         if link.surface is None:
-            return LinkNodes._on(tooth, region, s, trimmed[np.searchsorted(trimmed.t, t)])
+            return LinkNodes.on(tooth, region, s, trimmed[np.searchsorted(trimmed.t, t)])
         first, last = (np.interp(t, trimmed.t, end) for end in link.span(trimmed))
         p = parameter(s, (first, last), link.seams)[0]
         v, jet = along(link.surface, p, tooth.stations(t), tooth.blank.axial, second)
         return LinkNodes(tooth, region, s, t, jet.r, jet.n, np.stack((p, v), axis=-1))
 
     @staticmethod
-    def _on(tooth: Tooth, region: Region, s: Array, sections: Sections) -> LinkNodes:
+    def on(tooth: Tooth, region: Region, s: Array, sections: Sections) -> LinkNodes:
         """Nodes at s (N,) by the sections (N,)."""
         grid = tooth.grid(region, s[None], sections)
         parameters = None if grid.p is None else grid.parameters[0]
@@ -63,7 +63,7 @@ class LinkNodes:
         surface = self.tooth.chain[self.region].surface
         if surface is None or self.parameters is None:
             at = trim(self.tooth, self.t[corners].mean(axis=1))
-            drawn = LinkNodes._on(self.tooth, self.region, self.s[corners].mean(axis=1), at)
+            drawn = LinkNodes.on(self.tooth, self.region, self.s[corners].mean(axis=1), at)
             return Grid(drawn.points, drawn.normals)
         jet = surface.jet(*self.parameters[corners].mean(axis=1).T)
         return Grid(jet.r, jet.n, jet)

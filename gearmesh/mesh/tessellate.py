@@ -24,10 +24,11 @@ from gearmesh.mesh.links.images import image
 from gearmesh.mesh.links.lines import denser, stations
 from gearmesh.mesh.links.link_mesh import LinkLines, LinkMesh, mesh_link, thin_link
 from gearmesh.mesh.links.plan import LinkPlan, link_plans
+from gearmesh.mesh.links.seams import thin_seams
 from gearmesh.mesh.patch import PatchMesh
 from gearmesh.teeth.blank.body import end_edges
 from gearmesh.teeth.end_strip import EndStrip
-from gearmesh.teeth.region import Region
+from gearmesh.teeth.region import FILLETS, FLANKS, Region
 from gearmesh.teeth.section import Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 
@@ -46,6 +47,9 @@ PATIENCE, DEAR = 3, 1.15
 LARGE, EXCESS, ENOUGH = 1.48, 1.55, 1.42
 #: with this share of what sampled deviations may reach: their triangles are of all shapes, and miss more between the samples
 BETWEEN = 0.97
+#: where flanks and fillets of a tooth of so many triangles in all at most still have more than so many times the fewest nodes of
+#: seams are merged, too
+MOST, LARGER = 250, 1.5
 #: such a plan is taken at once if it takes no more than this share
 CHEAP = 0.9
 
@@ -180,7 +184,10 @@ def tessellate_alike(
             break
         for draft in drafts:
             draft.mesh(seams, moved, least, fixed)
-    return tuple(ToothMesh(draft.tooth, draft.thin(), tolerance) for draft in drafts)
+    patches = [draft.thin() for draft in drafts]
+    if len(drafts) == 1:
+        patches = [drafts[0].thin_seams(patches[0])]
+    return tuple(ToothMesh(draft.tooth, made, tolerance) for draft, made in zip(drafts, patches, strict=True))
 
 
 def _seams(drafts: Sequence[_Draft], least: Array, fixed: Array) -> list[Array]:
@@ -251,6 +258,24 @@ class _Draft:
         for k in np.flatnonzero(thinned).tolist():
             patches[k] = self._image(k, patches) or self._thin(k, int(ENOUGH * fewest[k]) - 6)
         return tuple(patches)
+
+    def thin_seams(self, patches: tuple[PatchMesh, ...]) -> tuple[PatchMesh, ...]:
+        """These links with fewer nodes on their seams too, where they have few triangles and yet far more than needed."""
+        allowed, taken = BETWEEN * SAFETY * self.tolerance, np.array([len(patch.triangles) for patch in patches])
+        curved = np.array([region in (*FLANKS.values(), *FILLETS.values()) for region in self.regions])
+        if taken.sum() > MOST or not curved.any():
+            return patches
+        cells = self.forms.seam_cells(allowed, whole=len(self.regions) == len(self.tooth.regions))
+        fewest = np.array([self.forms.fewest(k, allowed, int(cells[k] + cells[k + 1])) for k in range(len(patches))])
+        least = fewest[curved].sum()
+        if taken[curved].sum() <= LARGER * least:
+            return patches
+        meshes = [self.meshes[k] for k in range(len(patches))]
+        # sharp form points ask for more than their flanks and fillets do
+        sharp = np.array([mesh.form_point > 0.0 for mesh in meshes])
+        held = np.array([bool(sharp[k] or sharp[k - 1]) for k in range(len(patches))])
+        enough = int(ENOUGH * least + taken[~curved].sum())
+        return thin_seams(self.tooth, patches, self.forms, held, allowed, enough)
 
     def _image(self, k: int, patches: list[PatchMesh]) -> PatchMesh | None:
         """What was made of a link before whose image link k is, where it is within the tolerance there, too."""

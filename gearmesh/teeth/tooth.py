@@ -236,6 +236,12 @@ class Tooth:
         """Stations t inside (0, 1) where the flanks, or their tips, are not smooth along the face."""
         return self._inner([*self.right.face_breaks, *self.left.face_breaks, *self.blank.corners])
 
+    def creases(self, region: Region) -> Array:
+        """Stations t inside (0, 1) where the surface of a link has a corner along the face."""
+        blank, sides = self.blank, (*self.right.face_breaks, *self.left.face_breaks)
+        ends = {Region.LAND: blank.tip.corners(blank.axial), Region.ROOT: blank.root.corners(blank.axial)}
+        return self._inner([*sides, *ends.get(region, ())])
+
     def _inner(self, places: list[float]) -> Array:
         """t inside (0, 1), ascending, of station coordinates (mm)."""
         toe, heel = self.blank.extent

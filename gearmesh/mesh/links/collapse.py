@@ -47,6 +47,16 @@ class Incidence:
         place = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
         return self.corners[np.repeat(first, count) + place], np.repeat(np.arange(nodes.size), count)
 
+    def quadrilaterals(self, triangles: Index) -> tuple[Index, Index, Index, Index, Index, Index]:
+        """Of every edge between two triangles of these (M, 3): one and the other, the former's corners off and on the edge, as
+        `apex` and `b`, the latter's corner off it, `far`, and the other end `c`; all (K,)."""
+        order = np.argsort(self.sides.ravel(), kind="stable")
+        inner = np.flatnonzero(self.count == 2)
+        begins = np.cumsum(self.count) - self.count
+        (one, k), (other, m) = (np.divmod(order[begins[inner] + i], 3) for i in (0, 1))
+        apex, far = triangles[one, k], triangles[other, m]
+        return one, other, apex, triangles[one, (k + 1) % 3], far, triangles[one, (k + 2) % 3]
+
 
 def edges_of(triangles: Index, count: int) -> tuple[Index, Index]:
     """Edges (E, 2) between `count` nodes, and which are those of each triangle (M, 3), opposite to its corners."""
@@ -163,3 +173,10 @@ def area(a: Array, b: Array, c: Array) -> Array:
     """Twice the areas (...,) of triangles with corners (..., 2), positive if counterclockwise."""
     twice: Array = (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (c[..., 0] - a[..., 0]) * (b[..., 1] - a[..., 1])
     return twice
+
+
+def within_link(places: Array, near: Array) -> Array:
+    """Places (..., 2) moved into the link of others (..., 2): s goes from 2 k to 2 k + 1 on link k, t from 0 to 1."""
+    low = np.stack((2.0 * np.floor(0.5 * near[..., 0]), np.zeros(near.shape[:-1])), axis=-1)
+    inside: Array = np.clip(places, low, low + 1.0)
+    return inside

@@ -52,6 +52,16 @@ class Forms:
         sideways = np.stack([_sideways(grid.points, s[1], t[1]) for grid in grids])
         return Forms(length, twist, face, _outline(curves, s), second, sideways)
 
+    def seam_cells(self, tolerance: float, *, whole: bool) -> Array:
+        """Fewest edges (R + 1,) of the seams before and after links within a tolerance, mm, of the surfaces on both sides of them;
+        `whole`: the last link of a tooth ends where the next tooth begins."""
+        first, last = np.abs(self.face[:, 0]), np.abs(self.face[:, -1])
+        own = np.concatenate((first, last[-1:]))
+        other = np.concatenate((last[-1:] if whole else first[:1], last[:-1], first[:1] if whole else last[-1:]))
+        density = np.sqrt(np.maximum(own, other) / (8.0 * tolerance))
+        cells: Array = np.maximum(1.0, np.ceil(np.trapezoid(density, dx=1.0 / (SAMPLES[1] - 1), axis=-1) - 0.05))
+        return cells
+
     def fewest(self, link: int, tolerance: float, on_seams: int) -> float:
         """Fewest triangles of a link within a tolerance, mm: by the integral of sqrt(|k1 k2|) dA, or by the edges of its
         border, so many of them on its seams, of which a triangle has one, but for two at corners.

@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
-from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, independent
+from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, independent, within_link
 from gearmesh.mesh.links.measure import measured, off_chords
 from gearmesh.mesh.links.prediction import Prediction
-from gearmesh.mesh.links.relaxation import Patches, around, relax_patches, turns
+from gearmesh.mesh.links.relaxation import Patches, Patience, around, on_seams, relax_patches, turns
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
 
 #: rounds of collapsing and turning, at most; the usual number is 6 to 20
@@ -41,10 +41,8 @@ LIKELY, NEAR = 3.0, 1.5
 TINY = 1e-9
 #: edges tried at once
 BLOCK = 20_000
-#: and patches relaxed at once; edges that miss the tolerance by more than this factor are not worth it
-PATCHES, FAR = 2_000, 2.0
-#: of edges whose patches overlap so many are tried at once, or as many as come to so many in all
-LAYERS, MANY = 3, 60
+#: and patches relaxed at once
+PATCHES = 2_000
 #: a diagonal turns for an error this much smaller
 GAIN = 0.98
 #: corners whose means are where distances are measured besides centres and edges: long triangles are bent to both sides
@@ -52,8 +50,8 @@ INSIDE = np.array([[0, 0, 0, 0, 1, 2], [1, 1, 1, 1, 2, 0], [2, 2, 2, 2, 0, 1]])
 #: least cosine between a facet and the surface at its centre
 UPRIGHT = 0.5
 
-#: nodes that collapse within the link, on its section curve at toe or heel, or not at all
-INNER, TOE, HEEL, FIXED = range(4)
+#: nodes that collapse within the link, on its section curve at toe or heel, on a seam, or not at all
+INNER, TOE, HEEL, SEAM, FIXED = range(5)
 
 #: nodes of a link at s, t (N,)
 Place = Callable[[Array, Array], LinkNodes]
@@ -73,14 +71,14 @@ def thin(
     `place` puts nodes on its surface; `forms` (S, T, 3): L, M, N; `outline` (2, S) as that of `Forms`; `crease` (N,): nodes
     that stay; `tolerance` in mm.
     """
-    net = _Net.of(patch, place, Prediction(forms, outline), crease, tolerance)
+    net = Net.of(patch, place, Prediction(forms, outline), crease, tolerance)
     for _ in range(ROUNDS):
         net.turn()
         if net.collapse() <= FEW * len(net.st):
             break
     net.fresh[:] = True
     for _ in range(ROUNDS):
-        if len(net.triangles) <= enough or net.relax() <= FEWER * len(net.triangles):
+        if len(net.triangles) <= enough or net.relax(Patience()) <= FEWER * len(net.triangles):
             break
         net.turn()
     return net.result(patch.deviation)
@@ -111,7 +109,7 @@ class _EdgeTrials:
 
 
 @dataclass
-class _Net:
+class Net:
     """A triangulation that is being thinned: nodes st (N, 2), of which some are used, and their `kind` (N,).
 
     Edges at `fresh` (N,) nodes have to be tried, others are `waiting` until there is room for them; `bold`: codes (K,),
@@ -128,18 +126,20 @@ class _Net:
     prediction: Prediction
     crease: NDArray[np.bool_]
     tolerance: float
+    twin: Index
+    edge: NDArray[np.bool_]
     waiting: _EdgeTrials = field(default_factory=lambda: _EdgeTrials.none())
     bold: tuple[Index, Array] = field(default_factory=lambda: (np.empty(0, dtype=np.int64), np.empty(0)))
 
     @staticmethod
-    def of(patch: PatchMesh, place: Place, prediction: Prediction, crease: NDArray[np.bool_], tolerance: float) -> _Net:
+    def of(patch: PatchMesh, place: Place, prediction: Prediction, crease: NDArray[np.bool_], tolerance: float) -> Net:
         nodes, triangles = patch.nodes, patch.triangles
         s, t, count = nodes.s, nodes.t, nodes.s.size
         kind = np.where(t == 0.0, TOE, np.where(t == 1.0, HEEL, INNER))
         kind[(s == 0.0) | (s == 1.0) | crease] = FIXED
         st, fresh = np.stack((s, t), axis=-1), np.ones(count, dtype=bool)
-        errors = np.zeros(len(triangles))
-        net = _Net(nodes, st, triangles, errors, kind, fresh, place, prediction, crease, tolerance)
+        errors, alone, edge = np.zeros(len(triangles)), np.full(count, -1), np.zeros(count, dtype=bool)
+        net = Net(nodes, st, triangles, errors, kind, fresh, place, prediction, crease, tolerance, alone, edge)
         net.nodes, net.errors = net._copy(np.arange(count)), net._miss(triangles)
         return net
 
@@ -154,17 +154,16 @@ class _Net:
         )
 
     def _miss(self, triangles: Index) -> Array:
-        return _miss(self.nodes, triangles, self.crease, self.tolerance)
+        return self.miss(self.nodes, triangles, self.crease)
+
+    def miss(self, nodes: LinkNodes, triangles: Index, crease: NDArray[np.bool_]) -> Array:
+        """Measured distances (M,) of triangles (M, 3) between nodes from the surface, mm."""
+        return _miss(nodes, triangles, crease, self.tolerance)
 
     def turn(self) -> None:
         """Turn diagonals of two triangles that are nearer to the surface with the other one."""
         incidence = Incidence.of(self.triangles, len(self.st))
-        order = np.argsort(incidence.sides.ravel(), kind="stable")
-        inner = np.flatnonzero(incidence.count == 2)
-        begins = np.cumsum(incidence.count) - incidence.count
-        (one, k), (other, m) = (np.divmod(order[begins[inner] + i], 3) for i in (0, 1))
-        apex, far = self.triangles[one, k], self.triangles[other, m]
-        b, c = self.triangles[one, (k + 1) % 3], self.triangles[one, (k + 2) % 3]
+        one, other, apex, b, far, c = incidence.quadrilaterals(self.triangles)
         wanted = ~(self.crease[b] & self.crease[c]) & self.fresh[[apex, far, b, c]].any(axis=0)
         one, other, apex, far, b, c = (x[wanted] for x in (one, other, apex, far, b, c))
         if not one.size:
@@ -200,19 +199,19 @@ class _Net:
         self.waiting = tried.of_some(np.isfinite(cost))
         return len(chosen)
 
-    def relax(self) -> int:
+    def relax(self, patience: Patience) -> int:
         """The same with edges that miss the tolerance as long as the nodes round them stay."""
         incidence, tried = self._trials()
         cost = tried.cost * self._boldness(tried.edges)
-        cost[cost > FAR * self.tolerance] = np.inf
-        turn, made = turns(incidence, self.kind != FIXED), list[tuple[Patches, Index, Array]]()
-        layers = self._layers(incidence, tried.edges, cost)
+        cost[cost > patience.far * self.tolerance] = np.inf
+        turn, made = turns(incidence, self.kind != FIXED, self.twin), list[tuple[Patches, Index, Array]]()
+        layers = self._layers(incidence, tried.edges, cost, patience)
         if not layers.size:
             return 0
         for part in np.split(layers, np.arange(PATCHES, layers.size, PATCHES)):
             some = tried.of_some(part)
-            patches = Patches.of(self.triangles, incidence, some.edges, some.at, self.st, turn)
-            patches, which = relax_patches(patches, self.prediction, self.tolerance)
+            patches = Patches.of(self.triangles, incidence, some.edges, some.at, self.st, turn, self.twin)
+            patches, which = relax_patches(patches, self.prediction, self.tolerance, patience, self.crease)
             worst = self._measurement(patches.collapses(some.edges[which]))[1]
             good = worst <= self.tolerance
             made.append((patches.of_some(good), part[which[good]], worst[good]))
@@ -228,12 +227,12 @@ class _Net:
         self.waiting = tried.of_some(np.isfinite(cost))
         return len(chosen)
 
-    def _layers(self, incidence: Incidence, edges: Index, cost: Array) -> Index:
+    def _layers(self, incidence: Incidence, edges: Index, cost: Array, patience: Patience) -> Index:
         """Which (K,) of edges (C, 2) to try together, cheap ones first: several times as many as have room beside each other."""
         left = np.flatnonzero(np.isfinite(cost))
-        _, owner, ring = around(self.triangles, incidence, edges[left], len(self.st))
+        _, owner, ring = around(self.triangles, incidence, edges[left], self.st, self.twin)
         cost, chosen, count = cost[left], list[Index](), 0
-        while np.isfinite(cost).any() and (len(chosen) < LAYERS or count < MANY):
+        while np.isfinite(cost).any() and (len(chosen) < patience.layers or count < patience.many):
             layer = independent(ring, owner, cost, len(self.triangles))
             cost[layer] = np.inf
             chosen.append(left[layer])
@@ -242,13 +241,20 @@ class _Net:
 
     def _trials(self) -> tuple[Incidence, _EdgeTrials]:
         """The edges that have to be tried, and how they collapse best."""
-        incidence = Incidence.of(self.triangles, len(self.st))
+        incidence, twins = Incidence.of(self.triangles, len(self.st)), np.flatnonzero(self.twin >= 0)
+        self.fresh[twins] |= self.fresh[self.twin[twins]]
         edges, moving = self._candidates(incidence)
         at, cost = np.empty((len(edges), 2)), np.empty(len(edges))
         for low in range(0, len(edges), BLOCK):
             part = slice(low, low + BLOCK)
             own = Rings.of(self.triangles, incidence, edges[part])
             at[part], cost[part] = self._best(edges[part], moving[part], own)
+        on_seam = np.flatnonzero(on_seams(edges, self.st, self.twin))
+        if on_seam.size:
+            own = Rings.of(self.triangles, incidence, self.twin[edges[on_seam]])
+            there = self.st[self.twin[edges[on_seam, 0]]]
+            places = np.stack((there[:, 0], at[on_seam, 1]), axis=1)
+            cost[on_seam] = np.maximum(cost[on_seam], self._errors(own, there, places[:, None])[:, 0])
         self.fresh = np.zeros(len(self.st), dtype=bool)
         return incidence, _EdgeTrials(edges, at, cost).join(self.waiting)
 
@@ -260,7 +266,10 @@ class _Net:
         first, last = kind[edges].T
         same_end = self.st[edges[:, 0], 1] == self.st[edges[:, 1], 1]
         inner, on_end = last == INNER, ((last == TOE) | (last == HEEL)) & (incidence.count == 1) & same_end
-        wanted = (inner | on_end) & self.fresh[edges].any(axis=1)
+        # of the two edges of a seam, on either side of it, one
+        on_seam = (last == SEAM) & on_seams(edges, self.st, self.twin)
+        on_seam &= edges.min(axis=1) < self.twin[edges].min(axis=1)
+        wanted = (inner | on_end | on_seam) & self.fresh[edges].any(axis=1)
         # of those that wait, the others have not changed
         self.waiting = self.waiting.of_some(np.flatnonzero(~self.fresh[self.waiting.edges].any(axis=1)))
         return edges[wanted], (first == last)[wanted]
@@ -296,7 +305,7 @@ class _Net:
         for _ in range(SEARCHES):
             if not near.any():
                 break
-            places = np.clip(at[near, None] + reach[near, None] * AROUND, 0.0, 1.0)
+            places = within_link(at[near, None] + reach[near, None] * AROUND, at[near, None])
             better = self._take(near, places, rings, at, cost)
             reach[np.flatnonzero(near)[~better]] *= CLOSER
         return at, cost
@@ -329,8 +338,8 @@ class _Net:
         nodes = self._copy(new.nodes)
         moved = np.flatnonzero((new.places != self.st[new.nodes]).any(axis=1))
         _put(nodes, moved, self.place(*new.places[moved].T))
-        errors = _miss(nodes, new.corners, self.crease[new.nodes], self.tolerance)
-        largest = np.maximum(errors, self._off_ends(nodes, new.corners))
+        errors = self.miss(nodes, new.corners, self.crease[new.nodes])
+        largest = np.maximum(errors, self.off_ends(nodes, new.corners, self.edge[new.nodes]))
         begins = np.searchsorted(new.owner, np.arange(len(new.edges)))
         return errors, np.maximum.reduceat(largest, begins) if begins.size else largest, nodes
 
@@ -350,17 +359,20 @@ class _Net:
         moved, own = good[new.by], good[new.owner]
         _put(self.nodes, new.nodes[moved], nodes, moved)
         self.st[new.nodes[moved]] = new.places[moved]
-        keep, gone = new.edges[good].T
+        edges = new.edges[good]
+        keep, gone = np.concatenate((edges, self.twin[edges[on_seams(edges, self.st, self.twin)]])).T
         number = np.arange(len(self.st))
         number[gone] = keep
         triangles = number[self.triangles]
+        # their diagonals may have turned
+        triangles[new.ring[own]] = new.nodes[new.corners[own]]
         self.errors[new.ring[own]] = errors[own]
         left = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
         self.triangles, self.errors = triangles[left], self.errors[left]
         self.fresh[new.nodes[new.corners[own]].ravel()] = True
         return good
 
-    def _off_ends(self, nodes: LinkNodes, triangles: Index) -> Array:
+    def off_ends(self, nodes: LinkNodes, triangles: Index, edge: NDArray[np.bool_]) -> Array:
         """Largest distances (M,), mm, of those sides of triangles (M, 3) that are chords of the section curves from these."""
         off, s, t = np.zeros(len(triangles)), nodes.s[triangles], nodes.t[triangles]
         after = np.roll(t, -1, axis=1)

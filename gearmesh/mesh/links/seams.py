@@ -1,0 +1,211 @@
+"""Triangles of all links of a tooth merged together, the nodes of the seams between them included.
+
+Seams have as many nodes as the link that wants most of them, at stations that suit none of their links once these are thinned:
+where a link has a few dozen triangles half of its nodes are there. Here all links are one net, in which link k goes from s = 2 k to
+2 k + 1, so that each has its own second form. A node of a seam is in it once for either side, as twins that move along t together
+and collapse together; what else happens is as in `thinning`, with more patience: patches of edges that miss the tolerance by more
+are tried, their diagonals turn while their nodes move, and long edges are judged by the second form at their ends too.
+While nodes move the ends of the links are straight between STATIONS; all nodes are put on the exact sections in the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.mesh.deviation.edges import between_wedges
+from gearmesh.mesh.links.collapse import Index
+from gearmesh.mesh.links.forms import SAMPLES, Forms
+from gearmesh.mesh.links.lines import between
+from gearmesh.mesh.links.prediction import Prediction
+from gearmesh.mesh.links.relaxation import Patience
+from gearmesh.mesh.links.thinning import FIXED, HEEL, INNER, ROUNDS, SEAM, TOE, Net
+from gearmesh.mesh.patch import LinkNodes, PatchMesh, distance, trim
+from gearmesh.teeth.section import breaks
+from gearmesh.teeth.tooth import Tooth
+
+#: stations between which the ends of links are straight, beside those of the seams
+STATIONS = 65
+#: cosine of the angle between two surfaces below which they meet at an edge, of which chords may be no farther than the tolerance
+SMOOTH = 0.95
+#: what is tried for edges
+PATIENCE = Patience(far=4.0, many=400, stages=((2, 3.0), (4, 2.0), (8, 1.2), (8, 1.02)), turning=True)
+
+
+def thin_seams(
+    tooth: Tooth,
+    patches: Sequence[PatchMesh],
+    forms: Forms,
+    held: NDArray[np.bool_],
+    tolerance: float,
+    enough: int,
+) -> tuple[PatchMesh, ...]:
+    """All links of a tooth, or some in a row, with fewer triangles within `tolerance` (mm), but hardly fewer than are `enough`.
+
+    `held` (R,): links whose first seam stays. What is drawn stays, and so do its seams.
+    """
+    net = _ToothNet.of_patches(tooth, patches, forms, held, tolerance)
+    net.turn()
+    for _ in range(ROUNDS):
+        if len(net.triangles) <= enough or not net.relax(PATIENCE):
+            break
+        net.turn()
+    thinned = net.patches(patches)
+    most = max(tolerance, *(patch.deviation for patch in patches))
+    return tuple(patches) if max(patch.deviation for patch in thinned) > most else thinned
+
+
+@dataclass
+class _ToothNet(Net):
+    """The `links` of a tooth, of which those that have surfaces are thinned; `chords`: those of the seams before, as `_chord`."""
+
+    links: tuple[PatchMesh, ...] = ()
+    chords: Array = field(default_factory=lambda: np.zeros(0))
+
+    @staticmethod
+    def of_patches(
+        tooth: Tooth, patches: Sequence[PatchMesh], forms: Forms, held: NDArray[np.bool_], tolerance: float
+    ) -> _ToothNet:
+        count, whole = len(patches), len(patches) == len(tooth.regions)
+        chain = [tooth.chain[patch.region] for patch in patches]
+        smooth = [link.surface is not None for link in chain]
+        begins = np.cumsum([0, *(len(patch.points) for patch in patches)])
+        twin = np.full(begins[-1], -1)
+        for k in range(count) if whole else range(1, count):
+            if smooth[k] and smooth[k - 1] and not held[k]:
+                here = begins[k] + patches[k].nodes.line(0.0)
+                there = begins[k - 1 if k else count - 1] + patches[k - 1].nodes.line(1.0)
+                twin[here], twin[there] = there, here
+        st = np.concatenate([_place(patch, k) for k, patch in enumerate(patches)])
+        s, t = np.concatenate([patch.nodes.s for patch in patches]), st[:, 1]
+        crease = np.zeros(len(st), dtype=bool)
+        for k, link in enumerate(chain):
+            own = slice(begins[k], begins[k + 1])
+            crease[own] = np.isin(s[own], breaks(link)) | np.isin(t[own], tooth.creases(patches[k].region))
+        kind = np.where(t == 0.0, TOE, np.where(t == 1.0, HEEL, INNER))
+        seam = (s == 0.0) | (s == 1.0)
+        kind[seam] = np.where((twin >= 0) & (kind == INNER), SEAM, FIXED)[seam]
+        kind[crease] = FIXED
+        kind[(twin >= 0) & crease[twin]] = FIXED
+        points, normals = (
+            np.concatenate([getattr(patch.nodes, name) for patch in patches]) for name in ("points", "normals")
+        )
+        parameters = [
+            np.full((len(patch.points), 2), np.nan) if patch.nodes.parameters is None else patch.nodes.parameters
+            for patch in patches
+        ]
+        # but where the next tooth begins, whose normals are turned
+        edge = (twin >= 0) & (dot(normals, normals[twin]) < SMOOTH) & (st[:, 0] > 0.0) & (st[:, 0] < 2.0 * count - 1.0)
+        nodes = LinkNodes(tooth, patches[0].region, st[:, 0], t, points, normals, np.concatenate(parameters))
+        seams = np.concatenate([patch.nodes.t[patch.nodes.line(0.0)] for patch in patches])
+        trimmed = tooth.sections(np.unique(np.concatenate((np.linspace(0.0, 1.0, STATIONS), seams, tooth.face_breaks))))
+
+        def place(s: Array, t: Array) -> LinkNodes:
+            points, normals, parameters = np.empty((s.size, 3)), np.empty((s.size, 3)), np.empty((s.size, 2))
+            for k, own in _by_link(s):
+                local, region = s[own] - 2.0 * k, patches[k].region
+                near = between(forms.second[k], local, t[own])
+                part = LinkNodes.of(tooth, region, local, t[own], trimmed, near)
+                points[own], normals[own], parameters[own] = part.points, part.normals, part.parameters
+            return LinkNodes(tooth, patches[0].region, s, t, points, normals, parameters)
+
+        triangles = np.concatenate([patch.triangles + begins[k] for k, patch in enumerate(patches) if smooth[k]])
+        net = _ToothNet(
+            nodes,
+            st,
+            triangles,
+            np.zeros(len(triangles)),
+            kind,
+            np.ones(len(st), dtype=bool),
+            place,
+            _prediction(forms, range(count)),
+            crease,
+            tolerance,
+            twin,
+            edge,
+            links=tuple(patches),
+        )
+        net.chords = _chord(st[:, 0], t, triangles, np.roll(triangles, -1, axis=1)).ravel()
+        net.errors = net.miss(nodes, triangles, crease)
+        return net
+
+    def miss(self, nodes: LinkNodes, triangles: Index, crease: NDArray[np.bool_]) -> Array:
+        errors = np.empty(len(triangles))
+        for k, own in _by_link(nodes.s[triangles[:, 0]]):
+            errors[own] = super().miss(self._local(nodes, k), triangles[own], crease)
+        return errors
+
+    def off_ends(self, nodes: LinkNodes, triangles: Index, edge: NDArray[np.bool_]) -> Array:
+        """As of one link, and of those new sides on seams between nodes on an `edge` (N,) by the heights over
+        both surfaces."""
+        off, after = super().off_ends(nodes, triangles, edge), np.roll(triangles, -1, axis=1)
+        along = edge[triangles] & edge[after] & (nodes.s[triangles] == nodes.s[after])
+        on, side = np.nonzero(along & ~np.isin(_chord(nodes.s, nodes.t, triangles, after), self.chords))
+        if on.size:
+            sides = np.stack((triangles[on, side], after[on, side]), axis=1)
+            odd, last = nodes.s[sides] % 2.0 == 1.0, 2.0 * len(self.links) - 1.0
+            there = self.place(
+                (nodes.s[sides] + np.where(odd, 1.0, -1.0)).ravel() % (last + 1.0), nodes.t[sides].ravel()
+            )
+            one, normals = self._heights(nodes, sides)
+            other, others = self._heights(there, np.arange(2 * on.size).reshape(-1, 2))
+            np.maximum.at(off, on, between_wedges(one, other, dot(normals, others)))
+        return off
+
+    def _heights(self, nodes: LinkNodes, edges: Index) -> tuple[Array, Array]:
+        """Heights (E,), mm, of the middles of edges (E, 2) over their surfaces, and the normals (E, 3) there."""
+        heights, normals = np.empty(len(edges)), np.empty((len(edges), 3))
+        for k, own in _by_link(nodes.s[edges[:, 0]]):
+            near = self._local(nodes, k).middle(edges[own])
+            heights[own], normals[own] = distance(near, nodes.points[edges[own]].mean(axis=1)), near.normals
+        return heights, normals
+
+    def _local(self, nodes: LinkNodes, k: int) -> LinkNodes:
+        """All nodes as those of link k."""
+        return replace(nodes, region=self.links[k].region, s=nodes.s - 2.0 * k)
+
+    def patches(self, before: Sequence[PatchMesh]) -> tuple[PatchMesh, ...]:
+        """The links with the nodes that are left, those `before` where they are drawn."""
+        tooth, made = self.nodes.tooth, list(before)
+        for k, own in _by_link(self.st[self.triangles[:, 0], 0]):
+            used, corners = np.unique(self.triangles[own], return_inverse=True)
+            triangles, region = corners.reshape(-1, 3), before[k].region
+            s, t = self.st[used].T
+            nodes = LinkNodes.on(tooth, region, s - 2.0 * k, trim(tooth, t))
+            errors = super().miss(nodes, triangles, self.crease[used])
+            off = self.off_ends(replace(nodes, s=s), triangles, self.edge[used])
+            deviation = float(np.maximum(errors, off).max())
+            made[k] = PatchMesh(nodes, triangles, nodes.middle(triangles).normals, deviation)
+        return tuple(made)
+
+
+def _chord(s: Array, t: Array, first: Index, last: Index) -> Array:
+    """What tells the chords (...,) of seams at s (N,) apart, by the nodes at their ends (...,)."""
+    which: Array = 4.0 * s[first] + (t[first] + t[last])
+    return which
+
+
+def _place(patch: PatchMesh, k: int) -> Array:
+    """Places (N, 2) of the nodes of link k."""
+    return np.stack((patch.nodes.s + 2.0 * k, patch.nodes.t), axis=-1)
+
+
+def _by_link(s: Array) -> list[tuple[int, Index]]:
+    """Links k in which some of s (N,) are, and which (K,)."""
+    link = np.floor(0.5 * s).astype(int)
+    return [(int(k), np.flatnonzero(link == k)) for k in np.unique(link)]
+
+
+def _prediction(forms: Forms, links: Sequence[int]) -> Prediction:
+    """Of links one after the other, with gaps between them."""
+    steps, extent = SAMPLES[0] - 1, 2.0 * len(links) - 1.0
+    table, outline = np.zeros((int(extent) * steps + 1, SAMPLES[1], 3)), np.zeros((2, int(extent) * steps + 1))
+    for k in links:
+        own = slice(2 * k * steps, (2 * k + 1) * steps + 1)
+        table[own] = np.stack([form[k] for form in (forms.length, forms.twist, forms.face)], axis=-1)
+        outline[:, own] = forms.outline[k]
+    return Prediction(table, outline, extent, arched=True)
