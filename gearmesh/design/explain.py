@@ -75,7 +75,8 @@ def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Tab
     # what must be given is meant rather than what may be
     keys.sort(key=lambda dotted: _is_required(design, dotted))
     everywhere = {dotted.rsplit(".", 1)[-1]: dotted for dotted in keys}
-    if name in everywhere:
+    # the name of a key of another table, but of none within one
+    if everywhere.get(name, "..").count(".") <= 1:
         return f"did you mean {everywhere[name]}?"
     here = nearest(name, table.model_fields)
     if here is not None:
