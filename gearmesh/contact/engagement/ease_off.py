@@ -19,8 +19,8 @@ from gearmesh.contact.first_touch.field import advances
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
 
-#: positions in a pitch at which the advances of all points are taken
-PER_PITCH = 48
+#: positions at which the advances of all points are taken: in a pitch, and in a turn at least, as a thread passes in part of one
+PER_PITCH, PER_TURN = 48, 192
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
     """
     pair = engagement.pair.parts[0]
     low, high = engagement.phi1[[0, -1]]
-    phi1 = np.linspace(low, high, int(np.ceil((high - low) / pitch * PER_PITCH)) + 1)
+    phi1 = np.linspace(low, high, int(np.ceil((high - low) * max(PER_PITCH / pitch, PER_TURN / (2.0 * np.pi)))) + 1)
     grid = pair.pinion.grid if grid is None else grid
     jet = pair.pinion.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
     with np.errstate(all="ignore"):
