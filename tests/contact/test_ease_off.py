@@ -96,7 +96,7 @@ def test_ease_off_of_worm_drives_is_known_on_half_of_their_field(hob: dict[str, 
 @pytest.mark.sweep
 def test_a_single_thread_passes_its_wheel_in_part_of_a_turn() -> None:
     """The wheel of the worm's own hob: where the coast flank of one thread is nearest it touches, and is so between positions."""
-    design = gm.load(SAMPLES / "worm_drive_dual_lead.toml").with_values({"contact.flank": "left"})
-    distance = gm.build(design).ease_off().map.distance
+    _, coast = gm.build(gm.load(SAMPLES / "worm_drive_dual_lead.toml")).contact().sides
+    distance = coast.ease_off.distance
     assert np.isfinite(distance).sum() > 250
     assert np.nanmax(distance) < 2e-3
