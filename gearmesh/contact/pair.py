@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Bound, Flank
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, polar_angle
 from gearmesh.kernel.surface.levels import Level, Shifted
 from gearmesh.kernel.surface.surface import Surface
 
@@ -39,8 +39,12 @@ OF_CORNERS = np.array([name in TIP_CORNERS for _, name in NUMBERED])
 CORNER = len(NUMBERED)
 #: azimuth (rad) of a pinion's tooth from where on it is sampled where it faces the gear alone
 WOUND = 0.5 * np.pi
+#: a pinion whose flank faces the gear within this rotation (rad) from 0 counts its windings from there
+FACES = 0.6 * np.pi
 #: share of a flank by which it is looked beside a place on which side of a corner that lies
 STEP = 1e-6
+#: sine of the angle between axes from which on they are skew, not parallel with errors
+SKEW = 0.1
 #: largest residual of what counts as solved: mm, and a part of the pinion's largest coordinate, if that is more
 TOLERANCE, ROUNDING = 1e-11, 1e-12
 
@@ -132,8 +136,22 @@ class Pair:
         face the gear: what has gone round to it again does so as another tooth of it."""
         if self.pinion.winding + np.abs(phi1).max(initial=0.0) <= np.pi:
             return np.zeros(np.broadcast_shapes(r.shape[:-1], phi1.shape), dtype=bool)
-        farther: NDArray[np.bool_] = np.abs(self.pinion.azimuth(r) + self.pinion.mount.sign * phi1) > np.pi
+        turned = self.pinion.mount.sign * (phi1 - self._facing)
+        farther: NDArray[np.bool_] = np.abs(self.pinion.azimuth(r) + turned) > np.pi
         return farther
+
+    @cached_property
+    def _facing(self) -> float:
+        """Rotation, rad, at which the middle of a thread's flank faces the gear's, 0 where it does so within `FACES` of that: the
+        coast flank of a single thread faces it half a turn before or after the driving one."""
+        if not self.wound:
+            return 0.0
+        first, second = (_turn_towards(*flanks) for flanks in (self.flanks, self.flanks[::-1]))
+        if abs(first) <= FACES:
+            return 0.0
+        # the thread faces the gear once a turn, the gear's tooth says in which one
+        conjugate = second / self.ratio
+        return conjugate + (first - conjugate + np.pi) % (2.0 * np.pi) - np.pi
 
     @cached_property
     def all_bounds(self) -> tuple[Bound, ...]:
@@ -206,3 +224,19 @@ def edge_name(pair: Pair, number: int) -> str:
         return "corner"
     member, name = NUMBERED[number]
     return f"{MEMBERS[member]}_{pair.flanks[member].edge_name(name)}"
+
+
+def _turn_towards(flank: Flank, mating: Flank) -> float:
+    """Rotation (rad) of a flank's member that turns its middle to the axis of the mating one, -pi .. pi; 0 of axes that are
+    parallel, but for errors, or meet."""
+    origin, axis, other, across = (
+        np.reshape(vector, (-1, 3))[0]
+        for vector in (flank.mount.origin, flank.mount.axis, mating.mount.origin, mating.mount.axis)
+    )
+    normal = np.cross(axis, across)
+    towards = normal * (normal @ (other - origin))
+    if np.linalg.norm(normal) < SKEW or np.linalg.norm(towards) < TOLERANCE:
+        return 0.0
+    own = flank.mount.at(0.0).inverse.vector(towards)
+    angle = float(np.reshape(polar_angle(own), -1)[0]) - flank.middle_angle
+    return flank.mount.sign * float((angle + np.pi) % (2.0 * np.pi) - np.pi)

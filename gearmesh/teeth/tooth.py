@@ -237,7 +237,23 @@ class Tooth:
         return self._inner([*self.right.face_breaks, *self.left.face_breaks, *self.blank.corners])
 
     def creases(self, region: Region) -> Array:
-        """Stations t inside (0, 1) where the surface of a link has a corner along the face."""
+        """Stations where the surface of a link has a corner along the face.
+
+        Parameters
+        ----------
+        region : Region
+            Of the link: a flank, a fillet, the land or the root.
+
+        Returns
+        -------
+        numpy.ndarray
+            t (K,) inside (0, 1), ascending.
+
+        Examples
+        --------
+        >>> gears.members["pinion"].tooth.creases("land").size
+        0
+        """
         blank, sides = self.blank, (*self.right.face_breaks, *self.left.face_breaks)
         ends = {Region.LAND: blank.tip.corners(blank.axial), Region.ROOT: blank.root.corners(blank.axial)}
         return self._inner([*sides, *ends.get(region, ())])

@@ -85,9 +85,14 @@ class Flank:
         """Polar angle (...,) of own points r near the flank, rad, from that of its middle on: teeth may wind round their axis."""
         stations, along_tooth = self._winding
         angle = np.interp(self.axial.value(r), stations, along_tooth)
-        middle = along_tooth[len(along_tooth) // 2]
-        angle_about_middle: Array = angle - middle + (polar_angle(r) - angle + np.pi) % (2.0 * np.pi) - np.pi
+        angle_about_middle: Array = angle - self.middle_angle + (polar_angle(r) - angle + np.pi) % (2.0 * np.pi) - np.pi
         return angle_about_middle
+
+    @property
+    def middle_angle(self) -> float:
+        """Polar angle of its middle, own frame, rad."""
+        angle = self._winding[1]
+        return float(angle[len(angle) // 2])
 
     @cached_property
     def winding(self) -> float:
