@@ -1034,7 +1034,7 @@ def build(design: Design, *, alone: bool = False) -> Gears:
     Raises
     ------
     DesignError
-        With key, value and limit, for geometry that cannot exist.
+        With key, value and limit, for geometry that cannot exist, and for what is no design.
 
     Examples
     --------
@@ -1043,6 +1043,8 @@ def build(design: Design, *, alone: bool = False) -> Gears:
     >>> list(gm.build(design).members)
     ['pinion', 'gear']
     """
+    if not isinstance(design, Design):
+        raise ArgumentError("design", design, must_be="a design: load reads a file, parse a mapping")
     if alone:
         return Gears(design)
     whole = systems.complete_design(design)
