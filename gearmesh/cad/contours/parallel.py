@@ -294,7 +294,7 @@ def _is_path(loop: list[_ParallelStretch], contour: cKDTree, distance: float) ->
 def _path(loop: list[_ParallelStretch], kind: Curves, tolerance: float) -> tuple[tuple[PlaneCurve, ...], float]:
     """A path as curves of a kind, which meet."""
     own = [piece.ends for piece in loop]
-    # what is free to move gives way to arcs and lines beside it, and to half to another
+    # what is free to move is moved by arcs and lines beside it, and to half to another
     free = [isinstance(piece.curve, ParallelCurve) for piece in loop]
     joints = []
     for k in range(len(loop)):

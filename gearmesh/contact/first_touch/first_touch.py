@@ -16,7 +16,7 @@ from gearmesh.contact.conditions.line_ends import touch_along_lines
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts, Trial, advances_of, refine_candidates
 from gearmesh.contact.first_touch.field import INTERIOR, Candidates, candidates, seen_closely, sharpen
-from gearmesh.contact.first_touch.search import UNSEEN, meeting_points, refine_missed
+from gearmesh.contact.first_touch.search import UNSEEN, circle_contacts, refine_missed
 from gearmesh.contact.pair import NUMBERED, Pair
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -85,7 +85,7 @@ def _confirm_missed(
     """Those positions of `missed` (M,) at which the sample that is ahead is not known to do so by the error of its table. Where a
     line of the grid crosses an edge of the gear is a guess, which counts beside lines of contact: nothing is ahead of those."""
     top = coarse.top[missed]
-    advance = meeting_points(pair, Conditions(pair.flanks, phi1, pair.length), missed, coarse.x[top])[1]
+    advance = circle_contacts(pair, Conditions(pair.flanks, phi1, pair.length), missed, coarse.x[top])[1]
     of_table = (advance > -np.inf) & (advance <= contacts.advance[missed] + UNSEEN)
     return missed[~of_table | (np.isin(coarse.edges[top, 0], OF_GEAR) & ~contacts.line[missed])]
 

@@ -34,7 +34,7 @@ def refine_missed(
 ) -> None:
     """Positions (M,) at which places x (M, 5) seem to be further ahead than what was found: what they really do, and why."""
     conditions = Conditions(pair.flanks, phi1, pair.length)
-    x, advance = meeting_points(pair, conditions, position, x)
+    x, advance = circle_contacts(pair, conditions, position, x)
     worth = np.flatnonzero(advance > contacts.advance[position] + UNSEEN)
     if not worth.size:
         return
@@ -68,7 +68,7 @@ def _climb(
         sizes = np.multiply.accumulate(np.insert(np.full((going.size, count), SHRINK), 0, size[going], axis=1), axis=1)
         start = np.repeat(x[going], count * len(ways), axis=0)
         start[:, :2] += (sizes[:, :-1, None, None] * ways * steps).reshape(-1, 2)
-        tried, own = meeting_points(pair, conditions, np.repeat(position[going], count * len(ways)), start)
+        tried, own = circle_contacts(pair, conditions, np.repeat(position[going], count * len(ways)), start)
         own, tried = own.reshape(-1, count, len(ways)), tried.reshape(-1, count, len(ways), 5)
         higher = own.max(axis=2) > advance[going, None]
         higher &= (sizes[:, :-1] > LEAST_STEP) & (climbs[going, None] + np.arange(count) < CLIMBS)
@@ -81,7 +81,7 @@ def _climb(
     return x, advance
 
 
-def meeting_points(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array) -> tuple[Array, Array]:
+def circle_contacts(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array) -> tuple[Array, Array]:
     """Where the circles through the pinion's points of x (M, 5) meet the gear's flank: unknowns, and advances (M,), -inf where the
     point is not on both flanks or does not face it."""
     circles = _Circles.through(conditions, position, x)

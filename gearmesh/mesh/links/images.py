@@ -12,7 +12,7 @@ from gearmesh.mesh.links.collapse import edges_of
 from gearmesh.mesh.links.forms import Forms
 from gearmesh.mesh.links.lines import between
 from gearmesh.mesh.links.link_mesh import LinkMesh
-from gearmesh.mesh.links.measure import measured
+from gearmesh.mesh.links.measure import deviations_of
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
 from gearmesh.teeth.section import Sections, breaks
 from gearmesh.teeth.tooth import Tooth
@@ -50,7 +50,7 @@ def image(
     nodes = LinkNodes.of(tooth, mesh.patch.region, s, t, trimmed, second)
     triangles = made.triangles if turned else made.triangles[:, ::-1]
     edges, sides = edges_of(triangles, s.size)
-    _, peaks, centres = measured(nodes, triangles, edges, sides, np.isin(t, fixed))
+    _, peaks, centres = deviations_of(nodes, triangles, edges, sides, np.isin(t, fixed))
     return PatchMesh(nodes, triangles, centres.normals, max(mesh.patch.deviation, float(peaks.max())))
 
 

@@ -15,7 +15,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.mesh.links.collapse import edges_of
 from gearmesh.mesh.links.forms import Forms
 from gearmesh.mesh.links.lines import between, integral, nodes, rows, stations
-from gearmesh.mesh.links.measure import measured, off_chords
+from gearmesh.mesh.links.measure import deviations_of, off_chords
 from gearmesh.mesh.links.plan import LinkPlan
 from gearmesh.mesh.links.thinning import thin
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
@@ -139,7 +139,7 @@ def mesh_link(
             triangulation = turned
         triangles, strip = triangulation.triangles()
         edges, side = edges_of(triangles, s.size)
-        edge, peaks, centres = measured(points, triangles, edges, side, crease)
+        edge, peaks, centres = deviations_of(points, triangles, edges, side, crease)
         if peaks.max() <= tolerance or turns == TURNS[-1]:
             break
         bad, fixed = (

@@ -12,7 +12,7 @@ from gearmesh.teeth.section import Grid
 Index = NDArray[np.int64]
 
 
-def measured(
+def deviations_of(
     nodes: LinkNodes, triangles: Index, edges: Index, sides: Index, crease: NDArray[np.bool_]
 ) -> tuple[Array, Array, Grid]:
     """Largest distances, mm, of edges (E, 2) and of triangles (M, 3), and the surface near the centres of these.

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, independent, within_link
-from gearmesh.mesh.links.measure import measured, off_chords
+from gearmesh.mesh.links.measure import deviations_of, off_chords
 from gearmesh.mesh.links.prediction import Prediction
 from gearmesh.mesh.links.relaxation import Patches, Patience, around, on_seams, relax_patches, turns
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
@@ -403,7 +403,7 @@ def _miss(nodes: LinkNodes, triangles: Index, crease: NDArray[np.bool_], toleran
     """Measured distances (M,) of triangles from the surface, mm; inf where they lie on their face or are too thin."""
     sides = np.arange(3 * len(triangles)).reshape(-1, 3)
     edges = triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2)
-    _, errors, centres = measured(nodes, triangles, edges, sides, crease)
+    _, errors, centres = deviations_of(nodes, triangles, edges, sides, crease)
     a, b, c = np.moveaxis(nodes.points[triangles], 1, 0)
     square = cross(b - a, c - a)
     size = np.sqrt(dot(square, square))
