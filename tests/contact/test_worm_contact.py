@@ -15,7 +15,7 @@ from gearmesh.contact.engagement.curve import MeshCurve
 from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch.field import advances
 from gearmesh.contact.first_touch.first_touch import touches
-from gearmesh.contact.first_touch.search import meeting_points
+from gearmesh.contact.first_touch.search import circle_contacts
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
@@ -87,7 +87,7 @@ def test_corners_of_the_tip_line_touch_where_no_point_about_them_is_ahead() -> N
     near = np.repeat(contacts.x, len(ways), axis=0)
     near[:, :2] += np.tile(ways, (3, 1))
     conditions = Conditions(pair.flanks, phi1, pair.length)
-    ahead = meeting_points(pair, conditions, np.repeat(np.arange(3), len(ways)), near)[1].reshape(3, -1)
+    ahead = circle_contacts(pair, conditions, np.repeat(np.arange(3), len(ways)), near)[1].reshape(3, -1)
     # points that both flanks have lie on one side of the corner: none is ahead, and it is reached by them
     assert np.isfinite(ahead).sum(axis=1).min() > 200
     below = contacts.advance - ahead.max(axis=1)
@@ -154,7 +154,7 @@ def test_first_touch_where_a_line_nearly_leaves_over_one_edge_twice() -> None:
     wheel = pair.gear.heights.parameters_at(there.rho[position, k], there.z[position, k])
     phi2 = pair.drive * there.advance[position, k] + pair.ratio * phi1[position]
     x = np.column_stack((tip[0][k], tip[1][k], wheel, phi2))
-    ahead = meeting_points(pair, Conditions(pair.flanks, phi1, pair.length), position, x)[1]
+    ahead = circle_contacts(pair, Conditions(pair.flanks, phi1, pair.length), position, x)[1]
     assert np.isfinite(ahead).sum() > 100
     assert (ahead - contacts.advance[position]).max() < 1e-9
 
