@@ -118,7 +118,7 @@ if TYPE_CHECKING:
     from gearmesh.view.picture import Animation, Diagram, Picture
 
 #: said here alone: pyproject.toml has it from here
-__version__ = "0.13.0"
+__version__ = "0.14.0"
 
 __all__ = [
     "Animation",
