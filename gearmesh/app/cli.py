@@ -55,6 +55,28 @@ COMMANDS = {
 }
 
 
+#: what else commands are looked for under
+OTHER_NAMES = {
+    "sheet": "describe",
+    "info": "describe",
+    "kinds": "describe",
+    "template": "new",
+    "step": "solid",
+    "stl": "solid",
+    "mesh": "solid",
+    "build": "solid",
+    "export": "solid",
+    "picture": "render",
+    "plot": "render",
+    "view": "render",
+    "contact": "tca",
+    "dxf": "drawing",
+    "samples": "sample",
+    "sizing": "size",
+    "measure": "evaluate",
+    "vtk": "solid",
+}
+
 #: exit status after Ctrl-C, and files that are named then
 INTERRUPTED, NAMED = 130, 8
 
@@ -81,6 +103,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if arguments is None else list(arguments)
     # of the one that is asked for alone the module is loaded
     names = [given[0]] if given and given[0] in COMMANDS else [*COMMANDS]
+    if given and given[0] not in COMMANDS and not given[0].startswith("-"):
+        return _fail(_no_command(given[0]), 2)
     try:
         status = _group(names).main(args=given, prog_name="gearmesh", standalone_mode=False)
         sys.stdout.flush()
@@ -103,6 +127,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _fail("out of memory: choose a larger --tol, fewer positions or a smaller picture", 2)
     return status if isinstance(status, int) else 0
+
+
+def _no_command(name: str) -> str:
+    """The refusal of a first argument that is no command, with the one that may be meant."""
+    from pathlib import Path
+
+    from gearmesh.design.shown import nearest
+
+    if Path(name).suffix in (".toml", ".json") or Path(name).is_file():
+        return f"{name} is a design file, no command: gearmesh run {name} does the main job (see gearmesh --help)"
+    other = OTHER_NAMES.get(name.lower()) or nearest(name, COMMANDS)
+    hint = f"; did you mean {other}?" if other else ""
+    return f"No such command {name!r}{hint} (see gearmesh --help)"
 
 
 def _interruption() -> str:

@@ -412,7 +412,10 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
     ("arguments", "message"),
     [
         ("", "Missing command (see gearmesh --help)"),
-        ("tac", "No such command 'tac'"),
+        ("tac", "No such command 'tac'; did you mean tca?"),
+        ("step SAMPLE -o a.step", "No such command 'step'; did you mean solid?"),
+        ("qqq", "No such command 'qqq' (see gearmesh --help)"),
+        ("absent.toml", "absent.toml is a design file, no command: gearmesh run absent.toml does the main job"),
         ("tca", "Missing argument 'DESIGN' (see gearmesh tca --help)"),
         ("tca x --jsn -", "No such option: --jsn"),
         ("tca absent.toml", "absent.toml: cannot be read: No such file or directory"),

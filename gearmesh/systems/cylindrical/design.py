@@ -284,7 +284,12 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
         if self.internal:
             for key in ("bore", *NOT_INSIDE):
                 if getattr(self, key) is not None:
-                    raise conflict(key, None, reason="an internal gear has none; its body is the rim around the teeth")
+                    raise conflict(
+                        key,
+                        None,
+                        reason="an internal gear (internal = true, or teeth below 0) has none; its body is the rim around "
+                        "the teeth",
+                    )
         elif self.rim is not None:
             raise conflict("rim", self.rim, reason="only an internal gear has one")
         self._check_tip_surface()
