@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, Protocol, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import PrivateAttr, ValidationError, model_validator
 
@@ -309,33 +309,10 @@ class MemberMount(Table):
 BODY_TABLES = (
     "keyway", "hub", "web", "holes", "toe_hub", "heel_shaft", "toe_shaft", "heel_bore", "toe_bore", "bolts", "spokes"
 )  # fmt: skip
-#: Broken edges of the tip
-TipChamfer = Annotated[float | None, Key("length", "45 deg chamfer between flank and top land", low=0)]
-TipRounding = Annotated[float | None, Key("length", "rounding between flank and top land", low=0)]
-
-
-#: Broken edges of the end faces
-EndWidth = Annotated[
-    float | None,
-    Key(
-        "length",
-        "chamfer of the teeth's edges at both end faces: width on the end face, at right angles to them",
-        low=0,
-    ),
-]
-EndAngle = Annotated[
-    float | None,
-    Key("angle", "angle of these chamfers to the end face", low=10, high=80, default="45"),
-]
+#: Broken edges of one end face
 ToeWidth = Annotated[float | None, Key("length", "the same at the toe alone; 0 = sharp", low=0, default="end_chamfer")]
 HeelWidth = Annotated[
     float | None, Key("length", "the same at the heel alone; 0 = sharp", low=0, default="end_chamfer")
-]
-
-
-EndRadius = Annotated[
-    float | None,
-    Key("length", "rounding of the teeth's edges at both end faces: radius where they are at right angles", low=0),
 ]
 ToeRadius = Annotated[
     float | None, Key("length", "the same at the toe alone; 0 = sharp", low=0, default="end_rounding")
@@ -345,55 +322,52 @@ HeelRadius = Annotated[
 ]
 
 
-class EndEdges(Protocol):
-    """A table whose end faces may have broken edges."""
+class BrokenEdges(Table):
+    """Teeth whose edges at their tips and end faces may be broken."""
 
-    @property
-    def end_chamfer(self) -> float | None: ...
-    @property
-    def end_chamfer_toe(self) -> float | None: ...
-    @property
-    def end_chamfer_heel(self) -> float | None: ...
-    @property
-    def end_chamfer_angle(self) -> float | None: ...
-    @property
-    def end_rounding(self) -> float | None: ...
-    @property
-    def end_rounding_toe(self) -> float | None: ...
-    @property
-    def end_rounding_heel(self) -> float | None: ...
+    tip_chamfer: Annotated[float | None, Key("length", "45 deg chamfer between flank and top land", low=0)] = None
+    tip_rounding: Annotated[float | None, Key("length", "rounding between flank and top land", low=0)] = None
+    end_chamfer: Annotated[
+        float | None,
+        Key(
+            "length",
+            "chamfer of the teeth's edges at both end faces: width on the end face, at right angles to them",
+            low=0,
+        ),
+    ] = None
+    end_chamfer_toe: ToeWidth = None
+    end_chamfer_heel: HeelWidth = None
+    end_chamfer_angle: Annotated[
+        float | None,
+        Key("angle", "angle of these chamfers to the end face", low=10, high=80, default="45"),
+    ] = None
+    end_rounding: Annotated[
+        float | None,
+        Key("length", "rounding of the teeth's edges at both end faces: radius where they are at right angles", low=0),
+    ] = None
+    end_rounding_toe: ToeRadius = None
+    end_rounding_heel: HeelRadius = None
 
-
-class BrokenEdges(Protocol):
-    """A table whose tip edges may be broken."""
-
-    @property
-    def tip_chamfer(self) -> float | None: ...
-    @property
-    def tip_rounding(self) -> float | None: ...
-
-
-def refuse_both_edges(table: BrokenEdges) -> None:
-    """Refuse a chamfer and a rounding of the same tip."""
-    if table.tip_chamfer and table.tip_rounding:
-        raise conflict("tip_rounding", table.tip_rounding, reason="cannot be given together with tip_chamfer")
-
-
-def refuse_both_ends(table: EndEdges) -> None:
-    """Refuse a chamfer and a rounding of the same end face."""
-    for end in ("toe", "heel"):
-        chamfer, rounding = (
-            next(
-                (key, value)
-                for key in (f"{edge}_{end}", edge)
-                if (value := getattr(table, key)) is not None or key == edge
+    @model_validator(mode="after")
+    def _edges(self) -> Self:
+        if self.tip_chamfer and self.tip_rounding:
+            raise conflict("tip_rounding", self.tip_rounding, reason="cannot be given together with tip_chamfer")
+        if self.end_chamfer_angle is not None and not (
+            self.end_chamfer or self.end_chamfer_toe or self.end_chamfer_heel
+        ):
+            raise conflict("end_chamfer_angle", self.end_chamfer_angle, reason="needs end_chamfer")
+        for end in ("toe", "heel"):
+            (width_key, width), (radius_key, radius) = (
+                next(
+                    (key, own)
+                    for key in (f"{edge}_{end}", edge)
+                    if (own := getattr(self, key)) is not None or key == edge
+                )
+                for edge in ("end_chamfer", "end_rounding")
             )
-            for edge in ("end_chamfer", "end_rounding")
-        )
-        if chamfer[1] and rounding[1]:
-            raise conflict(
-                rounding[0], rounding[1], reason=f"cannot be given together with {chamfer[0]}, for the {end}"
-            )
+            if width and radius:
+                raise conflict(radius_key, radius, reason=f"cannot be given together with {width_key}, for the {end}")
+        return self
 
 
 class TurnedTip(Table):
@@ -439,10 +413,8 @@ class NumberOfTeeth(Table):
     teeth: Annotated[int, Key("count", "number of teeth", low=3, high=10000)]
 
 
-class MemberBody(Table):
-    """What every member has, whatever its teeth are called."""
-
-    rank: ClassVar[int] = 0
+class TurnedBody(Table):
+    """A body of revolution under the teeth, and what is cut into it."""
 
     bore: Annotated[
         float | None,
@@ -462,27 +434,6 @@ class MemberBody(Table):
     toe_bore: BoreSteps | None = None
     bolts: BoltHoles | None = None
     spokes: SpokeTable | None = None
-    tip_chamfer: TipChamfer = None
-    tip_rounding: TipRounding = None
-    end_chamfer: EndWidth = None
-    end_chamfer_toe: ToeWidth = None
-    end_chamfer_heel: HeelWidth = None
-    end_chamfer_angle: EndAngle = None
-    end_rounding: EndRadius = None
-    end_rounding_toe: ToeRadius = None
-    end_rounding_heel: HeelRadius = None
-    material: MemberMaterial | None = None
-    mount: MemberMount | None = None
-
-    @model_validator(mode="after")
-    def _edges(self) -> Self:
-        refuse_both_edges(self)
-        if self.end_chamfer_angle is not None and not (
-            self.end_chamfer or self.end_chamfer_toe or self.end_chamfer_heel
-        ):
-            raise conflict("end_chamfer_angle", self.end_chamfer_angle, reason="needs end_chamfer")
-        refuse_both_ends(self)
-        return self
 
     @model_validator(mode="after")
     def _shaft(self) -> Self:
@@ -500,6 +451,15 @@ class MemberBody(Table):
     def stated_bore(self) -> float | None:
         """The bore as it is given, none where a shaft is in one piece with the body; None for the default."""
         return 0.0 if self.bore is None and (self.heel_shaft or self.toe_shaft) else self.bore
+
+
+class MemberBody(BrokenEdges, TurnedBody):
+    """What every member has, whatever its teeth are called."""
+
+    rank: ClassVar[int] = 0
+
+    material: MemberMaterial | None = None
+    mount: MemberMount | None = None
 
 
 class GearBody(MemberBody, NumberOfTeeth):

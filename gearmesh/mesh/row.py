@@ -6,11 +6,13 @@ r"""Whole racks: the teeth of a member that slides, one after the other, closed 
         r   |______________________________| a
                           back               r
 
-So a bar is as many pitches long as it has teeth, and bars laid end to end go on as one; or its root lands go on beyond that.
+So a bar is as many pitches long as it has teeth, and bars laid end to end go on as one; or its root lands go on beyond that, with
+the chamfers along toe and heel.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -19,6 +21,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.body import triangulate
+from gearmesh.mesh.ends.end_mesh import EndMesh
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.teeth.region import Region
 
@@ -27,12 +30,12 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class RowMesh:
-    """Vertices (V, 3), triangles (M, 3) and their regions; the first ones are those of the teeth, with exact normals (N, 3)."""
+    """Vertices (V, 3), triangles (M, 3) and their regions; `of_tooth` (N,): which one of a tooth's each of the first N is."""
 
     vertices: Array
     triangles: Index
     regions: tuple[Region, ...]
-    normals: Array
+    of_tooth: Index
 
 
 def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
@@ -40,15 +43,23 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
 
     `overhang` (mm): how far the bar goes on beyond the last pitch, at either end.
     """
-    tooth, one = tooth_mesh.tooth, tooth_mesh.weld()
-    count, teeth, root = len(one.vertices), tooth.teeth, len(tooth_mesh.patches[0].triangles)
+    tooth, one, strips = tooth_mesh.tooth, tooth_mesh.weld(), tooth_mesh.end_meshes()
+    count, teeth = len(one.vertices), tooth.teeth
     # one more than there are, of which the last one's first line is used
     places = tooth.joint.places(teeth)
     ways = tooth.joint.to(np.append(places, places[-1] + 1) * tooth.pitch_angle).translation
     vertices = (one.vertices + ways[:, None]).reshape(-1, 3)
     first_numbers = count * np.arange(teeth)[:, None, None]
     # the bar begins in the middle of the first root, and its last one is half of another
-    triangles = (one.triangles + first_numbers).reshape(-1, 3)[root:]
+    root = len(tooth_mesh.patches[0].triangles)
+    of_root = np.arange(len(one.triangles)) < root
+    begin = sum(len(patch.triangles) for patch in tooth_mesh.patches)
+    for strip in strips.values():
+        of_root[begin : begin + strip.pieces[0]] = True
+        begin += len(strip.triangles)
+    of_tooth = np.concatenate((np.flatnonzero(~of_root), np.tile(np.arange(len(of_root)), teeth - 1)))
+    place = np.repeat(np.arange(teeth), [int((~of_root).sum()), *[len(of_root)] * (teeth - 1)])
+    triangles = one.triangles[of_tooth] + count * place[:, None]
     first, last = one.firsts[1], one.firsts[0] + teeth * count
     low, high = len(vertices) + np.arange(len(first)), len(vertices) + len(first) + np.arange(len(last))
     corners, (toe, heel) = len(vertices) + len(first) + len(last) + np.arange(4), (0, -1)
@@ -58,10 +69,12 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
     back = np.stack([end[k] for end in ends for k in (toe, heel)])
     back[:, 0] = tooth.blank.body.profile[0][0]
     vertices = np.concatenate((vertices, *ends, back))
-    begins = len(tooth_mesh.patches[0].nodes.end(0.0)) - 1, len(tooth_mesh.patches[0].nodes.end(1.0)) - 1
-    faces = [(Region.ROOT, _strip(low, first)), (Region.ROOT, _strip(last, high))]
-    for k, (row, skipped) in enumerate(zip((one.toe, one.heel), begins, strict=True)):
-        chain = (row + first_numbers[:, 0]).ravel()[skipped:]
+    faces = list[tuple[Region, Index]]()
+    for near, far in ((low, first), (last, high)):
+        faces += _half_root(near, far, strips)
+    for k, row in enumerate((one.toe, one.heel)):
+        # from where the first root ends
+        chain = (row + first_numbers[:, 0]).ravel()[int(np.flatnonzero(row == first[-k])[0]) :]
         outline = np.concatenate((low[[-k]], chain, last[[-k]], high[[-k]], corners[[2 + k, k]]))
         face = outline[triangulate(vertices[outline, :2])]
         faces.append((Region.FACE_HEEL, face) if k else (Region.FACE_TOE, face[:, ::-1]))
@@ -71,10 +84,21 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
         (Region.BACK, corners[np.array([[0, 1, 3], [0, 3, 2]])]),
     ]
     one_tooth = [patch.region for patch in tooth_mesh.patches for _ in patch.triangles]
-    regions = (one_tooth * teeth)[root:] + [region for region, face in faces for _ in face]
+    one_tooth += [region for region, strip in strips.items() for _ in strip.triangles]
+    regions = [one_tooth[k] for k in of_tooth.tolist()] + [region for region, face in faces for _ in face]
     used, compact = np.unique(np.concatenate((triangles, *(face for _, face in faces))), return_inverse=True)
-    normals = np.tile(np.concatenate([patch.normals for patch in tooth_mesh.patches]), (teeth, 1))[root:]
-    return RowMesh(vertices[used], compact.reshape(-1, 3), tuple(regions), normals)
+    return RowMesh(vertices[used], compact.reshape(-1, 3), tuple(regions), of_tooth)
+
+
+def _half_root(low: Index, high: Index, strips: Mapping[Region, EndMesh]) -> list[tuple[Region, Index]]:
+    """Triangles between two lines (N,) from toe to heel, of the root and of what goes on along it of the `strips` at its ends."""
+    rows = {region: strip.rows for region, strip in strips.items()}
+    toe, heel = (rows.get(region, 0) for region in (Region.EDGE_TOE, Region.EDGE_HEEL))
+    cuts = [0, toe, len(low) - 1 - heel, len(low) - 1]
+    return [
+        (region, _strip(low[first : last + 1], high[first : last + 1]))
+        for region, (first, last) in zip((Region.EDGE_TOE, Region.ROOT, Region.EDGE_HEEL), pairwise(cuts), strict=True)
+    ]
 
 
 def _strip(low: Index, high: Index) -> Index:

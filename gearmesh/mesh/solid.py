@@ -71,7 +71,8 @@ def gear_solid(member: Member, tolerance: float, *tooth_meshes: ToothMesh) -> Tr
         row = row_mesh(tooth_mesh, member.overhang)
         names = (*_names(tooth_mesh), *member.body_regions)
         regions = np.array([names.index(region) for region in row.regions], dtype=np.int32)
-        bar = labelled_mesh(row.vertices, row.triangles, regions, names, row.normals, member.name)
+        normals = _normals(tooth_mesh, 1)[row.of_tooth]
+        bar = labelled_mesh(row.vertices, row.triangles, regions, names, normals, member.name)
         return _with_features(bar, member, tolerance) if member.features.is_cut else bar
     body = member.body
     if not member.features.is_cut:

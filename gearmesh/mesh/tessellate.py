@@ -99,7 +99,7 @@ class ToothMesh:
     @property
     def end_rows(self) -> int:
         """Most rows of triangles of a chamfer at its ends, 1 without any."""
-        return max((mesh.first.size for mesh in self.end_meshes().values()), default=1)
+        return max((mesh.rows for mesh in self.end_meshes().values()), default=1)
 
     def weld(self, end_rows: int = 1) -> Welded:
         """The links in one, neighbouring ones with the nodes of their seam in common, and after them the chamfers of its ends."""
@@ -132,7 +132,7 @@ class ToothMesh:
 @dataclass(frozen=True)
 class Welded:
     """One tooth: vertices (V, 3), triangles (M, 3), its vertices at `toe` and `heel` in order, and on each link's
-    first line.
+    first line; those of the first two go on over the chamfers of its ends.
 
     Of a whole tooth a vertex V + k is vertex k of the next one.
     """
@@ -149,8 +149,13 @@ class Welded:
         own = np.concatenate(((self.toe, self.heel)[end], count + np.arange(fresh)))
         numbers = np.concatenate((own, count + fresh + own))
         triangles = np.concatenate((self.triangles + fresh * (self.triangles >= count), numbers[mesh.triangles]))
-        outline, line = numbers[mesh.outline], numbers[mesh.first]
-        firsts = (np.concatenate((self.firsts[0], line) if end else (line[::-1], self.firsts[0])), *self.firsts[1:])
+        outline, lines = numbers[mesh.outline], numbers[mesh.lines[:2]]
+        # those of root and first fillet, between which bars end
+        broken = tuple(
+            np.concatenate((first, line) if end else (line[::-1], first))
+            for first, line in zip(self.firsts, lines, strict=False)
+        )
+        firsts = (*broken, *self.firsts[len(broken) :])
         toe, heel = (self.toe, outline) if end else (outline, self.heel)
         return Welded(np.concatenate((self.vertices, mesh.vertices)), triangles, toe, heel, firsts)
 

@@ -118,7 +118,11 @@ class _SharpPiece:
 
         Inside a convex curve that is bent more it runs back. Raises TrimError where it does so between samples where it does not.
         """
-        forth = (np.diff(self.samples[0], axis=0) * np.diff(self.inner, axis=0)).sum(axis=-1) > 0.0
+        q, (first, last) = self.samples[0], self.samples[1][[0, -1]]
+        if np.linalg.norm(q - q[0], axis=-1).max() <= SNAP and first[0] * last[1] < first[1] * last[0]:
+            # a fillet without a radius: an arc about the corner
+            return 0, SAMPLES - 1
+        forth = (np.diff(q, axis=0) * np.diff(self.inner, axis=0)).sum(axis=-1) > 0.0
         # a rounding as wide as the chamfer shrinks to its centre
         if not forth.any() or np.linalg.norm(self.inner - self.inner[0], axis=-1).max() <= SNAP:
             return 0, 0

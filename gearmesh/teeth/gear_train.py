@@ -375,7 +375,9 @@ class Member:
         half = float(shares @ [tooth.volume() for tooth in self.different_teeth])
         if self.overhang:
             (back, low), (_, high) = self.tooth.blank.body.profile
-            half += 2.0 * self.overhang * (float(self.tooth.blank.root.at(0.0)) - back) * (high - low)
+            section = (float(self.tooth.blank.root.at(0.0)) - back) * (high - low)
+            section -= sum(end.area for end in self.tooth.blank.ends if end is not None)
+            half += 2.0 * self.overhang * section
         return self.rows.volume(half, self.tooth.blank.body)
 
 

@@ -624,6 +624,17 @@ class Tooth:
         sides = (self.side(which) for which in Side)
         return np.array([self._root_jet(side, stations).r for side in sides])
 
+    def root_lines(self, nodes: Array, weights: Array) -> Iterator[tuple[Array, Array, Array]]:
+        """A rack's root land from toe to heel, with what goes on along it of the chamfers there: height x, z and what of the face
+        each stands for, mm, (N,) each, at `nodes` (N,) of a rule from 0 to 1 with its weights, one part after the other."""
+        toe, heel = self.blank.extent
+        yield self.blank.root.at(toe + (heel - toe) * nodes), toe + (heel - toe) * nodes, (heel - toe) * weights
+        for end, strip in enumerate(self.end_strips):
+            if strip is not None:
+                points, (_, rate) = strip.at(strip.pieces[0], np.zeros(1), nodes), strip.depth(nodes)
+                width = abs(self.blank.extent[end] - self.blank.faces[end])
+                yield points[:, 0], points[:, 2], width * rate * weights
+
     def root_middle(self, z: Array) -> Array:
         """The middle of the root before a rack's tooth, as its tools leave it: where bars end.
 
@@ -643,7 +654,7 @@ class Tooth:
         >>> tooth.root_middle(np.zeros(1)).shape
         (1,)
         """
-        right, left = self.unmodified_tooth.root_ends
+        right, left = self.unmodified_tooth.sharp_ends.root_ends
         middle = 0.5 * (right + left - self.joint.to(self.pitch_angle).translation)
         return np.asarray(np.interp(z, middle[:, 2], middle[:, 1]))
 

@@ -45,16 +45,23 @@ class EndMesh:
     """New vertices (N, 3), mm, and triangles (M, 3), which count the `nodes` of the tooth's section first, then these, and then
     both once more: those of the next tooth.
 
-    `outline`: vertices of the end face's outline in order; `first`: new ones on the line to the tooth before, the nearest to the
-    section first. `deviation`: largest distance (mm) of the facets from the chamfer.
+    `outline`: vertices of the end face's outline in order; `lines` (P, R): new ones where each piece of the strip begins, those
+    nearest to the section first; `pieces` (P,): how many triangles each has, one after the other. `deviation`: largest distance
+    (mm) of the facets from the chamfer.
     """
 
     nodes: int
     vertices: Array
     triangles: Index
     outline: Index
-    first: Index
+    lines: Index
+    pieces: Index
     deviation: float
+
+    @property
+    def rows(self) -> int:
+        """Rows of triangles between section and outline."""
+        return int(self.lines.shape[1])
 
 
 @dataclass(frozen=True)
@@ -121,13 +128,16 @@ def _in_rows(strip: EndStrip, s: Sequence[tuple[Region, Array]], end: int, toler
         deviation = max(deviation, _miss(strip, piece, ordered, corners[real]))
         triangles.append(own[real])
     joined = np.concatenate(triangles)
+    begins = [np.searchsorted(row.piece, np.arange(len(strip.pieces))) for row in ordered[1:]]
+    lines = np.stack([numbers[start + begin] for start, begin in zip(starts[1:], begins, strict=False)], axis=1)
     last = np.unique(ordered[-1].number[ordered[-1].number >= 0])
     return EndMesh(
         count,
         _places(strip, *map(np.concatenate, zip(*own_places, strict=True))),
         joined[:, ::-1] if end else joined,
         last,
-        np.array([row.number[0] for row in ordered[1:]]),
+        lines,
+        np.array([len(own) for own in triangles]),
         deviation,
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.design.core import DENSITY, MemberBody
+from gearmesh.design.core import DENSITY, BrokenEdges, MemberBody
 from gearmesh.systems.common.tooth_edges import ANGLE, end_widths
 from gearmesh.teeth.region import Region
 
@@ -22,10 +22,10 @@ def body_values(design: Design, train: GearTrain) -> Values:
     for name, member in train.members.items():
         table = name.rstrip("0123456789").removesuffix("_")
         spec = getattr(design, table)
+        if isinstance(spec, BrokenEdges) and any(end_widths(spec)):
+            values_given[f"{table}.end_chamfer_angle"] = spec.end_chamfer_angle or ANGLE
         if isinstance(spec, MemberBody):
             values_given |= {f"{table}.{key}": value for key, value in _of_body(spec, member).items()}
-            if any(end_widths(spec)):
-                values_given[f"{table}.end_chamfer_angle"] = spec.end_chamfer_angle or ANGLE
             pair = next((pair for pair in train.pairs if name in pair.members), None)
             values_given |= _of_mount(design.mount(name), table, pair, name)
     return values_given

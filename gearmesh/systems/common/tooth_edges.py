@@ -23,7 +23,7 @@ from gearmesh.teeth.region import HEEL, TOE
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
-    from gearmesh.design.core import BrokenEdges, EndEdges
+    from gearmesh.design.core import BrokenEdges
 
 #: angle (deg) of the chamfers of end faces to these, where it is not given
 ANGLE = 45.0
@@ -55,19 +55,19 @@ def with_tip_edge(name: str, tooth: Tooth, spec: BrokenEdges) -> Tooth:
     return broken
 
 
-def end_widths(spec: EndEdges) -> tuple[float | None, float | None]:
+def end_widths(spec: BrokenEdges) -> tuple[float | None, float | None]:
     """Widths of the chamfers at toe and heel that a part of a design asks for, None where there is none."""
     toe, heel = (spec.end_chamfer if own is None else own for own in (spec.end_chamfer_toe, spec.end_chamfer_heel))
     return toe, heel
 
 
-def _end_radii(spec: EndEdges) -> tuple[float | None, float | None]:
+def _end_radii(spec: BrokenEdges) -> tuple[float | None, float | None]:
     """Radii of the roundings at toe and heel, None where there is none."""
     toe, heel = (spec.end_rounding if own is None else own for own in (spec.end_rounding_toe, spec.end_rounding_heel))
     return toe, heel
 
 
-def with_end_chamfers(member: Member, spec: EndEdges) -> Member:
+def with_end_chamfers(member: Member, spec: BrokenEdges) -> Member:
     """A member with the chamfers or roundings of its end faces that its part `spec` of a design asks for (in mm). It is the last
     step: modifications are of the whole face.
 

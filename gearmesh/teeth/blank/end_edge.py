@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -13,6 +14,12 @@ class EndChamfer:
     width: float
     depth: float
     rounded: bool = False
+
+    @property
+    def area(self) -> float:
+        """What it takes off a section across a straight edge, mm^2: a triangle, or what a quarter of an ellipse leaves of a
+        rectangle."""
+        return (1.0 - 0.25 * math.pi if self.rounded else 0.5) * self.width * self.depth
 
 
 #: at toe and heel; None where the edge is sharp

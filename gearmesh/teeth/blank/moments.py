@@ -106,23 +106,22 @@ def _teeth(member: Member) -> Moments:
 def _bar(member: Member) -> Moments:
     """A rack: its teeth, and what goes on beyond them at both ends as high as the root."""
     tooth, whole = member.tooth, _teeth(member)
-    (back, low), (_, high) = tooth.blank.body.profile
-    nodes, weights = _gauss(ALONG)
-    x, y, t = np.meshgrid(*(nodes,) * 3, indexing="ij")
-    height = float(tooth.blank.root.at(0.0)) - back
-    amount = np.einsum("i,j,k->ijk", *(weights,) * 3) * height * (high - low)
-    z, places = low + (high - low) * t, tooth.joint.places(tooth.teeth)
+    back, places = tooth.blank.body.profile[0][0], tooth.joint.places(tooth.teeth)
+    nodes, weights = _gauss(ROUND)
+    x, y, _ = np.meshgrid(*(nodes,) * 3, indexing="ij")
     # teeth are counted from where the root before them begins, the bar's ends from its middle
     (_, first, start), (_, last, end) = tooth.grid(
         next(iter(tooth.chain)), np.zeros(1), tooth.sections([0.0, 1.0])
     ).points[0]
-    begin = first + (last - first) * (z - start) / (end - start)
-    middle = tooth.root_middle(z)
-    for place, side in ((places[0], -1.0), (places[-1] + 1, 1.0)):
-        way = float(tooth.joint.to(place * tooth.pitch_angle).translation[1])
-        length = side * (middle - begin) + member.overhang
-        there = np.stack((back + height * x, begin + way + side * length * y, z), axis=-1)
-        whole += Moments.of(there, amount * length)
+    for top, z, widths in tooth.root_lines(nodes, weights):
+        begin, middle = first + (last - first) * (z - start) / (end - start), tooth.root_middle(z)
+        height = top - back
+        amount = np.einsum("i,j,k->ijk", weights, weights, height * widths)
+        for place, side in ((places[0], -1.0), (places[-1] + 1, 1.0)):
+            way = float(tooth.joint.to(place * tooth.pitch_angle).translation[1])
+            length = side * (middle - begin) + member.overhang
+            there = np.stack((back + height * x, begin + way + side * length * y, np.broadcast_to(z, x.shape)), axis=-1)
+            whole += Moments.of(there, amount * length)
     for outline, *between in member.prisms:
         whole -= prism(outline, *between)
     return whole

@@ -10,12 +10,10 @@ from pydantic import model_validator
 
 from gearmesh.design.core import (
     BODY_TABLES,
+    BrokenEdges,
     FlankContact,
     MemberMaterial,
-    TipChamfer,
-    TipRounding,
     UnloadedElementTable,
-    refuse_both_edges,
 )
 from gearmesh.design.keys import DERIVED, Key, Table, conflict
 from gearmesh.design.measured import RackMeasured
@@ -59,14 +57,8 @@ class BoltRow(Table):
     ] = None
 
 
-class RackTable(Modified):
-    """The rack: a bar with teeth, as many pitches long as it has teeth, or longer."""
-
-    rank: ClassVar[int] = 0
-    absent: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        (table for table in BODY_TABLES if table != "bolts"),
-        "a rack is a bar: it has no hub, shaft or bore, only bolts",
-    )
+class BarKeys(Modified):
+    """A bar with teeth, as many pitches long as it has teeth, or longer."""
 
     teeth: Annotated[
         int | None, Key("count", "number of teeth", low=1, high=10000, default="as many as the length has room for")
@@ -111,8 +103,23 @@ class RackTable(Modified):
             source="ISO 53",
         ),
     ] = DERIVED
-    tip_chamfer: TipChamfer = None
-    tip_rounding: TipRounding = None
+
+    @model_validator(mode="after")
+    def _some_length(self) -> Self:
+        if self.teeth is None and self.length is None:
+            raise conflict("teeth", None, reason="missing; give teeth or length")
+        return self
+
+
+class RackTable(BrokenEdges, BarKeys):
+    """The rack."""
+
+    rank: ClassVar[int] = 0
+    absent: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        (table for table in BODY_TABLES if table != "bolts"),
+        "a rack is a bar: it has no hub, shaft or bore, only bolts",
+    )
+
     bolts: BoltRow | None = None
     thickness_allowance: ThicknessAllowance | None = None
     thickness_made: ThicknessMade = "middle"
@@ -125,13 +132,6 @@ class RackTable(Modified):
     def thickness_key(self) -> str | None:
         """The key that says the thickness, None where none does."""
         return None if self.thickness_allowance is None else "thickness_allowance"
-
-    @model_validator(mode="after")
-    def _some_length(self) -> Self:
-        refuse_both_edges(self)
-        if self.teeth is None and self.length is None:
-            raise conflict("teeth", None, reason="missing; give teeth or length")
-        return self
 
 
 class RackAssembly(PinionRunout):

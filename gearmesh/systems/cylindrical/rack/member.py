@@ -29,7 +29,7 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import ROOT
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
-from gearmesh.systems.common.tooth_edges import edge_refusal, tip_edge
+from gearmesh.systems.common.tooth_edges import edge_refusal, tip_edge, with_end_chamfers
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
@@ -224,7 +224,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
         return member
     if table.bolts is not None:
         member = replace(member, features=BodyFeatures(row=_bolt_row(member, table.bolts)))
-    return with_modifications(member, table)
+    return with_end_chamfers(with_modifications(member, table), table)
 
 
 def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
