@@ -19,12 +19,26 @@ from typing import Any
 import numpy as np
 
 from gearmesh.cad.brep import NARROWEST, Patch, SplineTooth
-from gearmesh.cad.faces.drawn_face import Sides
-from gearmesh.cad.occ import PRECISION, edge, face, point, spline_curve, straight2d, straight_edge, vertex, wire
-from gearmesh.cad.solid_part import LinkCurves, drawn_faces, link_border, opening_faces, whole_part
+from gearmesh.cad.faces.bar_end import BarEnd
+from gearmesh.cad.faces.drawn_face import DrawnFace, Sides
+from gearmesh.cad.occ import (
+    PRECISION,
+    edge,
+    face,
+    point,
+    spline_curve,
+    straight2d,
+    straight_edge,
+    translation,
+    vertex,
+    wire,
+)
+from gearmesh.cad.solid_part import LinkCurves, link_border, opening_faces, whole_part
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.cad.turned import Prism
 from gearmesh.kernel.numeric.algebra import Array, unit
+from gearmesh.teeth.blank.body import end_edges
+from gearmesh.teeth.blank.end_edge import SHARP
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLETS, Region
 
@@ -170,7 +184,7 @@ def has_straight_faces(member: Member) -> bool:
     """Whether all faces of a rack are planes and cylinders along the tooth traces."""
     tooth = member.tooth
     rounded = tooth.tip_edge is not None and tooth.tip_edge.rounded
-    return tooth.unmodified_tooth is tooth and not rounded
+    return tooth.unmodified_tooth is tooth and not rounded and tooth.blank.ends == SHARP
 
 
 def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
@@ -204,7 +218,15 @@ def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
         }
         for n, (k, i) in enumerate(columns)
     ]
-    drawn = [drawn_faces(teeth, i) for i in range(links)]
+    drawn = [
+        [
+            DrawnFace.of_net(
+                patch.region, (g, g + 1), (patch.control, patch.s_knots, patch.t_knots), outward=teeth.outward
+            )
+            for g, patch in enumerate(teeth.patches[link])
+        ]
+        for link in teeth.links
+    ]
     faces = []
     for n, (k, i) in enumerate(columns):
         for patch in drawn[i]:
@@ -212,8 +234,11 @@ def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
             span = slice(*patch.rows)
             shape = patch.face(_move(patch.surface, ways[k]), Sides(toe, along[n + 1][span], heel, along[n][span]))
             faces.append(NamedFace(shape, f"{patch.region}_{k + 1}", patch.region))
-    outline = [[(edges[row], True) for edges in across] for row in (rows[0], rows[-1])]
-    return _closed_bar(member, faces, (corners, vertices, along), (outline[0], outline[1]))
+    toe, heel = (
+        BarEnd.of(teeth, end, ([column[row] for column in vertices], [edges[row] for edges in across]), ways)
+        for end, row in enumerate((rows[0], rows[-1]))
+    )
+    return _closed_bar(member, faces, (corners, vertices, along), (toe, heel))
 
 
 def _row_ends(teeth: SplineTooth) -> list[tuple[Patch, int]]:
@@ -224,63 +249,69 @@ def _row_ends(teeth: SplineTooth) -> list[tuple[Patch, int]]:
 
 def _move(shape: Any, way: Array) -> Any:
     """A curve or surface moved by `way` (3,)."""
-    from OCP.gp import gp_Trsf, gp_Vec
-
-    made = gp_Trsf()
-    made.SetTranslation(gp_Vec(*way.tolist()))
-    return shape.Transformed(made)
+    return shape.Transformed(translation(way))
 
 
 def _closed_bar(
     member: Member,
     faces: list[NamedFace],
     teeth: tuple[Array, list[list[Any]], list[list[Any]]],
-    outline: tuple[list[tuple[Any, bool]], list[tuple[Any, bool]]],
+    sides: tuple[BarEnd, BarEnd],
 ) -> Part:
     """The part of the faces of all teeth, the roots at both ends and the bar under them.
 
     `teeth`: corners (N, G, 3), mm, their vertices and the edges along the face where columns begin, the last where the teeth end;
-    `outline`: the edges of the teeth on toe and heel, from end to end.
+    `sides`: toe and heel.
     """
     tooth, (corners, vertices, along) = member.tooth, teeth
     ways = [tooth.joint.to(place * tooth.pitch_angle).translation[1] for place in tooth.joint.places(tooth.teeth)]
-    far = ways[-1] + tooth.joint.to(tooth.pitch_angle).translation[1]
+    far = float(ways[-1] + tooth.joint.to(tooth.pitch_angle).translation[1])
+    moved = (float(ways[0]) - member.overhang, far + member.overhang)
     ends = corners[[0, -1]][:, [0, -1]]
-    for end, way, beyond in zip(ends, (ways[0], far), (-member.overhang, member.overhang), strict=True):
-        end[:, 1] = tooth.root_middle(end[:, 2]) + way + beyond
-    back = np.array(ends)
-    back[..., 0] = tooth.blank.body.profile[0][0]
-    top, under = ([[vertex(r) for r in column] for column in places] for places in (ends, back))
+    for end, beyond in zip(ends, moved, strict=True):
+        end[:, 1] = tooth.root_middle(end[:, 2]) + beyond
+    top = [[vertex(r) for r in column] for column in ends]
     up = np.array([1.0, 0.0, 0.0])
-    # the half roots: from the first end to the first tooth, and from the last tooth to the last end
-    roots = [
-        [straight_edge(top[0][row], vertices[0][end]) for row, end in ((0, 0), (1, -1))],
-        [straight_edge(vertices[-1][end], top[1][row]) for row, end in ((0, 0), (1, -1))],
+    # from the first end to the first tooth, and from the last tooth to the last end
+    halves = [
+        [
+            side.half_root(n, (top[n][row], ends[n, row]), (vertices[-n][-row], corners[-n, -row]), moved[n])
+            for row, side in enumerate(sides)
+        ]
+        for n in (0, 1)
     ]
-    across_top = [straight_edge(*column) for column in top]
-    across_back = [straight_edge(*column) for column in under]
-    down = [[straight_edge(top[n][row], under[n][row]) for row in (0, 1)] for n in (0, 1)]
+    back = np.array([[half.point for half in column] for column in halves])
+    back[..., 0] = tooth.blank.body.profile[0][0]
+    under = [[vertex(r) for r in column] for column in back]
+    across_top, across_back = ([straight_edge(*column) for column in places] for places in (top, under))
+    down = [[straight_edge(halves[n][row].corner, under[n][row]) for row in (0, 1)] for n in (0, 1)]
     along_back = [straight_edge(under[0][row], under[1][row]) for row in (0, 1)]
-    sides = (Sides(roots[0][0], along[0], roots[0][1], [across_top[0]]),
-             Sides(roots[1][0], [across_top[1]], roots[1][1], along[-1]))  # fmt: skip
-    for number, side in zip((1, tooth.teeth + 1), sides, strict=True):
+    roots = (
+        Sides(halves[0][0].root, along[0], halves[0][1].root, [across_top[0]]),
+        Sides(halves[1][0].root, [across_top[1]], halves[1][1].root, along[-1]),
+    )
+    for number, side in zip((1, tooth.teeth + 1), roots, strict=True):
         faces.append(NamedFace(_plane(ends[0, 0], up, side.wire), f"root_{number}", Region.ROOT))
+    faces += [face for side in sides for face in side.faces]
     walls, holes = _bolt_holes(member)
     faces += walls
     for row, region, z in ((0, Region.FACE_TOE, -1.0), (1, Region.FACE_HEEL, 1.0)):
-        loop = [(roots[0][row], True), *outline[row], (roots[1][row], True), (down[1][row], True)]
+        loop = [(edge, True) for edge in (halves[0][row].rim, *sides[row].edges, halves[1][row].rim, down[1][row])]
         loop += [(along_back[row], False), (down[0][row], False)]
-        shape = _plane(ends[0, row], np.array([0.0, 0.0, z]), loop if row else _reverse(loop), holes[row])
+        shape = _plane(back[0, row], np.array([0.0, 0.0, z]), loop if row else _reverse(loop), holes[row])
         faces.append(NamedFace(shape, region, region))
     for n, sense in ((0, -1.0), (1, 1.0)):
-        loop = [(across_top[n], True), (down[n][1], True), (across_back[n], False), (down[n][0], False)]
+        line = (halves[n][0].side, across_top[n], halves[n][1].side)
+        loop = [(edge, True) for edge in line if edge is not None]
+        loop += [(down[n][1], True), (across_back[n], False), (down[n][0], False)]
         normal = sense * np.cross(ends[n, 1] - ends[n, 0], up)
         faces.append(
             NamedFace(_plane(ends[n, 0], normal, loop if n == 0 else _reverse(loop)), f"end_{n + 1}", Region.END)
         )
     loop = [(across_back[0], True), (along_back[1], True), (across_back[1], False), (along_back[0], False)]
     faces.append(NamedFace(_plane(back[0, 0], -up, loop), Region.BACK, Region.BACK))
-    return whole_part(member, tuple(faces), (*tooth.regions, *member.body_regions))
+    chamfers = tuple(region for region, side in zip(end_edges(tooth.blank.axial), sides, strict=True) if side.patches)
+    return whole_part(member, tuple(faces), (*tooth.regions, *member.body_regions, *chamfers))
 
 
 def _links(member: Member) -> tuple[list[BarLink], Array, float]:

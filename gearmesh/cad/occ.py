@@ -135,6 +135,15 @@ def spline_curve(control: Array, knots: Array) -> Any:
     return Geom_BSplineCurve(poles, *_knots(knots), len(knots) - len(control) - 1)
 
 
+def translation(way: Array) -> Any:
+    """gp_Trsf by a way (3,)."""
+    from OCP.gp import gp_Trsf, gp_Vec
+
+    made = gp_Trsf()
+    made.SetTranslation(gp_Vec(*way.tolist()))
+    return made
+
+
 def spline_curve2d(control: Array, knots: Array) -> Any:
     """Geom2d_BSplineCurve from a control polygon (K, 2) and its knot vector."""
     from OCP.Geom2d import Geom2d_BSplineCurve

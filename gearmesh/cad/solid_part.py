@@ -182,9 +182,10 @@ def tooth_faces(
         for row in (0, bounds - 1)
     ]
     first, last = (([own[row] for own in vertices], [own[row] for own in across]) for row in (0, bounds - 1))
+    places = [(turn, Rigid.about_z(k * teeth.step)) for k, turn in enumerate(turns)]
     for end, under in enumerate((first, last)):
         if teeth.strips[end]:
-            chamfers, ends[end] = strip_faces(teeth, end, under, lambda shape, k: shape.Transformed(turns[k]))
+            chamfers, ends[end] = strip_faces(teeth, end, under, places)
             faces += chamfers
     return faces, (ends[0], ends[1]), (first, last)
 

@@ -118,6 +118,25 @@ def end_of_teeth(member: Member, above: bool) -> tuple[Array, ...]:
     return (section,) if strip is None else (section, strip.outline[:, :2])
 
 
+def bar_faces(member: Member) -> tuple[Array, ...]:
+    """Points (N, 2), mm, over x and y: from end to end of a rack the outline of its end face at larger z, where its edges are
+    broken; nothing where they are sharp."""
+    tooth = member.tooth
+    end = int(tooth.blank.faces[1] > tooth.blank.faces[0])
+    strip = tooth.end_strips[end]
+    if strip is None:
+        return ()
+    places = tooth.joint.places(tooth.teeth)
+    step = tooth.joint.to(tooth.pitch_angle).translation[:2]
+    points = (strip.outline[:, :2] + places[:, None, None] * step).reshape(-1, 2)
+    middle = float(tooth.root_middle(np.array(tooth.blank.faces[end])))
+    first = middle + places[0] * step[1] - member.overhang
+    last = middle + (places[-1] + 1) * step[1] + member.overhang
+    # the first root is half of one, the last goes on as far as the bar
+    points[:, 1] = np.maximum(points[:, 1], first)
+    return (np.concatenate(([(points[0, 0], first)], points, [(points[0, 0], last)])),)
+
+
 def tip_edges(member: Member) -> tuple[Array, Array]:
     """Both edges of a land from toe to heel, (STATIONS, 2) over x and y."""
     tooth = member.tooth

@@ -17,7 +17,7 @@ import numpy as np
 from gearmesh.drawing.canvas import LETTERS, Canvas, Pen
 from gearmesh.drawing.dimensions import Span, note, room, stack
 from gearmesh.drawing.facts import Facts, diameter, number
-from gearmesh.drawing.outline import Outline, end_of_teeth, outline_of, tip_edges
+from gearmesh.drawing.outline import Outline, bar_faces, end_of_teeth, outline_of, tip_edges
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.blank.features import Drilling, HoleRow, Spokes
 from gearmesh.teeth.gear_train import Member
@@ -454,10 +454,10 @@ class RackViews:
 
     @cached_property
     def contour(self) -> Array:
-        """Points (N, 2) of the end of teeth and bar, (x, y)."""
+        """Points (N, 2) of the end of teeth and bar, (x, y); with broken edges the section under them."""
         from gearmesh.cad.section import member_section
 
-        cut = member_section(self.member, self.member.plain_body.ends[1], 1e-3)
+        cut = member_section(self.member, max(self.member.tooth.blank.extent), 1e-3)
         return np.concatenate([curve.at(np.linspace(0.0, 1.0, 9)) for curve in cut.contours[0].curves])
 
     @property
@@ -495,6 +495,8 @@ class RackViews:
         canvas.stroke(
             np.stack((x + scale * (self.contour[:, 1] - first), y + scale * (self.contour[:, 0] - back)), axis=-1)
         )
+        for face in bar_faces(self.member):
+            canvas.line(*zip(x + scale * (face[:, 1] - first), y + scale * (face[:, 0] - back), strict=True))
         level = y - scale * back
         length = last - first
         canvas.line((x - BEYOND, level), (x + scale * length + BEYOND, level), pen=Pen.CHAIN)
@@ -505,9 +507,9 @@ class RackViews:
             self._holes(canvas, row, np.array([x - scale * first, level]), scale)
         # section
         x += scale * length + BETWEEN + BEYOND
-        root = float(self.outline.rows[0].root[0, 1])
-        corners = [(0.0, 0.0), (self.width, 0.0), (self.width, root - back), (0.0, root - back)]
-        body = np.array([(x + scale * a, y + scale * b) for a, b in corners])
+        start = np.array([self.outline.ends[0], back])
+        tip_line, root_line = (np.array([x, y]) + scale * (line - start) for line in self.outline.rows[0].broken)
+        body = np.array([x, y]) + scale * (self.outline.body - start)
         holes = []
         if row is not None:
             deep = self.width if row.depth is None else row.depth
@@ -520,8 +522,7 @@ class RackViews:
         for hole in holes:
             _draw_outline(canvas, hole, -1.0)
         _draw_outline(canvas, body, -1.0)
-        teeth = [(0.0, root - back), (0.0, tip - back), (self.width, tip - back), (self.width, root - back)]
-        canvas.line(*[(x + scale * a, y + scale * b) for a, b in teeth])
+        canvas.line(*map(tuple, np.concatenate((root_line[:1], tip_line, root_line[-1:])).tolist()))
         canvas.line((x - 2.0, level), (x + scale * self.width + 2.0, level), pen=Pen.CHAIN)
         stack(canvas, spans([(0.0, self.width, self.width)], x, y), y, -1, upright=False)
 

@@ -624,16 +624,18 @@ class Tooth:
         sides = (self.side(which) for which in Side)
         return np.array([self._root_jet(side, stations).r for side in sides])
 
-    def root_lines(self, nodes: Array, weights: Array) -> Iterator[tuple[Array, Array, Array]]:
-        """A rack's root land from toe to heel, with what goes on along it of the chamfers there: height x, z and what of the face
-        each stands for, mm, (N,) each, at `nodes` (N,) of a rule from 0 to 1 with its weights, one part after the other."""
+    def root_lines(self, nodes: Array, weights: Array) -> Iterator[tuple[Array, Array]]:
+        """Where a rack's root begins from toe to heel, with the chamfers there that go on along it: points (N, 3), and what of the
+        face each stands for, mm, (N,), at `nodes` (N,) of a rule from 0 to 1 with its weights, one part after the other."""
         toe, heel = self.blank.extent
-        yield self.blank.root.at(toe + (heel - toe) * nodes), toe + (heel - toe) * nodes, (heel - toe) * weights
+        root = next(iter(self.chain))
+        for low, high in pairwise(self._smooth_stretches):
+            points = self.grid(root, np.zeros(1), self.sections(low + (high - low) * nodes)).points[0]
+            yield points, (heel - toe) * (high - low) * weights
         for end, strip in enumerate(self.end_strips):
             if strip is not None:
-                points, (_, rate) = strip.at(strip.pieces[0], np.zeros(1), nodes), strip.depth(nodes)
                 width = abs(self.blank.extent[end] - self.blank.faces[end])
-                yield points[:, 0], points[:, 2], width * rate * weights
+                yield strip.at(strip.pieces[0], np.zeros(1), nodes), width * strip.depth(nodes)[1] * weights
 
     def root_middle(self, z: Array) -> Array:
         """The middle of the root before a rack's tooth, as its tools leave it: where bars end.

@@ -75,3 +75,30 @@ def test_a_solid_with_chamfers(gears: Any, name: str, toe: int, heel: int, tmp_p
     assert read(cad.save(tmp_path / "gear.step")) == ([pytest.approx(volume, rel=1e-6)], len(faces))
     solid = made.solid(name, "5um")
     assert solid.figures["volume_mm3"] == pytest.approx(volume, abs=0.005 * solid.to_trimesh().area)
+
+
+@pytest.mark.parametrize(
+    ("keys", "splines", "counts"),
+    [
+        # all but fillets and their chamfers are planes; half of the first root has one of its own
+        ({"end_chamfer": 0.4, "length": 30}, 3 * 6, (19, 19)),
+        # of roundings every face, at the toe alone
+        ({"end_rounding_toe": 0.3, "tip_chamfer": 0.2}, 6 + 8 * 3 + 1, (25, 0)),
+    ],
+)
+def test_a_rack_with_broken_end_edges(
+    keys: dict[str, float], splines: int, counts: tuple[int, int], tmp_path: Path
+) -> None:
+    """Planes where they are, along the half roots to the ends of the bar."""
+    made = built({"kind": "rack", "module": 2, "helix_angle": 15, "rack": {"teeth": 3, "face_width": 10, **keys}})
+    cad, member = made.cad("rack"), made.members["rack"]
+    faces, figures = cad.made.faces, cad.figures["rack"]
+    regions = Counter(face.region for face in faces)
+    assert (regions["edge_toe"], regions["edge_heel"]) == counts
+    file = cad.save(tmp_path / "rack.step")
+    assert file.read_text().count("B_SPLINE_SURFACE_WITH_KNOTS") == splines
+    volume = exact_volume(member)
+    assert figures["volume_mm3"] == pytest.approx(volume, rel=1e-7)
+    assert read(file) == ([pytest.approx(volume, rel=1e-7)], len(faces))
+    solid = made.solid("rack", "5um")
+    assert solid.figures["volume_mm3"] == pytest.approx(volume, abs=0.005 * solid.to_trimesh().area)

@@ -11,9 +11,10 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.cad.section import member_section
 from gearmesh.drawing.canvas import HATCH, Box, Canvas, Pen
 from gearmesh.drawing.drawing import WorkshopDrawing
-from gearmesh.drawing.outline import outline_of
+from gearmesh.drawing.outline import bar_faces, outline_of
 from gearmesh.drawing.paper import SCALES, scale_name
 
 #: sample, changes, member, texts that must be there: key dimensions, hole pattern, tolerances, limits of the span
@@ -154,3 +155,26 @@ def test_chamfers_of_end_faces_are_drawn_and_said() -> None:
     lines = [sum(stroke.pen is Pen.OUTLINE for stroke in made.page.canvas.strokes) for made in drawn]
     # the side of the toe is what is seen
     assert lines[0] == lines[1] + 24
+
+
+def test_chamfers_of_a_rack_are_drawn_in_both_views() -> None:
+    """The outline of its end face is inside the section under it, from end to end; in the section the bar's corner is cut."""
+    keys = {"teeth": 4, "face_width": 12, "length": 40, "end_chamfer_heel": 0.5, "end_chamfer_angle": 60}
+    made = gm.build(gm.parse({"kind": "rack", "module": 2, "rack": keys}))
+    member = made.members["rack"]
+    (face,) = bar_faces(member)
+    assert face[[0, -1], 1] == pytest.approx([np.pi - 20.0, np.pi + 20.0], abs=1e-9)
+    contour = np.concatenate(
+        [curve.at(np.linspace(0.0, 1.0, 801)) for curve in member_section(member, 0.0, 1e-5).contours[0].curves]
+    )
+    own = contour[np.abs(contour[:, 1] - np.pi) < 19.9]
+    apart = np.linalg.norm(face[1:-1, None] - own, axis=-1).min(axis=1)
+    assert apart == pytest.approx(0.5, abs=1e-3)
+    body, depth = outline_of(member).body, 0.5 * np.tan(np.radians(60.0))
+    heel = body[body[:, 0] > 6.0 - depth - 1e-9]
+    assert {tuple(point) for point in heel.round(9).tolist()} == {
+        (round(6.0 - depth, 9), -2.5),
+        (6.0, -3.0),
+        (6.0, -8.5),
+    }
+    assert "0.5 mm x 60\N{DEGREE SIGN}" in " ".join(made.drawing("rack").texts)

@@ -22,6 +22,7 @@ from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.teeth.blank.end_edge import EndChamfer
 from gearmesh.teeth.blank.features import BodyFeatures
+from gearmesh.teeth.blank.moments import member_moments
 from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
@@ -267,3 +268,91 @@ def test_a_chamfer_as_wide_as_the_tip_rounding_ends_in_its_centre() -> None:
     assert volumes[1] == pytest.approx(0.5 * (volumes[0] + volumes[2]), rel=1e-3 * (volumes[0] / volumes[2] - 1.0))
     middle = gm.build(gm.load(SAMPLES / "spur.toml", ["pinion.tip_rounding=0.3", "pinion.end_chamfer=0.3"]))
     assert prove(gear_solid(middle.members["pinion"], 0.02), 1).ok
+
+
+#: helical, the bar longer than its teeth; spur teeth with sharp roots
+BARS = {
+    "helical": {"helix_angle": 20, "rack": {"teeth": 5, "face_width": 20, "length": 45}},
+    "sharp roots": {"rack": {"teeth": 4, "face_width": 15, "tool_tip_radius": 0}},
+}
+
+
+def bar(case: str, **keys: object) -> gm.Gears:
+    """A rack alone, with these keys more."""
+    design = {"kind": "rack", "module": 2, **BARS[case]}
+    return gm.build(gm.parse({**design, "rack": {**BARS[case]["rack"], **keys}}))  # type: ignore[dict-item]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("case", BARS)
+@pytest.mark.parametrize("rounded", [False, True])
+def test_what_broken_edges_take_off_a_bar(case: str, rounded: bool) -> None:
+    """In closed form: d inside an outline of length L it is L d less at every corner of the lands d^2 tan(theta / 2), more at every
+    root fillet, whose radius does not count, d^2 theta / 2, theta = 90 deg - alpha_t. Helical teeth are that sheared."""
+    width, depth = (0.4, 0.4) if rounded else (0.5, 0.5 * np.tan(np.radians(35.0)))
+    sharp = bar(case).members["rack"]
+    keys = {"end_rounding_toe": width} if rounded else {"end_chamfer_toe": width, "end_chamfer_angle": 35}
+    broken = bar(case, **keys).members["rack"]
+    one = outline(sharp.tooth, 0.0, 4001)
+    length = sharp.tooth.teeth * np.linalg.norm(np.diff(one, axis=0), axis=-1).sum() + 2.0 * sharp.overhang
+    alpha = np.arctan(np.tan(np.radians(20.0)) / np.cos(np.radians(20.0 if case == "helical" else 0.0)))
+    theta = 0.5 * np.pi - alpha
+    corners = sharp.tooth.teeth * (theta - 2.0 * np.tan(0.5 * theta))
+    # integrals of d and d^2 over the depth
+    first, second = (
+        (width**2 * (1.0 - 0.25 * np.pi), width**3 * (5.0 / 3.0 - 0.5 * np.pi))
+        if rounded
+        else (0.5 * width * depth, width**2 * depth / 3.0)
+    )
+    removed = length * first + corners * second
+    assert sharp.plain_volume() - broken.plain_volume() == pytest.approx(removed, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("case", "keys"),
+    [
+        ("helical", {"end_chamfer_toe": 0.6, "end_rounding_heel": 0.4, "tip_chamfer": 0.3}),
+        ("helical", {"end_chamfer": 0.3, "tip_rounding": 0.4, "modifications": {"helix_crowning": 0.02}}),
+        ("sharp roots", {"end_chamfer_heel": 0.5}),
+    ],
+)
+def test_bars_are_closed_and_weigh_what_the_sheet_says(case: str, keys: dict[str, object]) -> None:
+    """The chamfers go on along the root lands to the bar's ends. Centre of gravity and inertia against the mesh's."""
+    gears, tolerance = bar(case, **keys), 0.002
+    member, solid = gears.members["rack"], gears.solid("rack", tolerance)
+    mesh, moments = solid.to_trimesh(), member_moments(member)
+    length, lean = (45.0, np.tan(np.radians(20.0))) if case == "helical" else (8.0 * np.pi, 0.0)
+    assert prove(solid.mesh, member.genus).ok
+    assert solid.figures["sampled_deviation_um"] <= solid.figures["max_deviation_um"] <= 1e3 * tolerance
+    assert moments.volume == pytest.approx(member.plain_volume(), rel=1e-12)
+    assert mesh.volume == pytest.approx(moments.volume, abs=tolerance * mesh.area)
+    assert mesh.center_mass == pytest.approx(moments.centre, abs=tolerance)
+    assert mesh.moment_inertia == pytest.approx(1e9 * moments.about_centre(1.0), rel=1e-3, abs=tolerance * mesh.area)
+    for name, end in zip(("edge_toe", "edge_heel"), member.tooth.blank.ends, strict=True):
+        numbers = [k for k, region in enumerate(solid.mesh.region_names) if region == name]
+        assert bool(numbers) == (end is not None)
+        if end is not None:
+            y = mesh.vertices[mesh.faces[solid.mesh.regions == numbers[0]]][..., 1]
+            assert np.ptp(y) == pytest.approx(length + end.depth * lean, abs=1e-6)
+
+
+def test_a_bar_has_no_room_for_larger_chamfers() -> None:
+    """Up to half of the land, to the back, and to a hole; each with what fits."""
+    for keys, message in (
+        ({"end_rounding": 5}, r"rack.end_rounding = 5 mm: larger than .* at most 1\.20372 mm"),
+        (
+            {"end_chamfer": 0.8, "end_chamfer_angle": 30, "height": 5},
+            r"rack.end_chamfer = 0\.8 mm.* at most 0\.499999 mm",
+        ),
+        (
+            {
+                "end_chamfer": 1.0,
+                "addendum": 0.3,
+                "dedendum": 0.35,
+                "bolts": {"count": 2, "diameter": 2, "height": 4.2},
+            },
+            r"rack.end_chamfer = 1 mm.* at most 0\.799999 mm",
+        ),
+    ):
+        with pytest.raises(DesignError, match=message):
+            bar("sharp roots", **keys)

@@ -5,8 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from gearmesh.cad.occ import PRECISION, face, spline_surface, straight2d, wire
-from gearmesh.kernel.numeric.algebra import Array
+import numpy as np
+
+from gearmesh.cad.occ import PRECISION, face, point, spline_surface, straight2d, wire
+from gearmesh.kernel.numeric.algebra import Array, cross
+
+#: control points that are no farther (mm) from a plane are on it
+PLANE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -53,6 +58,20 @@ class DrawnFace:
         starts = (((s, t), (1.0, 0.0)), ((last, t), (0.0, 1.0)), ((s, heel), (1.0, 0.0)), ((s, t), (0.0, 1.0)))
         lines = tuple((straight2d(start, direction), PRECISION) for start, direction in starts)
         return DrawnFace(region, rows, spline_surface(*net), lines, True, outward)
+
+    @staticmethod
+    def of_net(region: str, rows: tuple[int, int], net: tuple[Array, Array, Array], *, outward: bool) -> DrawnFace:
+        """The same, a plane where the control net is one."""
+        from OCP.Geom import Geom_Plane
+        from OCP.gp import gp_Dir
+
+        control = net[0]
+        across = cross(control[-1, -1] - control[0, 0], control[0, -1] - control[-1, 0])
+        normal = across / np.linalg.norm(across)
+        if np.abs((control - control[0, 0]) @ normal).max() > PLANE:
+            return DrawnFace.of_spline(region, rows, net, outward=outward)
+        plane = Geom_Plane(point(control[0, 0]), gp_Dir(*normal.tolist()))
+        return DrawnFace(region, rows, plane, (), True, outward)
 
     def face(self, surface: Any, sides: Sides) -> Any:
         """The face on this surface turned to its tooth, with that tooth's edges."""

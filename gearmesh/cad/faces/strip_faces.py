@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,56 +18,92 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import end_edges
 
-#: moves a curve or surface of tooth 1 to another tooth, by how many pitches
-Move = Callable[[Any, int], Any]
+#: where a tooth is: a gp_Trsf, and the same motion of points
+Place = tuple[Any, Rigid]
+
+
+@dataclass(frozen=True)
+class StripRow:
+    """Chamfers along an end face: their `faces`; `outer` and `lines`, by the numbers of the patches that begin there: vertices of
+    the end face's outline, and edges from toe to heel; `edges`: those of the outline in order."""
+
+    faces: list[NamedFace]
+    outer: dict[int, Any]
+    lines: dict[int, Any]
+    edges: list[Any]
 
 
 def strip_faces(
-    teeth: SplineTooth, end: int, under: tuple[list[Any], list[Any]], move: Move
+    teeth: SplineTooth, end: int, under: tuple[list[Any], list[Any]], places: Sequence[Place]
 ) -> tuple[list[NamedFace], Loop]:
     """The faces of the chamfers of all teeth at the toe (0) or heel (1), and the loop of the end face's outline.
 
     `under`: vertices and edges of the section under them, round all teeth.
     """
+    drawn = [strip_face(teeth, end, patch) for patch in teeth.strips[end]]
+    row = strip_row(teeth, end, under, places, drawn)
+    return row.faces, _loop(teeth, teeth.strips[end], row.edges, row.outer[0])
+
+
+def strip_face(teeth: SplineTooth, end: int, patch: StripPatch) -> DrawnFace:
+    """The face of a patch of tooth 1 at the toe (0) or heel (1)."""
+    region = end_edges(teeth.tooth.blank.axial)[end]
+    return DrawnFace.of_spline(region, (0, 1), patch.net, outward=teeth.outward)
+
+
+def strip_row(
+    teeth: SplineTooth,
+    end: int,
+    under: tuple[list[Any], list[Any]],
+    places: Sequence[Place],
+    drawn: Sequence[DrawnFace],
+    span: range | None = None,
+) -> StripRow:
+    """The chamfers of teeth at `places` at the toe (0) or heel (1), as tooth 1 has them `drawn`, round all teeth.
+
+    `under`: vertices and edges of the section under them. `span`: numbers of the patches that are there, of a bar, which ends where
+    the next one begins.
+    """
     patches, (corners, below) = teeth.strips[end], under
     count, links = len(patches), len(teeth.links)
-    total = teeth.count * count
-    inner = [corners[(k * links + patch.column) % len(corners)] for k in range(teeth.count) for patch in patches]
-    outer = _outline_vertices(teeth, patches)
+    numbers = range(len(places) * count) if span is None else range(span.start, span.stop + 1)
+    own = numbers if span is None else span
     region = end_edges(teeth.tooth.blank.axial)[end]
-    drawn = [DrawnFace.of_spline(region, (0, 1), patch.net, outward=teeth.outward) for patch in patches]
-    lines, above = list[Any](), list[Any]()
-    for n in range(total):
+    every = _outline_vertices(patches, [rigid for _, rigid in places])
+    inner, outer, lines = dict[int, Any](), {n: every[n] for n in numbers}, dict[int, Any]()
+    for n in numbers:
         k, j = divmod(n, count)
-        patch, along = patches[j], move(spline_curve(patches[j].net[0][0], patches[j].t_knots), k)
+        inner[n] = corners[(k * links + patches[j].column) % len(corners)]
         ends = (inner[n], outer[n]) if end else (outer[n], inner[n])
-        lines.append(edge(along, *ends, 0.0, 1.0))
+        curve = spline_curve(patches[j].net[0][0], patches[j].t_knots).Transformed(places[k][0])
+        lines[n] = edge(curve, *ends, 0.0, 1.0)
+    faces, edges = list[NamedFace](), list[Any]()
+    for n in own:
+        k, j = divmod(n, count)
+        patch, after, move = patches[j], numbers[(n - numbers.start + 1) % len(numbers)], places[k][0]
         last = float(patch.s_knots[-1])
         if patch.pointed:
-            above.append(point_edge(outer[n], last))
+            above = point_edge(outer[n], last)
         else:
-            curve = move(spline_curve(patch.control[:, 0], patch.s_knots), k)
-            above.append(edge(curve, outer[n], outer[(n + 1) % total], 0.0, last))
-    faces = []
-    for n in range(total):
-        k, j = divmod(n, count)
-        patch, part = patches[j], drawn[j]
-        low = point_edge(inner[n], float(patch.s_knots[-1])) if patch.link is None else below[k * links + patch.link]
-        toe, heel = (low, above[n]) if end else (above[n], low)
-        shape = part.face(move(part.surface, k), Sides(toe, [lines[(n + 1) % total]], heel, [lines[n]]))
-        faces.append(NamedFace(shape, f"{region}_{k + 1}{teeth.half.suffix}", region, 0 if k else teeth.count))
-    edges = [made for n, made in enumerate(above) if not patches[n % count].pointed]
-    return faces, _loop(teeth, patches, edges, outer[0])
+            curve = spline_curve(patch.control[:, 0], patch.s_knots).Transformed(move)
+            above = edge(curve, outer[n], outer[after], 0.0, last)
+            edges.append(above)
+        low = point_edge(inner[n], last) if patch.link is None else below[k * links + patch.link]
+        toe, heel = (low, above) if end else (above, low)
+        shape = drawn[j].face(drawn[j].surface.Transformed(move), Sides(toe, [lines[after]], heel, [lines[n]]))
+        faces.append(
+            NamedFace(shape, f"{region}_{k + 1}{teeth.half.suffix}", region, 1 if span else 0 if k else teeth.count)
+        )
+    return StripRow(faces, outer, lines, edges)
 
 
-def _outline_vertices(teeth: SplineTooth, patches: tuple[StripPatch, ...]) -> list[Any]:
+def _outline_vertices(patches: tuple[StripPatch, ...], places: Sequence[Rigid]) -> list[Any]:
     """Where every patch of every tooth begins in the outline: one that is a point there where the next one does."""
     wide = [patch for patch in patches if not patch.pointed]
     numbers = np.cumsum([0, *(not patch.pointed for patch in patches[:-1])])
-    rotations = Rigid.about_z(np.arange(teeth.count) * teeth.step).rotation
-    vertices = [vertex(rotation @ patch.control[0, 0]) for rotation in rotations for patch in wide]
-    places = np.arange(teeth.count)[:, None] * len(wide) + numbers
-    return [vertices[place % len(vertices)] for place in places.ravel().tolist()]
+    vertices = [vertex(place.point(patch.control[0, 0])) for place in places for patch in wide]
+    of = np.arange(len(places))[:, None] * len(wide) + numbers
+    return [vertices[place % len(vertices)] for place in of.ravel().tolist()]
 
 
 def _loop(teeth: SplineTooth, patches: tuple[StripPatch, ...], edges: list[Any], start: Any) -> Loop:

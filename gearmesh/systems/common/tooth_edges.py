@@ -94,10 +94,12 @@ def with_end_chamfers(member: Member, spec: BrokenEdges) -> Member:
 
     def prove(share: float) -> None:
         """By samples of the sharp outline: they are the same for every share."""
-        _prove_ends(sharp.blank.with_ends(chamfers(share)), lambda end, ch: sharp.sharp_outlines[end].inside(ch.width))
+        _prove_ends(
+            member, sharp.blank.with_ends(chamfers(share)), lambda end, ch: sharp.sharp_outlines[end].inside(ch.width)
+        )
 
     made = replace(member.tooth, blank=sharp.blank.with_ends(chamfers(1.0)))
-    if goes(lambda: _prove_ends(made.blank, lambda end, _: _outline_of(made, end))):
+    if goes(lambda: _prove_ends(member, made.blank, lambda end, _: _outline_of(made, end))):
         return replace(member, tooth=made)
     keys = [f"end_{edge}{end}" for edge in ("chamfer", "rounding") for end in ("", "_toe", "_heel")]
     asked = {key: getattr(spec, key) for key in keys}
@@ -107,8 +109,8 @@ def with_end_chamfers(member: Member, spec: BrokenEdges) -> Member:
     raise DesignError(f"{member.name}.{key}", width, unit="mm", reason=larger, allowed=most)
 
 
-def _prove_ends(blank: Blank, outline: Callable[[int, EndChamfer], Array]) -> None:
-    """Raise TrimError where the chamfers of a blank have no room: in the face, on the teeth or on the body.
+def _prove_ends(member: Member, blank: Blank, outline: Callable[[int, EndChamfer], Array]) -> None:
+    """Raise TrimError where the chamfers of a member's blank have no room: in the face, on teeth or body, or beside holes.
 
     `outline` gives points (N, 3) of an end face's outline with its chamfer, and raises where the teeth have no room for it.
     """
@@ -120,9 +122,16 @@ def _prove_ends(blank: Blank, outline: Callable[[int, EndChamfer], Array]) -> No
         if chamfer is None:
             continue
         rho, z = blank.body.profile[-end]
-        above = across.value(outline(end, chamfer)) - float(across.value(np.array([rho, 0.0, z])))
+        edge = outline(end, chamfer)
+        above = across.value(edge) - float(across.value(np.array([rho, 0.0, z])))
         if (above * np.sign(above[0]) <= 0.0).any():
             raise TrimError("end", 0.0, "the end chamfer reaches the body's profile")
+        radius = member.tooth.joint.radius(edge)
+        for opening in member.openings:
+            low, high = opening.reach
+            beside = radius.min() > high or radius.max() < low
+            if z in (opening.low, opening.high) and z != opening.floor and not beside:
+                raise TrimError("end", 0.0, "the end chamfer reaches a hole")
 
 
 def _outline_of(tooth: Tooth, end: int) -> Array:

@@ -110,12 +110,9 @@ def _bar(member: Member) -> Moments:
     nodes, weights = _gauss(ROUND)
     x, y, _ = np.meshgrid(*(nodes,) * 3, indexing="ij")
     # teeth are counted from where the root before them begins, the bar's ends from its middle
-    (_, first, start), (_, last, end) = tooth.grid(
-        next(iter(tooth.chain)), np.zeros(1), tooth.sections([0.0, 1.0])
-    ).points[0]
-    for top, z, widths in tooth.root_lines(nodes, weights):
-        begin, middle = first + (last - first) * (z - start) / (end - start), tooth.root_middle(z)
-        height = top - back
+    for line, widths in tooth.root_lines(nodes, weights):
+        top, begin, z = line.T
+        middle, height = tooth.root_middle(z), top - back
         amount = np.einsum("i,j,k->ijk", weights, weights, height * widths)
         for place, side in ((places[0], -1.0), (places[-1] + 1, 1.0)):
             way = float(tooth.joint.to(place * tooth.pitch_angle).translation[1])
