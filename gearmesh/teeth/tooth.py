@@ -265,7 +265,7 @@ class Tooth:
         return np.unique(t[(t > 0.0) & (t < 1.0)])
 
     @property
-    def _smooth_stretches(self) -> tuple[float, ...]:
+    def smooth_stretches(self) -> tuple[float, ...]:
         """t from 0 to 1 between which quadrature of sections is exact: breaks of the face, and where higher derivatives jump."""
         return (0.0, *np.union1d(self.face_breaks, self._bends).tolist(), 1.0)
 
@@ -624,19 +624,6 @@ class Tooth:
         sides = (self.side(which) for which in Side)
         return np.array([self._root_jet(side, stations).r for side in sides])
 
-    def root_lines(self, nodes: Array, weights: Array) -> Iterator[tuple[Array, Array]]:
-        """Where a rack's root begins from toe to heel, with the chamfers there that go on along it: points (N, 3), and what of the
-        face each stands for, mm, (N,), at `nodes` (N,) of a rule from 0 to 1 with its weights, one part after the other."""
-        toe, heel = self.blank.extent
-        root = next(iter(self.chain))
-        for low, high in pairwise(self._smooth_stretches):
-            points = self.grid(root, np.zeros(1), self.sections(low + (high - low) * nodes)).points[0]
-            yield points, (heel - toe) * (high - low) * weights
-        for end, strip in enumerate(self.end_strips):
-            if strip is not None:
-                width = abs(self.blank.extent[end] - self.blank.faces[end])
-                yield strip.at(strip.pieces[0], np.zeros(1), nodes), width * strip.depth(nodes)[1] * weights
-
     def root_middle(self, z: Array) -> Array:
         """The middle of the root before a rack's tooth, as its tools leave it: where bars end.
 
@@ -750,7 +737,7 @@ class Tooth:
         nodes, weights = np.polynomial.legendre.leggauss(order)
         nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
         total = 0.0
-        for low, high in pairwise(self._smooth_stretches):
+        for low, high in pairwise(self.smooth_stretches):
             sections = self.sections(low + (high - low) * nodes)
             area = np.zeros(order)
             for link in self.chain.values():
@@ -812,7 +799,7 @@ class Tooth:
         """Points (S, T, 3) of all smooth pieces of a tooth's surface at nodes of both directions, their derivatives by s, their
         stations (T,), mm, and what the square from 0 to 1 is in s and station, of a strip at each node, signed from toe to heel."""
         toe, heel = self.blank.extent
-        for low, high in pairwise(self._smooth_stretches):
+        for low, high in pairwise(self.smooth_stretches):
             sections = self.sections(low + (high - low) * nodes)
             for link in self.chain.values():
                 for first, last in pairwise((0.0, *(s for s, _ in link.seams), 1.0)):

@@ -7,8 +7,9 @@ outlines. All are closed forms or Gauss's rule on smooth integrands.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneCurve
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.tooth import Tooth
 
 #: mm^3 in m^3
 CUBIC = 1e-9
@@ -110,7 +112,7 @@ def _bar(member: Member) -> Moments:
     nodes, weights = _gauss(ROUND)
     x, y, _ = np.meshgrid(*(nodes,) * 3, indexing="ij")
     # teeth are counted from where the root before them begins, the bar's ends from its middle
-    for line, widths in tooth.root_lines(nodes, weights):
+    for line, widths in _root_lines(tooth, nodes, weights):
         top, begin, z = line.T
         middle, height = tooth.root_middle(z), top - back
         amount = np.einsum("i,j,k->ijk", weights, weights, height * widths)
@@ -122,6 +124,19 @@ def _bar(member: Member) -> Moments:
     for outline, *between in member.prisms:
         whole -= prism(outline, *between)
     return whole
+
+
+def _root_lines(tooth: Tooth, nodes: Array, weights: Array) -> Iterator[tuple[Array, Array]]:
+    """Where a rack's root begins from toe to heel, with the chamfers there that go on along it: points (N, 3), and what of the face
+    each stands for, mm, (N,), at `nodes` (N,) of a rule from 0 to 1 with its weights, one part after the other."""
+    (toe, heel), root = tooth.blank.extent, next(iter(tooth.chain))
+    for low, high in pairwise(tooth.smooth_stretches):
+        points = tooth.grid(root, np.zeros(1), tooth.sections(low + (high - low) * nodes)).points[0]
+        yield points, (heel - toe) * (high - low) * weights
+    for end, strip in enumerate(tooth.end_strips):
+        if strip is not None:
+            width = abs(tooth.blank.extent[end] - tooth.blank.faces[end])
+            yield strip.at(strip.pieces[0], np.zeros(1), nodes), width * strip.depth(nodes)[1] * weights
 
 
 def cut_off(profile: Sequence[tuple[float, float]]) -> Moments:
