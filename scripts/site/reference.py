@@ -113,6 +113,11 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
     return ["| " + " | ".join(str(cell).replace("|", "\\|") for cell in line) + " |" for line in lines] + [""]
 
 
+def wide(lines: Sequence[str]) -> list[str]:
+    """A table of many columns, to which its page gives more room."""
+    return ["::::{container} wide", "", *lines, "::::", ""]
+
+
 def code(text: str) -> str:
     """A text as code, or nothing of nothing."""
     return f"`{text}`" if text else ""
@@ -254,7 +259,7 @@ def key_pages(folder: Path) -> None:
         for group, lines in design.key_groups().items():
             rows = [(code(line.key), line.unit, line.range, line.default, line.about, line.source) for line in lines]
             body += [f"## {group}" if group else "## Keys", ""]
-            body += table(("key", "unit", "range", "default", "meaning", "source"), rows)
+            body += wide(table(("key", "unit", "range", "default", "meaning", "source"), rows))
         page(folder / f"{kind}.md", kind, body)
     rows = [(f"[`{kind}`]({kind}.md)", gm.system(kind).design.about) for kind in kinds]
     page(
