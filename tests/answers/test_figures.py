@@ -203,3 +203,14 @@ def test_tables_print_what_is_below_the_resolution_as_0_and_json_keeps_it() -> N
     rows = (("backlash", "", -3.2e-15), ("offset", "mm", 3e-10), ("module", "mm", 2.0))
     sheet = DesignSheet(parse(PAIR), (SheetTable("sheet", columns[2:], rows),), {})
     assert [row[2] for row in sheet.listings[0].rows] == [0.0, 0.0, 2.0]
+
+
+def test_tables_show_edges_in_words() -> None:
+    """Names of JSON stay; in a table there is no underscore, at which no line can be broken."""
+    sizes = {"pinion": {"teeth": 7, "face_width": 22}, "gear": {"teeth": 9, "face_width": 20}}
+    contact = gearmesh.build(parse({"kind": "cylindrical", "module": 2, **sizes})).contact()
+    assert "gear_heel+gear_joint" in {position.edge for position in contact.positions()}
+    listing = contact.listings[0]
+    column = {str(row[list(listing.columns).index("contact")]) for row in listing.rows}
+    assert "edge: gear heel, gear form point" in column
+    assert not any("_" in text for text in column)

@@ -265,10 +265,10 @@ def test_tca_for_people(job: Asked) -> None:
     _, out, _ = run("tca", INTERSECTED)
     lines = out.splitlines()
     assert lines[1].split()[:6] == ["phi1", "deg", "phi2", "deg", "TE", "arcsec"]
-    assert [line.split()[:4] for line in lines[4:7]] == [
-        ["2", "102", "2", "edge:"],
-        ["pinion_tip"],
-        ["3", "-", "-", "none"],
+    assert [line.split()[:5] for line in lines[4:7]] == [
+        ["2", "102", "2", "edge:", "pinion"],
+        ["tip"],
+        ["3", "-", "-", "none", "-"],
     ]
 
 

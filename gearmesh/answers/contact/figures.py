@@ -3,17 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from gearmesh.contact.engagement.cycle import Cycle
+from gearmesh.contact.pair import FORM_POINT, MEMBERS
 from gearmesh.contact.path import ContactPath
 from gearmesh.figures import Entry, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.teeth.gear_train import GearPair
+
+#: the edges whose names in answers are not those of tables and pages
+SHOWN_EDGES = {FORM_POINT: "form point"}
+
+
+def shown_edge(edge: str, names: Sequence[str] = MEMBERS) -> str:
+    """An edge in contact as tables and pages show it, the members by their names: "wheel heel, wheel form point" of
+    "gear_heel+gear_joint"."""
+    words, shown = [], dict(zip(MEMBERS, names, strict=True))
+    for one in edge.split("+"):
+        member, _, own = one.partition("_")
+        words.append(f"{shown.get(member, member)} {SHOWN_EDGES.get(own, own.replace('_', ' '))}".strip())
+    return ", ".join(words)
 
 
 @dataclass(frozen=True)

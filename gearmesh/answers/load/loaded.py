@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.answers.contact.figures import shown_edge
 from gearmesh.answers.load.figures import (
     FilletFigures,
     LoadedFigures,
@@ -303,7 +304,7 @@ class LoadedContact(Result):
         heads = ["Nm", "te p-p arcsec", "unloaded", "pairs", "MPa", "pair N", f"{first} root", f"{second} root"]
         totals = self.totals
         edges = [
-            [total.torque, edge, round_to(100.0 * share, 2)]
+            [total.torque, shown_edge(edge), round_to(100.0 * share, 2)]
             for total in totals
             for edge, share in total.edge_load_share.items()
         ]
@@ -531,7 +532,7 @@ def _edge_warnings(pair: GearPair, mesh: LoadedMesh, least: float) -> list[str]:
         return [limitless, *beyond]
     wanted = dict.fromkeys(REMEDIES[name] for edge in edges if (name := edge.edge.rpartition("_")[2]) in REMEDIES)
     remedy = f"; {' and '.join(wanted)} would reduce it" if wanted else ""
-    most = ", ".join(f"{share(edge)} at {edge.edge} {place(edge)}" for edge in edges[:TOLD])
+    most = ", ".join(f"{share(edge)} at {shown_edge(edge.edge)} {place(edge)}" for edge in edges[:TOLD])
     more = f", less at {len(edges) - TOLD} more" if len(edges) > TOLD else ""
     return [f"{limitless}; {at} the cells next to the edge have, of the torque, up to {most}{more}{remedy}", *beyond]
 
