@@ -44,6 +44,9 @@ ACCURACY = 1e-4
 TOUCHING = 1e-7
 #: Newton steps to where a surface ends
 STEPS = 20
+#: share of the largest area density of a surface below which its least is looked for between stations, and how often, four times as
+#: close each time: what nine stations say of a bevel gear's fillet is 2.5 um too large, one round leaves a sixteenth
+NEAR, CLOSER = 0.1, 3
 #: lengths (mm) of a section that are rounding, and by which neighbouring links may miss each other
 SHORT, MISS = 1e-9, 1e-7
 
@@ -190,8 +193,8 @@ def _fault(made: Tooth, base: Tooth) -> str:
         before = sound.get(region)
         if not made.chain[region].generated or grid.jet is None or before is None:
             continue
-        density = float(np.sign(area_density(before))[0, 0]) * area_density(grid.jet)
-        if density.min() < -SHORT * density.max():
+        sense = float(np.sign(area_density(before))[0, 0])
+        if _least_density(made, region, sense, (s, sense * area_density(grid.jet))) < -SHORT:
             return f"the {_words(region)} would have a cusp: its radius of curvature is smaller"
     for (region, grid), after in zip(grids.items(), [*grids.values()][1:], strict=False):
         if np.abs(grid.points[-1] - after.points[0]).max() > MISS:
@@ -199,6 +202,22 @@ def _fault(made: Tooth, base: Tooth) -> str:
     if _crosses(made, np.concatenate([grid.points[1:] for grid in grids.values()])):
         return "the teeth would cut themselves or each other"
     return ""
+
+
+def _least_density(made: Tooth, region: Region, sense: float, on_grid: tuple[Array, Array]) -> float:
+    """The least area density of a link as a share of the largest, from its values (S, T) at s (S,) and all stations: where they
+    come near 0 closer and closer round the least one."""
+    (s, density), t = on_grid, np.linspace(0.0, 1.0, PROOF_STATIONS)
+    largest = float(np.abs(density).max())
+    for _ in range(CLOSER):
+        if not 0.0 <= density.min() < NEAR * largest:
+            break
+        i, j = (int(k) for k in np.unravel_index(density.argmin(), density.shape))
+        s, t = (np.linspace(x[max(k - 1, 0)], x[min(k + 1, x.size - 1)], PROOF_STATIONS) for x, k in ((s, i), (t, j)))
+        jet = made.grid(region, s, made.sections(t)).jet
+        assert jet is not None
+        density = sense * area_density(jet)
+    return float(density.min()) / largest
 
 
 def _words(region: Region) -> str:

@@ -27,6 +27,7 @@ from gearmesh.mesh.tessellate import tessellate, tessellate_alike
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.system import worm
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.offset import offset_member
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 #: how much larger than what is measured a bound may be
@@ -119,6 +120,28 @@ def test_the_bound_is_above_what_another_route_measures(name: str, part: str) ->
         found = patch_bounds(patch)
         assert measured[patch.region].largest <= found.largest * (1.0 + 1e-9)
         assert found.largest <= CLOSE * measured[patch.region].facets_to_surface
+
+
+@pytest.mark.sweep_cases("face_gear-gear--0.1", "worm_drive-wheel-0.2")
+@pytest.mark.parametrize(
+    ("name", "part", "distance"),
+    [
+        ("spur", "pinion", 0.3),
+        ("helical", "pinion", -0.2),
+        ("internal", "gear", 0.1),
+        ("rack", "rack", -0.3),
+        ("spiral_bevel_basic", "gear", 0.15),
+        ("face_gear", "gear", -0.1),
+        ("worm_drive", "wheel", 0.2),
+    ],
+)
+def test_bounds_of_teeth_whose_surfaces_are_moved(name: str, part: str, distance: float) -> None:
+    """As close as those of the teeth themselves, and above what closest points by iteration say."""
+    mesh = tessellate(offset_member(member_of(name, part), distance).tooth, 0.02)
+    bound, measured = tooth_bound(mesh), max(one.largest for one in deviations(mesh).values())
+    assert measured <= bound.largest * (1.0 + 1e-9)
+    assert bound.sampled <= bound.largest <= CLOSE * bound.sampled
+    assert bound.largest <= CLOSE * measured
 
 
 def test_facets_of_a_cylinder() -> None:
