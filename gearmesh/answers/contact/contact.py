@@ -523,7 +523,7 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
     if cycle is not None and total < 1.0:
         warnings.append(
             f"contact ratio {cycle.contact_ratio:.4g} of the flank surfaces is below 1: between two tooth pairs there is edge "
-            "contact; higher teeth, less undercut, a wider face or less crowning increase it"
+            "contact; higher teeth, less undercut (which `limits` shows), a wider face or less crowning increase it"
         )
     if cycle is not None and math.isnan(cycle.contact_ratio) and not math.isnan(cycle.peak_to_peak):
         warnings.append(
