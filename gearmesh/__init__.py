@@ -79,6 +79,7 @@ if TYPE_CHECKING:
     from gearmesh.design.files import toml
     from gearmesh.design.keys import Key, KeyLine, Table
     from gearmesh.drawing.drawing import WorkshopDrawing
+    from gearmesh.drawing.outline import Outline
     from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
     from gearmesh.figures import Entry, Figure, Summary
     from gearmesh.kernel.motion.rigid import Rigid
@@ -110,10 +111,14 @@ if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
     from gearmesh.systems.system import System, ToolPart, kinds, register, system
     from gearmesh.systems.worm_drive.design import WormDriveDesign
+    from gearmesh.teeth.blank.features import Drilling, Opening
+    from gearmesh.teeth.blank.halves import AxialGap
     from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
     from gearmesh.teeth.mount import Mount
-    from gearmesh.teeth.region import Side
+    from gearmesh.teeth.region import Region, Side
+    from gearmesh.teeth.section import Ends, Grid, Sections
     from gearmesh.teeth.tooth import Tooth
+    from gearmesh.teeth.tooth_side import ToothSide
     from gearmesh.tools.rack import Parabola
     from gearmesh.view.picture import Animation, Diagram, Picture
 
@@ -124,6 +129,7 @@ __all__ = [
     "Animation",
     "ArcRack",
     "AssemblyContact",
+    "AxialGap",
     "BacklashCurve",
     "BeveloidDesign",
     "Cad",
@@ -147,10 +153,12 @@ __all__ = [
     "DesignSheet",
     "DeviationMap",
     "Diagram",
+    "Drilling",
     "EaseOffMap",
     "EaseOffPoint",
     "EaseOffTable",
     "Effect",
+    "Ends",
     "Engagement",
     "Entry",
     "FaceGearDesign",
@@ -168,6 +176,7 @@ __all__ = [
     "GearTrain",
     "GearmeshError",
     "Gears",
+    "Grid",
     "HypoidDesign",
     "Inspection",
     "InspectionFigures",
@@ -191,6 +200,8 @@ __all__ = [
     "Mount",
     "NoSolutionError",
     "NovikovDesign",
+    "Opening",
+    "Outline",
     "OutputError",
     "Parabola",
     "Part",
@@ -201,6 +212,7 @@ __all__ = [
     "PlanetarySizing",
     "PositionFigures",
     "RackDesign",
+    "Region",
     "RejectedFigures",
     "Report",
     "ReportPage",
@@ -213,6 +225,7 @@ __all__ = [
     "SecondOrder",
     "Section",
     "SectionFigures",
+    "Sections",
     "SetCandidate",
     "SetFigures",
     "SettingFigures",
@@ -234,6 +247,7 @@ __all__ = [
     "ToolPathFigures",
     "Tooth",
     "ToothPairPosition",
+    "ToothSide",
     "TopographyFigures",
     "TotalFigures",
     "TriangleMesh",
@@ -381,6 +395,7 @@ _HOMES = {
         "Table",
     ),
     "gearmesh.drawing.drawing": ("WorkshopDrawing",),
+    "gearmesh.drawing.outline": ("Outline",),
     "gearmesh.errors": (
         "DesignError",
         "GearmeshError",
@@ -449,14 +464,19 @@ _HOMES = {
         "system",
     ),
     "gearmesh.systems.worm_drive.design": ("WormDriveDesign",),
+    "gearmesh.teeth.blank.features": ("Drilling", "Opening"),
+    "gearmesh.teeth.blank.halves": ("AxialGap",),
     "gearmesh.teeth.gear_train": (
         "GearPair",
         "GearTrain",
+    "Grid",
         "Member",
     ),
     "gearmesh.teeth.mount": ("Mount",),
-    "gearmesh.teeth.region": ("Side",),
+    "gearmesh.teeth.region": ("Region", "Side"),
+    "gearmesh.teeth.section": ("Ends", "Grid", "Sections"),
     "gearmesh.teeth.tooth": ("Tooth",),
+    "gearmesh.teeth.tooth_side": ("ToothSide",),
     "gearmesh.tools.rack": ("Parabola",),
     "gearmesh.view.picture": (
         "Animation",

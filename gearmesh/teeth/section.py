@@ -88,7 +88,24 @@ class Sections:
         return Sections(self.t[which], self.stations[which], self.right[which], self.left[which])
 
     def of(self, side: Side) -> Ends:
-        """The ends of one side."""
+        """The ends of one side.
+
+        Parameters
+        ----------
+        side : Side
+            Right or left.
+
+        Returns
+        -------
+        Ends
+            Parameters at each of the T stations.
+
+        Examples
+        --------
+        >>> sections = gears.members["pinion"].tooth.sections([0.0, 1.0])
+        >>> sections.of(gm.Side.LEFT) is sections.left
+        True
+        """
         return self.right if side is Side.RIGHT else self.left
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import json
 import pydoc
 import re
@@ -11,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cached_property
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -66,6 +68,48 @@ def annotated(name: str) -> Iterator[str]:
         plain = getattr(member, "fget", None) or getattr(member, "func", None) or getattr(member, "__func__", member)
         if not key.startswith("_") and str(getattr(plain, "__module__", "")).startswith("gearmesh"):
             yield str(getattr(plain, "__annotations__", {}).get("return", ""))
+
+
+#: what the blank of a member, the conditions of contact and the chain of a tooth are made of: parts whose methods serve the
+#: mesher, the solver and CAD, which properties of `Member`, `Tooth`, `GearPair` and `Engagement` hand on to them
+WORKINGS = {"Body", "Boss", "Contacts", "EndStrip", "HalfGear", "Joint", "Link", "SharpOutline", "Slot"}
+
+
+def given_back(name: str) -> Iterator[tuple[str, str]]:
+    """What a public function, and all public methods and properties of a public class, are said to return, each by its name."""
+    thing = getattr(gm, name)
+    owners = thing.__mro__ if inspect.isclass(thing) else ()
+    ours = [owner for owner in owners if owner.__module__.startswith("gearmesh.")]
+    members = [member for owner in ours for member in vars(owner).items()] if ours else [(name, thing)]
+    for key, member in members:
+        plain = inspect.unwrap(getattr(member, "__func__", member))
+        if isinstance(member, property):
+            plain = member.fget
+        elif isinstance(member, cached_property):
+            plain = member.func
+        if not key.startswith("_") and inspect.isfunction(plain):
+            yield f"{name}.{key}", str(plain.__annotations__.get("return", ""))
+
+
+@pytest.mark.quick
+def test_methods_of_all_public_classes_return_what_can_be_annotated() -> None:
+    """Even of those that are no answers, such as teeth and members: every class of the package is public, or of the workings."""
+    ours = {
+        node.name
+        for path in PACKAGE.rglob("*.py")
+        for node in nodes(path.read_text(encoding="utf-8"))
+        if isinstance(node, ast.ClassDef)
+    } - COLLECTIONS
+    returned = {
+        word: place
+        for name in gm.__all__
+        for place, text in given_back(name)
+        for word in re.findall(r"(?<![.\w])[A-Z]\w+", text)
+        if word in ours
+    }
+    assert {"Tooth", "Sections", "Ends", "Grid", "ToothSide", "Contact"} <= set(returned)
+    assert {word: place for word, place in returned.items() if word not in gm.__all__ and word not in WORKINGS} == {}
+    assert set(returned) >= WORKINGS
 
 
 @pytest.mark.quick
