@@ -469,7 +469,7 @@ _HOMES = {
     "gearmesh.teeth.gear_train": (
         "GearPair",
         "GearTrain",
-    "Grid",
+        "Grid",
         "Member",
     ),
     "gearmesh.teeth.mount": ("Mount",),

@@ -17,6 +17,7 @@ import typer
 
 from gearmesh import __version__
 from gearmesh.app.naming import naming_options
+from gearmesh.app.stopping import Stopping
 from gearmesh.app.terminal import one_line
 from gearmesh.errors import GearmeshError
 
@@ -106,9 +107,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given and given[0] not in COMMANDS and not given[0].startswith("-"):
         return _fail(_no_command(given[0]), 2)
     try:
-        status = _group(names).main(args=given, prog_name="gearmesh", standalone_mode=False)
-        sys.stdout.flush()
-        if status == INTERRUPTED:
+        with Stopping() as stopping:
+            status = _group(names).main(args=given, prog_name="gearmesh", standalone_mode=False)
+            sys.stdout.flush()
+        if status == INTERRUPTED or stopping.asked:
             return _fail(_interruption(), INTERRUPTED)
     except GearmeshError as error:
         return _fail(str(error), error.exit_status)

@@ -694,3 +694,47 @@ def test_interrupted_commands_say_what_is_kept(aborts: bool, tmp_path: Path, mon
     monkeypatch.setattr(cli, "_group", lambda names: stopped_after("a.csv", "b.stl"))
     assert refused("tca", status=130) == f"stopped: kept in {tmp_path}, each of them whole: a.csv, b.stl"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "b.stl"]
+
+
+#: work of a command in which Ctrl-C is pressed: it prints how far it came
+STOPPED_IN = {
+    # Python drops what is raised there, and prints it
+    "a finaliser": """
+class Held:
+    def __del__(self):
+        press()
+held = Held()
+del held
+for turn in range(2000):
+    time.sleep(0.001)
+print('went on')
+""",
+    # as libraries do that clear exceptions
+    "a library": """
+try:
+    press()
+except BaseException:
+    pass
+print('went on')
+""",
+}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("place", "goes_on"), [("a finaliser", ""), ("a library", "went on\n")])
+def test_a_stop_that_is_dropped_is_none_the_less_a_stop(place: str, goes_on: str) -> None:
+    """Ctrl-C where Python or a library drops it: raised again at once, or known at the end; never status 0."""
+    program = (
+        "import os, signal, sys, time\n"
+        "from types import SimpleNamespace\n"
+        "from gearmesh.app import cli\n"
+        "def press():\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    time.sleep(0.01)\n"
+        f"work = compile({STOPPED_IN[place]!r}, 'work', 'exec')\n"
+        "cli._group = lambda names: SimpleNamespace(main=lambda **_: exec(work, globals()))\n"
+        "sys.exit(cli.main(['tca']))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (130, goes_on)
+    assert done.stderr == "gearmesh: error: stopped: no file was written\n"

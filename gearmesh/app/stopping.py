@@ -1,0 +1,57 @@
+"""Ctrl-C: a stop that no finaliser, callback or library may swallow.
+
+Python raises KeyboardInterrupt wherever it happens to be. In a finaliser, a weak reference's callback or a callback from C the
+exception is "unraisable": printed, dropped, and the work goes on. Some libraries clear exceptions, too. So a stop that was dropped
+is asked for anew, and one that was cleared is remembered.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from _thread import interrupt_main
+from types import FrameType, TracebackType
+from typing import Any, Self
+
+#: seconds after which a stop that was dropped is raised again
+AGAIN = 0.01
+
+
+class Stopping:
+    """While it is entered: whether Ctrl-C was pressed, and KeyboardInterrupt raised again where it was dropped.
+
+    Does nothing in other threads than the main one, and where another handler than Python's own is installed.
+    """
+
+    def __init__(self) -> None:
+        self.asked = False
+        self._before: tuple[Any, Any] | None = None
+
+    def __enter__(self) -> Self:
+        plain = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        if plain and threading.current_thread() is threading.main_thread():
+            self._before = signal.getsignal(signal.SIGINT), sys.unraisablehook
+            signal.signal(signal.SIGINT, self._stop)
+            sys.unraisablehook = self._unraisable
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._before is not None:
+            handler, sys.unraisablehook = self._before
+            signal.signal(signal.SIGINT, handler)
+
+    def _stop(self, number: int, frame: FrameType | None) -> None:
+        self.asked = True
+        raise KeyboardInterrupt
+
+    def _unraisable(self, dropped: Any) -> None:
+        if self.asked and dropped.exc_type is KeyboardInterrupt:
+            # not here: what is raised within this hook is dropped, too
+            again = threading.Timer(AGAIN, interrupt_main)
+            again.daemon = True
+            again.start()
+        elif self._before is not None:
+            self._before[1](dropped)
