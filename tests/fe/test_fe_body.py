@@ -180,3 +180,18 @@ def test_broken_tips_of_threads_are_left_out_and_named() -> None:
     members = built_sample("worm_drive", "worm.tip_rounding=0.3", "wheel.tip_rounding=0.2").members
     left = "the finite-element model has no shaft and none of: chamfer or rounding of the tip (worm)"
     assert omissions([members["worm"], members["wheel"]], whole=False) == [left]
+
+
+def test_the_head_of_a_deck_says_that_bodies_are_rims_alone(tmp_path: Path) -> None:
+    """Of a thin ring the rim goes on to the bore, and nothing is left out; of a bar its back is, and its broken end edges."""
+    bar = {"kind": "rack", "module": 2, "rack": {"teeth": 7, "face_width": 10, "height": 30, "end_chamfer": 0.4}}
+    for gears, heads in (
+        (gm.gear(20, module=2), ["(gear)"]),
+        (gm.gear(20, module=2, bore=30), []),
+        (gm.build(gm.parse(bar)), ["(rack)"]),
+    ):
+        text = gears.finite_elements().save(tmp_path / "deck.inp").read_text().partition("*NODE")[0]
+        head = " ".join(line.lstrip("* ") for line in text.splitlines())
+        beyond = "of the bodies the model has rims alone, without what is beyond them "
+        assert [f"({part.partition(')')[0]})" for part in head.split(f"{beyond}(")[1:]] == heads
+        assert ("ends of the face within chamfers or roundings (rack)" in head) == (heads == ["(rack)"])

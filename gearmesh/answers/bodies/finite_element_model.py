@@ -216,7 +216,8 @@ def unloaded_elements_of(
         check_sector(member, sector)
     request = mesh_request_of(design, sector)
     missing = omissions([member], request.whole)
-    model = replace(unloaded_model(member, request, material, design.name or design.kind), notes=tuple(missing))
+    model = unloaded_model(member, request, material, design.name or design.kind)
+    model = replace(model, notes=(*missing, *rims_alone(model, [member], request.whole)))
     measured = mesh_figures(model.mesh)
     model_figures = UnloadedModelFigures(**vars(measured), seconds=time.perf_counter() - started)
     noticed = (*warnings, *missing, *bad_shapes([measured]))
@@ -229,6 +230,15 @@ def bad_shapes(models: Iterable[MeshFigures]) -> list[str]:
     return (
         [f"the worst elements are badly shaped: their scaled Jacobian is {least:.3g}"] if least < LEAST_JACOBIAN else []
     )
+
+
+def rims_alone(model: Model, members: Collection[Member], whole: bool) -> list[str]:
+    """For the head of a deck: whose bodies end with a rim, not with their bore, where the model has not the `whole` ones."""
+    sets = model.mesh.node_sets
+    names = [own for own in (member.name for member in members) if f"{own}_rim" in sets and f"{own}_bore" not in sets]
+    if whole or not names:
+        return []
+    return [f"of the bodies the model has rims alone, without what is beyond them ({', '.join(names)})"]
 
 
 def omissions(members: Collection[Member], whole: bool) -> list[str]:

@@ -17,6 +17,7 @@ from gearmesh.answers.bodies.finite_element_model import (
     mesh_figures,
     mesh_request_of,
     omissions,
+    rims_alone,
 )
 from gearmesh.answers.bodies.model_figures import (
     DeckFigures,
@@ -351,7 +352,9 @@ def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
         facets_gap=1e3 * built.gap,
         seconds=time.perf_counter() - started,
     )
-    built = replace(built, model=replace(built.model, notes=tuple(_missing_parts(pair, request))))
+    members = [pair.members[name] for name in request.members]
+    notes = (*_missing_parts(pair, request), *rims_alone(built.model, members, request.whole))
+    built = replace(built, model=replace(built.model, notes=notes))
     return FiniteElements(design, built.model, figures, (), pair, request, built)
 
 
