@@ -427,7 +427,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
         ("tca SAMPLE --set pinion.teeth=0", "pinion.teeth = 0: must be a whole number from 1 to 10000"),
         ("tca SAMPLE --set pinion.teeth", '--set "pinion.teeth": must look like dotted.key=value'),
         ("solid SAMPLE -o a.stl", "Missing option '--member'"),
-        ("solid SAMPLE --member hub -o a.stl", "--member = hub: must be one of pinion, gear, both, all, worm"),
+        ("solid SAMPLE --member hub -o a.stl", "--member = hub: must be one of pinion, gear, both, all"),
         ("solid SAMPLE --member gear -o a.xyz", "cannot write a.xyz: its suffix must be one of .glb, .obj, .ply, .stl"),
         ("solid SAMPLE --member gear -o a.stl --tol 0", "--tol = 0: must be a length as 10um, 0.01mm or 0.0004in"),
         ("solid SAMPLE --member gear -o a.stl --tol nan", "--tol = nan: must be a length"),

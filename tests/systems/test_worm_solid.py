@@ -370,8 +370,8 @@ def test_worm_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[
     ("sample", "arguments", "message"),
     [
         ("novikov", ["--teeth", "1"], "--teeth = 1: must be left out for --member = worm, which is always made whole"),
-        ("helical", [], "--member = worm: must be pinion or gear; kind cylindrical has no worm"),
-        ("helical", ["--teeth", "3"], "--teeth = 3: must be left out for --member = worm, which is always made whole"),
+        ("helical", [], "--member = worm: must be one of pinion, gear, both, all"),
+        ("helical", ["--teeth", "3"], "--member = worm: must be one of pinion, gear, both, all"),
         (
             "novikov",
             ["--set", "worm.bore=190"],

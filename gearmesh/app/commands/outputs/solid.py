@@ -111,7 +111,10 @@ def solid(
 
 
 def _refuse_member(gears: Gears, member: str) -> None:
-    allowed = [*gears.members, BOTH, ALL, *([] if WORM in gears.members else [WORM])]
+    from gearmesh.systems.system import system_of
+
+    ground = system_of(gears.design).worm is not None
+    allowed = [*gears.members, BOTH, ALL, *([WORM] if ground and WORM not in gears.members else [])]
     if member not in allowed:
         raise ArgumentError("member", member, must_be=f"one of {', '.join(allowed)}")
 
