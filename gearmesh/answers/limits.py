@@ -54,6 +54,14 @@ class SideLimitFigures(Figures):
         "height of the singular points over the reference plane of a rack", "mm", optional=True
     )
     lost_height: Array = figure("height of the tool's flank that generates nothing that remains", "mm")
+    lost_share: float = figure(
+        "share of the area of the tool's flank, over the face, that generates nothing that remains"
+    )
+    undercut_face_share: float = figure("share of the face width that is undercut")
+    greatest_lost_share: float = figure(
+        "greatest share of the tool's flank across a station that generates nothing that remains"
+    )
+    greatest_lost_at: float = figure("station at which that is", "mm")
     limiting_line: LimitingLineFigures = figure("the tool's points that generate singular points")
 
     @property
@@ -153,6 +161,12 @@ class Limits(Result):
                     line += (
                         f": the limit of the tool's depth is {np.nanmin(h1):.4g} mm below the pitch plane, the flank extends to "
                         f"{side.form_point_depth[side.undercut].max():.4g} mm"
+                    )
+                lost = side.lost_flank
+                if lost.share > 0.0:
+                    line += (
+                        f"; {100.0 * lost.share:.3g} % of the tool's flank generates nothing that remains, over "
+                        f"{100.0 * lost.face:.3g} % of the face width, most at {lost.at:.6g} mm: {100.0 * lost.most:.3g} % of it"
                     )
                 lines.append(line)
         return (*self.train.warnings, *lines)
@@ -277,6 +291,10 @@ def _side_figures(member: Member, side: SideLimits) -> SideLimitFigures:
         flank_from_height=joint.height(side.flank_radius),
         singular_height=joint.height(side.singular_radius),
         lost_height=side.lost,
+        lost_share=side.lost_flank.share,
+        undercut_face_share=side.lost_flank.face,
+        greatest_lost_share=side.lost_flank.most,
+        greatest_lost_at=side.lost_flank.at,
         limiting_line=LimitingLineFigures(
             (member.tool_parameters or member.source_parameters)(side.p, side.v), side.on_tool, side.on_tooth
         ),

@@ -16,6 +16,7 @@ Heights are those of the tool's profile, over the pitch plane where one is known
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,11 +27,11 @@ from gearmesh.kernel.envelope.limiting_line import area_density, singular_at, ze
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import LandLevel, Level, station_normal
 from gearmesh.kernel.surface.stations import along
-from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, Surface
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Sections
@@ -45,6 +46,8 @@ PROLONGED = 3.0
 BEYOND = 1.0
 #: sections from toe to heel
 STATIONS = 5
+#: pieces across a flank and stations along it in which areas of the tool's flank are measured: 1e-4 of them
+PIECES, AREA_STATIONS = 16, 129
 #: largest residual (mm) of a land of given width
 TOLERANCE = 1e-10
 #: tooth numbers that are tried for the smallest without undercut
@@ -52,6 +55,22 @@ FEWEST, MOST = 3, 10_000
 
 #: right and left flank of a tooth, each with its parameter p near the tip, at all stations or (T,) at each
 Flanks = tuple[tuple[Surface, float | Array], tuple[Surface, float | Array]]
+
+
+@dataclass(frozen=True)
+class LostFlank:
+    """What of the tool's flank, from its form point to the tooth's tip, generates nothing that remains: the tool's other parts cut
+    it away, or it would stand beyond the singular points.
+
+    `share`: of its area over the face; `face`: of the face width that is undercut; `most`: of the flank's length across the
+    station where that is greatest, at the coordinate `at` (mm). 0 and no station (NaN) of sides that are not undercut; all NaN where
+    the tool is not known.
+    """
+
+    share: float
+    face: float
+    most: float
+    at: float
 
 
 @dataclass(frozen=True)
@@ -63,8 +82,8 @@ class SideLimits:
     plane, `form_point_depth` (T,) that of the tool's form point: undercut where the form point lies deeper. `h2` (T,): height
     of the tool point that generates the tip where the land has the width asked for. `undercut` (T,): the fillet cuts the flank off;
     `flank_radius` (T,): where the flank begins, `lost` (T,): how much of the tool's flank generates nothing that remains.
-    `undercut_from`: station, on the face or beyond it, at which undercut begins or ends, NaN if at none. Of a rack, whose `joint`
-    is a slide, radii are heights over its reference plane.
+    `undercut_from`: station, on the face or beyond it, at which undercut begins or ends, NaN if at none. `lost_flank`: what of the
+    tool's flank is lost over the whole face. Of a rack, whose `joint` is a slide, radii are heights over its reference plane.
     """
 
     p: Array
@@ -78,6 +97,7 @@ class SideLimits:
     flank_radius: Array
     lost: Array
     undercut_from: float
+    lost_flank: LostFlank
     joint: Joint = REVOLUTE
 
     @property
@@ -146,6 +166,48 @@ def lost_heights(tooth: Tooth) -> dict[Side, float]:
         if _undercut(tooth, which, sections).any():
             heights[which] = float((side.tool.height(begins) - side.tool.height(form_point)).max())
     return heights
+
+
+def lost_flank(tooth: Tooth, which: Side) -> LostFlank:
+    """What undercut makes useless of a side's tool. Raises TrimError where the tooth cannot be trimmed."""
+    tooth = tooth.unmodified_tooth
+    side = tooth.side(which)
+    if side.generation is None:
+        return LostFlank(*(math.nan,) * 4)
+    t = np.union1d(np.linspace(0.0, 1.0, AREA_STATIONS), tooth.breaks_of(which))
+    sections = tooth.sections(t)
+    cut = _undercut(tooth, which, sections)
+    if not cut.any():
+        return LostFlank(0.0, 0.0, 0.0, math.nan)
+    ends, form_point = sections.of(which), np.full_like(t, side.form_point[0])
+    begins = np.where(cut, ends.form_point_flank, form_point)
+    (left, kept), (gone, lost) = (
+        _on_tool(side.generation[0], between, sections.stations, tooth.blank.axial)
+        for between in ((ends.tip, begins), (begins, form_point))
+    )
+    share = gone / (left + gone)
+    # it ends between the stations, at breaks, which are on the side that is not cut
+    step, k = np.diff(t), int(np.argmax(share))
+    return LostFlank(
+        share=float(lost.sum() / (lost.sum() + kept.sum())),
+        face=float(step[cut[:-1] | cut[1:]].sum()),
+        most=float(share[k]),
+        at=float(sections.stations[k]),
+    )
+
+
+def _on_tool(
+    flank: GeneratedSurface, between: tuple[Array, Array], stations: Array, axial: Level
+) -> tuple[Array, Array]:
+    """Lengths (T,), mm, across the tool's flank between two parameters (T,) each at stations (T,), and the area (T - 1,), mm^2,
+    between one and the next."""
+    share = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
+    p = between[0] + share * (between[1] - between[0])
+    v, _ = along(flank, p, stations, axial)
+    r = flank.tool.jet(*flank.on_tool(p, v)).r
+    one, other = r[1:, 1:] - r[:-1, :-1], r[1:, :-1] - r[:-1, 1:]
+    area = 0.5 * np.linalg.norm(cross(one, other), axis=-1)
+    return np.linalg.norm(np.diff(r, axis=0), axis=-1).sum(axis=0), area.sum(axis=0)
 
 
 def undercut_margin(tooth: Tooth) -> float:
@@ -217,6 +279,7 @@ def _side(tooth: Tooth, which: Side, sections: Sections, p_land: Array) -> SideL
         flank_radius=tooth.joint.radius(begins),
         lost=side.tool.height(form_point_flank) - side.tool.height(form_point),
         undercut_from=undercut_station(tooth, side),
+        lost_flank=lost_flank(tooth, which),
         joint=tooth.joint,
     )
 

@@ -9,7 +9,9 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.surface.stations import along
+from gearmesh.systems.worm_drive.build import wheel_hob
 from gearmesh.systems.worm_drive.design import WormDriveDesign
+from gearmesh.systems.worm_drive.thread import LAND
 from gearmesh.teeth.region import Side
 
 CORPUS = SAMPLES.parent / "tests" / "corpus"
@@ -90,6 +92,43 @@ def test_an_undercut_flank_is_of_one_sheet(name: str) -> None:
         assert (density * density[-1, 30] > 0.0).all()
         assert (flank.tool.jet(*flank.on_tool(p, v)).n[..., 0] > 0.0).all()
     assert most > 0.6
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("name", sorted(UNDERCUT))
+def test_share_of_the_flank_that_undercut_removes(name: str) -> None:
+    """By brute force: the hob's flank on a grid, carried to where it generates; what any part of its thread, by the axial section
+    with the rounding of its tip, cuts away in any other position of the roll is lost."""
+    gears = gm.build(gm.parse({"kind": "worm_drive", **UNDERCUT[name]}))
+    assert isinstance(gears.design, WormDriveDesign)
+    tooth, t, share = gears.members["wheel"].tooth, np.linspace(0.0, 1.0, 81), np.linspace(0.0, 1.0, 61)[:, None]
+    side, hob = tooth.right, wheel_hob(gears.design.in_mm(), 1)
+    tip = tooth.ends(Side.RIGHT, t).tip
+    p = side.form_point[0] + share * (tip - side.form_point[0])
+    v, jet = along(side.flank, p, tooth.stations(t), tooth.blank.axial)
+    assert side.generation is not None
+    on_hob = side.generation[0].tool.jet(p, v).r
+    thread, rounding = hob.thread, hob.thread.rounding_surface(hob.rounding, 1)
+    radii = np.linspace(hob.thread.base_radius if name[:2] == "ZI" else 0.5 * thread.radius, hob.form_radius, 400)
+    flank = thread.section.axial_section(np.array([thread.at_radius(float(rho)) for rho in radii]))[0]
+    arc = rounding.axial_section(np.linspace(hob.rounding.form_point[1], LAND, 200))[0]
+    section = np.concatenate((flank, arc[1:]))
+    place = hob.place(1)
+    deepest = np.full(p.shape, np.inf)
+    for phi in np.linspace(-0.9, 0.9, 1201):
+        r = place.inverse.point(hob.roll.at(np.array(phi)).tool_to_blank.inverse.point(jet.r))
+        rho, turn = np.hypot(r[..., 0], r[..., 1]), np.arctan2(r[..., 1], r[..., 0])
+        away = r[..., 2] - thread.hand * thread.screw * turn - np.interp(rho, *section.T)
+        deepest = np.minimum(deepest, np.where((rho > radii[0]) & (rho < hob.tip_radius), away, np.inf))
+    lost = deepest < -1e-5 * thread.module
+    area = np.linalg.norm(np.cross(*np.gradient(on_hob, axis=(0, 1))), axis=-1)
+    area[[0, -1]] *= 0.5
+    area[:, [0, -1]] *= 0.5
+    known = gears.limits().members["wheel"].sides["right"]
+    assert known.lost_share == pytest.approx(area[lost].sum() / area.sum(), abs=0.01)
+    assert known.undercut_face_share == pytest.approx(lost.any(axis=0).mean(), abs=0.03)
+    assert known.greatest_lost_share == pytest.approx(lost.mean(axis=0).max(), abs=0.05)
+    assert 0.0 < known.lost_share < 0.25
 
 
 def test_throat_angle_is_refused_where_it_does_nothing() -> None:
