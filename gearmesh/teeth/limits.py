@@ -63,8 +63,8 @@ class LostFlank:
     it away, or it would stand beyond the singular points.
 
     `share`: of its area over the face; `face`: of the face width that is undercut; `most`: of the flank's length across the
-    station where that is greatest, at the coordinate `at` (mm). 0 and no station (NaN) of sides that are not undercut; all NaN where
-    the tool is not known.
+    station where that is greatest, at the coordinate `at` (mm). 0 and no station (NaN) of sides that are not undercut; all NaN
+    where the tool is not known.
     """
 
     share: float
