@@ -364,7 +364,8 @@ def kinds(quick: bool) -> list[dict[str, Any]]:
             error = max(patch.deviation for patch in mesh.patches if patch.region in asked)
             taken = {patch.region: len(patch.triangles) for patch in mesh.patches}
             curved = sum(taken[region] for region in asked)
-            counted = sum(max(need.fewest / error, border(member.tooth, k, error)) for k, need in asked.items())
+            edges = borders(member.tooth, error, max(patch.deviation for patch in mesh.patches))
+            counted = sum(max(need.fewest / error, edges[k]) for k, need in asked.items())
             row = {"member": f"{sample}, {name}", "tolerance_um": tolerance, "error_um": 1e3 * error}
             for links, regions in (("flanks", FLANKS), ("fillets", FILLETS)):
                 least = sum(asked[region].fewest for region in regions.values()) / error
@@ -395,20 +396,34 @@ def _member(sample: str, name: str) -> Member:
     return members[name] if name in members else worm(design).member
 
 
-def border(tooth: Tooth, region: Region, error: float) -> float:
-    """Fewest triangles of a link whose border, drawn as parabolas, keeps the error, mm: its edges less two.
+def borders(tooth: Tooth, error: float, most: float) -> dict[Region, float]:
+    """Fewest triangles of each link whose border, drawn as parabolas, keeps the error, mm: its edges less two.
 
-    At toe and heel edges keep to the section curve, on the seams, where the surface goes on, to the surface.
+    At toe and heel edges keep to the section curve, on the seams, where the surfaces on both sides go on, to both of these: an edge
+    is one chord, whose heights over either are no more than the error of that one, `most` (mm) of links other than the own.
     """
-    x, edges = np.linspace(0.0, 1.0, 65), 0.0
-    for s, t in ((x, [0.0, 1.0]), ([0.0, 1.0], x)):
-        grid = tooth.grid(region, s, tooth.sections(t))
-        points, normals = (np.moveaxis(of, 1, 0) if s is x else of for of in (grid.points, grid.normals))
+    x, bends, chords = np.linspace(0.0, 1.0, 65), dict[Region, Any](), dict[Region, float]()
+    for region in tooth.regions:
+        ends, seams = (
+            tooth.grid(region, x, tooth.sections([0.0, 1.0])),
+            tooth.grid(region, [0.0, 1.0], tooth.sections(x)),
+        )
+        points = np.moveaxis(ends.points, 1, 0)
         bent, along = np.diff(points, 2, axis=1), points[:, 2:] - points[:, :-2]
         across = bent - (dot(bent, along) / dot(along, along))[..., None] * along
-        away = np.sqrt(dot(across, across)) if s is x else np.abs(dot(bent, normals[:, 1:-1]))
-        edges += float(np.maximum(1.0, np.ceil(np.sqrt(away / (8.0 * error)).mean(axis=1) * 64.0 - 0.05)).sum())
-    return edges - 2.0
+        chords[region] = _chords(np.sqrt(dot(across, across)) / error)
+        bends[region] = np.abs(dot(np.diff(seams.points, 2, axis=1), seams.normals[:, 1:-1]))
+    before = dict(zip(tooth.regions, (tooth.regions[-1], *tooth.regions), strict=False))
+    after = {region: following for following, region in before.items()}
+    for region, own in bends.items():
+        other = np.stack((bends[before[region]][1], bends[after[region]][0]))
+        chords[region] += _chords(np.maximum(own / error, other / most))
+    return {region: edges - 2.0 for region, edges in chords.items()}
+
+
+def _chords(bends: np.ndarray) -> float:
+    """Fewest chords of curves whose second differences (K, N) are so many times the error."""
+    return float(np.maximum(1.0, np.ceil(np.sqrt(bends / 8.0).mean(axis=1) * (bends.shape[1] + 1) - 0.05)).sum())
 
 
 def fewest_under(member: Member, tolerance: float) -> float:

@@ -47,3 +47,16 @@ def test_growth_of_loaded_contact_is_measured_against_the_finest(monkeypatch: py
         text = (ROOT / name / "README.md").read_text(encoding="utf-8")
         lines = text.split(f"<!-- bench:{block} -->\n")[1].splitlines()
         assert lines[0] == f"| {' | '.join(columns.values())} |"
+
+
+def test_borders_need_no_more_edges_than_meshes_have_and_seams_suit_both_sides(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The worm's tip line is bent twice as much over its land as over its flank: a chord of both is one edge."""
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    monkeypatch.delitem(sys.modules, "bench", raising=False)
+    bench = importlib.import_module("bench")
+    mesh = bench.tessellate(bench._member("worm_drive", "worm").tooth, 0.1)
+    needed = bench.borders(mesh.tooth, mesh.deviation, mesh.deviation)
+    for patch in mesh.patches:
+        nodes = [patch.nodes.line(0.0), patch.nodes.line(1.0), patch.nodes.end(0.0), patch.nodes.end(1.0)]
+        edges = sum(of.size - 1 for of in nodes) - 2
+        assert 0.9 * edges <= needed[patch.region] <= edges
