@@ -11,11 +11,39 @@ from numpy.typing import NDArray
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, unit
 
+Index = NDArray[np.int64]
+
+#: vertices closer to each other, over the largest coordinate, are one: files with single precision take them for one. No farther
+#: apart are nodes of the two cuts of a sector, turned onto each other
+SAME = 2.5e-7
+
 
 def facet_normals(vertices: Array, triangles: NDArray[np.int64]) -> Array:
     """Unit normals (T, 3) of the triangles (T, 3) of vertices (V, 3); NaN for those without area."""
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
     return unit(cross(b - a, c - a))
+
+
+def closeness(vertices: Array) -> float:
+    """How far apart (mm) vertices are that are one."""
+    return SAME * float(np.abs(vertices).max())
+
+
+def without_doubles(vertices: Array, triangles: Index, some: Index) -> tuple[Index, Index]:
+    """Triangles with one vertex for all that are next to each other on `some` (K,) of the vertices (V, 3); and which of the
+    triangles are left."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(vertices[some]).sparse_distance_matrix(
+        cKDTree(vertices), closeness(vertices), output_type="ndarray"
+    )
+    graph = coo_array((np.ones(len(pairs)), (some[pairs["i"]], pairs["j"])), shape=(len(vertices),) * 2)
+    group = connected_components(graph, directed=False)[1]
+    triangles = np.unique(group, return_index=True)[1][group][triangles]
+    kept = np.flatnonzero((triangles != np.roll(triangles, 1, axis=1)).all(axis=1))
+    return triangles[kept], kept
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.mesh.solid import manifold_of
-from gearmesh.mesh.triangles import TriangleMesh, facet_normals
+from gearmesh.mesh.triangles import TriangleMesh, closeness, facet_normals, without_doubles
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import CUT_REGIONS, Region
 from gearmesh.teeth.section import Sections
@@ -31,9 +31,6 @@ Index = NDArray[np.int64]
 #: the cut is this angle (rad) beside the middles of the roots, where nodes of the mesh may be: on them rounding would decide on
 #: which side they are, at either cut anew
 BESIDE = 1e-9
-#: nodes of a cut closer to each other, or to nodes of the gear, over the largest radius, are one: files with single precision take
-#: them for one. No farther apart are nodes of the two cuts, turned onto each other
-SAME = 2.5e-7
 #: most angle (rad) between neighbouring generatrices of the cut surface, and the same over the pitch
 MOST_TWIST, TWIST_OF_PITCH = 0.1, 1.0 / 16.0
 #: share of the cells between rows by which the outermost are inside the teeth: no row is where the mesh has stations of its own
@@ -159,7 +156,7 @@ def sector(whole: TriangleMesh, member: Member, pitches: int) -> TriangleMesh:
     origin = np.repeat(np.asarray(made.run_original_id), np.diff(np.asarray(made.run_index)) // 3)
     on_cut = np.unique(triangles[np.isin(origin, (right, left))])
     vertices = _snap(vertices, on_cut, whole.vertices)
-    triangles, kept = _without_doubles(vertices, triangles, on_cut)
+    triangles, kept = without_doubles(vertices, triangles, on_cut)
     origin, source = origin[kept], np.asarray(made.face_id, dtype=np.int64)[kept]
     first, surface = triangles[origin == right], origin == gear_id
     partners = _partners(vertices, first, triangles[origin == left], turn)
@@ -227,29 +224,10 @@ def _snap(vertices: Array, cut: Index, nodes: Array) -> Array:
     """The vertices (V, 3) with those of the `cut` that are next to `nodes` of the gear on these."""
     from scipy.spatial import cKDTree
 
-    distance, nearest = cKDTree(nodes).query(vertices[cut], distance_upper_bound=_near(nodes))
+    distance, nearest = cKDTree(nodes).query(vertices[cut], distance_upper_bound=closeness(nodes))
     close, snapped = np.isfinite(distance), vertices.copy()
     snapped[cut[close]] = nodes[nearest[close]]
     return snapped
-
-
-def _without_doubles(vertices: Array, triangles: Index, cut: Index) -> tuple[Index, Index]:
-    """Triangles with one vertex for all that are next to each other on the `cut`; and which of the triangles are left."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
-    pairs = cKDTree(vertices[cut]).sparse_distance_matrix(cKDTree(vertices), _near(vertices), output_type="ndarray")
-    graph = coo_array((np.ones(len(pairs)), (cut[pairs["i"]], pairs["j"])), shape=(len(vertices),) * 2)
-    group = connected_components(graph, directed=False)[1]
-    triangles = np.unique(group, return_index=True)[1][group][triangles]
-    kept = np.flatnonzero((triangles != np.roll(triangles, 1, axis=1)).all(axis=1))
-    return triangles[kept], kept
-
-
-def _near(vertices: Array) -> float:
-    """How far apart (mm) vertices are that are one."""
-    return SAME * float(np.abs(vertices).max())
 
 
 def _outline(triangles: Index) -> Index:
@@ -269,7 +247,7 @@ def _partners(vertices: Array, first: Index, last: Index, turn: Rigid) -> Index 
     distance, nearest = cKDTree(vertices[there]).query(turn.point(vertices[own]))
     if (
         len(own) != len(there)
-        or distance.max(initial=0.0) > SAME * float(np.abs(vertices).max())
+        or distance.max(initial=0.0) > closeness(vertices)
         or np.unique(nearest).size < len(there)
     ):
         return None

@@ -287,7 +287,7 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
                     raise conflict(
                         key,
                         None,
-                        reason="an internal gear (internal = true, or teeth below 0) has none; its body is the rim around "
+                        reason="an internal gear has none (teeth below 0 mean one); its body is the rim around "
                         "the teeth",
                     )
         elif self.rim is not None:
