@@ -201,7 +201,8 @@ def _met(flank: PlaneFlank, z: float, way: float) -> float:
 @pytest.mark.parametrize("helix", [0, 20])
 def test_sharp_root_corners_leave_no_triangles_without_area(helix: int) -> None:
     """Fillets of no radius are lines: their nodes are one, and the solid is closed without them."""
-    solid = rack({"teeth": 5, "face_width": 20, "tool_tip_radius": 0, "end_chamfer": 0.4}, helix_angle=helix).solid("rack")
+    gears = rack({"tool_tip_radius": 0, "end_chamfer": 0.4}, helix_angle=helix)
+    solid = gears.solid("rack")
     corners = solid.mesh.corners()
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     assert areas.min() > 1e-6
