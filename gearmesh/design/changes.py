@@ -135,6 +135,14 @@ CHANGES: tuple[Change, ...] = (
         "0.2, less where the space has no room for it",
         "worms of ZC threads with large pressure angles were refused",
     ),
+    Change(
+        "0.14.0",
+        ("worm_drive",),
+        "wheel.addendum",
+        "1",
+        "1, less where teeth would be pointed or flanks would not reach the tip",
+        "such wheels were refused for an addendum that nobody set",
+    ),
 )
 
 

@@ -28,7 +28,7 @@ from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.standards.iso10828 import ThreadForm, lead_angle
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
-from gearmesh.systems.worm_drive.design import ROUNDING, WormDriveDesign
+from gearmesh.systems.worm_drive.design import ADDENDUM, ROUNDING, WormDriveDesign
 from gearmesh.systems.worm_drive.helical_wheel import helical_wheel
 from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, Rounding, RunOut, WormThread
 from gearmesh.systems.worm_drive.wheel import Throat, WormHob, crossed_axes, prove_wheel
@@ -74,6 +74,15 @@ WHEEL_REMEDIES = {
     ),
 }
 
+#: against flanks that do not reach the tip where the addendum is a default, of which no lower one was enough
+NARROWER = (
+    "face_width",
+    "less, or fewer threads of the worm",
+    {"wheel.face_width": -1, "hob.reference_diameter": -1, "worm.threads": -1},
+)
+#: parts of the usual addendum of a wheel that are tried, and why a lower one is taken
+ADDENDUM_SHARES = np.linspace(1.0, 0.5, 11)
+LOWER = "teeth would be pointed, or flanks would not reach the tip"
 #: parts of the usual rounding of roots that are tried, and the land between two of them that is left at least, in axial modules
 ROUNDING_SHARES, LEAST_LAND = np.linspace(1.0, 0.0, 11), 0.002
 #: height of the flanks that run-outs leave, in axial modules, or as a multiple of a broken tip edge, and the steepest angle (rad)
@@ -104,7 +113,8 @@ def build(design: WormDriveDesign) -> GearTrain:
         ratio=design.worm.threads / design.wheel.teeth,
         delta=design.contact.delta,
     )
-    return GearTrain(design.kind, (pair,), unusual_defaults(design, {"wheel.face_width": _usual_width(design)}))
+    standards = {"wheel.face_width": _usual_width(design), "wheel.addendum": (ADDENDUM, LOWER)}
+    return GearTrain(design.kind, (pair,), unusual_defaults(design, standards))
 
 
 def _usual_width(design: WormDriveDesign) -> tuple[float, str]:
@@ -349,17 +359,30 @@ def _thread_parameters(p: Array, v: Array) -> dict[str, Array]:
     return {"p_1": p, "theta_1": np.degrees(v)}
 
 
-def _prove(name: str, tooth: Tooth, spec: MemberBody, prove: Callable[[Tooth], None] = Tooth.prove) -> Tooth:
+def _prove(
+    name: str,
+    tooth: Tooth,
+    spec: MemberBody,
+    prove: Callable[[Tooth], None] = Tooth.prove,
+    *,
+    lowered: bool = False,
+) -> Tooth:
+    """The tooth, if it can be trimmed; `lowered`: lower addenda than that of `spec` have been tried, in vain."""
     try:
         prove(tooth)
     except TrimError as failure:
         vague = VagueError if failure.what in ("undercut", "flank", "root", "tip") else DesignError
         remedies_of = WORM_REMEDIES if name == "worm" else WHEEL_REMEDIES
         key, allowed, remedies = remedies_of.get(failure.what, ("addendum", "less", {}))
+        why = f"{failure} at z = {tooth.stations(failure.station):.4g} mm"
+        if lowered and failure.what == "tip":
+            key, allowed, remedies = NARROWER
+            why += f", whatever {name}.addendum from {ADDENDUM * ADDENDUM_SHARES[-1]:g} to {ADDENDUM:g} it has"
         raise vague(
             f"{name}.{key}",
             getattr(spec, key),
-            reason=f"{failure} at z = {tooth.stations(failure.station):.4g} mm",
+            unit="mm" if key == "face_width" else "",
+            reason=why,
             allowed=allowed,
             topic=f"{name}: {failure.what}",
             remedies=remedies,
@@ -372,7 +395,7 @@ def _prove(name: str, tooth: Tooth, spec: MemberBody, prove: Callable[[Tooth], N
 
 def _wheel(design: WormDriveDesign) -> Member:
     spec, hob = design.wheel, wheel_hob(design)
-    tooth = _prove("wheel", wheel_tooth(design), spec, prove_wheel)
+    tooth = _prove("wheel", wheel_tooth(design), spec, prove_wheel, lowered=not design.sets("wheel.addendum"))
     blank, smallest = tooth.blank, hob.distance - hob.tip_radius
     tooth = with_tip_edge("wheel", tooth, spec)
     root = float(blank.root.at(0.5 * spec.face_width))

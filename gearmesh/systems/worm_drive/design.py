@@ -36,6 +36,8 @@ FORMS_OF = {
 SAME_LENGTH = 1e-9
 #: Roundings of the worm's root and of the hob's tip, in axial modules.
 ROUNDING = 0.2
+#: Addendum of the wheel, in axial modules.
+ADDENDUM = 1.0
 
 
 class ThreadCount(Table):
@@ -173,8 +175,15 @@ class WheelTable(MemberTable):
         Key("coefficient", "profile shift x2", low=-2, high=2, default="by center_distance, without it 0, of ZC 0.75"),
     ] = DERIVED
     addendum: Annotated[
-        float, Key("coefficient", "tip above the shifted reference circle in the middle plane", low=0, high=3)
-    ] = 1.0
+        float,
+        Key(
+            "coefficient",
+            "tip above the shifted reference circle in the middle plane",
+            low=0,
+            high=3,
+            default="1, or what the tooth has room for",
+        ),
+    ] = DERIVED
     tip_form: Annotated[
         str,
         Key(
@@ -395,7 +404,9 @@ class WormDriveDesign(Design):
         return self.wheel_reference_diameter + 2.0 * (self.wheel.addendum + shift) * self.axial_module
 
     def derived_values(self) -> dict[str, float]:
-        """What the file leaves out [DIN 3975], but for the face width (`face_width.derived_values`).
+        """What the file leaves out [DIN 3975], but for face width, addendum and rounding (`face_width.derived_values`).
+
+        The throat follows from the addendum, and is left open with it.
 
         Returns
         -------

@@ -65,7 +65,9 @@ class FaceFlank:
         # the curve itself winds about the axis
         turned = -mirror * (x * y_p - y * x_p) / (x**2 + y**2)
         b = np.arctan2(v, self.height) - mirror * np.arctan2(y, x)
-        mapping = Mapping(a, b, share, a_v, turned * share, self.height / away**2 + turned * a_v)
+        # a step of Newton's method that goes astray ends where the square is infinite, and the polar angle rests
+        with np.errstate(over="ignore"):
+            mapping = Mapping(a, b, share, a_v, turned * share, self.height / away**2 + turned * a_v)
         return mapping.over(self.own.sweep(at, b))
 
 

@@ -1,4 +1,5 @@
-"""The face width of a wheel whose design leaves it open: that of DIN 3975, or less where the flanks of a steep thread end sooner.
+"""Face width and addendum of a wheel whose design leaves them open: those of DIN 3975, or less where the flanks of a steep thread
+end sooner, or teeth are pointed.
 
 Towards one end of the face the hob's flank turns away from the wheel until it does not generate any more. How far that is depends
 on all of the hob, and is asked of the teeth themselves.
@@ -13,9 +14,17 @@ from typing import TYPE_CHECKING, ParamSpec
 
 import numpy as np
 
+from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.kernel.surface.stations import TrimError
-from gearmesh.systems.worm_drive.build import refuse_tools, root_rounding, usual_rounding, wheel_tooth
+from gearmesh.systems.worm_drive.build import (
+    ADDENDUM_SHARES,
+    refuse_tools,
+    root_rounding,
+    usual_rounding,
+    wheel_tooth,
+)
+from gearmesh.systems.worm_drive.design import ADDENDUM
 from gearmesh.systems.worm_drive.wheel import prove_wheel
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
@@ -32,21 +41,30 @@ GENTLE = math.radians(10.0)
 
 
 def derived_values(design: WormDriveDesign) -> dict[str, float]:
-    """The face width of the wheel, and the rounding of the worm's roots, by their dotted keys, in the design's units."""
+    """Face width and addendum of the wheel, and the rounding of the worm's roots, by their dotted keys, in the design's units.
+
+    They are the usual ones where the teeth are sound, or where nothing helps; a narrower face is taken before a lower tip.
+    """
     rounding = (
         {} if math.isfinite(design.worm.root_rounding) else {"worm.root_rounding": usual_rounding(design.in_mm())}
     )
-    if math.isfinite(design.wheel.face_width):
-        return rounding
-    design, usual = design.fill(rounding), design.usual_face_width
+    design = design.fill(rounding)
+    wheel, usual = design.wheel, design.usual_face_width
+    open_width, open_tip = math.isnan(wheel.face_width), math.isnan(wheel.addendum)
     # where it is not the width that is wrong it stays
-    steep = design.lead_angle > GENTLE and design.wheel.form != "helical"
-    share = next(_sound_shares(design, usual), 1.0) if steep else 1.0
-    return {**rounding, "wheel.face_width": share * usual}
+    sought = wheel.form != "helical" and (open_tip or (open_width and design.lead_angle > GENTLE))
+    for addendum in (ADDENDUM * ADDENDUM_SHARES).round(6).tolist() if sought else ():
+        own = design.fill({"wheel.addendum": addendum})
+        if (share := next(_sound_shares(own, given_or(wheel.face_width, usual)), None)) is not None:
+            return {**rounding, "wheel.addendum": own.wheel.addendum, "wheel.face_width": share * usual}
+        if not open_tip:
+            break
+    return {**rounding, "wheel.addendum": ADDENDUM, "wheel.face_width": usual}
 
 
 def _sound_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:
-    """Parts of the usual width over which the flanks are whole, the largest first."""
+    """Parts of the usual width over which the flanks are whole, the largest first; 1 alone where the width is given, or the thread
+    is gentle."""
     try:
         # a hob that is none, and a worm of which no flank is left, are refused by their own keys
         refuse_tools(design.fill({"wheel.face_width": usual}).in_mm())
@@ -56,6 +74,8 @@ def _sound_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:
         return
     if _succeeds(prove_wheel, tooth):
         yield 1.0
+    if math.isfinite(design.wheel.face_width) or design.lead_angle <= GENTLE:
+        return
     # the other side is the mirror image, or next to it
     ends = {share: 0.5 + 0.5 * np.array([-share, share]) for share in SHARES.tolist()}
     whole = list(takewhile(lambda share: _succeeds(tooth.ends, Side.RIGHT, ends[share]), ends))
