@@ -53,22 +53,30 @@ def derived_values(design: WormDriveDesign) -> dict[str, float]:
     open_width, open_tip = math.isnan(wheel.face_width), math.isnan(wheel.addendum)
     # where it is not the width that is wrong it stays
     sought = wheel.form != "helical" and (open_tip or (open_width and design.lead_angle > GENTLE))
-    for addendum in (ADDENDUM * ADDENDUM_SHARES).round(6).tolist() if sought else ():
+    shares = ADDENDUM_SHARES.tolist() if open_tip else [1.0]
+    for addendum in (round(ADDENDUM * share, 6) for share in shares if sought):
         own = design.fill({"wheel.addendum": addendum})
+        if _refused_by_tools(own, usual):
+            break
         if (share := next(_sound_shares(own, given_or(wheel.face_width, usual)), None)) is not None:
             return {**rounding, "wheel.addendum": own.wheel.addendum, "wheel.face_width": share * usual}
-        if not open_tip:
-            break
     return {**rounding, "wheel.addendum": ADDENDUM, "wheel.face_width": usual}
+
+
+def _refused_by_tools(design: WormDriveDesign, usual: float) -> bool:
+    """Whether a hob is none, or no flank of the worm is left, which are refused by their own keys."""
+    try:
+        refuse_tools(design.fill({"wheel.face_width": usual}).in_mm())
+        root_rounding(design.in_mm(), 1)
+    except DesignError:
+        return True
+    return False
 
 
 def _sound_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:
     """Parts of the usual width over which the flanks are whole, the largest first; 1 alone where the width is given, or the thread
     is gentle."""
     try:
-        # a hob that is none, and a worm of which no flank is left, are refused by their own keys
-        refuse_tools(design.fill({"wheel.face_width": usual}).in_mm())
-        root_rounding(design.in_mm(), 1)
         tooth = _tooth(design, usual)
     except DesignError:
         return
