@@ -207,4 +207,4 @@ def test_sharp_root_corners_leave_no_triangles_without_area(helix: int) -> None:
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     assert areas.min() > 1e-6
     assert np.isfinite(solid.mesh.normals).all()
-    assert solid.watertight
+    assert solid.figures["watertight"]

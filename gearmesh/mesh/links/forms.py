@@ -17,6 +17,8 @@ SAMPLES = (25, 9)
 STEP = 1e-6
 #: a triangle within eps of a surface covers at most so many times eps over sqrt(|k1 k2|): where k1 k2 > 0, and where < 0
 BOWL, SADDLE = 1.5 * 3.0**0.5, 2.0 * 5.0**0.5
+#: a link narrower than this part of its length is a line, as the fillet of a sharp root corner: what its lines turn by is rounding
+NO_WIDTH = 1e-9
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,8 @@ def _sideways(points: Array, ds: float, dt: float) -> Array:
     size = dot(r_t, r_t)
     across = r_s - np.divide(dot(r_s, r_t), size, out=np.zeros_like(size), where=size > 0.0)[..., None] * r_t
     width = dot(across, across)
-    turning: Array = np.divide(np.abs(dot(bent, across)), width, out=np.zeros_like(width), where=width > 0.0)
+    wide = width > NO_WIDTH**2 * size
+    turning: Array = np.divide(np.abs(dot(bent, across)), width, out=np.zeros_like(width), where=wide)
     return turning
 
 
