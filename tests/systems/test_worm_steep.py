@@ -98,9 +98,8 @@ def test_an_addendum_that_is_left_open_is_no_reason_for_a_refusal(why: str) -> N
 
 
 @pytest.mark.sweep
-@pytest.mark.filterwarnings("error")
 def test_where_no_addendum_is_enough_a_narrower_face_is_named() -> None:
-    """Seed 45: on a face of 0.3 of what the refusal names flanks reach the tip. What the search throws far off is no warning."""
+    """Seed 45: on a face of 0.3 of what the refusal names flanks reach the tip."""
     keys = {
         "kind": "worm_drive",
         "module": 8.383,
@@ -119,6 +118,19 @@ def test_where_no_addendum_is_enough_a_narrower_face_is_named() -> None:
     gm.build(gm.parse(with_keys(keys, [("wheel.face_width", 0.3 * design.usual_face_width)])))
     with pytest.raises(gm.DesignError, match=r"^wheel\.addendum = 1: the flank does not reach the tip"):
         build(complete_design(gm.parse(with_keys(keys, [("wheel.addendum", 1.0)]))).in_mm())
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_place_far_off_on_the_hob_is_no_warning() -> None:
+    """Where a step of Newton's method has gone astray: the polar angle rests, its rate is 0 as 1 / v^2 falls to it."""
+    design = gm.load(SAMPLES / "worm_drive.toml")
+    assert isinstance(design, WormDriveDesign)
+    hob = wheel_hob(complete_design(design).in_mm(), 1)
+    flank = hob.flank(1, hob.thread.radius).tool
+    p = np.array(hob.rounding.form_point[0])
+    far = flank.jet(p, np.array([1e100, 1e200]))
+    assert np.isfinite(far.r).all()
+    np.testing.assert_allclose(far.r[1], far.r[0], rtol=1e-12)
 
 
 #: an undercut of two thirds of the flank towards one end, and one that removes it all before the face of DIN 3975 ends
