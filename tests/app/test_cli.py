@@ -728,6 +728,8 @@ def test_a_stop_that_is_dropped_is_none_the_less_a_stop(place: str, goes_on: str
         "import os, signal, sys, time\n"
         "from types import SimpleNamespace\n"
         "from gearmesh.app import cli\n"
+        # of a job in the background the signal is ignored
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "def press():\n"
         "    os.kill(os.getpid(), signal.SIGINT)\n"
         "    time.sleep(0.01)\n"
