@@ -469,7 +469,6 @@ _HOMES = {
     "gearmesh.teeth.gear_train": (
         "GearPair",
         "GearTrain",
-        "Grid",
         "Member",
     ),
     "gearmesh.teeth.mount": ("Mount",),

@@ -102,10 +102,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit status; expected failures become one line on standard error."""
     _stand_in_for_closed_streams()
     given = sys.argv[1:] if arguments is None else list(arguments)
-    # of the one that is asked for alone the module is loaded
-    names = [given[0]] if given and given[0] in COMMANDS else [*COMMANDS]
     if given and given[0] not in COMMANDS and not given[0].startswith("-"):
         return _fail(_no_command(given[0]), 2)
+    # of the one that is asked for alone the module is loaded
+    names = [given[0]] if given and given[0] in COMMANDS else [*COMMANDS]
     try:
         with Stopping() as stopping:
             status = _group(names).main(args=given, prog_name="gearmesh", standalone_mode=False)

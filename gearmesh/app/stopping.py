@@ -26,12 +26,12 @@ class Stopping:
 
     def __init__(self) -> None:
         self.asked = False
-        self._before: tuple[Any, Any] | None = None
+        self._unraisable_before: Any = None
 
     def __enter__(self) -> Self:
         plain = signal.getsignal(signal.SIGINT) is signal.default_int_handler
         if plain and threading.current_thread() is threading.main_thread():
-            self._before = signal.getsignal(signal.SIGINT), sys.unraisablehook
+            self._unraisable_before = sys.unraisablehook
             signal.signal(signal.SIGINT, self._stop)
             sys.unraisablehook = self._unraisable
         return self
@@ -39,9 +39,9 @@ class Stopping:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._before is not None:
-            handler, sys.unraisablehook = self._before
-            signal.signal(signal.SIGINT, handler)
+        if self._unraisable_before is not None:
+            sys.unraisablehook = self._unraisable_before
+            signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def _stop(self, number: int, frame: FrameType | None) -> None:
         self.asked = True
@@ -53,5 +53,5 @@ class Stopping:
             again = threading.Timer(AGAIN, interrupt_main)
             again.daemon = True
             again.start()
-        elif self._before is not None:
-            self._before[1](dropped)
+        else:
+            self._unraisable_before(dropped)

@@ -33,7 +33,7 @@ from gearmesh.cad.occ import (
     vertex,
     wire,
 )
-from gearmesh.cad.solid_part import LinkCurves, link_border, opening_faces, whole_part
+from gearmesh.cad.solid_part import LinkCurves, drawn_faces, link_border, opening_faces, whole_part
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.cad.turned import Prism
 from gearmesh.kernel.numeric.algebra import Array, unit
@@ -218,15 +218,7 @@ def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
         }
         for n, (k, i) in enumerate(columns)
     ]
-    drawn = [
-        [
-            DrawnFace.of_net(
-                patch.region, (g, g + 1), (patch.control, patch.s_knots, patch.t_knots), outward=teeth.outward
-            )
-            for g, patch in enumerate(teeth.patches[link])
-        ]
-        for link in teeth.links
-    ]
+    drawn = [drawn_faces(teeth, i, DrawnFace.of_net) for i in range(links)]
     faces = []
     for n, (k, i) in enumerate(columns):
         for patch in drawn[i]:

@@ -7,7 +7,7 @@ web and bore belong to the profile that is turned to the body.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -268,14 +268,12 @@ def link_border(teeth: SplineTooth, i: int) -> list[tuple[Array, Array]]:
     return [(turn.point(patch.control[-1]), patch.t_knots) for patch in before]
 
 
-def drawn_faces(teeth: SplineTooth, i: int) -> list[DrawnFace]:
-    """The faces of a link of tooth 1."""
+def drawn_faces(teeth: SplineTooth, i: int, face_of: Callable[..., DrawnFace] = DrawnFace.of_spline) -> list[DrawnFace]:
+    """The faces of a link of tooth 1, its patches drawn by `face_of`."""
     if teeth.links[i] not in teeth.patches:
         return [_turned_link(teeth, i)]
     return [
-        DrawnFace.of_spline(
-            patch.region, (g, g + 1), (patch.control, patch.s_knots, patch.t_knots), outward=teeth.outward
-        )
+        face_of(patch.region, (g, g + 1), (patch.control, patch.s_knots, patch.t_knots), outward=teeth.outward)
         for g, patch in enumerate(teeth.patches[teeth.links[i]])
     ]
 

@@ -87,17 +87,15 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
     one_tooth = [patch.region for patch in tooth_mesh.patches for _ in patch.triangles]
     one_tooth += [region for region, strip in strips.items() for _ in strip.triangles]
     regions = [one_tooth[k] for k in of_tooth.tolist()] + [region for region, face in faces for _ in face]
-    used, compact = np.unique(np.concatenate((triangles, *(face for _, face in faces))), return_inverse=True)
-    vertices, triangles = vertices[used], compact.reshape(-1, 3)
+    triangles = np.concatenate((triangles, *(face for _, face in faces)))
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
     area = cross(b - a, c - a)
     if (dot(area, area) <= closeness(vertices) ** 4).any():
         # a fillet without a radius is a line
         triangles, kept = without_doubles(vertices, triangles, np.arange(len(vertices)))
         of_tooth, regions = of_tooth[kept[kept < len(of_tooth)]], [regions[k] for k in kept.tolist()]
-        used, compact = np.unique(triangles, return_inverse=True)
-        vertices, triangles = vertices[used], compact.reshape(-1, 3)
-    return RowMesh(vertices, triangles, tuple(regions), of_tooth)
+    used, compact = np.unique(triangles, return_inverse=True)
+    return RowMesh(vertices[used], compact.reshape(-1, 3), tuple(regions), of_tooth)
 
 
 def _half_root(low: Index, high: Index, strips: Mapping[Region, EndMesh]) -> list[tuple[Region, Index]]:

@@ -75,6 +75,16 @@ def annotated(name: str) -> Iterator[str]:
 WORKINGS = {"Body", "Boss", "Contacts", "EndStrip", "HalfGear", "Joint", "Link", "SharpOutline", "Slot"}
 
 
+def own_classes() -> set[str]:
+    """Names of all classes of the package."""
+    return {
+        node.name
+        for path in PACKAGE.rglob("*.py")
+        for node in nodes(path.read_text(encoding="utf-8"))
+        if isinstance(node, ast.ClassDef)
+    }
+
+
 def given_back(name: str) -> Iterator[tuple[str, str]]:
     """What a public function, and all public methods and properties of a public class, are said to return, each by its name."""
     thing = getattr(gm, name)
@@ -94,12 +104,7 @@ def given_back(name: str) -> Iterator[tuple[str, str]]:
 @pytest.mark.quick
 def test_methods_of_all_public_classes_return_what_can_be_annotated() -> None:
     """Even of those that are no answers, such as teeth and members: every class of the package is public, or of the workings."""
-    ours = {
-        node.name
-        for path in PACKAGE.rglob("*.py")
-        for node in nodes(path.read_text(encoding="utf-8"))
-        if isinstance(node, ast.ClassDef)
-    } - COLLECTIONS
+    ours = own_classes() - COLLECTIONS
     returned = {
         word: place
         for name in gm.__all__
@@ -115,12 +120,7 @@ def test_methods_of_all_public_classes_return_what_can_be_annotated() -> None:
 @pytest.mark.quick
 def test_all_that_a_user_gets_back_has_a_public_name() -> None:
     """Types of the package that functions, answers, gears and designs return, and the designs of all kinds."""
-    ours = {
-        node.name
-        for path in PACKAGE.rglob("*.py")
-        for node in nodes(path.read_text(encoding="utf-8"))
-        if isinstance(node, ast.ClassDef)
-    }
+    ours = own_classes()
     returned = {
         word for name in gm.__all__ for text in annotated(name) for word in re.findall(r"(?<![.\w])[A-Z]\w+", text)
     }

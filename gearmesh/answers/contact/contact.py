@@ -22,7 +22,7 @@ from gearmesh.answers.contact.figures import (
     PathSummary,
     PositionFigures,
     TorqueSummary,
-    shown_edge,
+    shown_contact,
     slid_summary,
 )
 from gearmesh.answers.contact.fit import (
@@ -319,7 +319,7 @@ class Contact(Result):
                 round_to(position.phi1, 4),
                 round_to(position.phi2 if position.displacement is None else position.displacement, 4),
                 round_to(position.te if position.te_um is None else position.te_um, 3),
-                f"edge: {shown_edge(position.edge, tuple(self.pair.members))}" if position.edge else position.contact,
+                shown_contact(position.contact, position.edge, tuple(self.pair.members)),
                 round_to(position.ellipse.a, 4),
                 round_to(position.ellipse.b, 4),
                 *(round_to(position.members[member].params[name], 4) for member, name in names),

@@ -16,18 +16,17 @@ from gearmesh.figures import Entry, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.teeth.gear_train import GearPair
 
-#: the edges whose names in answers are not those of tables and pages
-SHOWN_EDGES = {FORM_POINT: "form point"}
-
 
 def shown_edge(edge: str, names: Sequence[str] = MEMBERS) -> str:
     """An edge in contact as tables and pages show it, the members by their names: "wheel heel, wheel form point" of
     "gear_heel+gear_joint"."""
-    words, shown = [], dict(zip(MEMBERS, names, strict=True))
-    for one in edge.split("+"):
-        member, _, own = one.partition("_")
-        words.append(f"{shown.get(member, member)} {SHOWN_EDGES.get(own, own.replace('_', ' '))}".strip())
-    return ", ".join(words)
+    words = {**dict(zip(MEMBERS, names, strict=True)), FORM_POINT: "form point"}
+    return ", ".join(" ".join(words.get(word, word) for word in one.split("_")) for one in edge.split("+"))
+
+
+def shown_contact(kind: str, edge: str | None, names: Sequence[str]) -> str:
+    """The kind of contact at a position, with the edge in contact if it is one."""
+    return f"edge: {shown_edge(edge, names)}" if edge else kind
 
 
 @dataclass(frozen=True)

@@ -40,15 +40,10 @@ def strip_faces(
 
     `under`: vertices and edges of the section under them, round all teeth.
     """
-    drawn = [strip_face(teeth, end, patch) for patch in teeth.strips[end]]
+    region = end_edges(teeth.tooth.blank.axial)[end]
+    drawn = [DrawnFace.of_spline(region, (0, 1), patch.net, outward=teeth.outward) for patch in teeth.strips[end]]
     row = strip_row(teeth, end, under, places, drawn)
     return row.faces, _loop(teeth, teeth.strips[end], row.edges, row.outer[0])
-
-
-def strip_face(teeth: SplineTooth, end: int, patch: StripPatch) -> DrawnFace:
-    """The face of a patch of tooth 1 at the toe (0) or heel (1)."""
-    region = end_edges(teeth.tooth.blank.axial)[end]
-    return DrawnFace.of_spline(region, (0, 1), patch.net, outward=teeth.outward)
 
 
 def strip_row(

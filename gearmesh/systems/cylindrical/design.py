@@ -287,8 +287,7 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
                     raise conflict(
                         key,
                         None,
-                        reason="an internal gear has none (teeth below 0 mean one); its body is the rim around "
-                        "the teeth",
+                        reason="an internal gear has none (teeth below 0 mean one); its body is the rim around the teeth",
                     )
         elif self.rim is not None:
             raise conflict("rim", self.rim, reason="only an internal gear has one")

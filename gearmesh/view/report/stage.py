@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.answers.contact.figures import shown_edge
+from gearmesh.answers.contact.figures import shown_contact
 from gearmesh.answers.contact.staging import GRID, StagedContact, flank_places
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
@@ -142,7 +142,7 @@ def _pair(train: GearTrain, staged: StagedPair, names: list[str]) -> dict[str, A
         "te": pack(path.te / rad),
         "te_unit": unit.replace("um", "\u00b5m"),
         "kind": [
-            f"edge: {shown_edge(edge, tuple(pair.members))}" if edge else str(kind)
+            shown_contact(str(kind), str(edge), tuple(pair.members))
             for kind, edge in zip(path.kind, path.edge, strict=True)
         ],
         "delta_um": 1e3 * pair.delta,
