@@ -206,8 +206,15 @@ def test_tables_print_what_is_below_the_resolution_as_0_and_json_keeps_it() -> N
 
 
 def test_tables_show_edges_in_words() -> None:
-    """Names of JSON stay; in a table there is no underscore, at which no line can be broken."""
-    sizes = {"pinion": {"teeth": 7, "face_width": 22}, "gear": {"teeth": 9, "face_width": 20}}
+    """Names of JSON stay; in a table there is no underscore, at which no line can be broken.
+
+    The axes are out of parallel, so that one end of the face leads by far more than rounding.
+    """
+    sizes = {
+        "pinion": {"teeth": 7, "face_width": 22},
+        "gear": {"teeth": 9, "face_width": 20},
+        "assembly": {"gamma_v": -0.1},
+    }
     contact = gearmesh.build(parse({"kind": "cylindrical", "module": 2, **sizes})).contact()
     assert "gear_heel+gear_joint" in {position.edge for position in contact.positions()}
     listing = contact.listings[0]
