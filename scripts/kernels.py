@@ -2,20 +2,25 @@
 
     python scripts/kernels.py                                  the quick tests, under all of them
     python scripts/kernels.py --only Prescott -- -n 0 tests/kernel      pytest's own arguments after --
+    python scripts/kernels.py --designs samples/*.toml     compares what `tca` says of designs with what it says here
 
 OpenBLAS chooses its kernels and numpy its vector loops by the processor: OPENBLAS_CORETYPE and
 NPY_DISABLE_CPU_FEATURES choose instead.
-Kernels that this processor cannot run are left out, and said. Exit 1 if tests fail under any.
+Kernels that this processor cannot run are left out, and said. Exit 1 if tests fail under any, or figures differ.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
+import math
 import os
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[1]
 #: OpenBLAS's kernels by the instructions that they take: SSE3, AVX2, AVX-512; and what it calls them, the oldest name they serve
@@ -29,6 +34,9 @@ from numpy._core._multiarray_umath import __cpu_dispatch__ as names, __cpu_featu
 print(*sorted({each.get("architecture", "") for each in threadpoolctl.threadpool_info()}), sep=",")
 print(*(name for name in names if has[name]))
 """
+
+#: by how much figures of an answer may differ, of themselves or, below 1, of 1
+EQUAL = 1e-6
 
 
 def answers(environment: dict[str, str]) -> tuple[set[str], str]:
@@ -51,13 +59,56 @@ def environment_of(name: str) -> dict[str, str] | None:
     return own if answers(own)[0] & {name, CORES[name]} else None
 
 
+def contact_of(design: Path, environment: dict[str, str]) -> Any:
+    """What `tca` says of a design in an environment: its JSON, or the line it refuses it with."""
+    command = [sys.executable, "-m", "gearmesh", "tca", str(design), "--json", "-"]
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+    if not done.stdout:
+        return done.stderr
+    answer = json.loads(done.stdout)
+    del answer["timing"]
+    return answer
+
+
+def apart(one: Any, other: Any, where: str = "") -> Iterator[str]:
+    """Where two answers differ by more than `EQUAL`, and by what."""
+    numbers = [type(value) in (int, float) for value in (one, other)]
+    if isinstance(one, dict) and isinstance(other, dict):
+        for key in [*one, *(key for key in other if key not in one)]:
+            yield from apart(one.get(key), other.get(key), f"{where}.{key}" if where else key)
+    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        for k, values in enumerate(zip(one, other, strict=True)):
+            yield from apart(*values, f"{where}[{k}]")
+    elif not (all(numbers) and math.isclose(one, other, rel_tol=EQUAL, abs_tol=EQUAL)) and one != other:
+        yield f"{where}: {one} here, {other} there"
+
+
+def differing(design: Path, names: list[str]) -> Iterator[str]:
+    """What `tca` says otherwise of a design under kernels by name, a line each."""
+    here = contact_of(design, dict(os.environ))
+    for name in names:
+        environment = environment_of(name)
+        if environment is not None:
+            yield from (f"{design.name}, {name}: {line}" for line in apart(here, contact_of(design, environment)))
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", nargs="+", choices=(*CORES, PLAIN), metavar="KERNEL", help=", ".join((*CORES, PLAIN)))
     parser.add_argument("tests", nargs="*", help="arguments of pytest, after --; by default -m quick")
+    parser.add_argument(
+        "--designs", nargs="+", type=Path, metavar="DESIGN", help="compare answers on them, run no tests"
+    )
     options = parser.parse_args()
+    names = options.only or [*CORES, PLAIN]
     failed = []
-    for name in options.only or (*CORES, PLAIN):
+    for design in options.designs or ():
+        lines = list(differing(design, names))
+        print("\n".join(lines or [f"{design.name}: the same"]), flush=True)
+        failed += [design.name] if lines else []
+    if options.designs:
+        return 1 if failed else 0
+    for name in names:
         environment = environment_of(name)
         if environment is None:
             print(f"{name}: not on this processor", flush=True)

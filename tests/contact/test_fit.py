@@ -58,6 +58,9 @@ def test_a_spur_pair_fits_as_involutes_have_it() -> None:
     normal = 0.06 + 2.0 * base.sum() * ((np.tan(new) - new) - (np.tan(old) - old))
     np.testing.assert_allclose(found.normal_backlash, normal, rtol=0, atol=1e-9)
     np.testing.assert_allclose(found.backlash, normal / base[1], rtol=0, atol=1e-11)
+    # the clearance is the same all along the face: its middle is told
+    places = [clearance.point[2] for clearance in found.clearances if clearance is not None]
+    np.testing.assert_allclose(places, [0.0, 0.0], atol=1e-12)
     assert found.pitch_radius == pytest.approx(90.4 * 40.0 / 60.0, abs=1e-9)
     np.testing.assert_allclose(found.transverse_backlash, normal / np.cos(new), rtol=0, atol=1e-9)
     for clearance in found.clearances:

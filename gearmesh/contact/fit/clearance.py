@@ -26,12 +26,14 @@ ACROSS = 5
 PITCHES, PER_PITCH = 3, 8
 #: finer lattices about the least place, and their steps over those before
 ROUNDS, SHRINK = 10, 0.4
+#: distances (mm) that rounding alone tells apart: on parallel axes the least is the same all along the face
+EQUAL = 1e-9
 
 
 @dataclass(frozen=True)
 class Clearance:
     """Least distance (mm) of a member's tips from its mating gear's root, negative inside; phi1 (rad) of the pinion there, and
-    the point of the tip (3,), fixed frame, mm."""
+    the point of the tip (3,), fixed frame, mm. Of equal places it is the one nearest to the middle of the face and to phi1 = 0."""
 
     distance: float
     phi1: float
@@ -60,6 +62,7 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
         return np.where(over, mating.blank.root.value(r), np.inf)
 
     least: Clearance | None = None
+    middle = np.array([0.0, 0.5 * (ACROSS - 1), 0.5 * (stations - 1)])
     for region in (Region.LAND, *EDGES.values()):
         if region not in tooth.regions:
             continue
@@ -73,10 +76,11 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
             tip = np.stack([table.at(x[:, 1], x[:, 2]) for table in tables], axis=-1)
             fixed, own = place(x[:, 0], tip)
             apart = distance(own)
-            k = int(apart.argmin())
-            if not np.isfinite(apart[k]):
+            if not np.isfinite(apart.min()):
                 break
-            if least is None or apart[k] < least.distance:
+            equal = np.flatnonzero(apart <= apart.min() + EQUAL)
+            k = int(equal[np.lexsort(np.abs(np.round(x[equal].T - middle[:, None], 6)))[0]])
+            if least is None or apart[k] < least.distance - EQUAL:
                 least = Clearance(float(apart[k]), float(x[k, 0]), fixed[k])
             x = x[k] + ways * steps
             x[:, 1], x[:, 2] = np.clip(x[:, 1], 0.0, ACROSS - 1.0), np.clip(x[:, 2], 0.0, stations - 1.0)

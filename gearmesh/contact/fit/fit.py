@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.conditions.lines import trace
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.curve import LEVEL, MeshCurve
@@ -80,12 +81,12 @@ class Fit:
     pair is jammed, over the part in which both sides touch, NaN where there is none; `gaps`: the other parts;
     `normal_backlash` (mm): the same along the normal of contact;
     `transverse_backlash` (mm): on the gear's pitch circle, of radius `pitch_radius` (mm), which goes through the pitch point where
-    the axes are parallel, else through the point of contact at phi1 = 0; `clearances`: of the tips of pinion and gear over the
-    mating gear's root; `interference`: the deepest on each side; `turns`: phi2 (rad) of the gear as it is driven, NaN where
-    contact breaks off; `play`: rotation (rad) of the gear between its first touches at any phi1 (rad), by its nodes where contact
-    breaks off or fillets jam; `lever` (mm)
-    of the normal of contact about the gear's axis; `span`: phi1 (rad) over which a tooth pair was followed; `coast`: the
-    engagement of the coast flanks, None where it has not been followed, as it is an image of that of the others.
+    the axes are parallel, else through the point of contact nearest to phi1 = 0, of a line through its middle; `clearances`: of
+    the tips of pinion and gear over the mating gear's root; `interference`: the deepest on each side; `turns`: phi2 (rad) of the
+    gear as it is driven, NaN where contact breaks off; `play`: rotation (rad) of the gear between its first touches at any phi1
+    (rad), by its nodes where contact breaks off or fillets jam; `lever` (mm) of the normal of contact about the gear's axis;
+    `span`: phi1 (rad) over which a tooth pair was followed; `coast`: the engagement of the coast flanks, None where it has not
+    been followed, as it is an image of that of the others.
     """
 
     backlash: tuple[float, float]
@@ -352,9 +353,12 @@ def _off_axis(r: Array, axis: Array) -> float:
 
 
 def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float, Array]:
-    """Distance (mm) from the gear's axis of the normal at contact k, of the fillet where one touches, and its point (3,)."""
-    part = pair.parts[contacts.part[k]]
-    touch = Conditions(part.flanks, phi1, pair.length).touch(contacts.x[[k]], np.array([k]))
+    """Distance (mm) from the gear's axis of the normal at contact k, of the fillet where one touches, and its point (3,); of a line
+    of contact its middle counts, as any point of it may have been found."""
+    part, x = pair.parts[contacts.part[k]], contacts.x[[k]]
+    if contacts.line[k]:
+        x = trace(part, phi1[[k]], x).x
+    touch = Conditions(part.flanks, phi1, pair.length).touch(x, np.array([k]))
     jet, gear = touch.fixed[1 if contacts.part[k] == 2 else 0], part.gear.mount
     return float(np.abs(dot(jet.n, gear.velocity(jet.r)))[0]), jet.r[0]
 

@@ -21,12 +21,15 @@ from numpy.typing import ArrayLike, NDArray
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.kernel.surface.surface import Jet
 
+#: directions across e1 have the angle pi/2 and not -pi/2, also where rounding leaves them this much (rad) beyond it
+SEAM = 1e-9
+
 
 @dataclass(frozen=True)
 class Principal:
     """Principal curvatures k1 >= k2 (...,), 1/mm, and the `angle` (...,) from e1 to the direction of k1, rad.
 
-    The angle lies in (-pi/2, pi/2]; the direction of k2 is a right angle further. At an umbilic it is 0.
+    The angle lies in (-pi/2, pi/2], shifted by SEAM; the direction of k2 is a right angle further. At an umbilic it is 0.
     """
 
     k1: Array
@@ -38,7 +41,7 @@ class Principal:
 class ContactEllipse:
     """Where two surfaces in contact are closer than delta, to second order, in their common tangent plane.
 
-    `semi_major` >= `semi_minor` (...,) in mm; `angle` (...,) from e1 to the major axis, rad, in (-pi/2, pi/2];
+    `semi_major` >= `semi_minor` (...,) in mm; `angle` (...,) from e1 to the major axis, rad, in (-pi/2, pi/2], shifted by SEAM;
     `major`, `minor` (..., 3) unit vectors along the axes, (major, minor, n) right-handed.
     `line` (...,): the surfaces do not separate along `major`, semi_major is infinite.
     `crossing` (...,): in some direction the bodies penetrate each other near the point (interference); the axes
@@ -94,10 +97,10 @@ def principal(k: Array) -> Principal:
     """
     mean = 0.5 * (k[..., 0, 0] + k[..., 1, 1])
     half = 0.5 * (k[..., 0, 0] - k[..., 1, 1])
-    # adding 0.0 turns a negative zero, which would give the direction as -pi/2, into a positive one
-    mixed = 0.5 * (k[..., 0, 1] + k[..., 1, 0]) + 0.0
+    mixed = 0.5 * (k[..., 0, 1] + k[..., 1, 0])
     spread = np.hypot(half, mixed)
-    return Principal(mean + spread, mean - spread, 0.5 * np.arctan2(mixed, half))
+    angle = 0.5 * np.arctan2(mixed, half)
+    return Principal(mean + spread, mean - spread, np.where(angle < SEAM - 0.5 * np.pi, angle + np.pi, angle))
 
 
 def gaussian_curvature(k: Array) -> Array:
@@ -131,7 +134,7 @@ def contact_ellipse(relative: Array, e1: Array, e2: Array, delta: ArrayLike, fla
     first_is_major = np.abs(own.k1) <= np.abs(own.k2)
     small = np.where(first_is_major, own.k1, own.k2)
     large = np.where(first_is_major, own.k2, own.k1)
-    across = np.where(own.angle > 0.0, own.angle - 0.5 * np.pi, own.angle + 0.5 * np.pi)
+    across = np.where(own.angle > SEAM, own.angle - 0.5 * np.pi, own.angle + 0.5 * np.pi)
     angle = np.where(first_is_major, own.angle, across)
     noise = flat * np.abs(large)
     line = np.abs(small) <= noise
