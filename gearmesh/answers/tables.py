@@ -72,8 +72,8 @@ def align(listing: Listing, width: int = WIDTH) -> str:
     table = [list(listing.columns), *listing.cells]
     columns = list(zip(*table, strict=True))
     numeric = listing.numeric
-    key = max((len(word) for text in columns[0] for word in text.split()), default=0) if columns else 0
-    widths = _fold([max(map(len, column)) for column in columns], key, numeric, width)
+    words = [max((len(word) for text in column for word in text.split()), default=0) for column in columns]
+    widths = _fold([max(map(len, column)) for column in columns], words, numeric, width)
     blocks = _blocks(widths, width)
     text = [listing.title + "\n"] if listing.title else []
     for number, block in enumerate(blocks):
@@ -84,14 +84,19 @@ def align(listing: Listing, width: int = WIDTH) -> str:
     return "".join(text)
 
 
-def _fold(widths: list[int], key: int, numeric: list[bool], width: int) -> list[int]:
-    """Widths of columns with those of words made narrower until all fit, or none can be; the first stays `key` wide."""
+def _fold(widths: list[int], longest: list[int], numeric: list[bool], width: int) -> list[int]:
+    """Widths of columns with those of words made narrower until all fit, or none can be: down to their `longest` words, and further
+    only where a column does not even fit beside the first, which keeps its words whole."""
     widths = list(widths)
+    narrowest = [max(NARROWEST, word) for word in longest]
     while sum(widths) + GAP * (len(widths) - 1) > width:
-        words = [k for k, number in enumerate(numeric) if not number and widths[k] > max(NARROWEST, 0 if k else key)]
-        if not words:
+        wide = [k for k, number in enumerate(numeric) if not number and widths[k] > narrowest[k]]
+        if not wide:
             break
-        widths[max(words, key=lambda k: widths[k])] -= 1
+        widths[max(wide, key=lambda k: widths[k])] -= 1
+    for k in range(1, len(widths)):
+        if not numeric[k]:
+            widths[k] = min(widths[k], max(NARROWEST, width - GAP - widths[0]))
     return widths
 
 

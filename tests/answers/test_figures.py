@@ -15,7 +15,7 @@ from oracles.places import PACKAGE
 import gearmesh
 from gearmesh.answers.result import times_apart
 from gearmesh.answers.sheet import DesignSheet
-from gearmesh.answers.tables import figures
+from gearmesh.answers.tables import Listing, align, figures
 from gearmesh.figures import MEMBER, UNITS, Entry, Figures, Summary, figure
 from gearmesh.systems.designs import parse
 from gearmesh.systems.system import SheetTable
@@ -221,3 +221,12 @@ def test_tables_show_edges_in_words() -> None:
     column = {str(row[list(listing.columns).index("contact")]) for row in listing.rows}
     assert "edge: gear heel, gear form point" in column
     assert not any("_" in text for text in column)
+
+
+def test_columns_fold_between_words() -> None:
+    """Columns that do not fit beside the others go on in a further block rather than break a word."""
+    words = ["interferences", "circumferential", "uncharacteristically", "undercut", "semi-topping"]
+    columns = [f"{word} column" for word in words]
+    text = align(Listing("", columns, [[f"{word} of {word}" for word in reversed(words)]] * 2))
+    assert max(map(len, text.splitlines())) <= 80
+    assert set(text.split()) == {*words, "column", "of"}
