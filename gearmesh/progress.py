@@ -1,4 +1,4 @@
-"""How far a long piece of work is.
+"""How far a long piece of work is, and its end before it is done.
 
 A piece of work that takes a `progress` tells it. What takes none, as it is part of other work or has few stages, says `tell`:
 whoever waits for it listens with `listening`, and by default nobody does.
@@ -7,9 +7,11 @@ whoever waits for it listens with `listening`, and by default nobody does.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import TypeVar
+from threading import Event
+from typing import Any, TypeVar
 
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
 Progress = Callable[[float, str], None]
@@ -59,3 +61,34 @@ def in_turn(items: Iterable[Item]) -> Iterator[Item]:
     for k, item in enumerate(every):
         with part(k / len(every), (k + 1) / len(every)):
             yield item
+
+
+_ended: ContextVar[Event | None] = ContextVar("ended", default=None)
+
+
+def side_by_side(work: Callable[..., Item], *arguments: Iterable[Any]) -> list[Item]:
+    """What `work` gives for each set of arguments, as `map` has them, each in a thread of its own.
+
+    Whatever ends the wait for them, as Ctrl-C or an error in one, ends the others where they next say `go_on`.
+    """
+    ended = Event()
+
+    def own(*values: Any) -> Item:
+        _ended.set(ended)
+        return work(*values)
+
+    columns = list(zip(*arguments, strict=True))
+    with ThreadPoolExecutor(len(columns)) as threads:
+        waiting = [threads.submit(own, *values) for values in columns]
+        try:
+            return [result.result() for result in waiting]
+        except BaseException:
+            ended.set()
+            raise
+
+
+def go_on() -> None:
+    """Go on with a piece of work, unless nobody waits for it any more: raises CancelledError then."""
+    ended = _ended.get()
+    if ended is not None and ended.is_set():
+        raise CancelledError

@@ -7,7 +7,6 @@ theta is that of the pinion against the held gear; the gear stays behind by thet
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -27,7 +26,7 @@ from gearmesh.loaded.compliance.threads import one_thread
 from gearmesh.loaded.mounts import FlexibleMount, Supports
 from gearmesh.loaded.root_stress import Pressed, RootStress, root_stress
 from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
-from gearmesh.progress import in_turn, tell
+from gearmesh.progress import in_turn, side_by_side, tell
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
 
@@ -149,8 +148,8 @@ def compliances(
         deep = rim_depth(tooth) if rim else None
         return flank_compliance(tooth, side, material, rim=deep, reach=away, coarser=COARSER)
 
-    with one_thread(), ThreadPoolExecutor(2) as side_by_side:
-        first, second = side_by_side.map(of, gears.both, gears.flanks, materials, by_rim)
+    with one_thread():
+        first, second = side_by_side(of, gears.both, gears.flanks, materials, by_rim)
     return first, second
 
 

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import pytest
-from oracles.places import ROOT
+from oracles.built import pair_of
+from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
+from gearmesh.loaded import sharing
+from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.progress import in_turn, listening, part, tell
+from gearmesh.systems.designs import load
+from gearmesh.teeth.tooth import Tooth
 
 
 @pytest.mark.quick
@@ -45,3 +51,20 @@ def test_search_for_the_contact_of_a_bevel_pair_says_how_far_it_is() -> None:
     assert told == sorted(told)
     # of the first flank, of both
     assert 0.0 < told[0] < 0.5 < told[-2] < told[-1] == 1.0
+
+
+def test_compliances_end_where_nobody_waits_for_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One member's cannot be found: the other's stops at its next layer, in place of taking its seconds."""
+    pair = pair_of(load(SAMPLES / "helical.toml"))
+    done: list[FlankCompliance] = []
+
+    def compliance(tooth: Tooth, *arguments: Any, **keys: Any) -> FlankCompliance:
+        if tooth is pair.pinion.one_tooth:
+            raise KeyboardInterrupt
+        done.append(flank_compliance(tooth, *arguments, **keys))
+        return done[-1]
+
+    monkeypatch.setattr(sharing, "flank_compliance", compliance)
+    with pytest.raises(KeyboardInterrupt):
+        sharing.compliances(pair)
+    assert not done

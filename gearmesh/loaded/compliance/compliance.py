@@ -52,6 +52,7 @@ from gearmesh.loaded.root_tangent import tangent_weights
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, on_breaks, on_stations, usual_rim, whole_rim
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.mesh.hexahedra.layers import layers, running_angle
+from gearmesh.progress import go_on
 from gearmesh.teeth.blank.body import Disc
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
@@ -452,7 +453,10 @@ class Condensed:
         direct = np.concatenate((presses[cut].toarray(), stresses[cut].toarray()), axis=1)
         wanted = np.concatenate((pressed, asked), axis=1)
         condensed = whole[cut][:, cut].toarray() - on_cut.T @ on_cut
-        return Condensed(sector, condensed, direct - on_cut.T @ wanted, wanted.T @ pressed)
+        go_on()
+        asked_of_cuts = direct - on_cut.T @ wanted
+        go_on()
+        return Condensed(sector, condensed, asked_of_cuts, wanted.T @ pressed)
 
     @property
     def loads(self) -> Array:
@@ -481,6 +485,7 @@ def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int) -
     places = np.arange(-reach, reach + 2)
     cuts = np.zeros((len(places), half, loads.shape[1]))
     for k in range(teeth // 2 + 1):
+        go_on()
         phase = np.exp(2j * np.pi * k / teeth)
         system = own + phase * coupling + np.conj(phase) * coupling.T
         solved = cho_solve(cho_factor(system, lower=True, check_finite=False), first + last / phase, check_finite=False)
@@ -511,6 +516,7 @@ def _held_cuts(condensed: Array, loads: Array, turn: Array, teeth: int) -> Array
         factor = cho_factor(matrix.reshape(size, size), lower=True, check_finite=False)
         solved = cho_solve(factor, right[1:-1].reshape(size, -1), check_finite=False).reshape(inner, half, teeth, -1)
         # the first of the inner cuts is that before sector 1
+        go_on()
         for k in range(teeth):
             moved[k, teeth - k : teeth - k + inner] = solved[:, :, k]
     return np.stack([_both(row, turn) for row in moved])

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.progress import go_on
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -45,6 +46,7 @@ class LayeredStiffness:
         diagonal: list[Array] = []
         lower: list[Array] = []
         for k, own in enumerate(members):
+            go_on()
             rows = stiffness[own]
             block = rows[:, own].toarray()
             if k:
@@ -68,6 +70,7 @@ class LayeredStiffness:
         order, begins = self._order(loads)
         back = np.argsort(order)
         for k, own in enumerate(self.members):
+            go_on()
             count = int(begins[k])
             right = loads[own][:, order[:count]].toarray()
             if k:
