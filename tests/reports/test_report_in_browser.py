@@ -164,6 +164,9 @@ def test_browser_shows_pressures_of_the_torque(page: str, browser: Any, tmp_path
     assert all(moved(a, b) > 5e-4 for k, a in enumerate(shown) for b in shown[:k])
     assert ["at 2 Nm: " in told[0], "at 30 Nm: " in told[1]] == [True, True]
     loaded = loaded_contact("beveloid_crossed", (2.0, 10.0, 30.0), 9)
+    # the card has the peak, the scale says where it ends below
+    end, peak = browser.find_element("id", "scale-limit").text, max(load.peak.max() for load in loaded.mesh.loads)
+    assert end.startswith("\u2265 ") == (peak > 1.01 * float(end.removeprefix("\u2265 ")))
     bounds = loaded.mesh.bending[2, :, 0]
     stress = float(told[1].split("root stress pinion ")[1].split(",")[0])
     assert bounds.min() - 0.5 <= stress <= bounds.max() + 0.5

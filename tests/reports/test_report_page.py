@@ -153,6 +153,8 @@ def test_card_reads_as_the_solver_says() -> None:
     """Of gears that fit and of gears that jam: words and units; what jams is the warning that comes first."""
     assert card.error(9.159997e-11, "arcsec") == "below 0.001\u00a0arcsec"
     assert card.span(-0.0325, 0.1) == "\u22120.0325 to 0.1\u00a0mm"
+    assert card.span(-3e-15, 1e-15) == card.length(0.0) == "0\u00a0\u00b5m"
+    assert card.span(0.0, 0.1) == "0 to 0.1\u00a0mm"
     for closer, backlash, note in (
         (0.0, "60\u00a0\u00b5m", "at least "),
         (-0.1, "\u22128.12\u00a0\u00b5m", "negative"),

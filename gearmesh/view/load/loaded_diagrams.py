@@ -38,6 +38,8 @@ LEAST_ERROR = 0.02
 CURVE_OF = 3
 #: parts of the torque by which halves differ, at least
 ALIKE = 1e-3
+#: pressures in this ratio or less read alike
+ROUNDED = 1.005
 #: labels of the halves of double helical gears
 HALVES = ("", ", other half")
 #: positions below which each has its mark
@@ -116,6 +118,12 @@ class LoadedPattern:
     def limit(self) -> float:
         """Pressure, MPa, at which the scale of all panels ends."""
         return scale_limit(self.mesh, [panel.pressure for row in self.rows(tuple(self.panels)) for panel in row])
+
+    @property
+    def above(self) -> bool:
+        """Whether there is pressure above the end of the scale."""
+        peaks = np.concatenate([load.peak for load in self.mesh.loads])
+        return bool(np.nanmax(peaks, initial=0.0) > ROUNDED * self.limit)
 
 
 def footprints(gears: GearPair, mesh: LoadedMesh, torque: int) -> tuple[Footprints, ...]:

@@ -17,6 +17,8 @@ LEAST_LENGTH, IN_MM = 1e-4, 0.1
 MINUS, DEGREE = "\u2212", "\u00b0"
 #: between a number and its unit, which stay together
 BLANK = "\u00a0"
+#: a length that is none
+NOTHING = f"0{BLANK}\u00b5m"
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ def _fit(contact: Contact) -> Iterator[CardFigure]:
     else:
         backlash, least = span(*fit.normal_backlash), length(fit.normal_backlash[0])
         note = "negative: the gears are jammed" if least.startswith(MINUS) else _turn(contact, fit.backlash[0])
-        yield CardFigure("Normal backlash", backlash, "" if least == "0" else note)
+        yield CardFigure("Normal backlash", backlash, "" if least == NOTHING else note)
     if fit is None:
         return
     distances = ["not known" if tip is None else length(tip.distance) for tip in fit.clearances]
@@ -92,7 +94,7 @@ def _fit(contact: Contact) -> Iterator[CardFigure]:
     named = [f"{name} {distance}" for name, distance in zip(contact.pair.members, distances, strict=True)]
     note = "tips of both members" if alike else ""
     deepest = length(max((clash.depth for clash in fit.interference), default=0.0))
-    note = note if deepest == "0" else f"a tip is {deepest} in a fillet"
+    note = note if deepest == NOTHING else f"a tip is {deepest} in a fillet"
     yield CardFigure("Tip clearance", distances[0] if alike else ", ".join(named), note)
 
 
@@ -138,9 +140,8 @@ def error(size: float, unit: str) -> str:
 
 
 def length(value: float, of: float | None = None) -> str:
-    """A length (mm) in mm or um, as `of` is, by default itself; 0 without a unit."""
-    if abs(value) < LEAST_LENGTH:
-        return "0"
+    """A length (mm) in mm or um, as `of` is, by default itself."""
+    value = value if abs(value) >= LEAST_LENGTH else 0.0
     in_mm = abs(value if of is None else of) >= IN_MM
     return f"{number(value)}{BLANK}mm" if in_mm else f"{number(1e3 * value)}{BLANK}\u00b5m"
 

@@ -173,6 +173,7 @@ def _load_data(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
         "pitch": pattern.gears.pitch,
         "phi1": pack(np.radians(curves.degrees)),
         "limit": pattern.limit,
+        "above": pattern.above,
         "loads": loads,
     }
 
@@ -257,7 +258,14 @@ def _pressures(pattern: LoadedPattern, name: str, points: Array) -> dict[str, An
         values = panel.at(panel.plane.frame.places(points))
         shown = np.where(values > FAINTEST * pattern.limit, np.minimum(values, 0.999 * pattern.limit), np.nan)
         by_torque.append(pack(shown))
-    return {"key": "pressure", "label": PRESSURE, "values": by_torque[0], "torques": by_torque, "limit": pattern.limit}
+    return {
+        "key": "pressure",
+        "label": PRESSURE,
+        "values": by_torque[0],
+        "torques": by_torque,
+        "limit": pattern.limit,
+        "above": pattern.above,
+    }
 
 
 def _most(values: Array) -> float:

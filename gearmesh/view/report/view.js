@@ -388,7 +388,7 @@
       amounts.array.set(values.map((value) => (Number.isNaN(value) ? -1e6 : value)));
       amounts.needsUpdate = true;
     }
-    if (key === NOW && current.loaded) shown = { label: "pressure now (MPa)", limit: current.loaded.limit };
+    if (key === NOW && current.loaded) shown = { label: "pressure now (MPa)", limit: current.loaded.limit, above: current.loaded.above };
     const scaled = shown && key !== "pattern";
     element("scale").hidden = !shown;
     element("scale-bar").hidden = element("scale-ends").hidden = !scaled;
@@ -396,7 +396,9 @@
     if (shown) element("scale-label").textContent = scaled ? shown.label : `${shown.label} (compound ${current.delta_um.toPrecision(3)} µm)`;
     if (scaled) {
       element("scale-bar").style.background = `linear-gradient(to right, ${COLOURS.join(", ")})`;
-      element("scale-limit").textContent = shown.limit >= 1000 ? shown.limit.toFixed(0) : shown.limit.toPrecision(3);
+      const limit = shown.limit >= 1000 ? shown.limit.toFixed(0) : shown.limit.toPrecision(3);
+      // small areas have more than the scale
+      element("scale-limit").textContent = shown.above ? `≥ ${limit}` : limit;
     }
     showPosition();
   }
