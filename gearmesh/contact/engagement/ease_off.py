@@ -21,6 +21,8 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 
 #: positions at which the advances of all points are taken: in a pitch, and in a turn at least, as a thread passes in part of one
 PER_PITCH, PER_TURN = 48, 192
+#: mm by which a point of a worm, which conjugate flanks may pass twice, is as near to them at its first passing as at the other
+AS_NEAR = 1e-3
 
 
 @dataclass(frozen=True)
@@ -57,16 +59,21 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
         past = field.beyond.max(axis=0)
         # of threads the gear's flank also passes where it comes from behind: no advance there
         advance = np.where(np.isnan(field.advance), -np.inf, field.advance)
-        nearest = _Nearest.of(phi1, np.where(past <= 0.0, advance, -np.inf))
-        any_nearest = _Nearest.of(phi1, advance)
+        equal = AS_NEAR / _levers(pair, jet.r, jet.n, phi1[advance.argmax(axis=0)])
+        nearest = _Nearest.of(phi1, np.where(past <= 0.0, advance, -np.inf), equal)
+        any_nearest = _Nearest.of(phi1, advance, equal)
         # NaN where no point is most advanced in the middle of the positions
         top = np.fmax.reduce(nearest.advance)
         distance, continued = (
             (top - place.advance) * _levers(pair, jet.r, jet.n, place.phi1) for place in (nearest, any_nearest)
         )
-        beyond = any_nearest.read(past)
+        # a point that worms pass twice goes on where it touches
+        known = np.isfinite(distance)
+        continued = np.where(known, distance, continued)
+        continued_phi1 = np.where(known, nearest.phi1, any_nearest.phi1)
+        beyond = np.where(known, nearest.read(past), any_nearest.read(past))
     shape = grid.shape[:2]
-    parts = (values.reshape(shape) for values in (distance, nearest.phi1, beyond, continued, any_nearest.phi1))
+    parts = (values.reshape(shape) for values in (distance, nearest.phi1, beyond, continued, continued_phi1))
     return EaseOff(jet.r.reshape(*shape, 3), *parts)
 
 
@@ -81,17 +88,20 @@ class _Nearest:
     share: Array
 
     @staticmethod
-    def of(phi1: Array, advance: Array) -> _Nearest:
-        """Of advances (N, K), rad, -inf where there are none."""
-        best = advance.argmax(axis=0)
-        every = np.arange(len(best))
-        k = np.clip(best, 1, len(phi1) - 2)
-        before, at, after = (advance[k + step, every] for step in (-1, 0, 1))
+    def of(phi1: Array, advance: Array, equal: Array) -> _Nearest:
+        """Of advances (N, K), rad, -inf where there are none; of summits that differ by less than `equal` (K,) the first."""
+        before, at, after = advance[:-2], advance[1:-1], advance[2:]
         bend = before - 2.0 * at + after
-        met = np.isfinite(bend) & (bend < 0.0) & (k == best)
-        share = np.where(met, 0.5 * (before - after) / bend, np.nan)
-        greatest = at - 0.25 * (before - after) * share
-        return _Nearest(phi1[best] + share * (phi1[1] - phi1[0]), greatest, k, share)
+        summit = np.isfinite(bend) & (bend < 0.0) & (at >= before) & (at >= after)
+        share = np.where(summit, 0.5 * (before - after) / bend, 0.0)
+        greatest = np.where(summit, at - 0.25 * (before - after) * share, -np.inf)
+        first = (greatest >= advance.max(axis=0) - equal).argmax(axis=0)
+        every = np.arange(len(first))
+        # what is greatest where an edge cuts it off is no summit
+        met = greatest[first, every] >= advance.max(axis=0) - equal
+        met &= summit[first, every]
+        share, height = (np.where(met, values[first, every], np.nan) for values in (share, greatest))
+        return _Nearest(phi1[first + 1] + share * (phi1[1] - phi1[0]), height, first + 1, share)
 
     def read(self, values: Array) -> Array:
         """Values (N, K) there, between two positions straight."""

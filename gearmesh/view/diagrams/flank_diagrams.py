@@ -31,6 +31,8 @@ LONG, LONGEST = 6.0, 7.0
 WIDTH, BESIDE, ABOVE = 10.5, 0.8, 0.85
 #: part of the room about an arrow that it takes; mm within which the edges of two flanks are one
 STAYS, TOGETHER = 0.9, 1e-6
+#: part of the greatest amount that arrows have in the plane at least; part of a flank that a line of equal values spans at least
+SHORTEST, SPECK = 0.25, 0.03
 #: name of the lines of equal values, which are labelled at last
 RINGS = "rings"
 #: what covers the field where a flank has no values
@@ -348,7 +350,8 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
     levels = MaxNLocator(9).tick_values(low, max(high, low + panel.least))
     shown = known if panel.continued is None else np.ma.masked_invalid(np.clip(panel.continued, levels[0], levels[-1]))
     drawn = axes.contourf(x, y, shown, levels=levels, cmap="cividis_r", zorder=1)
-    axes.contour(x, y, shown, levels=levels, colors=[INK], linewidths=0.6, zorder=2, gid=RINGS)
+    rings = axes.contour(x, y, shown, levels=levels, colors=[INK], linewidths=0.6, zorder=2, gid=RINGS)
+    rings.set_paths(_without_specks(rings.get_paths(), panel.places.max(axis=(0, 1)) - panel.places.min(axis=(0, 1))))
     past = None if panel.beyond is None else np.ma.masked_invalid(_past_edges(panel.beyond))
     if past is not None and past.max() > 0.0:
         # cells are cut where the values end
@@ -360,6 +363,18 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
         return
     bar = axes.figure.colorbar(drawn, cax=axes.inset_axes((1.015, 0.0, 0.02, 1.0)))
     bar.ax.tick_params(labelsize=8)
+
+
+def _without_specks(rings: Sequence[Any], size: Array) -> list[Any]:
+    """Lines of equal values without specks, by the `size` (2,) of the flank: between nodes a value may just be reached."""
+    from matplotlib.path import Path as Outline
+
+    kept = []
+    for ring in rings:
+        parts = np.split(ring.vertices, np.flatnonzero(ring.codes == Outline.MOVETO)[1:]) if len(ring) else []
+        lines = [Outline(part) for part in parts if (np.ptp(part, axis=0) > SPECK * size).any()]
+        kept.append(Outline.make_compound_path(*lines))
+    return kept
 
 
 def _label_rings(axes: Any, outline: Array) -> None:
@@ -396,7 +411,7 @@ def _label_rings(axes: Any, outline: Array) -> None:
 
 
 def _draw_arrows(axes: Any, panel: FieldPanel, greatest: float) -> None:
-    """The arrows of a field: one of the `greatest` amount is as long as stays inside of the flank."""
+    """The arrows of a field of up to the `greatest` amount: the largest is as long as stays beside its neighbours."""
     from matplotlib.patheffects import withStroke
 
     assert panel.arrows is not None
@@ -407,12 +422,17 @@ def _draw_arrows(axes: Any, panel: FieldPanel, greatest: float) -> None:
     i = np.unique(np.abs(height - (np.arange(rows)[:, None] + 0.5) / rows).argmin(axis=1))
     j = slice(x.shape[1] // (2 * columns), None, max(x.shape[1] // columns, 1))
     shown = y[i]
-    room = min(np.abs(y[[0, -1]] - shown[[0, -1]]).min(), 0.5 * np.abs(np.diff(shown, axis=0)).min())
+    high = min(np.abs(y[[0, -1]] - shown[[0, -1]]).min(), 0.5 * np.abs(np.diff(shown, axis=0)).min())
+    room = np.array([0.5 * np.abs(np.diff(x[i, j], axis=1)).min(), high])
+    largest = np.nanmax(np.abs(panel.arrows), axis=(0, 1), initial=0.0)
+    # of what goes across the plane, as on worms, an arrow would be a dot
+    if largest.max() < SHORTEST * greatest:
+        return
     # arrows are about their places
     axes.quiver(
         x[i, j], y[i, j], panel.arrows[i, j, 0], panel.arrows[i, j, 1], color=PATH, zorder=7, width=0.0025,
-        angles="xy", scale_units="xy", scale=greatest / (2.0 * STAYS * room), pivot="middle", headlength=3.0, headaxislength=3.0,
-        path_effects=[withStroke(linewidth=1.6, foreground="white")],
+        angles="xy", scale_units="xy", scale=(largest / (2.0 * STAYS * room)).max(), pivot="middle", headlength=3.0,
+        headaxislength=3.0, path_effects=[withStroke(linewidth=1.6, foreground="white")],
     )  # fmt: skip
     if panel.sense:
         axes.plot([], [], ls="", marker=r"$\rightarrow$", ms=12, color=PATH, label=panel.sense)
