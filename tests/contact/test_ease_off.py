@@ -110,7 +110,7 @@ def test_a_single_thread_touches_its_wheel_along_lines_on_the_coast_side_too() -
 
 
 def test_points_of_a_worm_are_read_where_they_touch_first() -> None:
-    """The wheel of an identical hob touches points of the worm twice: along the thread one rotation goes over into the other once."""
+    """The wheel of an identical hob touches points of the worm twice: along the thread one goes over into the other once."""
     ease_off = gm.build(gm.load(SAMPLES / "worm_drive.toml")).ease_off().map
     touching = [phi1[distance < 2e-3] for phi1, distance in zip(ease_off.phi1, ease_off.distance, strict=True)]
     steps = [np.diff(phi1) for phi1 in touching if len(phi1) > 8]
