@@ -72,6 +72,22 @@ def test_a_conjugate_pair_has_none() -> None:
     assert np.nanmax(distance) < 2e-5
 
 
+def test_below_where_it_touches_a_conjugate_flank_is_as_far_beyond_the_tip_as_the_line_of_action_says() -> None:
+    """Near its base circle a point seems to touch the flank that goes on past the tip twice; by the second it is 1.3 mm."""
+    found = gm.build(gm.load(SAMPLES / "helical.toml")).ease_off().map
+    transverse = np.arctan(np.tan(np.radians(20.0)) / np.cos(np.radians(15.0)))
+    radius, pitch_radii = (
+        np.hypot(*found.points[:3, :, :2].T).T,
+        2.5 * np.array([24.0, 48.0]) / np.cos(np.radians(15.0)),
+    )
+    base = pitch_radii * np.cos(transverse)
+    roll = pitch_radii.sum() * np.sin(transverse) - np.sqrt(radius**2 - base[0] ** 2)
+    past = np.hypot(base[1], roll) - (pitch_radii[1] + 5.0)
+    # the flank's table past its end; toe and heel, where both flanks end, are no edges of these
+    np.testing.assert_allclose(found.beyond[:, 1:-1][:1], past[:1, 1:-1], atol=0.1)
+    np.testing.assert_allclose(found.beyond[1:3, 1:-1], past[1:, 1:-1], atol=2e-3)
+
+
 def test_files_hold_the_map(tmp_path: Path) -> None:
     found = gm.build(gm.load(SAMPLES / "zerol.toml")).ease_off()
     told = json.loads(found.save(tmp_path / "map.json").read_text())

@@ -9,7 +9,9 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import gearmesh as gm
-from gearmesh.view.diagrams import plots
+from gearmesh.contact.engagement.turns import FullTurns, Wave
+from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.view.diagrams import plots, turns_plot
 
 RACK = Path(__file__).parents[2] / "samples" / "rack.toml"
 
@@ -63,3 +65,23 @@ def test_roots_join_three_pairs_and_bars_are_the_harmonics(monkeypatch: pytest.M
     spectrum = 2.0 * np.abs(np.fft.rfft(np.interp(phi1, *envelope[inside][order].T))) / 2048
     heights = [bar.get_height() for bar in harmonics.patches]
     np.testing.assert_allclose(heights, spectrum[1 : len(heights) + 1], atol=2e-3)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("amplitude", "lowest", "height"), [(1e-11, 0.009, 0.005), (4.0, 8.0, 4.0)])
+def test_rounding_is_no_error_over_whole_turns(
+    amplitude: float, lowest: float, height: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And no bar stands behind the legend."""
+    kept = []
+    monkeypatch.setattr(turns_plot, "save_figure", lambda figure, file: kept.append(figure))
+    phi1 = np.linspace(0.0, 1.0, 8)
+    te = amplitude * ARCSEC * np.sin(2.0 * np.pi * phi1)
+    wave = Wave("mesh", 8, amplitude * ARCSEC, 0.0)
+    turns_plot.plot_turns("turns.png", FullTurns(1, 8, phi1, te, np.zeros(8, int), np.ones(8), (wave,)), "turns")
+    errors, bars = kept[0].axes
+    FigureCanvasAgg(kept[0]).draw()
+    assert lowest < np.ptp(errors.get_ylim()) < 1.2 * lowest + 0.01
+    top = bars.transData.transform((0.0, amplitude))[1]
+    assert bars.get_ylim()[1] >= height
+    assert top < bars.get_legend().get_window_extent().y0

@@ -137,6 +137,29 @@ def test_fields_that_are_uniform_have_no_scale(monkeypatch: pytest.MonkeyPatch) 
     assert (np.ptp((past > 0.0).sum(axis=0)), (past[0] > 0.0).all(), (past[1:] > 0.0).any()) == (0, True, False)
 
 
+@pytest.mark.quick
+def test_fields_are_cut_at_two_edges_in_a_corner() -> None:
+    """Where the table ends before the corner, it goes on by lines; where no edge is near, what is not known stays so."""
+    x, y = np.meshgrid(np.arange(7.0), np.arange(6.0))
+    value, beyond = 3.0 + 2.0 * x - y, np.maximum(0.6 - 0.4 * x, 1.3 - y)
+    table = (x + y > 2.0) & ((x < 5.0) | (y < 3.0))
+    panel = FieldPanel(
+        "", plane("spiral_bevel_basic", 0), np.stack((x, y), axis=-1), np.where(table & (beyond <= 0.0), value, np.nan), 0.0,
+        continued=np.where(table, value, np.nan), beyond=np.where(table, beyond, np.nan),
+    )  # fmt: skip
+    drawn = flank_diagrams._with_corners(panel)
+    assert drawn.continued is not None
+    assert drawn.beyond is not None
+    # beside (2, 2), which has a value
+    corner = (np.abs(x - 2.0) < 1.5) & (np.abs(y - 2.0) < 1.5)
+    assert (corner & ~table).any()
+    np.testing.assert_allclose(drawn.continued[corner], value[corner], rtol=1e-12)
+    np.testing.assert_allclose(drawn.beyond[corner], beyond[corner], rtol=1e-12, atol=1e-12)
+    assert np.isnan(drawn.beyond[3:, 5:]).all()
+    # cells without a value are not drawn
+    assert np.isnan(drawn.continued[0, 3:]).all()
+
+
 def test_an_end_that_is_nearly_seen_stands_whole() -> None:
     """And has room for its name; what is far from the contact is cut off."""
     flank = np.array([[-45.0, 43.6], [45.0, 51.0]])

@@ -23,6 +23,9 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 PER_PITCH, PER_TURN = 48, 192
 #: mm by which a point of a worm, which conjugate flanks may pass twice, is as near to them at its first passing as at the other
 AS_NEAR = 1e-3
+#: mm within which tables of flanks are right as far past their edges as the mating flank is drawn: near the base circle a point
+#: seems to touch there twice
+PAST_EDGES = 5e-3
 
 
 @dataclass(frozen=True)
@@ -59,9 +62,10 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
         past = field.beyond.max(axis=0)
         # of threads the gear's flank also passes where it comes from behind: no advance there
         advance = np.where(np.isnan(field.advance), -np.inf, field.advance)
-        equal = AS_NEAR / _levers(pair, jet.r, jet.n, phi1[advance.argmax(axis=0)])
-        nearest = _Nearest.of(phi1, np.where(past <= 0.0, advance, -np.inf), equal)
-        any_nearest = _Nearest.of(phi1, advance, equal)
+        levers = _levers(pair, jet.r, jet.n, phi1[advance.argmax(axis=0)])
+        first = np.broadcast_to(np.arange(len(phi1), dtype=float)[:, None], advance.shape)
+        nearest = _Nearest.of(phi1, np.where(past <= 0.0, advance, -np.inf), AS_NEAR / levers, first)
+        any_nearest = _Nearest.of(phi1, advance, PAST_EDGES / levers, past)
         # NaN where no point is most advanced in the middle of the positions
         top = np.fmax.reduce(nearest.advance)
         distance, continued = (
@@ -88,20 +92,20 @@ class _Nearest:
     share: Array
 
     @staticmethod
-    def of(phi1: Array, advance: Array, equal: Array) -> _Nearest:
-        """Of advances (N, K), rad, -inf where there are none; of summits that differ by less than `equal` (K,) the first."""
+    def of(phi1: Array, advance: Array, equal: Array, least: Array) -> _Nearest:
+        """Of advances (N, K), rad, -inf where there are none; of summits that differ by less than `equal` (K,) where `least`
+        (N, K) is least."""
         before, at, after = advance[:-2], advance[1:-1], advance[2:]
         bend = before - 2.0 * at + after
         summit = np.isfinite(bend) & (bend < 0.0) & (at >= before) & (at >= after)
         share = np.where(summit, 0.5 * (before - after) / bend, 0.0)
         greatest = np.where(summit, at - 0.25 * (before - after) * share, -np.inf)
-        first = (greatest >= advance.max(axis=0) - equal).argmax(axis=0)
-        every = np.arange(len(first))
         # what is greatest where an edge cuts it off is no summit
-        met = greatest[first, every] >= advance.max(axis=0) - equal
-        met &= summit[first, every]
-        share, height = (np.where(met, values[first, every], np.nan) for values in (share, greatest))
-        return _Nearest(phi1[first + 1] + share * (phi1[1] - phi1[0]), height, first + 1, share)
+        alike = summit & (greatest >= advance.max(axis=0) - equal)
+        one, every = np.where(alike, least[1:-1], np.inf).argmin(axis=0), np.arange(advance.shape[1])
+        met = alike[one, every]
+        share, height = (np.where(met, values[one, every], np.nan) for values in (share, greatest))
+        return _Nearest(phi1[one + 1] + share * (phi1[1] - phi1[0]), height, one + 1, share)
 
     def read(self, values: Array) -> Array:
         """Values (N, K) there, between two positions straight."""

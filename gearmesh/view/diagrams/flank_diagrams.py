@@ -7,7 +7,7 @@ contact; what is still too long has its heights magnified, and says by how much.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -341,6 +341,7 @@ def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
 def _draw_field(axes: Any, panel: FieldPanel) -> None:
     from matplotlib.ticker import MaxNLocator
 
+    panel = _with_corners(panel)
     known = np.ma.masked_invalid(panel.values)
     if known.count() == 0:
         return
@@ -354,8 +355,9 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
     rings.set_paths(_without_specks(rings.get_paths(), panel.places.max(axis=(0, 1)) - panel.places.min(axis=(0, 1))))
     past = None if panel.beyond is None else np.ma.masked_invalid(_past_edges(panel.beyond))
     if past is not None and past.max() > 0.0:
-        # cells are cut where the values end
-        axes.contourf(x, y, past, levels=[0.0, float(past.max())], colors=[GROUND], zorder=2.5).set_gid(COVER)
+        # cells are cut where the values end; an end that rounding moves moves no pixel
+        levels = [0.0, float(past.max())]
+        axes.contourf(x, y, past, levels=levels, colors=[GROUND], antialiased=True, zorder=2.5).set_gid(COVER)
         axes.fill([], [], facecolor=GROUND, edgecolor=FAINT, lw=0.8, label="not reached by the mating flank")
     if panel.arrows is not None:
         _draw_arrows(axes, panel, max(high, panel.least))
@@ -438,8 +440,46 @@ def _draw_arrows(axes: Any, panel: FieldPanel, greatest: float) -> None:
         axes.plot([], [], ls="", marker=r"$\rightarrow$", ms=12, color=PATH, label=panel.sense)
 
 
+def _with_corners(panel: FieldPanel) -> FieldPanel:
+    """A field on the cells that have values alone, and in all of each: where its table ends before, as in a corner at which cells
+    are cut at two edges, it goes on by straight lines."""
+    if panel.continued is None or panel.beyond is None:
+        return panel
+    continued, beyond = panel.continued, panel.beyond
+    rows, columns = beyond.shape
+    reached, none = np.pad(beyond <= 0.0, 1), np.isnan(beyond)
+    beside = np.logical_or.reduce([reached[i : i + rows, j : j + columns] for i in range(3) for j in range(3)])
+    # the corner itself has its neighbours' lines
+    for _ in range(2):
+        lines, ends = _straight_on(continued), _straight_on(beyond)
+        # of several edges that is passed which is passed most
+        past = np.fmax.reduce(ends)
+        new = none & beside & (past > 0.0)
+        continued = np.where(new, np.fmax.reduce(np.where(ends == past, lines, np.nan)), continued)
+        beyond = np.where(new, past, beyond)
+    return replace(panel, continued=np.where(beside, continued, np.nan), beyond=beyond)
+
+
+def _straight_on(values: Array) -> Array:
+    """Values (4, I, J) at nodes by the straight lines through the next two of either side, in both directions."""
+    padded = np.pad(values, 2, constant_values=np.nan)
+    rows, columns = (slice(2, 2 + count) for count in values.shape)
+
+    def moved(i: int, j: int) -> Array:
+        return padded[rows.start + i : rows.stop + i, columns.start + j : columns.stop + j]
+
+    return np.stack([2.0 * moved(i, j) - moved(2 * i, 2 * j) for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))])
+
+
 def _past_edges(beyond: Array) -> Array:
-    """How far (I, J) places are past the end of the values, less rounding: where both flanks end together, neighbours decide."""
+    """How far (I, J) places are past the end of the values, less rounding: where both flanks end together, neighbours decide.
+
+    Places that are not known are past it, too, beside others that all are: the border of what is covered shows no colour.
+    """
+    rows, columns = beyond.shape
     padded = np.pad(beyond, 1, constant_values=np.nan)
-    around = np.fmin.reduce([padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]])
-    return np.where(np.abs(beyond) < TOGETHER, around, beyond)
+    square = np.stack([[padded[i : i + rows, j : j + columns] for j in range(3)] for i in range(3)])
+    around = np.fmin.reduce([square[0, 1], square[2, 1], square[1, 0], square[1, 2]])
+    past = np.where(np.abs(beyond) < TOGETHER, around, beyond)
+    least = np.fmin.reduce(square.reshape(9, rows, columns))
+    return np.where(np.isnan(beyond) & (least > 0.0), least, past)

@@ -26,7 +26,7 @@ from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, INK, LINES, P
 
 _MARKERS = "osD^v*"
 #: least range of transmission errors that is shown
-_LEAST = 0.01
+LEAST_RANGE = 0.01
 #: least harmonic (arcsec, um) of a cycle whose harmonics are shown
 _LEAST_HARMONIC = 1e-3
 #: least range of backlash that is shown, as a part of it, and what counts as none, deg
@@ -165,7 +165,7 @@ def _draw_errors(axes: Any, path: ContactPath, cycle: Cycle | None, rad: float, 
     if cycle is not None and cycle.gears is not None:
         decides = cycle.gears[1] / rad
     low, high = (float(end) for end in (np.nanmin(decides), np.nanmax(decides)))
-    room = max(0.7 * (high - low), _LEAST / 2)
+    room = max(0.7 * (high - low), LEAST_RANGE / 2)
     axes.set_ylim(low - room, high + room)
     axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"transmission error ({unit})")
 

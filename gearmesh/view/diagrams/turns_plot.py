@@ -8,8 +8,11 @@ import numpy as np
 
 from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.view.diagrams.plots import save_figure, sheet
+from gearmesh.view.diagrams.plots import LEAST_RANGE, save_figure, sheet
 from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
+
+#: height of the bars' plot over its tallest bar: room for what its legend says
+OVER_BARS = 1.25
 
 
 def plot_turns(
@@ -35,13 +38,18 @@ def plot_turns(
     axes.plot(turns.phi1 / (2.0 * np.pi), turns.te / rad, color=CURVES[0], lw=0.9)
     axes.set(xlabel="turns of the pinion, until the same teeth mesh again", ylabel=f"transmission error ({name})")
     axes.margins(x=0.01)
+    # rounding is no error
+    low, high = (float(end) / rad for end in (np.nanmin(turns.te), np.nanmax(turns.te)))
+    if high - low < LEAST_RANGE:
+        axes.set_ylim(0.5 * (low + high - LEAST_RANGE), 0.5 * (low + high + LEAST_RANGE))
     place, names = np.arange(len(turns.waves)), [_name(wave.member, wave.per_turn) for wave in turns.waves]
     bars.bar(place, [wave.amplitude / rad for wave in turns.waves], color=CURVES[0], width=0.7, label="exact contact")
     closed = np.array([wave.closed_amplitude / rad for wave in turns.waves])
     if np.isfinite(closed).any():
         bars.plot(place, closed, ls="", marker="_", ms=22, mew=2.0, color=INK, label="closed form")
     bars.set_xticks(place, names, rotation=90, fontsize=9)
-    bars.set(ylabel=f"amplitude ({name})")
+    tallest = np.nanmax([wave.amplitude / rad for wave in turns.waves] + [*closed], initial=0.5 * LEAST_RANGE)
+    bars.set(ylabel=f"amplitude ({name})", ylim=(0.0, OVER_BARS * tallest))
     bars.legend(fontsize=8, framealpha=0.85)
     for plot in (axes, bars):
         plot.grid(True, color=GRID_LINES, lw=0.8)
