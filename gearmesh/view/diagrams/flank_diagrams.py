@@ -465,10 +465,10 @@ def _straight_on(values: Array) -> Array:
     padded = np.pad(values, 2, constant_values=np.nan)
     rows, columns = (slice(2, 2 + count) for count in values.shape)
 
-    def moved(i: int, j: int) -> Array:
+    def neighbour(i: int, j: int) -> Array:
         return padded[rows.start + i : rows.stop + i, columns.start + j : columns.stop + j]
 
-    return np.stack([2.0 * moved(i, j) - moved(2 * i, 2 * j) for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))])
+    return np.stack([2.0 * neighbour(i, j) - neighbour(2 * i, 2 * j) for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))])
 
 
 def _past_edges(beyond: Array) -> Array:
