@@ -143,6 +143,22 @@ CHANGES: tuple[Change, ...] = (
         "1, less where teeth would be pointed or flanks would not reach the tip",
         "such wheels were refused for an addendum that nobody set",
     ),
+    Change(
+        "0.14.0",
+        ("worm_drive",),
+        "worm.dedendum",
+        "1.2",
+        "1.2, less where the flanks end above the rounding of the root",
+        "steep worms were refused for a root that nobody set",
+    ),
+    Change(
+        "0.14.0",
+        ("worm_drive",),
+        "wheel.face_width",
+        "the standard's, at least half of it where flanks end sooner",
+        "the same, down to a fifth of it where no tooth is sound on half",
+        "such wheels were refused for a face that nobody set",
+    ),
 )
 
 

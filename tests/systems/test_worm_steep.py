@@ -13,7 +13,7 @@ from gearmesh.design.dotted import with_keys
 from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.system import complete_design
-from gearmesh.systems.worm_drive.build import build, wheel_hob
+from gearmesh.systems.worm_drive.build import build, nominal_thread, wheel_hob
 from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.systems.worm_drive.thread import LAND
 from gearmesh.teeth.region import Side
@@ -94,12 +94,13 @@ def test_an_addendum_that_is_left_open_is_no_reason_for_a_refusal(why: str) -> N
     stated = gm.parse(with_keys(keys, [("wheel.addendum", addendum)]))
     assert not any("addendum" in line for line in gm.build(stated).train.warnings)
     with pytest.raises(gm.DesignError, match=rf"^wheel\.addendum = 1: .*{why}"):
-        build(complete_design(gm.parse(with_keys(keys, [("wheel.addendum", 1.0)]))).in_mm())
+        higher = [("wheel.addendum", 1.0), ("wheel.face_width", own.wheel.face_width)]
+        build(complete_design(gm.parse(with_keys(keys, higher))).in_mm())
 
 
 @pytest.mark.sweep
-def test_where_no_addendum_is_enough_a_narrower_face_is_named() -> None:
-    """Seed 45: on a face of 0.3 of what the refusal names flanks reach the tip."""
+def test_where_no_addendum_is_enough_a_narrower_face_is_taken_or_named() -> None:
+    """Seed 45: flanks reach the tip on 0.3 of the usual face, the largest part tried on which they do."""
     keys = {
         "kind": "worm_drive",
         "module": 8.383,
@@ -108,16 +109,81 @@ def test_where_no_addendum_is_enough_a_narrower_face_is_named() -> None:
         "wheel": {"teeth": 65},
         "hob": {"reference_diameter": 68.233},
     }
-    design = complete_design(gm.parse(keys))
+    gears = gm.build(gm.parse(keys))
+    design = gears.design
     assert isinstance(design, WormDriveDesign)
+    usual, width = design.usual_face_width, face_width(gears)
+    assert (width, design.wheel.addendum) == (pytest.approx(0.3 * usual, rel=1e-12), 1.0)
+    assert gears.train.warnings[0].startswith(f"wheel.face_width = {width:.4g}: the default, instead of {usual:g}")
+    wider = complete_design(gm.parse(with_keys(keys, [("wheel.face_width", 0.75 * usual)])))
     with pytest.raises(
         gm.DesignError, match=r"^wheel\.face_width = .*not reach the tip.* 0\.5 to 1 it has.*less"
     ) as refused:
-        build(design.in_mm())
+        build(wider.in_mm())
     assert refused.value.remedies["wheel.face_width"] == -1
-    gm.build(gm.parse(with_keys(keys, [("wheel.face_width", 0.3 * design.usual_face_width)])))
+    stated = gm.parse(with_keys(keys, [("wheel.face_width", usual), ("wheel.addendum", 1.0)]))
     with pytest.raises(gm.DesignError, match=r"^wheel\.addendum = 1: the flank does not reach the tip"):
-        build(complete_design(gm.parse(with_keys(keys, [("wheel.addendum", 1.0)]))).in_mm())
+        build(complete_design(stated).in_mm())
+
+
+#: seeds 87 and 113 of scripts/worm_sweep.py: steep threads, whose flanks end above the rounding of a root 1.2 modules deep
+SHORT: dict[str, dict[str, Any]] = {
+    "ZI": {"module": 3.701, "pressure_angle": 20.21, "worm": {"threads": 3, "form": "ZI", "quotient": 6.385}},
+    "ZK": {"module": 2.428, "pressure_angle": 15.55, "worm": {"threads": 5, "form": "ZK", "quotient": 9.099}},
+}
+
+
+def steep_worm(form: str, **worm: float) -> WormDriveDesign:
+    """A drive of `SHORT` in mm, with a wheel that does not matter."""
+    keys = SHORT[form]
+    wheel = {"teeth": 40, "face_width": 10.0, "addendum": 0.5}
+    data = {"kind": "worm_drive", **keys, "wheel": wheel, "worm": {**keys["worm"], **worm}}
+    design = complete_design(gm.parse(data))
+    assert isinstance(design, WormDriveDesign)
+    return design
+
+
+@pytest.mark.parametrize("form", SHORT)
+def test_a_rounding_is_reached_that_the_end_of_the_flank_leaves_room_for(form: str) -> None:
+    """The flank ends at the base cylinder, a ground one where it is nearest to the axis, looked for on 200,001 points: a
+    rounding is as large as that is above the root, or larger, and touches the flank above, on this side of its end."""
+    thread = nominal_thread(steep_worm(form, dedendum=0.8))
+    p = thread.start + np.linspace(-1.0, 1.0, 200001) * (thread.start if form == "ZI" else 2.0 * thread.module)
+    points, normals = thread.section.axial_section(p)
+    i = int(points[:, 0].argmin())
+    lowest, end, slant = points[i, 0], p[i], normals[i, 0]
+    assert lowest == pytest.approx(thread.base_radius, rel=1e-9) if form == "ZI" else lowest < thread.radius
+    for depth in (0.3, 0.8, 1.2):
+        land = thread.radius - depth * thread.module
+        # where the end's normal is along the rounding's
+        least = max((lowest - land) / (1.0 - slant), 0.0)
+        for radius in (least + np.array([0.001, 0.1, 0.3]) * thread.module).tolist():
+            rounding = thread.root_rounding(land, radius)
+            assert end < rounding.form_point[0] < thread.start
+            # it touches: centre one radius off along the normal, and one over the root
+            (x, z), (n_x, n_z) = (v[0] for v in thread.section.axial_section(np.array([rounding.form_point[0]])))
+            assert x + radius * n_x == pytest.approx(land + radius, rel=1e-12)
+            assert rounding.arc.centre == pytest.approx((land + radius - thread.radius, -z - radius * n_z), abs=1e-9)
+        if least:
+            with pytest.raises(gm.DesignError, match="does not reach"):
+                thread.root_rounding(land, 0.999 * least)
+
+
+def test_a_dedendum_that_is_left_open_is_no_reason_for_a_refusal() -> None:
+    """The largest step of 0.05 at which the rounding 0.2 begins below the base cylinder; the wheel's tip keeps its clearance."""
+    design = steep_worm("ZI")
+    base = (design.reference_diameter / 2.0 - nominal_thread(design).base_radius) / design.axial_module
+    dedendum = 0.05 * np.floor((base + 0.2) / 0.05)
+    assert design.worm.dedendum == pytest.approx(dedendum, rel=1e-9)
+    (line,) = build(design).warnings
+    assert line.startswith(f"worm.dedendum = {dedendum:.4g}: the default, instead of 1.2 because the flanks")
+    assert not build(steep_worm("ZI", dedendum=design.worm.dedendum)).warnings
+    with pytest.raises(gm.DesignError, match=r"^worm\.root_rounding = 0\.2: the flank does not reach"):
+        build(steep_worm("ZI", dedendum=design.worm.dedendum + 0.05))
+    wheel = {"wheel": {"teeth": 58}, "shaft_angle": 104.13, "hob": {"reference_diameter": 26.877}}
+    free = gm.parse({**SHORT["ZI"], "kind": "worm_drive", **wheel})
+    assert isinstance(own := complete_design(free), WormDriveDesign)
+    assert own.wheel.addendum == pytest.approx(dedendum - 0.2, rel=1e-9)
 
 
 @pytest.mark.filterwarnings("error")

@@ -28,7 +28,7 @@ from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.standards.iso10828 import ThreadForm, lead_angle
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
-from gearmesh.systems.worm_drive.design import ADDENDUM, ROUNDING, WormDriveDesign
+from gearmesh.systems.worm_drive.design import ADDENDUM, DEDENDUM, WormDriveDesign
 from gearmesh.systems.worm_drive.helical_wheel import helical_wheel
 from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, Rounding, RunOut, WormThread
 from gearmesh.systems.worm_drive.wheel import Throat, WormHob, crossed_axes, prove_wheel
@@ -82,9 +82,9 @@ NARROWER = (
 )
 #: parts of the usual addendum of a wheel that are tried, and why a lower one is taken
 ADDENDUM_SHARES = np.linspace(1.0, 0.5, 11)
-LOWER = "teeth would be pointed, or flanks would not reach the tip"
-#: parts of the usual rounding of roots that are tried, and the land between two of them that is left at least, in axial modules
-ROUNDING_SHARES, LEAST_LAND = np.linspace(1.0, 0.0, 11), 0.002
+LOWER = "teeth would be pointed, flanks would not reach the tip, or the worm's root would be too near"
+#: why a lower dedendum of the worm is taken
+SHALLOWER = "the flanks of these steep threads end above the rounding of the root"
 #: height of the flanks that run-outs leave, in axial modules, or as a multiple of a broken tip edge, and the steepest angle (rad)
 #: at which their root rises
 LEFT, EDGE, STEEPEST = 0.05, 1.5, math.radians(70.0)
@@ -113,13 +113,25 @@ def build(design: WormDriveDesign) -> GearTrain:
         ratio=design.worm.threads / design.wheel.teeth,
         delta=design.contact.delta,
     )
-    standards = {"wheel.face_width": _usual_width(design), "wheel.addendum": (ADDENDUM, LOWER)}
+    standards = {
+        "worm.dedendum": (DEDENDUM, SHALLOWER),
+        "wheel.face_width": _usual_width(design),
+        "wheel.addendum": (ADDENDUM, LOWER),
+    }
     return GearTrain(design.kind, (pair,), unusual_defaults(design, standards))
 
 
 def _usual_width(design: WormDriveDesign) -> tuple[float, str]:
     """The face width of DIN 3975 and why the default may be another one."""
     return design.usual_face_width, "the flanks of these steep threads end sooner towards one end of the face"
+
+
+def usual_addendum(design: WormDriveDesign) -> float:
+    """The coefficient of the wheel's addendum that a design leaves open, as far as the teeth have room: with the usual clearance
+    of a worm's root that is shallower than usual by itself."""
+    if design.sets("worm.dedendum"):
+        return ADDENDUM
+    return round(ADDENDUM - (DEDENDUM - design.worm.dedendum), 6)
 
 
 def refuse_tools(design: WormDriveDesign) -> None:
@@ -307,25 +319,6 @@ def root_rounding(design: WormDriveDesign, side: int) -> Rounding:
         raise VagueError("worm.root_rounding", spec.root_rounding, reason=why) from failure
 
 
-def usual_rounding(design: WormDriveDesign) -> float:
-    """The coefficient of root roundings that a design leaves open: `ROUNDING`, or as much of it, in steps, as leaves those of both
-    flanks of a space side by side; where none does, or the flanks reach none, `ROUNDING`."""
-    spec, m = design.worm, design.axial_module
-    # of threads that grow thicker along the axis spaces are narrowest at one end
-    narrower = abs(spec.dual_lead) * (0.5 * spec.length + spec.run_out)
-    rounding: float
-    for rounding in (ROUNDING * ROUNDING_SHARES).round(6).tolist():
-        open_to = design.fill({"worm.root_rounding": rounding})
-        try:
-            sides = [(worm_thread(open_to, side).axial_pitch, root_rounding(open_to, side)) for side in (1, -1)]
-        except DesignError:
-            break
-        # arcs end on the root under their centres
-        if all(0.5 * pitch - narrower + own.arc.centre[1] > LEAST_LAND * m for pitch, own in sides):
-            return rounding
-    return ROUNDING
-
-
 def _run_out(design: WormDriveDesign, form_radii: list[float]) -> RunOut | None:
     """The run-outs of the threads, None where they are cut square: until what is left of the flanks is no higher than `LEFT`, or a
     broken tip edge. Raises DesignError for one that is too short."""
@@ -365,9 +358,9 @@ def _prove(
     spec: MemberBody,
     prove: Callable[[Tooth], None] = Tooth.prove,
     *,
-    lowered: bool = False,
+    lowered: float = 0.0,
 ) -> Tooth:
-    """The tooth, if it can be trimmed; `lowered`: lower addenda than that of `spec` have been tried, in vain."""
+    """The tooth, if it can be trimmed; `lowered`: addenda from this one down have been tried, in vain."""
     try:
         prove(tooth)
     except TrimError as failure:
@@ -377,7 +370,7 @@ def _prove(
         why = f"{failure} at z = {tooth.stations(failure.station):.4g} mm"
         if lowered and failure.what == "tip":
             key, allowed, remedies = NARROWER
-            why += f", whatever {name}.addendum from {ADDENDUM * ADDENDUM_SHARES[-1]:g} to {ADDENDUM:g} it has"
+            why += f", whatever {name}.addendum from {lowered * ADDENDUM_SHARES[-1]:g} to {lowered:g} it has"
         raise vague(
             f"{name}.{key}",
             getattr(spec, key),
@@ -395,7 +388,8 @@ def _prove(
 
 def _wheel(design: WormDriveDesign) -> Member:
     spec, hob = design.wheel, wheel_hob(design)
-    tooth = _prove("wheel", wheel_tooth(design), spec, prove_wheel, lowered=not design.sets("wheel.addendum"))
+    lowered = 0.0 if design.sets("wheel.addendum") else usual_addendum(design)
+    tooth = _prove("wheel", wheel_tooth(design), spec, prove_wheel, lowered=lowered)
     blank, smallest = tooth.blank, hob.distance - hob.tip_radius
     tooth = with_tip_edge("wheel", tooth, spec)
     root = float(blank.root.at(0.5 * spec.face_width))

@@ -36,8 +36,8 @@ FORMS_OF = {
 SAME_LENGTH = 1e-9
 #: Roundings of the worm's root and of the hob's tip, in axial modules.
 ROUNDING = 0.2
-#: Addendum of the wheel, in axial modules.
-ADDENDUM = 1.0
+#: Addendum of the wheel and dedendum of the worm, in axial modules.
+ADDENDUM, DEDENDUM = 1.0, 1.0 + CLEARANCE
 
 
 class ThreadCount(Table):
@@ -104,8 +104,16 @@ class WormTable(MemberBody, ThreadCount):
         float, Key("coefficient", "tip above the reference cylinder", low=0, high=3, source="DIN 3975")
     ] = 1.0
     dedendum: Annotated[
-        float, Key("coefficient", "root below the reference cylinder", low=0, high=3, source="DIN 3975")
-    ] = 1.0 + CLEARANCE
+        float,
+        Key(
+            "coefficient",
+            "root below the reference cylinder",
+            low=0,
+            high=3,
+            default="1.2, less where the flanks end above its rounding",
+            source="DIN 3975",
+        ),
+    ] = DERIVED
     root_rounding: Annotated[
         float,
         Key(

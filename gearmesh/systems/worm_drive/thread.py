@@ -15,6 +15,7 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.helicoid import GeneratingCurve, Helicoid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.meridian import Values
 from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.tools.profile import Profile
@@ -25,6 +26,8 @@ from gearmesh.tools.worm_threads import DiskLine, PlaneEdge, TransverseInvolute
 STEPS, ARRIVED = 60, 1e-13
 #: part of itself by which a parameter is changed to see what it does
 STEP = 1e-6
+#: over how many depths of root or tip, either way, a flank is followed to a rounding, and in how many steps each
+REACH, STATIONS = 4.0, 64
 #: profile parameter of a rounding where it touches root or tip cylinder
 LAND = 0.5 * math.pi
 
@@ -184,20 +187,41 @@ class WormThread:
         return self._rounding(land, radius, 1)
 
     def _rounding(self, land: float, radius: float, convex: int) -> Rounding:
-        section = self.section
-        p = self.at_radius(land + (-convex) * radius * (1.0 - math.sin(self.normal_angle)))
+        """Where the rounding's centre is at its height: the one place on the sheet of the flank that goes through the reference
+        cylinder, which ends in a cusp nearest to the axis, as an involute on its base cylinder."""
+        section, level = self.section, land - convex * radius
 
-        def centre(p: float) -> Array:
-            points, normals = section.axial_section(np.array(p))
-            return np.asarray(points - convex * radius * normals)
+        def over(p: Array) -> Array:
+            """Height of the centre over its own."""
+            points, normals = section.axial_section(p)
+            return np.asarray(points[..., 0] - convex * radius * normals[..., 0] - level)
 
-        level = land - convex * radius
-        if math.isfinite(p):
-            p = _root(lambda p: float(centre(p)[0]) - level, p, STEP * max(1.0, abs(p)))
-        if not math.isfinite(p):
+        def slope(p: Array) -> Array:
+            """How the distance from the axis grows with p."""
+            at = section.curve.at(p)
+            return np.asarray((at.c * at.c_p)[..., :2].sum(axis=-1) / np.hypot(at.c[..., 0], at.c[..., 1]))
+
+        rate = float(slope(np.array(self.start)))
+        stations = self.start + REACH * (land - self.radius) / rate * np.linspace(-1.0, 1.0, 2 * STATIONS + 1)
+        # beyond its end a flank may be none
+        with np.errstate(all="ignore"):
+            heights, rises = over(stations), slope(stations) * rate
+            ends = np.flatnonzero(~(rises > 0.0))
+            first = int(ends[ends < STATIONS].max(initial=-1)) + 1
+            last = int(ends[ends > STATIONS].min(initial=len(stations))) - 1
+            if last + 1 < len(stations) and math.isfinite(rises[last + 1]):
+                last += 1
+                stations[last] = bracketed_root(lambda p, _: slope(p), *stations[last - 1 : last + 1, None]).values[0]
+                heights[last] = over(stations[last])
+        crossings = np.flatnonzero(heights[first:last] * heights[first + 1 : last + 1] <= 0.0)
+        if not crossings.size:
             raise DesignError("rounding", radius, unit="mm", reason="the flank does not reach it")
-        (x, z), (n_x, n_z) = centre(p), section.axial_section(np.array(p))[1]
-        return Rounding(Arc((float(x) - self.radius, -float(z)), convex * radius), (p, math.atan2(n_x, n_z)))
+        i = first + int(crossings[-1])
+        p = bracketed_root(lambda p, _: over(p), *stations[i : i + 2, None]).values
+        points, normals = section.axial_section(p)
+        x, z = (points - convex * radius * normals)[0].tolist()
+        form_point = (float(p[0]), math.atan2(*normals[0].tolist()))
+        return Rounding(Arc((x - self.radius, -z), convex * radius), form_point)
 
 
 @dataclass(frozen=True)
