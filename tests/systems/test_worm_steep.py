@@ -93,9 +93,9 @@ def test_an_addendum_that_is_left_open_is_no_reason_for_a_refusal(why: str) -> N
     assert line.startswith(f"wheel.addendum = {addendum:.4g}: the default, instead of 1 because teeth would be pointed")
     stated = gm.parse(with_keys(keys, [("wheel.addendum", addendum)]))
     assert not any("addendum" in line for line in gm.build(stated).train.warnings)
+    usual = [("wheel.addendum", 1.0), ("wheel.face_width", own.usual_face_width)]
     with pytest.raises(gm.DesignError, match=rf"^wheel\.addendum = 1: .*{why}"):
-        higher = [("wheel.addendum", 1.0), ("wheel.face_width", own.wheel.face_width)]
-        build(complete_design(gm.parse(with_keys(keys, higher))).in_mm())
+        build(complete_design(gm.parse(with_keys(keys, usual))).in_mm())
 
 
 @pytest.mark.sweep
