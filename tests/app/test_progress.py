@@ -31,7 +31,12 @@ def test_parts_are_fractions_of_the_whole() -> None:
 
 
 @pytest.mark.parametrize(
-    ("ask", "least"), [(lambda gears: gears.check(0.05), 8), (lambda gears: gears.finite_elements(), 5)]
+    ("ask", "least"),
+    [
+        (lambda gears: gears.check(0.05), 8),
+        (lambda gears: gears.finite_elements(), 5),
+        (lambda gears: gears.composite(), 4),
+    ],
 )
 def test_long_answers_say_how_far_they_are(ask: Callable[[gm.Gears], object], least: int) -> None:
     tables = {"pinion": {"teeth": 18, "face_width": 10}, "gear": {"teeth": 24, "face_width": 10}}

@@ -24,8 +24,12 @@ from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.metrology.measured_teeth import MeasuredTeeth, pitch_radius
 from gearmesh.metrology.pitch import index_angles
+from gearmesh.progress import part
 from gearmesh.systems.system import system_of
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
+
+#: part of the work that the single-flank test is
+SINGLE = 0.4
 
 
 @dataclass(frozen=True)
@@ -168,8 +172,11 @@ def composite_test(
         return replace(member, index=index_angles(given[member.name].pitch, radii[member.name]))
 
     pair = replace(pair, pinion=at_places(pair.pinion), gear=at_places(pair.gear))
-    single = pitch_turns(pair)
-    double = None if centre_distance(pair) is None else tight_mesh(pair)
+    parallel = centre_distance(pair) is not None
+    with part(0.0, SINGLE if parallel else 1.0):
+        single = pitch_turns(pair)
+    with part(SINGLE, 1.0):
+        double = tight_mesh(pair) if parallel else None
     return CompositeTest(design, pair, single, double, radii[pair.gear.name], train.warnings)
 
 

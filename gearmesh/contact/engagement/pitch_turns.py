@@ -25,6 +25,7 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.progress import in_turn
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
 
@@ -52,8 +53,9 @@ def pitch_turns(pair: GearPair) -> FullTurns:
     refuse_too_many(pair)
     pitches = pitches_until_repeat(pair)
     per_pitch = max(LEAST, min(PER_PITCH, PLENTY // pitches))
-    forwards, carrier = shifted_advance(pair, pitches, per_pitch)
-    backwards, _ = shifted_advance(reversed_pair(pair), pitches, per_pitch)
+    (forwards, carrier), (backwards, _) = (
+        shifted_advance(own, pitches, per_pitch) for own in in_turn((pair, reversed_pair(pair)))
+    )
     te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
     waves = tuple(
         replace(wave, closed_amplitude=math.nan, closed_crest=math.nan)

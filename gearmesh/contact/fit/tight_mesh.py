@@ -15,6 +15,7 @@ from gearmesh.contact.fit.fit import centre_distance, play, reversed_pair
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.progress import in_turn, listening, part, tell
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.micro_geometry.index_angles import EVEN
 
@@ -24,6 +25,8 @@ PER_PITCH = 12
 STEPS, NO_PLAY = 12, 1e-9
 #: first step of that search by the play at the gear's radius, and the least, mm
 FIRST, SHORTEST = 1.2, 1e-3
+#: part of the work that the search is
+FOUND = 0.4
 
 
 @dataclass(frozen=True)
@@ -58,9 +61,13 @@ def tight_mesh(pair: GearPair) -> TightMesh:
     if distance is None:
         raise DesignError("pair", pair.name, reason="its axes are not parallel", allowed="pairs with a centre distance")
     refuse_too_many(pair)
-    moved, slope = _tight(_even(pair), distance)
+    # the number of its steps is not known
+    with listening(None):
+        moved, slope = _tight(_even(pair), distance)
+    tell(FOUND)
     pitches = pitches_until_repeat(pair)
-    b = _play(_apart(pair, moved), pitches)
+    with part(FOUND, 1.0):
+        b = _play(_apart(pair, moved), pitches)
     phi1 = np.arange(pitches * PER_PITCH, dtype=float) * (pair.pitch / PER_PITCH)
     return TightMesh(phi1, np.asarray(distance + moved - b / slope), distance + moved, PER_PITCH)
 
@@ -93,7 +100,8 @@ def _least_play(pair: GearPair) -> float:
 
 def _play(pair: GearPair, pitches: int) -> Array:
     """Rotations (P,), rad, of the gear between its first touches on both sides."""
-    forwards, backwards = (shifted_advance(own, pitches, PER_PITCH)[0] for own in (pair, reversed_pair(pair)))
+    both = in_turn((pair, reversed_pair(pair)))
+    forwards, backwards = (shifted_advance(own, pitches, PER_PITCH)[0] for own in both)
     return play(pair, forwards + backwards)
 
 
