@@ -293,3 +293,5 @@ def test_features_follow_their_parameters(tmp_path: Path) -> None:
         assert [words == ["Up-to-date"] for words in steps[step]["states"]] == [step != "refused", True, True]
     assert np.degrees(steps["changed"]["turn"]["pinion"]) == pytest.approx(90.0, abs=1e-9)
     assert "gearmesh: error: pinion.teeth = 2: must be a whole number from 3 to 10000" in printed
+    # three times solids were made anew, and one was refused
+    assert printed.count("gearmesh: solids of Helical gears z 24/48\n") == 4
