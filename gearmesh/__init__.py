@@ -111,8 +111,10 @@ if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
     from gearmesh.systems.system import System, ToolPart, kinds, register, system
     from gearmesh.systems.worm_drive.design import WormDriveDesign
-    from gearmesh.teeth.blank.features import Drilling, Opening
-    from gearmesh.teeth.blank.halves import AxialGap
+    from gearmesh.teeth.blank.body import TurnedStep
+    from gearmesh.teeth.blank.features import Boss, Drilling, Opening, Slot
+    from gearmesh.teeth.blank.halves import AxialGap, HalfGear
+    from gearmesh.teeth.end_strip import SharpOutline
     from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
     from gearmesh.teeth.mount import Mount
     from gearmesh.teeth.region import Region, Side
@@ -132,6 +134,7 @@ __all__ = [
     "AxialGap",
     "BacklashCurve",
     "BeveloidDesign",
+    "Boss",
     "Cad",
     "CandidateFigures",
     "Check",
@@ -177,6 +180,7 @@ __all__ = [
     "GearmeshError",
     "Gears",
     "Grid",
+    "HalfGear",
     "HypoidDesign",
     "Inspection",
     "InspectionFigures",
@@ -229,11 +233,13 @@ __all__ = [
     "SetCandidate",
     "SetFigures",
     "SettingFigures",
+    "SharpOutline",
     "Side",
     "SideContact",
     "SingleGearDesign",
     "SingleRackDesign",
     "Sizing",
+    "Slot",
     "Solid",
     "Solids",
     "SpiralBevelDesign",
@@ -251,6 +257,7 @@ __all__ = [
     "TopographyFigures",
     "TotalFigures",
     "TriangleMesh",
+    "TurnedStep",
     "UnloadedFiniteElements",
     "VHCheck",
     "VarianceShare",
@@ -464,8 +471,10 @@ _HOMES = {
         "system",
     ),
     "gearmesh.systems.worm_drive.design": ("WormDriveDesign",),
-    "gearmesh.teeth.blank.features": ("Drilling", "Opening"),
-    "gearmesh.teeth.blank.halves": ("AxialGap",),
+    "gearmesh.teeth.blank.body": ("TurnedStep",),
+    "gearmesh.teeth.blank.features": ("Boss", "Drilling", "Opening", "Slot"),
+    "gearmesh.teeth.blank.halves": ("AxialGap", "HalfGear"),
+    "gearmesh.teeth.end_strip": ("SharpOutline",),
     "gearmesh.teeth.gear_train": (
         "GearPair",
         "GearTrain",

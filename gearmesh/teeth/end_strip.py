@@ -202,9 +202,28 @@ class SharpOutline:
         )
 
     def inside(self, width: float) -> Array:
-        """Points (N, 3) of the curve `width` (mm) inside it, as the chamfer's outline, by samples of this one.
+        """Points of the curve inside it, as the outline of a chamfered end face, by samples of this one.
 
-        Raises TrimError as `EndStrip`.
+        Parameters
+        ----------
+        width : float
+            How far inside, mm.
+
+        Returns
+        -------
+        ndarray
+            (N, 3), own frame, mm.
+
+        Raises
+        ------
+        TrimError
+            Where the chamfer leaves no land, or turns back inside a curve that is bent more.
+
+        Examples
+        --------
+        >>> toe, heel = gears.members["pinion"].tooth.sharp_outlines
+        >>> bool(np.allclose(heel.inside(0.2)[:, 2], heel.inside(0.1)[0, 2]))
+        True
         """
         arcs = [_SampledPiece.of(piece, width) for piece in self.pieces]
         pieces = _pieces(list(arcs), [(arc.link, arc.span) for arc in arcs], self.step)

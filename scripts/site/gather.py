@@ -24,6 +24,8 @@ MARKDOWN_LINK = re.compile(r"\[([^][]*)\]\(([^)\s#]+)\)")
 FIGURES = re.compile(r"^<!-- figures -->.*^<!-- /figures -->\n", re.DOTALL | re.MULTILINE)
 #: languages of fenced blocks that are followed by the name of their file
 NAMED = re.compile(r"^```(\w+) (\S+)$", re.MULTILINE)
+#: the rows of a table that a notebook shows
+TABLE = re.compile(r"<table[^>]*>(.*)</table>", re.DOTALL)
 
 
 def gather(source: Path) -> None:
@@ -45,7 +47,7 @@ def gather(source: Path) -> None:
 
 
 def _notebook(path: Path, folder: Path) -> None:
-    """A notebook as a page: its cells in order, each with the texts and pictures that it gave."""
+    """A notebook as a page: its cells in order, each with the texts, tables and pictures that it gave."""
     parts = []
     for number, cell in enumerate(json.loads(path.read_text(encoding="utf-8"))["cells"]):
         text = "".join(cell["source"])
@@ -57,6 +59,10 @@ def _notebook(path: Path, folder: Path) -> None:
                 picture.parent.mkdir(exist_ok=True)
                 picture.write_bytes(b64decode("".join(data["image/png"])))
                 parts.append(f"![output of the cell above](pictures/{picture.name})")
+            elif table := TABLE.search("".join(data.get("text/html", ""))):
+                # as Furo has its own; without blank lines, which end what is HTML
+                rows = re.sub(r"\s*\n\s*", "\n", table[1].strip())
+                parts.append(f'<div class="table-wrapper"><table class="docutils">\n{rows}\n</table></div>')
             elif printed := "".join(output.get("text", data.get("text/plain", ""))):
                 parts.append(f"```text\n{printed.rstrip()}\n```")
     page = folder / f"{path.stem}.md"

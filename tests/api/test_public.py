@@ -72,7 +72,7 @@ def annotated(name: str) -> Iterator[str]:
 
 #: what the blank of a member, the conditions of contact and the chain of a tooth are made of: parts whose methods serve the
 #: mesher, the solver and CAD, which properties of `Member`, `Tooth`, `GearPair` and `Engagement` hand on to them
-WORKINGS = {"Body", "Boss", "Contacts", "EndStrip", "HalfGear", "Joint", "Link", "SharpOutline", "Slot"}
+WORKINGS = {"Body", "Contacts", "EndStrip", "Joint", "Link"}
 
 
 def own_classes() -> set[str]:

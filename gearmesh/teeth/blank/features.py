@@ -27,7 +27,23 @@ class Slot:
     depth: float
 
     def in_bore(self, radius: float) -> Outline:
-        """The outline of a bore of this radius with the keyway on +x: the arc, and from its end the three lines."""
+        """The outline of a bore with the keyway on +x: the arc, and from its end the three lines.
+
+        Parameters
+        ----------
+        radius : float
+            Of the bore, mm.
+
+        Returns
+        -------
+        tuple of PlaneCurve
+            Closed, counterclockwise, in the plane across the axis, mm.
+
+        Examples
+        --------
+        >>> len(gm.Slot(width=6.0, depth=2.8).in_bore(10.0))
+        4
+        """
         half, bottom = 0.5 * self.width, radius + self.depth
         first = float(np.arcsin(half / radius))
         near = radius * np.cos(first)
@@ -36,7 +52,23 @@ class Slot:
         return arc, *(PlaneLine(corners[k], corners[k + 1]) for k in range(3))
 
     def reach(self, radius: float) -> float:
-        """How far from the axis its corners are, in a bore of this radius."""
+        """How far from the axis its corners are.
+
+        Parameters
+        ----------
+        radius : float
+            Of the bore, mm.
+
+        Returns
+        -------
+        float
+            mm.
+
+        Examples
+        --------
+        >>> round(gm.Slot(width=6.0, depth=2.8).reach(10.0), 3)
+        13.147
+        """
         return float(np.hypot(radius + self.depth, 0.5 * self.width))
 
 
@@ -49,6 +81,7 @@ class Boss:
 
     @property
     def step(self) -> TurnedStep:
+        """It as a step on the end face of a body."""
         return TurnedStep(0.5 * self.diameter, 0.5 * self.diameter, self.length, Region.HUB)
 
 

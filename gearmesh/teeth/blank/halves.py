@@ -47,11 +47,43 @@ class HalfGear:
         return Rigid(np.diag([1.0, 1.0, -1.0]), np.array([0.0, 0.0, 2.0 * self.plane]))
 
     def points(self, points: Array) -> Array:
-        """Points (..., 3) of the tooth in this row."""
+        """Points of the tooth in this row.
+
+        Parameters
+        ----------
+        points : ndarray
+            (..., 3), of the member's tooth as it is, own frame, mm.
+
+        Returns
+        -------
+        ndarray
+            (..., 3), mm.
+
+        Examples
+        --------
+        >>> gm.HalfGear(plane=4.0).points(np.array([1.0, 2.0, 3.0])).tolist()
+        [1.0, 2.0, 5.0]
+        """
         return points if self.plane is None else self.motion.point(points)
 
     def vectors(self, vectors: Array) -> Array:
-        """Vectors (..., 3), such as normals, of the tooth in this row."""
+        """Vectors, such as normals, of the tooth in this row.
+
+        Parameters
+        ----------
+        vectors : ndarray
+            (..., 3), of the member's tooth as it is, own frame.
+
+        Returns
+        -------
+        ndarray
+            (..., 3).
+
+        Examples
+        --------
+        >>> gm.HalfGear(plane=4.0).vectors(np.array([0.0, 0.6, 0.8])).tolist()
+        [0.0, 0.6, -0.8]
+        """
         return vectors if self.plane is None else self.motion.vector(vectors)
 
 
