@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.conditions.even_edges import to_middle
 from gearmesh.contact.conditions.lines import trace
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts
@@ -113,6 +114,8 @@ def _result(pair: Pair, asked: Array, rotation: Array, contacts: Contacts, start
     """Everything reported, from the unknowns; the last position, phi1 = 0, only serves as the reference of TE."""
     count = len(asked)
     lines: list[Array | None] = [None] * count
+    for number, part in enumerate(pair.parts):
+        to_middle(part, rotation, contacts, number)
     along = np.flatnonzero(contacts.line)
     if along.size:
         for which, piece in pair.pieces(contacts.x[along]):

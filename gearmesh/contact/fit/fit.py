@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.conditions.even_edges import to_middle
 from gearmesh.contact.conditions.lines import trace
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts
@@ -353,13 +354,13 @@ def _off_axis(r: Array, axis: Array) -> float:
 
 
 def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float, Array]:
-    """Distance (mm) from the gear's axis of the normal at contact k, of the fillet where one touches, and its point (3,); of a line
-    of contact its middle counts, as any point of it may have been found."""
-    part, x = pair.parts[contacts.part[k]], contacts.x[[k]]
-    if contacts.line[k]:
-        x = trace(part, phi1[[k]], x).x
-    touch = Conditions(part.flanks, phi1, pair.length).touch(x, np.array([k]))
-    jet, gear = touch.fixed[1 if contacts.part[k] == 2 else 0], part.gear.mount
+    """Distance (mm) from the gear's axis of the normal at contact k, of the fillet where one touches, and its point (3,); of
+    contact along a line or an edge the middle counts, as any point of it may have been found."""
+    part, own, phi1 = pair.parts[contacts.part[k]], contacts.at(np.array([k])), phi1[[k]]
+    to_middle(part, phi1, own, int(own.part[0]))
+    x = trace(part, phi1, own.x).x if own.line[0] else own.x
+    touch = Conditions(part.flanks, phi1, pair.length).touch(x, np.array([0]))
+    jet, gear = touch.fixed[1 if own.part[0] == 2 else 0], part.gear.mount
     return float(np.abs(dot(jet.n, gear.velocity(jet.r)))[0]), jet.r[0]
 
 
