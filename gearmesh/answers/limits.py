@@ -74,6 +74,13 @@ class SideLimitFigures(Figures):
         """The same and the parameters of the limiting line."""
         return {**self.columns, **self.limiting_line.parameters}
 
+    @property
+    def losses(self) -> dict[str, float]:
+        """What undercut takes away over the whole face, by keys."""
+        keys = ("lost_share", "undercut_face_share", "greatest_lost_share", "greatest_lost_at_mm")
+        own = {entry.key: entry.value for entry in self.entries}
+        return {key: own[key] for key in keys}
+
 
 @dataclass(frozen=True)
 class MemberLimitFigures(Figures):
@@ -191,6 +198,10 @@ class Limits(Result):
                 for station, *values in _rows(data.stations, columns.values())
             ]
             tables.append(Listing(f"Undercut of the {name}", (place, "side", *_heads(sides["right"])), rows))
+            if any(side.undercut.any() and side.lost_share > 0.0 for side in data.sides.values()):
+                rows = [[key, *map(_round, side.losses.values())] for key, side in data.sides.items()]
+                heads = ("side", *_heads(data.sides["right"].losses))
+                tables.append(Listing(f"Undercut of the {name}: what of the tool's flank is lost", heads, rows))
             rows = [list(row) for row in _rows(data.stations, tips.values())]
             tables.append(Listing(f"Pointing of the {name}", (place, *_heads(tips)), rows))
         return tables

@@ -274,6 +274,28 @@ def test_share_of_the_flank_that_undercut_removes(name: str) -> None:
     assert 0.0 < known.lost_share < 0.25
 
 
+@pytest.mark.sweep
+def test_what_undercut_loses_is_in_sheet_and_tables_as_in_json() -> None:
+    """Of either side, and nothing of a wheel that is not undercut."""
+    gears = gm.build(gm.parse({"kind": "worm_drive", **UNDERCUT[min(UNDERCUT)]}))
+    sides = gears.limits().members["wheel"].sides
+    shares = [(s.lost_share, s.undercut_face_share, s.greatest_lost_share, s.greatest_lost_at) for s in sides.values()]
+    assert all(0.0 < share < 1.0 for own in shares for share in own[:3])
+    (lost,) = [table for table in gears.limits().listings if "what of the tool's flank is lost" in table.title]
+    assert [row[0] for row in lost.rows] == list(sides)
+    np.testing.assert_allclose([row[1:] for row in lost.rows], shares, rtol=1e-4)
+    np.testing.assert_allclose(undercut_rows(gears), np.transpose(shares), rtol=1e-6)
+    whole = gm.build(gm.load(SAMPLES / "worm_drive.toml"))
+    assert undercut_rows(whole) == [[0.0, 0.0]] * 3 + [[None, None]]
+    assert not any("lost" in table.title for table in whole.limits().listings)
+
+
+def undercut_rows(gears: gm.Gears) -> list[list[Any]]:
+    """Values of the sheet's table of the wheel's undercut, right and left."""
+    (table,) = [table for table in gears.sheet().tables if table.title == "Wheel: undercut"]
+    return [list(row[2:]) for row in table.rows]
+
+
 def test_throat_angle_is_refused_where_it_does_nothing() -> None:
     keys = {"kind": "worm_drive", "module": 5, "worm": {"threads": 2}, "wheel": {"teeth": 38, "throat_angle": 30.0}}
     with pytest.raises(

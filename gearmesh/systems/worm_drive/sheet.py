@@ -19,6 +19,8 @@ from gearmesh.systems.worm_drive.force_tables import MEMBERS, efficiencies, thre
 from gearmesh.systems.worm_drive.load_parameters import contact_rows
 from gearmesh.systems.worm_drive.thread import WormThread
 from gearmesh.systems.worm_drive.wires import flank_radius, over_balls, wire_rows, wires_at
+from gearmesh.teeth.limits import lost_flank
+from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
@@ -39,7 +41,7 @@ def data_sheet(design: WormDriveDesign, train: GearTrain) -> Sheet:
         table("Worm and wheel [ISO 10828, DIN 3975]", MEMBERS, [*_threads(own), *_diameters(own, float(tip.at(0.0)))]),
         table("Worm: thickness and over wires", MEMBERS[:1], [*_thickness(own), *wire_rows(own)]),
         *(_dual_lead(own) if own.worm.dual_lead else ()),
-        *(() if helical else (_hob(own, train),)),
+        *(() if helical else (_hob(own, train), _undercut(train))),
         table("Backlash and friction", PAIR, _backlash(own, train)),
     )
     if not helical:
@@ -190,6 +192,18 @@ def _hob(design: WormDriveDesign, train: GearTrain) -> SheetTable:
         ("l_0", "least length of its threads, or way of its tangential feed", "mm", (generating_length(tooth, hob),)),
     ]
     return table("Wheel: the hob", MEMBERS[1:], rows)
+
+
+def _undercut(train: GearTrain) -> SheetTable:
+    """What undercut of the wheel loses of its hob's flanks; beside flanks that are not undercut nothing is lost anywhere."""
+    lost = [lost_flank(train.members["wheel"].tooth, side) for side in Side]
+    rows: list[Row] = [
+        ("A_u / A", "share of the hob's flank that generates nothing that remains", "-", tuple(a.share for a in lost)),
+        ("b_u / b", "share of the face width that is undercut", "-", tuple(a.face for a in lost)),
+        ("h_u / h", "greatest lost share of the hob's flank across the wheel", "-", tuple(a.most for a in lost)),
+        ("z_u", "where that is, along the wheel's axis", "mm", tuple(None if math.isnan(a.at) else a.at for a in lost)),
+    ]
+    return table("Wheel: undercut", tuple(side.value for side in Side), rows)
 
 
 def _backlash(design: WormDriveDesign, train: GearTrain) -> list[Row]:
