@@ -72,17 +72,20 @@ class LinkNodes:
         """Signed distance (M,), mm, of the middles of nodes (M, K), edges or triangles, from the surface."""
         return distance(self.middle(corners), self.points[corners].mean(axis=1))
 
-    def arch(self, edges: Index) -> Array:
+    def arch(self, edges: Index, heights: Array | None = None) -> Array:
         """Largest distance (M,), mm, of edges (M, 2) from the surface by its normals at their ends alone, to third
-        order.
+        order, or with the `heights` (M,) of their middles to fourth.
 
         With slopes a and b at x = 0 and 1 the distance is x (1 - x) (a (1 - x) - b x); in the middle, where `height`
-        looks, it may vanish.
+        looks, it may vanish. What the height there is more than (a - b) / 8 counts 16 x^2 (1 - x)^2 times.
         """
         first, last = edges.T
         along = self.points[last] - self.points[first]
         a, b = dot(self.normals[first], along), dot(self.normals[last], along)
-        arch: Array = (PLACES * (1.0 - PLACES) * np.abs(a * (1.0 - PLACES) - b * PLACES)).max(axis=0)
+        over = a * (1.0 - PLACES) - b * PLACES
+        if heights is not None:
+            over += 16.0 * PLACES * (1.0 - PLACES) * (heights - 0.125 * (a - b))
+        arch: Array = (PLACES * (1.0 - PLACES) * np.abs(over)).max(axis=0)
         return arch
 
     def over(self, corners: Index, places: Array) -> Array:

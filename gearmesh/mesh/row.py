@@ -19,11 +19,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.body import triangulate
 from gearmesh.mesh.ends.end_mesh import EndMesh
 from gearmesh.mesh.tessellate import ToothMesh
-from gearmesh.mesh.triangles import closeness, without_doubles
+from gearmesh.mesh.triangles import with_area
 from gearmesh.teeth.region import Region
 
 Index = NDArray[np.int64]
@@ -88,12 +88,8 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
     one_tooth += [region for region, strip in strips.items() for _ in strip.triangles]
     regions = [one_tooth[k] for k in of_tooth.tolist()] + [region for region, face in faces for _ in face]
     triangles = np.concatenate((triangles, *(face for _, face in faces)))
-    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
-    area = cross(b - a, c - a)
-    if (dot(area, area) <= closeness(vertices) ** 4).any():
-        # a fillet without a radius is a line
-        triangles, kept = without_doubles(vertices, triangles, np.arange(len(vertices)))
-        of_tooth, regions = of_tooth[kept[kept < len(of_tooth)]], [regions[k] for k in kept.tolist()]
+    triangles, kept = with_area(vertices, triangles)
+    of_tooth, regions = of_tooth[kept[kept < len(of_tooth)]], [regions[k] for k in kept.tolist()]
     used, compact = np.unique(triangles, return_inverse=True)
     return RowMesh(vertices[used], compact.reshape(-1, 3), tuple(regions), of_tooth)
 

@@ -21,7 +21,7 @@ from gearmesh.mesh.body import gear_body, ring_count, triangulate, without_needl
 from gearmesh.mesh.ring import TeethRing
 from gearmesh.mesh.row import row_mesh
 from gearmesh.mesh.tessellate import ToothMesh, tessellate_alike
-from gearmesh.mesh.triangles import TriangleMesh, facet_normals, join
+from gearmesh.mesh.triangles import TriangleMesh, facet_normals, join, with_area
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.features import Outline, Slot
 from gearmesh.teeth.gear_train import Member
@@ -96,17 +96,19 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
     """
     one, joint = tooth_mesh.weld(), tooth_mesh.tooth.joint
     moved = joint.to(places * tooth_mesh.tooth.pitch_angle)
-    points, corners = one.vertices, one.triangles
+    points, corners, kept = one.vertices, one.triangles, np.arange(len(one.triangles))
     if tooth_mesh.whole:
         # the next tooth's first line, which nothing else brings here
-        used, corners = np.unique(corners, return_inverse=True)
         following = joint.to(tooth_mesh.tooth.pitch_angle).point(points)
-        points = np.concatenate((points, following))[used]
+        points = np.concatenate((points, following))
+        corners, kept = with_area(points, corners)
+        used, corners = np.unique(corners, return_inverse=True)
+        points = points[used]
     shift = np.arange(len(places))[:, None, None] * len(points)
     triangles = (corners.reshape(-1, 3) + shift).reshape(-1, 3)
     vertices = np.einsum("kij,nj->kni", moved.rotation, points) + moved.translation[..., None, :]
-    normals = np.einsum("kij,nj->kni", moved.rotation, _normals(tooth_mesh, 1)).reshape(-1, 3)
-    regions = np.tile(_regions(tooth_mesh, 1), len(places))
+    normals = np.einsum("kij,nj->kni", moved.rotation, _normals(tooth_mesh, 1)[kept]).reshape(-1, 3)
+    regions = np.tile(_regions(tooth_mesh, 1)[kept], len(places))
     return labelled_mesh(vertices.reshape(-1, 3), triangles, regions, _names(tooth_mesh), normals, name)
 
 

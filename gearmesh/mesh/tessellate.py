@@ -49,7 +49,7 @@ LARGE, EXCESS, ENOUGH = 1.48, 1.55, 1.42
 BETWEEN = 0.97
 #: where flanks and fillets of a tooth of so many triangles in all at most still have more than so many times the fewest nodes of
 #: seams are merged, too
-MOST, LARGER = 250, 1.5
+MOST, LARGER = 250, 1.48
 #: such a plan is taken at once if it takes no more than this share
 CHEAP = 0.9
 
@@ -261,7 +261,9 @@ class _Draft:
         thinned = (taken > EXCESS * fewest) & (taken[more].sum() > LARGE * fewest[more].sum())
         patches = [mesh.patch for mesh in meshes]
         for k in np.flatnonzero(thinned).tolist():
-            patches[k] = self._image(k, patches) or self._thin(k, int(ENOUGH * fewest[k]) - 6)
+            enough = int(ENOUGH * fewest[k]) - 6
+            # where nodes of seams are merged, too, a link that is merged as far as it can be leaves them less room
+            patches[k] = self._image(k, patches) or self._thin(k, enough, again=taken.sum() > MOST)
         return tuple(patches)
 
     def thin_seams(self, patches: tuple[PatchMesh, ...]) -> tuple[PatchMesh, ...]:
@@ -293,10 +295,10 @@ class _Draft:
                     return patch
         return None
 
-    def _thin(self, k: int, enough: int) -> PatchMesh:
+    def _thin(self, k: int, enough: int, *, again: bool) -> PatchMesh:
         allowed = BETWEEN * SAFETY * self.tolerance
         assert self.trimmed is not None
-        return thin_link(self.tooth, self.meshes[k], self.trimmed, self.forms, k, allowed, enough)
+        return thin_link(self.tooth, self.meshes[k], self.trimmed, self.forms, k, allowed, enough, again=again)
 
     def mesh(self, seams: list[Array], moved: list[bool], least: Array, fixed: Array) -> None:
         """Mesh what is new, with nodes at the stations `seams` of every seam, some of them `moved`, and refine its

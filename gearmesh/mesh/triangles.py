@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, cross, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 
 Index = NDArray[np.int64]
 
@@ -44,6 +44,16 @@ def without_doubles(vertices: Array, triangles: Index, some: Index) -> tuple[Ind
     triangles = np.unique(group, return_index=True)[1][group][triangles]
     kept = np.flatnonzero((triangles != np.roll(triangles, 1, axis=1)).all(axis=1))
     return triangles[kept], kept
+
+
+def with_area(vertices: Array, triangles: Index) -> tuple[Index, Index]:
+    """As `without_doubles` on all vertices if any triangle has no area, as those of a fillet without a radius, which is a line;
+    else all of them as they are."""
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    area = cross(b - a, c - a)
+    if (dot(area, area) <= closeness(vertices) ** 4).any():
+        return without_doubles(vertices, triangles, np.arange(len(vertices)))
+    return triangles, np.arange(len(triangles))
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import gearmesh as gm
 from gearmesh.check.deviation import deviations
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.curvature import gaussian_curvature, shape_operator, tangent_basis
-from gearmesh.mesh.deviation.bound import patch_bounds
+from gearmesh.mesh.deviation.bound import patch_bounds, tooth_bound
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.systems.system import worm
 from gearmesh.teeth.region import FILLETS, FLANKS, Region, Side
@@ -74,13 +74,18 @@ def test_flanks_and_fillets_take_few_triangles(sample: str, member: str, most: f
 
 @pytest.mark.parametrize(
     ("sample", "member", "most", "times"),
-    [("face_gear", "gear", 82, 1.85), ("worm_drive", "wheel", 205, 1.5), ("spiral_bevel_basic", "pinion", 114, 1.65)],
+    [
+        ("face_gear", "gear", 80, 1.8),
+        ("worm_drive", "wheel", 205, 1.5),
+        ("spiral_bevel_basic", "pinion", 112, 1.55),
+        ("zerol", "gear", 75, 1.5),
+    ],
 )
 def test_seams_of_coarse_meshes_have_few_nodes_that_both_sides_share(
     sample: str, member: str, most: int, times: float
 ) -> None:
-    """92, 240 and 119 triangles with the seams that the plans ask for; nodes are on both surfaces, facets within the tolerance
-    measured another way."""
+    """92, 240, 119 and 80 triangles with the seams that the plans ask for, 78, 194, 110 and 78 where all nodes stay once edges
+    come to rest; nodes are on both surfaces, facets within the tolerance measured another way."""
     tooth = tooth_of(sample, member)
     mesh = tessellate(tooth, 0.1)
     assert mesh.triangles <= most
@@ -99,6 +104,12 @@ def test_links_none_of_whose_edges_can_collapse_stay_as_they_are() -> None:
     """Of two links of this wheel no edge is near enough to the tolerance to be tried with its neighbours moved."""
     mesh = tessellate(tooth_of("worm_drive", "wheel"), 0.2)
     assert mesh.deviation <= 0.2
+
+
+@pytest.mark.parametrize(("sample", "tolerance"), [("circular_arc", 0.01), ("spiral_bevel_basic", 0.1)])
+def test_sides_that_are_bent_most_beside_their_middles_keep_the_tolerance(sample: str, tolerance: float) -> None:
+    """By middles and normals at the ends to third order meshes were 0.33 and 1.4 um off, and solids were meshed twice."""
+    assert tooth_bound(tessellate(tooth_of(sample, "pinion"), tolerance)).largest <= tolerance
 
 
 @pytest.mark.sweep

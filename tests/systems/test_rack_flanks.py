@@ -202,9 +202,16 @@ def _met(flank: PlaneFlank, z: float, way: float) -> float:
 def test_sharp_root_corners_leave_no_triangles_without_area(helix: int) -> None:
     """Fillets of no radius are lines: their nodes are one, and the solid is closed without them."""
     gears = rack({"tool_tip_radius": 0, "end_chamfer": 0.4}, helix_angle=helix)
-    solid = gears.solid("rack")
-    corners = solid.mesh.corners()
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    assert areas.min() > 1e-6
-    assert np.isfinite(solid.mesh.normals).all()
+    solid, teeth = gears.solid("rack"), gears.solid("rack", teeth=2)
+    for mesh in (solid.mesh, teeth.mesh):
+        corners = mesh.corners()
+        areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        assert areas.min() > 1e-6
+        np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1.0)
     assert solid.figures["watertight"]
+    # the border of open teeth is one line, and they are one sheet
+    edges = teeth.mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(int)
+    once, counts = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    border = once[counts == 1]
+    assert counts.max() == 2
+    assert (np.unique(border, return_counts=True)[1] == 2).all()

@@ -166,10 +166,18 @@ def mesh_link(
 
 
 def thin_link(
-    tooth: Tooth, mesh: LinkMesh, trimmed: Sections, forms: Forms, number: int, tolerance: float, enough: int
+    tooth: Tooth,
+    mesh: LinkMesh,
+    trimmed: Sections,
+    forms: Forms,
+    number: int,
+    tolerance: float,
+    enough: int,
+    *,
+    again: bool,
 ) -> PatchMesh:
     """The patch of a link's mesh, the one of this `number` in its forms, with fewer triangles within `tolerance` (mm), but
-    hardly fewer than are `enough`."""
+    hardly fewer than are `enough`; `again`: as in `thin`."""
     patch, second = mesh.patch, forms.second[number]
     nodes, link = patch.nodes, tooth.chain[patch.region]
     if link.surface is None:
@@ -180,7 +188,7 @@ def thin_link(
         return LinkNodes.of(tooth, patch.region, s, t, trimmed, between(second, s, t))
 
     of_link = np.stack([form[number] for form in (forms.length, forms.twist, forms.face)], axis=-1)
-    return thin(patch, place, of_link, forms.outline[number], crease, tolerance, enough)
+    return thin(patch, place, of_link, forms.outline[number], crease, tolerance, enough, again=again)
 
 
 def _between(

@@ -21,7 +21,7 @@ def deviations_of(
     """
     heights, centres = nodes.height(edges), nodes.middle(triangles)
     # normals on creases are those of one of both sides, and those of drawn links not square to them
-    arches = np.where(crease[edges].any(axis=1), 0.0, nodes.arch(edges))
+    arches = np.where(crease[edges].any(axis=1), 0.0, nodes.arch(edges, heights))
     edge = np.maximum(np.abs(heights), arches)
     inside = peaks(heights[sides], distance(centres, nodes.points[triangles].mean(axis=1)))
     return edge, np.maximum(inside, edge[sides].max(axis=1)), centres

@@ -90,19 +90,37 @@ class Patches:
             other = nodes == other_keep[patch]
             places[other, 1] = at[patch[other], 1]
             merged |= other
-        local = local.reshape(-1, 3)
-        reach = np.zeros_like(places)
-        for k in range(3):
-            np.maximum.at(reach, local[:, k], REACH * np.abs(places[local[:, k - 1]] - places[local[:, k - 2]]))
-        reach[(places[:, 1] == 0.0) | (places[:, 1] == 1.0), 1] = 0.0
-        same = np.minimum(np.searchsorted(codes, patch * count + twin[nodes]), codes.size - 1)
-        pair = np.where((twin[nodes] >= 0) & (codes[same] == patch * count + twin[nodes]), same, -1)
-        seam = np.flatnonzero(pair >= 0)
-        reach[twin[nodes] >= 0, 0] = 0.0
-        reach[seam, 1] = np.minimum(reach[seam, 1], reach[pair[seam], 1])
         # the merged node is next to nodes of all turns
         own = np.where(merged & (turn[nodes] >= 0), 1 + turn.max(), turn[nodes])
-        return Patches(ring, local, owner, nodes, patch, places, np.where(np.isin(codes, inner), own, -1), reach, pair)
+        own = np.where(np.isin(codes, inner), own, -1)
+        return Patches._of_corners((ring, local.reshape(-1, 3), owner), (nodes, patch), places, own, twin)
+
+    @staticmethod
+    def whole(triangles: Index, st: Array, turn: Index, twin: Index) -> Patches:
+        """All of a net of nodes st (N, 2) as one patch, in which nothing has collapsed; `turn` and `twin` (N,) as in `of`."""
+        nodes, corners = np.unique(triangles, return_inverse=True)
+        ring, one = np.arange(len(triangles)), np.zeros(len(triangles), dtype=np.int64)
+        patch = np.zeros(nodes.size, dtype=np.int64)
+        return Patches._of_corners((ring, corners.reshape(-1, 3), one), (nodes, patch), st[nodes], turn[nodes], twin)
+
+    @staticmethod
+    def _of_corners(
+        triangles: tuple[Index, Index, Index], nodes: tuple[Index, Index], places: Array, turn: Index, twin: Index
+    ) -> Patches:
+        """Of `ring`, `corners` and `owner` of triangles, and of `nodes` and their `patch`, ascending by these; twins (N,) of the
+        net."""
+        (ring, corners, owner), (node, patch) = triangles, nodes
+        reach = np.zeros_like(places)
+        for k in range(3):
+            np.maximum.at(reach, corners[:, k], REACH * np.abs(places[corners[:, k - 1]] - places[corners[:, k - 2]]))
+        reach[(places[:, 1] == 0.0) | (places[:, 1] == 1.0), 1] = 0.0
+        codes, wanted = patch * twin.size + node, patch * twin.size + twin[node]
+        same = np.minimum(np.searchsorted(codes, wanted), codes.size - 1)
+        pair = np.where((twin[node] >= 0) & (codes[same] == wanted), same, -1)
+        seam = np.flatnonzero(pair >= 0)
+        reach[twin[node] >= 0, 0] = 0.0
+        reach[seam, 1] = np.minimum(reach[seam, 1], reach[pair[seam], 1])
+        return Patches(ring, corners, owner, node, patch, places, turn, reach, pair)
 
     @staticmethod
     def join(parts: Sequence[Patches]) -> Patches:
@@ -275,11 +293,17 @@ def relax_patches(
     return patches, left
 
 
+def fourth(ratio: Array) -> Array:
+    """To the fourth: large ones count more, and yet all of them."""
+    square = ratio * ratio
+    power: Array = square * square
+    return power
+
+
 def _power(ratio: Array) -> Array:
     """To the twelfth."""
-    square = ratio * ratio
-    fourth = square * square
-    power: Array = fourth * fourth * fourth
+    by_four = fourth(ratio)
+    power: Array = by_four * by_four * by_four
     return power
 
 

@@ -23,7 +23,7 @@ from gearmesh.mesh.links.forms import SAMPLES, Forms
 from gearmesh.mesh.links.lines import between
 from gearmesh.mesh.links.prediction import Prediction
 from gearmesh.mesh.links.relaxation import Patience
-from gearmesh.mesh.links.thinning import FIXED, HEEL, INNER, ROUNDS, SEAM, TOE, Net
+from gearmesh.mesh.links.thinning import FIXED, HEEL, INNER, SEAM, TOE, Net
 from gearmesh.mesh.patch import LinkNodes, PatchMesh, distance, trim
 from gearmesh.teeth.section import breaks
 from gearmesh.teeth.tooth import Tooth
@@ -32,8 +32,9 @@ from gearmesh.teeth.tooth import Tooth
 STATIONS = 65
 #: cosine of the angle between two surfaces below which they meet at an edge, of which chords may be no farther than the tolerance
 SMOOTH = 0.95
-#: what is tried for edges
-PATIENCE = Patience(far=4.0, many=400, stages=((2, 3.0), (4, 2.0), (8, 1.2), (8, 1.02)), turning=True)
+#: what is tried for edges, and again twice after all nodes have moved: 170 triangles of a hypoid
+#: pinion at 100 um become 160 and 158, 140 of a modified involute one 138 and 138, 76 of a zerol gear 76 and 72
+PATIENCES = (Patience(far=4.0, many=400, stages=((2, 3.0), (4, 2.0), (8, 1.2), (8, 1.02)), turning=True),) * 3
 
 
 def thin_seams(
@@ -50,10 +51,7 @@ def thin_seams(
     """
     net = _ToothNet.of_patches(tooth, patches, forms, held, tolerance)
     net.turn()
-    for _ in range(ROUNDS):
-        if len(net.triangles) <= enough or not net.relax(PATIENCE):
-            break
-        net.turn()
+    net.merge(PATIENCES, enough)
     thinned = net.patches(patches)
     most = max(tolerance, *(patch.deviation for patch in patches))
     return tuple(patches) if max(patch.deviation for patch in thinned) > most else thinned

@@ -6,14 +6,15 @@ between two nodes becomes one node, where all triangles of its ring (see `collap
 along the edge and beside it at which the second form says that the worst of them is best. Which of them collapse at once,
 cheapest first, is decided by the second form; each is then measured on the exact surface and left as it was where that
 misses the tolerance, where facets would fold, or be thinner than the tolerance. What the form was too bold by counts for the
-nodes there from then on. Where single edges come to rest others collapse while the nodes round them move (see `relaxation`).
+nodes there from then on. Where single edges come to rest others collapse while the nodes round them move (see `relaxation`),
+and where that comes to rest all nodes move so that distances are smaller everywhere, which leaves room for more.
 Nodes on seams, on corners and on breaks stay, those of the section curves at toe and heel collapse on these curves, within
 the same tolerance.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -23,13 +24,17 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, independent, within_link
 from gearmesh.mesh.links.measure import deviations_of, off_chords
 from gearmesh.mesh.links.prediction import Prediction
-from gearmesh.mesh.links.relaxation import Patches, Patience, around, on_seams, relax_patches, turns
+from gearmesh.mesh.links.relaxation import Patches, Patience, around, fourth, on_seams, relax_patches, turns
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
 
 #: rounds of collapsing and turning, at most; the usual number is 6 to 20
 ROUNDS = 40
 #: share of the nodes: where no more edges than that are tried in a round it is the last
 FEW, FEWER = 0.01, 0.002
+#: what is tried for edges while nodes round them move, and again after all nodes have moved
+PATIENCES = Patience(), Patience(turning=True)
+#: sweeps in which all nodes move
+SWEEPS = 8
 #: places along an edge at which its node is tried first
 ALONG = np.array([0.25, 0.75, 0.0, 1.0])
 #: then places round the best one, so many times, first as far as this share of the edges of the ring, then closer
@@ -65,8 +70,11 @@ def thin(
     crease: NDArray[np.bool_],
     tolerance: float,
     enough: int = 0,
+    *,
+    again: bool = True,
 ) -> PatchMesh:
-    """A link with fewer nodes and triangles, but hardly fewer than are `enough`.
+    """A link with fewer nodes and triangles, but hardly fewer than are `enough`; `again`: where there are more all
+    nodes move, and more is tried.
 
     `place` puts nodes on its surface; `forms` (S, T, 3): L, M, N; `outline` (2, S) as that of `Forms`; `crease` (N,): nodes
     that stay; `tolerance` in mm.
@@ -77,10 +85,7 @@ def thin(
         if net.collapse() <= FEW * len(net.st):
             break
     net.fresh[:] = True
-    for _ in range(ROUNDS):
-        if len(net.triangles) <= enough or net.relax(Patience()) <= FEWER * len(net.triangles):
-            break
-        net.turn()
+    net.merge(PATIENCES if again else PATIENCES[:1], enough, FEWER)
     return net.result(patch.deviation)
 
 
@@ -172,7 +177,9 @@ class Net:
         miss = self.prediction.triangles
         now = np.maximum(miss(p[apex], p[b], p[c]), miss(p[far], p[c], p[b]))
         then = np.maximum(miss(p[apex], p[b], p[far]), miss(p[apex], p[far], p[c]))
-        cost = np.where(then < GAIN * now, then - now, np.inf)
+        with np.errstate(invalid="ignore"):
+            # of triangles that are none
+            cost = np.where(then < GAIN * now, then - now, np.inf)
         pairs = np.stack((one, other), axis=1)
         chosen = independent(pairs.ravel(), np.repeat(np.arange(one.size), 2), cost, len(self.triangles))
         if not chosen.size:
@@ -226,6 +233,42 @@ class Net:
         cost[good[~mine]] = worst[~mine]
         self.waiting = tried.of_some(np.isfinite(cost))
         return len(chosen)
+
+    def merge(self, patiences: Sequence[Patience], enough: int, fewer: float = 0.0) -> None:
+        """Let edges collapse while the nodes round them move until there are `enough` triangles, with one patience after the other,
+        before each of which but the first all nodes move, until no more than a share of `fewer` of them is tried in a round."""
+        for k, patience in enumerate(patiences):
+            if k:
+                self.relax_nodes(SWEEPS)
+                self.turn()
+            for _ in range(ROUNDS):
+                if len(self.triangles) <= enough:
+                    return
+                if self.relax(patience) <= fewer * len(self.triangles):
+                    break
+                self.turn()
+
+    def relax_nodes(self, sweeps: int) -> None:
+        """Move all loose nodes so that distances become smaller all over, but for those whose triangles miss the tolerance then,
+        and let all edges be tried anew: where they came to rest there is room again, and in other places."""
+        turn = turns(Incidence.of(self.triangles, len(self.st)), self.kind != FIXED, self.twin)
+        before = Patches.whole(self.triangles, self.st, turn, self.twin)
+        after = before.relax(self.prediction, self.tolerance, sweeps, fourth)
+        places, bad = after.places, np.zeros(len(before.nodes), dtype=bool)
+        while True:
+            # both nodes in one place on a seam stay
+            bad[before.twin[bad & (before.twin >= 0)]] = True
+            places = np.where(bad[:, None], before.places, places)
+            errors, largest, nodes = self._distances(before.nodes, places, before.corners)
+            off = np.zeros(bad.size, dtype=bool)
+            off[before.corners[largest > self.tolerance].ravel()] = True
+            if not (off & ~bad).any():
+                break
+            bad |= off
+        _put(self.nodes, before.nodes, nodes)
+        self.st[before.nodes], self.errors = places, errors
+        self.fresh[:], self.waiting = True, _EdgeTrials.none()
+        self.bold = np.empty(0, dtype=np.int64), np.empty(0)
 
     def _layers(self, incidence: Incidence, edges: Index, cost: Array, patience: Patience) -> Index:
         """Which (K,) of edges (C, 2) to try together, cheap ones first: several times as many as have room beside each other."""
@@ -335,13 +378,18 @@ class Net:
 
     def _measurement(self, new: Collapses) -> tuple[Array, Array, LinkNodes]:
         """By how much triangles (J,), and the worst of each edge (C,), miss the exact surface, mm; and the nodes (V,)."""
-        nodes = self._copy(new.nodes)
-        moved = np.flatnonzero((new.places != self.st[new.nodes]).any(axis=1))
-        _put(nodes, moved, self.place(*new.places[moved].T))
-        errors = self.miss(nodes, new.corners, self.crease[new.nodes])
-        largest = np.maximum(errors, self.off_ends(nodes, new.corners, self.edge[new.nodes]))
+        errors, largest, nodes = self._distances(new.nodes, new.places, new.corners)
         begins = np.searchsorted(new.owner, np.arange(len(new.edges)))
         return errors, np.maximum.reduceat(largest, begins) if begins.size else largest, nodes
+
+    def _distances(self, which: Index, places: Array, corners: Index) -> tuple[Array, Array, LinkNodes]:
+        """By how much triangles (J,) with corners (J, 3) among the nodes `which` (V,), at places (V, 2), miss the exact surface,
+        and that or the section curves, mm; and the nodes."""
+        nodes = self._copy(which)
+        moved = np.flatnonzero((places != self.st[which]).any(axis=1))
+        _put(nodes, moved, self.place(*places[moved].T))
+        errors = self.miss(nodes, corners, self.crease[which])
+        return errors, np.maximum(errors, self.off_ends(nodes, corners, self.edge[which])), nodes
 
     def _apply(self, new: Collapses, cost: Array) -> NDArray[np.bool_]:
         """Collapse edges where the exact surface agrees with the cost (C,), mm, and say which (C,) did."""
