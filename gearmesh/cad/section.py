@@ -22,6 +22,7 @@ from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.teeth.end_strip import EndStrip, StripPiece
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLETS, Region
 from gearmesh.teeth.section import BottomLink, DrawnLink, GeneratedLink, Sections, TurnedLink
@@ -144,8 +145,8 @@ def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, 
     places = tooth.joint.places(tooth.teeth)
     row = [curve.move(place * pitch) for place in places.tolist() for curve in one]
     # from the middle of the root before the first tooth to the middle of that behind the last
-    root = float(tooth.blank.root.at(z))
-    rooted = abs(one[0].start[0] - root) + abs(one[0].end[0] - root) < NARROWEST
+    root = float(one[0].start[0])
+    rooted = abs(one[0].end[0] - root) < NARROWEST
     middle = np.array([root, float(tooth.root_middle(np.array(z)))])
     ends = [middle + (places[0] + k * tooth.teeth) * pitch for k in (0, 1)]
     first, last = (end + np.array([0.0, sign * member.overhang]) for end, sign in zip(ends, (-1.0, 1.0), strict=True))
@@ -160,10 +161,10 @@ def _one_tooth(tooth: Tooth, z: float, tolerance: float, drawn: _Drawn) -> tuple
     """The curves of one tooth at z (mm), and the deviation (mm) of the splines among them."""
     toe, heel = tooth.blank.extent
     station = float(tooth.blank.axial.value(np.array([0.0, 0.0, z])))
-    if not min(toe, heel) - ON_FACE <= station <= max(toe, heel) + ON_FACE:
-        low, high = sorted((z + toe - station, z + heel - station))
-        between = f"from {low:g} to {high:g} mm, between the chamfers of the end faces"
-        raise ArgumentError("section", z, unit="mm", must_be=between)
+    for end, strip in enumerate(tooth.end_strips):
+        edge, face = tooth.blank.extent[end], tooth.blank.faces[end]
+        if strip is not None and (station - edge) * (face - edge) > 0.0:
+            return _in_chamfer(strip, strip.tau(max((station - face) / (edge - face), 0.0)), tolerance)
     sections = tooth.sections([min(max((station - toe) / (heel - toe), 0.0), 1.0)])
     one, deviation = list[PlaneCurve](), 0.0
     for piece in [piece for region in tooth.regions for piece in Piece.of(tooth, region)]:
@@ -171,6 +172,22 @@ def _one_tooth(tooth: Tooth, z: float, tolerance: float, drawn: _Drawn) -> tuple
         if np.linalg.norm(ends[1] - ends[0]) <= NARROWEST:
             continue
         curve, miss = drawn(tooth, piece, sections, tolerance)
+        one.append(curve)
+        deviation = max(deviation, miss)
+    return one, deviation
+
+
+def _in_chamfer(strip: EndStrip, tau: float, tolerance: float) -> tuple[list[PlaneCurve], float]:
+    """The curves of one tooth at tau of the chamfer of an end face, and their deviation (mm)."""
+    one, deviation = list[PlaneCurve](), 0.0
+    for piece in strip.pieces:
+
+        def exact(sigma: Array, piece: StripPiece = piece) -> Array:
+            return strip.at(piece, sigma, np.full(sigma.size, tau))[:, :2]
+
+        if np.linalg.norm(np.diff(exact(np.linspace(0.0, 1.0, STEP + 1)), axis=0), axis=-1).sum() <= NARROWEST:
+            continue
+        curve, miss = section_spline(exact, f"chamfer along the {piece.region}", tolerance)
         one.append(curve)
         deviation = max(deviation, miss)
     return one, deviation

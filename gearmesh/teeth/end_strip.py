@@ -21,6 +21,7 @@ that of `teeth.blank.development`.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -273,6 +274,14 @@ class EndStrip:
             return tau, np.ones_like(tau)
         *_, under, rate = _conic(tau)
         return under, rate
+
+    def tau(self, share: float) -> float:
+        """Where the depth under the end face is this share (0 to 1) of the chamfer's."""
+        if not self.chamfer.rounded:
+            return share
+        # the quadratic equation of `_conic` for tau / (1 - tau)
+        ahead = CONIC * share + math.sqrt((CONIC * share) ** 2 + share * (1.0 - share))
+        return ahead / (ahead + 1.0 - share)
 
     def at(self, piece: StripPiece, sigma: Array, tau: Array) -> Array:
         """Points (..., 3) of a piece at sigma along it and tau from the end face (0) to the section under it (1), (...,) each."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,12 @@ CASES = {
     "novikov": ("novikov", [], "pinion", 0.77),
     "relieved": ("spur", ['pinion.modifications={tip_relief={amount="20um", start_roll_length=13}}'], "pinion", 0.5),
 }
+#: the same within a broken edge of an end face: z 0.4 of its depth above the toe's end face
+WITHIN = {
+    "chamfered": ("helical", ["pinion.end_chamfer=0.5", "pinion.tip_rounding=0.4"], "pinion", 0.2 / 50.0),
+    "ring": ("internal", ["gear.end_rounding=0.2"], "gear", 0.08 / 20.0),
+    "bar": ("rack", ["rack.end_rounding=0.4", "rack.length=210"], "rack", 0.16 / 24.0),
+}
 #: contours are closed to this, mm
 CLOSED = 1e-9
 #: points on every curve of a tooth, or so far apart (mm): chords between them are within CHORD (mm) of it
@@ -48,7 +55,7 @@ DENSE, CLOSE, CHORD = 4001, 5e-4, 1e-7
 
 def member_of(case: str) -> tuple[Member, float]:
     """A member, and z of its section."""
-    sample, changes, name, share = CASES[case]
+    sample, changes, name, share = {**CASES, **WITHIN}[case]
     member = built.pair_of(load(SAMPLES / f"{sample}.toml", changes)).members[name]
     low, high = member.tooth.blank.body.ends
     return member, low + share * (high - low)
@@ -84,8 +91,8 @@ def test_curves_are_within_the_tolerance_of_the_exact_section_both_ways(case: st
         assert not isinstance(curve, PlaneSpline) or len(curve.control) <= 40
 
 
-@pytest.mark.sweep_cases("novikov")
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.sweep_cases("novikov", "bar")
+@pytest.mark.parametrize("case", [*CASES, *WITHIN])
 def test_loops_close_and_are_what_the_solid_has_there(case: str) -> None:
     """The solid's triangles, cut by the plane: segments as near as the solid is, and the length of all of them."""
     import trimesh
@@ -115,6 +122,26 @@ def test_area_makes_the_exact_volume(case: str, stations: int) -> None:
     low, high = member.tooth.blank.body.ends
     areas = [member_section(member, low + 0.5 * (high - low) * (x + 1.0), 1e-5).area for x in nodes]
     assert 0.5 * (high - low) * float(weights @ areas) == pytest.approx(exact_volume(member), rel=5e-8)
+
+
+@pytest.mark.sweep_cases("double_helical-pinion", "internal-gear")
+@pytest.mark.parametrize(
+    ("sample", "member"), [("helical", "pinion"), ("double_helical", "pinion"), ("internal", "gear"), ("rack", "rack")]
+)
+def test_areas_within_chamfers_make_the_exact_volume(sample: str, member: str) -> None:
+    """Between plane end faces a chamfer is ruled: the area is of the second degree in z there, which two points integrate."""
+    depth, changes = 0.2, [f"{member}.end_chamfer=0.2"]
+    part = built.pair_of(load(SAMPLES / f"{sample}.toml", changes)).members[member]
+    ends = [z for body in (part.plain_body, *(gap.body for gap in part.gaps)) for z in body.ends]
+    # a half beside a gap has a broken edge there, too
+    halves = np.array(sorted(ends)).reshape(-1, 2)
+    places = np.sort(np.concatenate((halves, halves + np.array([depth, -depth])), axis=None))
+    total = 0.0
+    for low, high in pairwise(places.tolist()):
+        middle, off = 0.5 * (low + high), 0.5 * (high - low) / np.sqrt(3.0)
+        areas = [member_section(part, z, 1e-5).area for z in (middle - off, middle + off)]
+        total += 0.5 * (high - low) * sum(areas)
+    assert total == pytest.approx(exact_volume(part), rel=5e-8)
 
 
 @pytest.mark.quick
