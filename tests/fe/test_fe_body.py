@@ -178,7 +178,7 @@ def test_what_has_no_rings_is_refused_and_what_is_left_out_is_reported(tmp_path:
 def test_broken_tips_of_threads_are_left_out_and_named() -> None:
     """The wheel's elements have its own."""
     members = built_sample("worm_drive", "worm.tip_rounding=0.3", "wheel.tip_rounding=0.2").members
-    left = "the finite-element model has no shaft and none of: chamfer or rounding of the tip (worm)"
+    left = "the finite-element model has none of: chamfer or rounding of the tip (worm)"
     assert omissions([members["worm"], members["wheel"]], whole=False) == [left]
 
 
@@ -190,8 +190,10 @@ def test_the_head_of_a_deck_says_that_bodies_are_rims_alone(tmp_path: Path) -> N
         (gm.gear(20, module=2, bore=30), []),
         (gm.build(gm.parse(bar)), ["(rack)"]),
     ):
-        text = gears.finite_elements().save(tmp_path / "deck.inp").read_text().partition("*NODE")[0]
-        head = " ".join(line.lstrip("* ") for line in text.splitlines())
-        beyond = "of the bodies the model has rims alone, without what is beyond them "
-        assert [f"({part.partition(')')[0]})" for part in head.split(f"{beyond}(")[1:]] == heads
-        assert ("ends of the face within chamfers or roundings (rack)" in head) == (heads == ["(rack)"])
+        model = gears.finite_elements()
+        for file, body in (("deck.inp", "*NODE"), ("mesh.msh", "$PhysicalNames"), ("mesh.vtu", "<VTKFile")):
+            text = model.save(tmp_path / file).read_text(errors="replace").partition(body)[0]
+            head = " ".join(line.lstrip("* ") for line in text.splitlines())
+            beyond = "of the bodies the model has rims alone, without what is beyond them "
+            assert [f"({part.partition(')')[0]})" for part in head.split(f"{beyond}(")[1:]] == heads
+            assert ("ends of the face within chamfers or roundings (rack)" in head) == (heads == ["(rack)"])

@@ -47,6 +47,7 @@ def model(second_order: bool) -> Model:
             ),
         ),
         contacts=(ContactPair("upper_z0", "lower_z1", 1e7),),
+        notes=("the model has none of: keyway -- as it is",),
         forces=(NodeForces(np.array([2, 4]), np.array([[1.0, 2.0, 3.0], [4.0, 5.0, -6.0]])),),
     )
 

@@ -263,7 +263,7 @@ def test_finite_element_models_say_what_they_leave_out() -> None:
     keys = ["gear.web={thickness=8}", "fe.teeth=1", "fe.flank=4", "fe.fillet=3", "fe.face=4", "fe.thickness=2"]
     gears = gm.build(gm.load(SAMPLES / "spur.toml", keys))
     assert (
-        'the finite-element model has no shaft and none of: web (gear); fe.body = "whole" has those that are turned'
+        'the finite-element model has none of: web (gear); fe.body = "whole" has those that are turned'
         in gears.finite_elements().warnings
     )
 

@@ -263,7 +263,5 @@ def omissions(members: Collection[Member], whole: bool) -> list[str]:
     if not parts:
         return lines
     what = ", ".join(f"{part} ({', '.join(names)})" for part, names in parts.items())
-    if whole:
-        return [f"the finite-element model has none of: {what}", *lines]
-    remedy = '; fe.body = "whole" has those that are turned' if turned else ""
-    return [f"the finite-element model has no shaft and none of: {what}{remedy}", *lines]
+    remedy = '; fe.body = "whole" has those that are turned' if turned and not whole else ""
+    return [f"the finite-element model has none of: {what}{remedy}", *lines]

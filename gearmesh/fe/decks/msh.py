@@ -41,12 +41,15 @@ class _Cells:
 def write(model: Model, path: Path) -> None:
     """Write the mesh and its sets."""
     with whole_file(path) as temporary, open(temporary, "w", encoding="utf-8", newline="\n") as file:
-        file.writelines(_file(model.mesh))
+        file.writelines(_file(model))
 
 
-def _file(mesh: HexMesh) -> Iterator[str]:
+def _file(model: Model) -> Iterator[str]:
+    mesh = model.mesh
     cells = _volumes(mesh), _surfaces(mesh), _points(mesh)
     yield "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"
+    if model.notes:
+        yield "$Comments\n" + "".join(f"{line}\n" for line in model.note_lines) + "$EndComments\n"
     names = [(3, mesh.element_sets), (2, mesh.face_sets), (0, mesh.node_sets)]
     yield f"$PhysicalNames\n{sum(len(sets) for _, sets in names)}\n"
     for dimension, sets in names:

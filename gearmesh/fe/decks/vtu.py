@@ -7,7 +7,7 @@ distinguished by the ending _faces.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -21,12 +21,14 @@ from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 
 def write(model: Model, path: Path) -> None:
-    """Write the mesh and its sets."""
-    write_mesh(model.mesh, path)
+    """Write the mesh and its sets, with the model's notes as a comment at its head."""
+    write_mesh(model.mesh, path, notes=model.note_lines)
 
 
-def write_mesh(mesh: HexMesh, path: Path, point_data: Mapping[str, Array] | None = None) -> None:
-    """Write a mesh, its sets, and results (N,) or (N, K) at its nodes by name."""
+def write_mesh(
+    mesh: HexMesh, path: Path, point_data: Mapping[str, Array] | None = None, notes: Sequence[str] = ()
+) -> None:
+    """Write a mesh, its sets, and results (N,) or (N, K) at its nodes by name; `notes`: lines of a comment at its head."""
     import meshio
 
     points: dict[str, NDArray[np.generic]] = {
@@ -46,6 +48,15 @@ def write_mesh(mesh: HexMesh, path: Path, point_data: Mapping[str, Array] | None
     )
     with whole_file(path) as temporary:
         grid.write(temporary, file_format="vtu")
+        if notes:
+            _put_at_head(temporary, notes)
+
+
+def _put_at_head(path: Path, notes: Sequence[str]) -> None:
+    """Add notes as a comment behind the first line, the declaration. In a comment of XML no two hyphens follow each other."""
+    declaration, rest = path.read_bytes().split(b"\n", 1)
+    comment = "\n".join(notes).replace("--", "- -")
+    path.write_bytes(b"\n".join((declaration, f"<!--\n{comment}\n-->".encode(), rest)))
 
 
 def members(indices: NDArray[np.int64], count: int) -> NDArray[np.uint8]:
