@@ -11,6 +11,7 @@ from oracles.worm_drives import FORMS
 import gearmesh as gm
 from gearmesh.design.dotted import with_keys
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.designs import parse_as_stated
 from gearmesh.systems.worm_drive.design import HobTable, WheelTable, WormDriveAssembly, WormDriveDesign, WormTable
 
 BASE: dict[str, Any] = {"kind": "worm_drive", "module": 4, "worm": {"threads": 2}, "wheel": {"teeth": 40}}
@@ -150,3 +151,15 @@ def test_a_throat_radius_is_refused_where_there_is_no_throat() -> None:
     gm.build(pinned)
     with pytest.raises(gm.DesignError, match=r"^wheel\.throat_radius = 18 mm: nothing .*tip_form is cylindrical"):
         gears_of({**keys, "wheel.throat_radius": 18})
+
+
+def test_a_centre_distance_that_no_shift_makes_up_is_refused_by_its_name() -> None:
+    """And not by that of the profile shift, which nobody set; at 2 modules from the distance without shift it is taken."""
+    middle, m = (design := gm.parse(BASE)).center_distance, design.given_module  # type: ignore[attr-defined]
+    for side in (-2.0, 2.0):
+        parsed = parse_as_stated(with_keys(BASE, [("center_distance", middle + side * m)]))
+        assert parsed.wheel.profile_shift == pytest.approx(side)  # type: ignore[attr-defined]
+        with pytest.raises(
+            gm.DesignError, match=r"^center_distance = .*: makes wheel\.profile_shift -?2\.1; allowed is from"
+        ):
+            parse_as_stated(with_keys(BASE, [("center_distance", middle + 1.05 * side * m)]))

@@ -22,6 +22,8 @@ QUOTIENT, CLEARANCE, OUTSIDE = 10.0, 0.2, 1.0
 CONCAVE_SHIFT, CONCAVE_NARROWER = 0.75, 1.0
 #: Shaft angle, deg, of axes at right angles.
 RIGHT = 90.0
+#: Largest profile shift of a wheel, either way.
+LARGEST_SHIFT = 2
 #: Difference of two profile shifts that are the same but for rounding.
 SAME_SHIFT = 1e-6
 #: Disk that grinds ZK and ZC flanks where it is not given: diameter at the rim and radius of the profile, in axial modules.
@@ -180,7 +182,13 @@ class WheelTable(MemberTable):
     ] = DERIVED
     profile_shift: Annotated[
         float,
-        Key("coefficient", "profile shift x2", low=-2, high=2, default="by center_distance, without it 0, of ZC 0.75"),
+        Key(
+            "coefficient",
+            "profile shift x2",
+            low=-LARGEST_SHIFT,
+            high=LARGEST_SHIFT,
+            default="by center_distance, without it 0, of ZC 0.75",
+        ),
     ] = DERIVED
     addendum: Annotated[
         float,
@@ -497,6 +505,19 @@ class WormDriveDesign(Design):
             if abs(shift - own) > SAME_SHIFT:
                 reason = f"cannot be given together with center_distance = {distance:.7g}, which makes it {own:.7g}"
                 raise conflict("wheel.profile_shift", shift, reason=reason)
+        return self
+
+    @model_validator(mode="after")
+    def _distance_of_a_shift(self) -> Self:
+        """A centre distance that is too far off is refused by its own name, and not by that of the shift that follows from it."""
+        distance, far = self.center_distance, LARGEST_SHIFT * self.axial_module
+        if "center_distance" in self.model_fields_set and "profile_shift" not in self.wheel.model_fields_set:
+            middle = self._zero_shift_distance
+            if abs(distance - middle) > far * (1.0 + SAME_SHIFT):
+                reason = f"makes wheel.profile_shift {(distance - middle) / self.axial_module:.4g}"
+                raise conflict(
+                    "center_distance", distance, reason=reason, allowed=f"from {middle - far:.7g} to {middle + far:.7g}"
+                )
         return self
 
     @property
