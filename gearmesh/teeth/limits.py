@@ -30,7 +30,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import LandLevel, Level, station_normal
-from gearmesh.kernel.surface.stations import along
+from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, Surface
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
@@ -169,13 +169,16 @@ def lost_heights(tooth: Tooth) -> dict[Side, float]:
 
 
 def lost_flank(tooth: Tooth, which: Side) -> LostFlank:
-    """What undercut makes useless of a side's tool. Raises TrimError where the tooth cannot be trimmed."""
+    """What undercut makes useless of a side's tool; NaN where the tooth cannot be trimmed at all stations."""
     tooth = tooth.unmodified_tooth
     side = tooth.side(which)
     if side.generation is None:
         return LostFlank(*(math.nan,) * 4)
     t = np.union1d(np.linspace(0.0, 1.0, AREA_STATIONS), tooth.breaks_of(which))
-    sections = tooth.sections(t)
+    try:
+        sections = tooth.sections(t)
+    except TrimError:
+        return LostFlank(*(math.nan,) * 4)
     cut = _undercut(tooth, which, sections)
     if not cut.any():
         return LostFlank(0.0, 0.0, 0.0, math.nan)

@@ -19,7 +19,7 @@ from gearmesh.systems.worm_drive.force_tables import MEMBERS, efficiencies, thre
 from gearmesh.systems.worm_drive.load_parameters import contact_rows
 from gearmesh.systems.worm_drive.thread import WormThread
 from gearmesh.systems.worm_drive.wires import flank_radius, over_balls, wire_rows, wires_at
-from gearmesh.teeth.limits import lost_flank
+from gearmesh.teeth.limits import LostFlank, lost_flank
 from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
@@ -197,11 +197,15 @@ def _hob(design: WormDriveDesign, train: GearTrain) -> SheetTable:
 def _undercut(train: GearTrain) -> SheetTable:
     """What undercut of the wheel loses of its hob's flanks; beside flanks that are not undercut nothing is lost anywhere."""
     lost = [lost_flank(train.members["wheel"].tooth, side) for side in Side]
+
+    def both(figure: Callable[[LostFlank], float]) -> Values:
+        return tuple(None if math.isnan(value := figure(own)) else value for own in lost)
+
     rows: list[Row] = [
-        ("A_u / A", "share of the hob's flank that generates nothing that remains", "-", tuple(a.share for a in lost)),
-        ("b_u / b", "share of the face width that is undercut", "-", tuple(a.face for a in lost)),
-        ("h_u / h", "greatest lost share of the hob's flank across the wheel", "-", tuple(a.most for a in lost)),
-        ("z_u", "where that is, along the wheel's axis", "mm", tuple(None if math.isnan(a.at) else a.at for a in lost)),
+        ("A_u / A", "share of the hob's flank that generates nothing that remains", "-", both(lambda own: own.share)),
+        ("b_u / b", "share of the face width that is undercut", "-", both(lambda own: own.face)),
+        ("h_u / h", "greatest lost share of the hob's flank across the wheel", "-", both(lambda own: own.most)),
+        ("z_u", "where that is, along the wheel's axis", "mm", both(lambda own: own.at)),
     ]
     return table("Wheel: undercut", tuple(side.value for side in Side), rows)
 
