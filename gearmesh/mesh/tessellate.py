@@ -175,6 +175,9 @@ def tessellate_alike(
 
     Raises TrimError where a tooth cannot be trimmed.
     """
+    for tooth in teeth:
+        # rounding decides which edges go: the next mesh of the tooth, as of a sector, is to be this one
+        tooth.find_undercut()
     drafts = [_Draft.of(tooth, regions or tooth.regions, tolerance) for tooth in teeth]
     count = len(drafts[0].regions)
     least, fixed, seams = (

@@ -335,6 +335,23 @@ class Tooth:
         odd: NDArray[np.bool_] = ~(nominal.converged & (density * sense > 0.0))
         return nominal.jet, odd
 
+    def find_undercut(self) -> None:
+        """Find out where flanks are undercut, unless it is known; sections go by it from then on, which changes their rounding.
+
+        Raises
+        ------
+        TrimError
+            Where the tooth cannot be trimmed.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.find_undercut()
+        """
+        for which in Side:
+            if which not in self._undercut:
+                self.ends(which, np.linspace(0.0, 1.0, PROOF_STATIONS))
+
     def near_tips(self, which: Side, t: Array) -> Array:
         """Where on the flank's profile points near the tip are sound.
 

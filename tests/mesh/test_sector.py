@@ -83,6 +83,14 @@ def polar(points: np.ndarray) -> np.ndarray:
     return np.arctan2(points[..., 1], points[..., 0])
 
 
+def test_a_sector_made_after_the_gear_has_its_teeth() -> None:
+    """Of a tooth that nobody has asked yet where it is undercut: what it learns changes its sections by rounding."""
+    gears = gm.build(gm.load(SAMPLES.parent / "tests" / "corpus" / "sector_beveloid_cone.toml"))
+    whole, part = gears.solid("pinion", 0.02), gears.solid("pinion", 0.02, sector=1)
+    assert part.measured.max_deviation == pytest.approx(whole.measured.max_deviation, rel=1e-9)
+    assert 23 * part.mesh.volume() == pytest.approx(whole.mesh.volume(), rel=1e-12)
+
+
 def test_what_does_not_repeat_is_left_out_with_a_line() -> None:
     gears = sample("double_helical")
     member, warnings = cyclic(gears.member("gear"), 2)
