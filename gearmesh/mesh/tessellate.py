@@ -263,10 +263,15 @@ class _Draft:
         more = taken > fewest
         thinned = (taken > EXCESS * fewest) & (taken[more].sum() > LARGE * fewest[more].sum())
         patches = [mesh.patch for mesh in meshes]
-        for k in np.flatnonzero(thinned).tolist():
-            enough = int(ENOUGH * fewest[k]) - 6
-            # where nodes of seams are merged, too, a link that is merged as far as it can be leaves them less room
-            patches[k] = self._image(k, patches) or self._thin(k, enough, again=taken.sum() > MOST)
+        # of teeth that have more than so many times the fewest even then all links that have more than enough are
+        for rest in (thinned, (taken > ENOUGH * fewest) & ~thinned):
+            for k in np.flatnonzero(rest).tolist():
+                enough = int(ENOUGH * fewest[k]) - 6
+                # where nodes of seams are merged, too, a link that is merged as far as it can be leaves them less room
+                patches[k] = self._image(k, patches) or self._thin(k, enough, again=taken.sum() > MOST)
+            left = np.array([len(patch.triangles) for patch in patches])
+            if not thinned.any() or left[more].sum() <= LARGE * fewest[more].sum():
+                break
         return tuple(patches)
 
     def thin_seams(self, patches: tuple[PatchMesh, ...]) -> tuple[PatchMesh, ...]:
