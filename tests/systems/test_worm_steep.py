@@ -186,6 +186,22 @@ def test_a_dedendum_that_is_left_open_is_no_reason_for_a_refusal() -> None:
     assert own.wheel.addendum == pytest.approx(dedendum - 0.2, rel=1e-9)
 
 
+@pytest.mark.sweep
+def test_a_tooth_by_adapted_defaults_reaches_its_tip_all_along_the_face() -> None:
+    """Seed 13: at the stations of the proof it did on 1.14 times the width, and not between them."""
+    keys = {
+        "module": 1.524,
+        "pressure_angle": 18.88,
+        "worm": {"threads": 4, "form": "ZK", "quotient": 8.066, "right_hand": False},
+        "wheel": {"teeth": 29, "profile_shift": -0.304},
+        "hob": {"reference_diameter": 12.592},
+    }
+    gears = gm.build(gm.parse({"kind": "worm_drive", **keys}))
+    sections = gears.members["wheel"].tooth.sections(np.linspace(0.0, 1.0, 301))
+    assert np.isfinite(sections.right.tip).all()
+    assert gears.limits().members["wheel"].sides["right"].lost_share >= 0.0
+
+
 @pytest.mark.filterwarnings("error")
 def test_a_place_far_off_on_the_hob_is_no_warning() -> None:
     """Where a step of Newton's method has gone astray: the polar angle rests, its rate is 0 as 1 / v^2 falls to it."""
