@@ -249,3 +249,11 @@ def test_a_part_of_a_tooth_has_edges_between_its_links() -> None:
     few = tessellate(member.tooth, 0.1, member.tooth.regions[1:4])
     bound = tooth_bound(few)
     assert 0.0 < bound.sampled <= bound.largest <= 0.1
+
+
+def test_facets_beside_a_fillet_that_turns_back_are_held_against_the_near_part_of_it() -> None:
+    """The bound was 4.4 m, of 1 m measured, and the mesh that was asked for then filled the memory."""
+    wheel = member_of("bound_worm_drive_81", "wheel")
+    bound = tooth_bound(tessellate(wheel.one_tooth, 0.02))
+    assert bound.largest <= CLOSE * bound.sampled
+    assert bound.sampled < 0.025

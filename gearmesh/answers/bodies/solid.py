@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 #: shares of what the bound calls for that the next meshes are asked for until one is within the tolerance: rows of facets are
 #: whole, so that the bound may stay while a little less is asked for
 LESS = (0.99, 0.95, 0.8)
+#: and the least such share at once: a bound that is loose at one place is no reason for a mesh that fills the memory
+LEAST = 0.3
 #: share of the tolerance from which on rounding of the file is what is wrong with it
 MOST_ROUNDING = 0.5
 
@@ -425,7 +427,7 @@ def mesh_within(
         largest = made.bound.largest + rounding
         if largest <= tolerance or rounding > MOST_ROUNDING * tolerance:
             break
-        asked *= less * (tolerance - rounding) / made.bound.largest
+        asked *= max(less * (tolerance - rounding) / made.bound.largest, LEAST)
     return made, written, largest
 
 

@@ -33,6 +33,8 @@ Index = NDArray[np.int64]
 
 #: square of the sine of the angle between a surface and a face below which it is no less
 STEEPEST = 1e-6
+#: mm up to which a point counts as the end of a chord
+NO_WAY = 1e-6
 #: heights of the parts from x to y (K,), shares of their length, of chords by their numbers (K,)
 Measure = Callable[[Index, Array, Array], LineHeights]
 
@@ -53,7 +55,11 @@ class Chords:
             ((1.0 - at) * given[which, None, 0] + at * given[which, None, 1]).reshape(-1, given.shape[-1])
             for given in (self.ends, self.parameters)
         )
-        feet, samples = Feet.of(self.surface, q, guess), np.arange(len(q)).reshape(-1, 3)
+        # the end that is nearer
+        end = (at[..., 0].ravel() > 0.5).astype(int)
+        owner = np.repeat(which, 3)
+        near = self.parameters[owner, end], np.linalg.norm(q - self.ends[owner, end], axis=1) + NO_WAY
+        feet, samples = Feet.of(self.surface, q, guess, near), np.arange(len(q)).reshape(-1, 3)
         along = (y - x)[:, None] * (self.ends[which, 1] - self.ends[which, 0])
         forms, slopes = second_forms(feet, samples, along[:, None])
         second = over_chord(forms[..., 0], slopes[..., 0])

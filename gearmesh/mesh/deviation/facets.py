@@ -153,7 +153,12 @@ class _Measured:
             np.concatenate((given[ends].mean(axis=1), given[corners].mean(axis=1))) for given in (q, facets.parameters)
         )
         points = np.concatenate((q, middles))
-        feet = Feet.of(surface, points, np.concatenate((facets.parameters, guesses)))
+        # a corner of each edge and facet, to which it is no farther than this
+        corner = np.concatenate((np.arange(len(q)), ends[:, 0], corners[:, 0]))
+        reach = np.linalg.norm(points - q[corner], axis=1)
+        reach[: len(q)] = np.inf
+        near = facets.parameters[corner], reach
+        feet = Feet.of(surface, points, np.concatenate((facets.parameters, guesses)), near)
         edges = len(q) + side.reshape(-1, 3)
         at = np.column_stack((corners, edges, len(q) + len(ends) + np.arange(len(corners))))
         along = np.roll(q[corners], 1, axis=1) - np.roll(q[corners], -1, axis=1)

@@ -41,9 +41,21 @@ class Feet:
     sure: NDArray[np.bool_]
 
     @staticmethod
-    def of(surface: Surface, q: Array, parameters: Array) -> Feet:
-        """Feet of points q (N, 3), from parameters near them."""
+    def of(surface: Surface, q: Array, parameters: Array, near: tuple[Array, Array] | None = None) -> Feet:
+        """Feet of points q (N, 3), from parameters near them.
+
+        `near`: other parameters (N, 2) to start from, and the distance (N,), mm, from which on they are taken: next to where a
+        surface turns back the mean of two parameters may be that of a point far away.
+        """
         jet = surface.jet(*parameters.T)
+        if near is not None:
+            others, reach = near
+            away = q - jet.r
+            lost = np.flatnonzero(~(dot(away, away) <= reach**2))
+            if lost.size:
+                parameters = parameters.copy()
+                parameters[lost] = others[lost]
+                jet = _put(jet, lost, surface.jet(*others[lost].T))
         u, v = parameters.T.copy()
         share = np.ones(len(q))
         for _ in range(STEPS):
