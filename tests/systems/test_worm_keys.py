@@ -81,7 +81,7 @@ def traces(gears: gm.Gears, key: str) -> Array:
     """Numbers that tell gears from others: points of all links, volumes, mountings."""
     numbers: list[Array] = []
     if key in SHEET:
-        rows = [row for table in gears.sheet().tables[-6:] for row in table.rows]
+        rows = [row for table in gears.sheet().tables[-7:] for row in table.rows]
         return np.frombuffer(repr(rows).encode(), dtype=np.uint8).astype(float)
     for member in gears.members.values():
         tooth, places = member.tooth, np.linspace(0.0, 1.0, 4)
