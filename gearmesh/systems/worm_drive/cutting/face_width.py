@@ -40,7 +40,7 @@ P = ParamSpec("P")
 SHARES = np.linspace(0.5, 1.0, 5)
 NARROW_SHARES, NARROW_ADDENDA = (0.5, 0.4, 0.3, 0.2), (1.0, 0.75, 0.5)
 #: stations of close looks
-CLOSE = 129
+CLOSE = 1025
 #: lead angle (rad) up to which the usual width is taken unseen: of 200 random drives the gentlest that it did not suit has 14 deg
 GENTLE = math.radians(10.0)
 
@@ -92,7 +92,7 @@ def _sound_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:
         tooth = _tooth(design, usual)
     except DesignError:
         return
-    prove = prove_wheel if usual_addendum(design) == ADDENDUM else _prove_closely
+    prove = _prove_closely if design.wheel.addendum < ADDENDUM else prove_wheel
     if _succeeds(prove, tooth):
         yield 1.0
     if math.isfinite(design.wheel.face_width) or design.lead_angle <= GENTLE:
