@@ -318,3 +318,11 @@ def test_throat_angle_is_refused_where_it_does_nothing() -> None:
         gm.DesignError, match=r"^wheel\.throat_angle = 30 deg: .* wheel\.tip_form is throated; .*chamfered"
     ):
         gm.build(gm.parse(keys))
+
+
+@pytest.mark.sweep
+def test_wheels_of_an_adapted_addendum_are_sound_between_the_stations_of_the_proof() -> None:
+    """Seed 172: with the usual face its solid failed; the face of three quarters is meshed, and closed."""
+    gears = gm.build(gm.load(CORPUS / "solid_worm_drive_172.toml"))
+    assert any("wheel.addendum" in line for line in gears.warnings)
+    assert gears.solid("wheel", 0.05).measured.watertight
