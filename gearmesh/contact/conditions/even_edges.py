@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Bound, Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, advances_of, at_positions, margins
-from gearmesh.contact.pair import NUMBERED, OF_CORNERS, Pair
+from gearmesh.contact.pair import NUMBERED, OF_CORNERS, PARALLEL, Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, turn
 
-#: sine of the angle between axes from which on they are not parallel
-PARALLEL = 1e-9
 #: the edges that end a face, by number: what touches on one of them alone does not do so all along it
 FACE_ENDS = np.array([name in ("toe", "heel") for _, name in NUMBERED])
 

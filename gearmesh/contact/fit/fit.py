@@ -24,7 +24,7 @@ from gearmesh.contact.engagement.symmetry import ImageCurve, image
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.fit.clearance import Clearance, tip_clearance
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.pair import Pair
+from gearmesh.contact.pair import PARALLEL, Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 from gearmesh.teeth.gear_train import GearPair
@@ -40,8 +40,6 @@ JAMMED = 0.5
 LOOSE = 0.25
 #: backlash and clearance (mm) that miss zero by less are zero: rounding
 NOTHING = 1e-6
-#: at sines of less than this axes are parallel
-PARALLEL = 1e-9
 #: rad by which the phase of the least backlash may be off, of which the square counts
 LEVELLED = 1e-6
 #: rad to which it is found where tooth pairs change over, of whose advances the slopes are small

@@ -16,7 +16,6 @@ from gearmesh.contact.engagement.engagement import LOOKS
 from gearmesh.contact.first_touch.field import outlook
 from gearmesh.contact.fit.fit import (
     NOTHING,
-    PARALLEL,
     Fit,
     clearances_of,
     gear_rotations,
@@ -26,6 +25,7 @@ from gearmesh.contact.fit.fit import (
     slack_of,
 )
 from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import PARALLEL
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair
