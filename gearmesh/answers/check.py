@@ -339,7 +339,7 @@ def flank_meshes(pair: GearPair, tolerance: float) -> tuple[TriangleMesh, Triang
     from gearmesh.mesh.tessellate import tessellate
 
     first, second = (
-        teeth_mesh(tessellate(member.tooth, tolerance, (FLANKS[side],)), member.name, np.array([0]))
+        teeth_mesh(tessellate(member.tooth, tolerance, (FLANKS[side],), lean=False), member.name, np.array([0]))
         for member, side in zip(pair.both, pair.flanks, strict=True)
     )
     return first, second

@@ -160,16 +160,20 @@ class Welded:
         return Welded(np.concatenate((self.vertices, mesh.vertices)), triangles, toe, heel, firsts)
 
 
-def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | None = None) -> ToothMesh:
+def tessellate(
+    tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | None = None, *, lean: bool = True
+) -> ToothMesh:
     """Mesh one tooth (or only some links of it) within `tolerance` (mm) of its exact surfaces.
+
+    Without `lean` it is not thinned: where nobody keeps the triangles, that takes longer than what they save.
 
     Raises TrimError where the tooth cannot be trimmed.
     """
-    return tessellate_alike((tooth,), tolerance, regions)[0]
+    return tessellate_alike((tooth,), tolerance, regions, lean=lean)[0]
 
 
 def tessellate_alike(
-    teeth: Sequence[Tooth], tolerance: float, regions: tuple[Region, ...] | None = None
+    teeth: Sequence[Tooth], tolerance: float, regions: tuple[Region, ...] | None = None, *, lean: bool = True
 ) -> tuple[ToothMesh, ...]:
     """Mesh teeth as `tessellate` does one, with lines at the same stations: each fits beside each of them.
 
@@ -192,8 +196,8 @@ def tessellate_alike(
             break
         for draft in drafts:
             draft.mesh(seams, moved, least, fixed)
-    patches = [draft.thin() for draft in drafts]
-    if len(drafts) == 1:
+    patches = [draft.thin() if lean else draft.patches() for draft in drafts]
+    if lean and len(drafts) == 1:
         patches = [drafts[0].thin_seams(patches[0])]
     return tuple(ToothMesh(draft.tooth, made, tolerance) for draft, made in zip(drafts, patches, strict=True))
 
@@ -253,6 +257,10 @@ class _Draft:
             {},
             set(range(len(regions))),
         )
+
+    def patches(self) -> tuple[PatchMesh, ...]:
+        """All links in order, as they were meshed last."""
+        return tuple(self.meshes[k].patch for k in range(len(self.regions)))
 
     def thin(self) -> tuple[PatchMesh, ...]:
         """All links in order, with fewer triangles where that many are far from needed."""
