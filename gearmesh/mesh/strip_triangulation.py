@@ -42,6 +42,8 @@ CORNERS = ((True, True), (True, False), (False, True), (False, False))
 GAIN = 1e-12
 #: pairs of nodes of a strip up to which all of its diagonals are tried
 PAIRS = 4_000
+#: cells beyond the longest of its diagonals up to which they are tried in strips with more, and how many pairs these may be
+CELLS, MOST_PAIRS = 4.0, 40_000
 
 
 @dataclass(frozen=True)
@@ -137,24 +139,29 @@ class StripTriangulation:
         steps[chosen], steps[chosen + 1] = self.steps[chosen + 1], self.steps[chosen]
         return replace(self, steps=steps)
 
-    def best(self, miss: Miss, chosen: NDArray[np.bool_]) -> StripTriangulation:
+    def best(self, miss: Miss, t: Array, chosen: NDArray[np.bool_]) -> StripTriangulation:
         """The triangulation with the best corners, and the best diagonals between their chains, in the chosen strips (S,): the sum
-        of the diagonals' misses, to the fourth power, is the least that there is.
+        of the diagonals' misses, to the fourth power, is the least that there is; nodes are at `t` (N,).
 
-        By dynamic programming over all pairs of nodes [Fuchs, Kedem & Uselton, Comm. ACM 20 (1977) 693]; strips with more than
-        PAIRS of them stay.
+        By dynamic programming over all pairs of nodes [Fuchs, Kedem & Uselton, Comm. ACM 20 (1977) 693]; in strips with more than
+        PAIRS of them over those that are no farther apart along the strip than its diagonals are and some cells more; with more than
+        MOST_PAIRS of these a strip stays.
         """
         steps, chains = np.split(self.steps, np.searchsorted(self.strip, np.arange(1, len(self.start)))), self._chains
+        places, strip = self.diagonals()
+        apart = np.zeros(len(self.start))
+        np.maximum.at(apart, strip, np.abs(t[self.a[places[:, 0]]] - t[self.b[places[:, 1]]]))
         for k in np.flatnonzero(chosen):
             ways = [_chains(self.strips[k], *corners) for corners in CORNERS]
-            ways = [way for way in ways if 0 < way[2][0].size * way[2][1].size <= PAIRS]
-            pairs = [np.stack(np.meshgrid(*pair, indexing="ij"), axis=-1).reshape(-1, 2) for *_, pair in ways]
-            if not pairs:
+            bands = [_band(t[a], t[b], apart[k]) if a.size and b.size else None for _, _, (a, b) in ways]
+            tried = [(way, band) for way, band in zip(ways, bands, strict=True) if band is not None]
+            if not tried:
                 continue
+            pairs = [_pairs(*way[2], *band) for way, band in tried]
             costs = np.split(miss(np.concatenate(pairs)) ** 4, np.cumsum([len(part) for part in pairs])[:-1])
-            tried = [_cheapest(cost.reshape(pair[0].size, -1)) for cost, (*_, pair) in zip(costs, ways, strict=True)]
-            least = int(np.argmin([total for total, _ in tried]))
-            chains[k], steps[k] = ways[least], tried[least][1]
+            ends = [_cheapest(cost, *band, way[2][1].size) for cost, (way, band) in zip(costs, tried, strict=True)]
+            least = int(np.argmin([total for total, _ in ends]))
+            chains[k], steps[k] = tried[least][0], ends[least][1]
         return StripTriangulation._join(self.strips, chains, steps)
 
     def _gaining(self, miss: Miss, held: Array) -> Index:
@@ -172,16 +179,36 @@ class StripTriangulation:
         return np.flatnonzero(best)
 
 
-def _cheapest(cost: Array) -> tuple[float, NDArray[np.bool_]]:
-    """The least sum of cost from corner to corner of a table (A, B), and the steps on the way, True along the first axis."""
-    total = np.empty_like(cost)
-    before = np.full(cost.shape[1], np.inf)
+def _band(t: Array, other: Array, apart: float) -> tuple[Index, Index] | None:
+    """Which nodes of one chain, from `low` up to `high` (A,), may be joined with each node of the other, by their places along the
+    strip, t (A,) and (B,): all of them where these are few pairs; None where they are too many."""
+    if t.size * other.size <= PAIRS:
+        return np.zeros(t.size, dtype=np.int64), np.full(t.size, other.size)
+    widest = max(float(np.diff(of, prepend=0.0, append=1.0).max()) for of in (t, other))
+    low = np.searchsorted(other, t - apart - CELLS * widest)
+    high = np.searchsorted(other, t + apart + CELLS * widest, side="right")
+    return (low, high) if (high - low).sum() <= MOST_PAIRS else None
+
+
+def _pairs(a: Index, b: Index, low: Index, high: Index) -> Index:
+    """Each node of a (A,) with those of b (B,) from `low` up to `high` (A,): (K, 2)."""
+    count = high - low
+    place = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count - low, count)
+    return np.stack((np.repeat(a, count), b[place]), axis=1)
+
+
+def _cheapest(cost: Array, low: Index, high: Index, columns: int) -> tuple[float, NDArray[np.bool_]]:
+    """The least sum of cost from corner to corner of a table (A, B), which has the costs (K,) from `low` up to `high` (A,) in its
+    rows, and the steps on the way, True along the first axis."""
+    total = np.full((low.size, columns), np.inf)
+    before, first = np.full(columns, np.inf), 0
     before[0] = 0.0
-    for row, own in zip(total, np.cumsum(cost, axis=1), strict=True):
+    for row, begin, end in zip(total, low.tolist(), high.tolist(), strict=True):
+        own = np.cumsum(cost[first : first + end - begin])
         # from the row before at any place, then along this one
-        row[:] = own + np.minimum.accumulate(before - np.concatenate(([0.0], own[:-1])))
-        before = row
-    i, j = len(cost) - 1, cost.shape[1] - 1
+        row[begin:end] = own + np.minimum.accumulate(before[begin:end] - np.concatenate(([0.0], own[:-1])))
+        before, first = row, first + end - begin
+    i, j = low.size - 1, columns - 1
     steps = list[bool]()
     while i or j:
         steps.append(j == 0 or (i > 0 and bool(total[i - 1, j] <= total[i, j - 1])))

@@ -146,7 +146,7 @@ def mesh_link(
             np.bincount(strip[of], minlength=count - 1) > 0
             for of in (peaks > tolerance, np.any(held[triangles] > 0.0, axis=1))
         )
-        triangulation = triangulation.best(points.arch, bad & ~fixed)
+        triangulation = triangulation.best(points.arch, t, bad & ~fixed)
     strips, off = np.full(count - 1, FLOOR), np.full(count, FLOOR)
     np.maximum.at(strips, strip, peaks)
     on_line = (line[edges[:, 0]] == line[edges[:, 1]]) & (line[edges[:, 0]] >= 0)
