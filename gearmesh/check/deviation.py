@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.numeric.algebra import Array, cross, distinct, dot
 from gearmesh.kernel.surface.nearest import nearest, tangential
 from gearmesh.mesh.patch import PatchMesh, trim
 from gearmesh.mesh.tessellate import ToothMesh
@@ -119,7 +119,7 @@ class _Around:
         corners, owner = self.vertices[facets].ravel(), np.repeat(owner, 3)
         sizes = self.begins[corners + 1] - self.begins[corners]
         places = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes - self.begins[corners], sizes)
-        pairs = np.unique(np.repeat(owner, sizes) * len(self.corners) + self.facets_of[places])
+        pairs = distinct(np.repeat(owner, sizes) * len(self.corners) + self.facets_of[places])
         return pairs % len(self.corners), pairs // len(self.corners)
 
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, cross, dot, plane_cross, polar_angle, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, distinct, dot, plane_cross, polar_angle, unit
 from gearmesh.mesh.triangles import TriangleMesh
 
 if TYPE_CHECKING:
@@ -460,7 +460,7 @@ class _Bins:
         cell = first[box] + np.stack((step // span[box, 1], step % span[box, 1]), axis=-1)
         # of the many pieces that an oblique triangle may have in a bin one is enough
         count = int(whose.max(initial=0)) + 1
-        key, member = np.divmod(np.unique((cell[:, 0] * shape[1] + cell[:, 1]) * count + whose[box]), count)
+        key, member = np.divmod(distinct((cell[:, 0] * shape[1] + cell[:, 1]) * count + whose[box]), count)
         start = np.concatenate(([0], np.cumsum(np.bincount(key, minlength=int(shape.prod())))))
         return _Bins(origin, size, shape, start, member)
 

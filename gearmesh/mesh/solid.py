@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 from gearmesh.mesh.body import gear_body, ring_count, triangulate, without_needles
 from gearmesh.mesh.ring import TeethRing
@@ -121,14 +121,14 @@ def prove(mesh: TriangleMesh, genus: int) -> Proof:
     ends = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64)
     there, back = (np.sort(ends[:, k] * len(mesh.vertices) + ends[:, 1 - k]) for k in (0, 1))
     once = bool((there[1:] != there[:-1]).all())
-    edges = np.unique(ends.min(axis=1) * len(mesh.vertices) + ends.max(axis=1)).size
+    edges = distinct(ends.min(axis=1) * len(mesh.vertices) + ends.max(axis=1)).size
     volume = mesh.volume()
     # less is rounding
     least = FLAT * float(np.ptp(mesh.vertices, axis=0).max()) ** 3
     return Proof(
         status=body.status().name,
         watertight=once and np.array_equal(there, back) and bool(np.isfinite(mesh.vertices).all()) and volume > least,
-        euler=int(np.unique(mesh.triangles).size - edges + len(mesh.triangles)),
+        euler=int(distinct(mesh.triangles).size - edges + len(mesh.triangles)),
         genus=genus,
         volume=volume,
     )

@@ -103,12 +103,45 @@ def test_the_best_triangulation_is_the_best_of_all(seed: int) -> None:
         for last in (0, 1)
     ]
     plain = StripTriangulation.of(lines, below, above, t, miss)
-    better = plain.best(miss, np.array([True, False]))
+    better = plain.best(miss, t, np.array([True, False]))
     triangles, strip = better.triangles()
     assert cost(triangles[strip == 0]) == pytest.approx(min(least(a, b) for a, b in chains), rel=1e-12)
     assert (areas(s, t, triangles) > 0.0).all()
     before, of = plain.triangles()
     np.testing.assert_array_equal(triangles[strip == 1], before[of == 1])
+
+
+def test_long_strips_have_the_best_triangulation_without_every_pair() -> None:
+    """Of 181 nodes beside 61 with 2 between them at the toe, as where a face gear's fillet meets its flank, diagonals that lean by
+    a twentieth of the strip, and fans: the sum over all pairs, cell by cell, has no less than that over the near ones."""
+    lines, below, above, s, t = nodes([61, 181], [2], [0])
+    tried = 0
+
+    def miss(edges: Index) -> Array:
+        nonlocal tried
+        tried += len(edges)
+        ds, dt = s[edges[:, 1]] - s[edges[:, 0]], t[edges[:, 1]] - t[edges[:, 0]]
+        off: Array = np.abs(ds * (0.05 - 0.1 * t[edges].mean(axis=1)) - dt) + 0.01 * dt**2
+        return off
+
+    plain = StripTriangulation.of(lines, below, above, t, miss)
+    tried = 0
+    better = plain.best(miss, t, np.array([True]))
+    assert 0 < tried < 0.25 * 4 * 61 * 181
+    (left, right), toe = lines, below[0]
+    least = np.inf
+    for a, b in ((np.append(toe[::-1], left), right[1:]), (left[1:], np.append(toe, right))):
+        for first, last in ((a, b[:-1]), (a[:-1], b)):
+            pairs = np.stack(np.meshgrid(first, last, indexing="ij"), axis=-1)
+            cost = miss(pairs.reshape(-1, 2)).reshape(pairs.shape[:2]) ** 4
+            for i, j in np.ndindex(cost.shape):
+                before = [cost[i - 1, j]] * (i > 0) + [cost[i, j - 1]] * (j > 0)
+                cost[i, j] += min(before, default=0.0)
+            least = min(least, float(cost[-1, -1]))
+    triangles, _ = better.triangles()
+    assert (miss(inner_edges(triangles)) ** 4).sum() == pytest.approx(least, rel=1e-9)
+    assert (miss(inner_edges(plain.triangles()[0])) ** 4).sum() > 10.0 * least
+    assert (areas(s, t, triangles) > 0.0).all()
 
 
 def inner_edges(triangles: Index) -> Index:

@@ -52,7 +52,10 @@ def between(table: Array, x: Array, y: Array) -> Array:
     x, y = x * (count - 1), y * (rows - 1)
     i, j = np.minimum(x.astype(int), count - 2), np.minimum(y.astype(int), rows - 2)
     x, y = ((of - at).reshape(-1, *(1,) * (table.ndim - 2)) for of, at in ((x, i), (y, j)))
-    low, high = table[i, j] * (1.0 - x) + table[i + 1, j] * x, table[i, j + 1] * (1.0 - x) + table[i + 1, j + 1] * x
+    # by one index, in half the time that two of them take
+    of_all, at = table.reshape(count * rows, *table.shape[2:]), i * rows + j
+    corners = [of_all.take(at + step, axis=0) for step in (0, rows, 1, rows + 1)]
+    low, high = (first * (1.0 - x) + last * x for first, last in (corners[:2], corners[2:]))
     values: Array = low * (1.0 - y) + high * y
     return values
 

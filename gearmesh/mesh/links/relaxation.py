@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, following, independent, within_link
 from gearmesh.mesh.links.prediction import Prediction
 
@@ -237,22 +237,14 @@ def around(triangles: Index, incidence: Incidence, edges: Index, st: Array, twin
     count, on_seam = len(st), np.flatnonzero(on_seams(edges, st, twin))
     every = np.concatenate((np.arange(len(edges)), on_seam))
     rings = Rings.of(triangles, incidence, np.concatenate((edges, twin[edges[on_seam]])))
-    inner = _distinct((every[rings.taken_by][:, None] * count + triangles[rings.taken]).ravel())
+    inner = distinct(every[rings.taken_by][:, None] * count + triangles[rings.taken])
     other = twin[inner % count]
     if (other >= 0).any():
-        inner = np.union1d(inner, (inner + other - inner % count)[other >= 0])
+        inner = distinct(np.append(inner, (inner + other - inner % count)[other >= 0]))
     edge, node = np.divmod(inner, count)
     corner, which = incidence.corners_at(node)
-    owner, triangle = np.divmod(_distinct(edge[which] * len(triangles) + corner // 3), len(triangles))
+    owner, triangle = np.divmod(distinct(edge[which] * len(triangles) + corner // 3), len(triangles))
     return inner, owner, triangle
-
-
-def _distinct(codes: Index) -> Index:
-    """Whole numbers (N,), each once, ascending: np.unique hashes, which takes up to 30 times as long for millions of codes."""
-    ordered = np.sort(codes)
-    fresh = np.ones(ordered.size, dtype=bool)
-    np.not_equal(ordered[1:], ordered[:-1], out=fresh[1:])
-    return ordered[fresh]
 
 
 def turns(incidence: Incidence, loose: NDArray[np.bool_], twin: Index) -> Index:
