@@ -144,7 +144,7 @@ class StripTriangulation:
         of the diagonals' misses, to the fourth power, is the least that there is; nodes are at `t` (N,).
 
         By dynamic programming over all pairs of nodes [Fuchs, Kedem & Uselton, Comm. ACM 20 (1977) 693]; in strips with more than
-        PAIRS of them over those that are no farther apart along the strip than its diagonals and some cells more, and where these are
+        PAIRS of them over those that are no farther apart along the strip than its diagonals and some cells more; where they are
         more than MOST_PAIRS the strip stays.
         """
         steps, chains = np.split(self.steps, np.searchsorted(self.strip, np.arange(1, len(self.start)))), self._chains

@@ -41,12 +41,14 @@ Measure = Callable[[Index, Array, Array], LineHeights]
 
 @dataclass(frozen=True)
 class Chords:
-    """Chords whose ends (L, 2, 3), mm, lie on a surface at `parameters` (L, 2, 2), which is turned to where they are by `place`."""
+    """Chords whose ends (L, 2, 3), mm, lie on a surface at `parameters` (L, 2, 2), which is turned to where they are by `place`;
+    `lengths` (2,) of the surface as those of `Feet`."""
 
     surface: Surface
     ends: Array
     parameters: Array
     place: Rigid
+    lengths: Array
 
     def measure(self, which: Index, x: Array, y: Array) -> LineHeights:
         """As `Measure`."""
@@ -59,7 +61,7 @@ class Chords:
         end = (at[..., 0].ravel() > 0.5).astype(int)
         owner = np.repeat(which, 3)
         near = self.parameters[owner, end], np.linalg.norm(q - self.ends[owner, end], axis=1) + NO_WAY
-        feet, samples = Feet.of(self.surface, q, guess, near), np.arange(len(q)).reshape(-1, 3)
+        feet, samples = Feet.of(self.surface, q, guess, near, self.lengths), np.arange(len(q)).reshape(-1, 3)
         along = (y - x)[:, None] * (self.ends[which, 1] - self.ends[which, 0])
         forms, slopes = second_forms(feet, samples, along[:, None])
         second = over_chord(forms[..., 0], slopes[..., 0])

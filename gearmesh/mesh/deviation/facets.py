@@ -71,12 +71,13 @@ class LineHeights:
 class FacetBounds:
     """Upper bounds (M,) of the distances of facets from a surface, mm, the largest distance `sampled`, mm.
 
-    `sides` (M, 3): their edges, of which number k is opposite to corner k.
+    `sides` (M, 3): their edges, of which number k is opposite to corner k; `lengths` (2,) of the surface there, as those of `Feet`.
     """
 
     bounds: Array
     sampled: float
     sides: LineHeights
+    lengths: Array
 
     @property
     def largest(self) -> float:
@@ -102,12 +103,13 @@ def facet_bounds(
     `sampled`: the largest distance measured elsewhere, which is returned if none is larger; bounds need not be close where they are
     below it. `allowed`: where more is measured than fits under it the bounds are as close as can be.
     """
-    every, measured = np.arange(len(triangles)), list[_Measured]()
+    every, measured, lengths = np.arange(len(triangles)), list[_Measured](), None
     for start in range(0, len(triangles), BLOCK):
         used, corners = np.unique(triangles[start : start + BLOCK], return_inverse=True)
         owner = every[start : start + BLOCK]
         facets = _Facets(points[used], parameters[used], corners.reshape(-1, 3), owner)
-        measured.append(_Measured.of(surface, facets))
+        measured.append(_Measured.of(surface, facets, lengths))
+        lengths = measured[0].feet.lengths
         sampled = max(sampled, measured[-1].feet.largest)
     sides, bounds = _join([part.sides for part in measured]), np.zeros(len(triangles))
     for last in (*(False,) * ROUNDS, True):
@@ -117,9 +119,9 @@ def facet_bounds(
         finer = [part.quarters(again) for part, again in zip(measured, open_, strict=True) if again.any()]
         if not finer:
             break
-        measured = [_Measured.of(surface, facets) for facets in finer]
+        measured = [_Measured.of(surface, facets, lengths) for facets in finer]
         sampled = max(sampled, *(part.feet.largest for part in measured))
-    return FacetBounds(bounds, sampled, sides)
+    return FacetBounds(bounds, sampled, sides, np.ones(2) if lengths is None else lengths)
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,7 @@ class _Measured:
     edges: Index
 
     @staticmethod
-    def of(surface: Surface, facets: _Facets) -> _Measured:
+    def of(surface: Surface, facets: _Facets, lengths: Array | None) -> _Measured:
         q, corners = facets.points, facets.corners
         low, high = np.moveaxis(np.sort(corners[:, [[1, 2], [2, 0], [0, 1]]], axis=-1), -1, 0)
         numbers, side = np.unique(low * len(q) + high, return_inverse=True)
@@ -158,7 +160,7 @@ class _Measured:
         reach = np.linalg.norm(points - q[corner], axis=1)
         reach[: len(q)] = np.inf
         near = facets.parameters[corner], reach
-        feet = Feet.of(surface, points, np.concatenate((facets.parameters, guesses)), near)
+        feet = Feet.of(surface, points, np.concatenate((facets.parameters, guesses)), near, lengths)
         edges = len(q) + side.reshape(-1, 3)
         at = np.column_stack((corners, edges, len(q) + len(ends) + np.arange(len(corners))))
         along = np.roll(q[corners], 1, axis=1) - np.roll(q[corners], -1, axis=1)

@@ -15,7 +15,7 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 STEPS, SETTLED = 12, 1e-3
 #: share of a step that led away that is tried next
 SHORTER = 0.25
-#: square of the area of r_u and r_v over that of the longer one's square at which they are singular
+#: square of the area of r_u and r_v, each by its largest length, over that of the longer one's square at which they are singular
 SINGULAR = 1e-3
 #: distances (mm) below this are rounding
 FLOOR = 1e-9
@@ -31,7 +31,7 @@ class Feet:
     Where no foot was reached (not `sure`, (N,)) the height is the distance from a point of the surface, which is no smaller than
     that from the surface. But where the surface is all but singular there (r_u and r_v all but parallel, or one of them all but
     nothing, as an involute at its base) it is the height over its tangent plane: of points beyond its end, where the next link goes
-    on along that plane.
+    on along that plane. `lengths` (2,): the largest squares of r_u and r_v on the patch, by which that is judged.
     """
 
     parameters: Array
@@ -39,10 +39,17 @@ class Feet:
     normals: Array
     changes: Array
     sure: NDArray[np.bool_]
+    lengths: Array
 
     @staticmethod
-    def of(surface: Surface, q: Array, parameters: Array, near: tuple[Array, Array] | None = None) -> Feet:
-        """Feet of points q (N, 3), from parameters near them.
+    def of(
+        surface: Surface,
+        q: Array,
+        parameters: Array,
+        near: tuple[Array, Array] | None = None,
+        lengths: Array | None = None,
+    ) -> Feet:
+        """Feet of points q (N, 3), from parameters near them; `lengths` (2,) of the patch, without them those at these parameters.
 
         `near`: other parameters (N, 2) to start from, and the distance (N,), mm, from which on they are taken: next to where a
         surface turns back the mean of two parameters may be that of a point far away.
@@ -56,6 +63,8 @@ class Feet:
                 parameters = parameters.copy()
                 parameters[lost] = others[lost]
                 jet = _put(jet, lost, surface.jet(*others[lost].T))
+        if lengths is None:
+            lengths = np.array([np.fmax.reduce(dot(of, of)) for of in (jet.r_u, jet.r_v)])
         u, v = parameters.T.copy()
         share = np.ones(len(q))
         for _ in range(STEPS):
@@ -75,10 +84,10 @@ class Feet:
                 u[which[nearer]] += du[nearer]
                 v[which[nearer]] += dv[nearer]
                 jet = _put(jet, which[nearer], ahead[np.flatnonzero(nearer)])
-        return Feet._at(jet, q, np.stack((u, v), axis=-1))
+        return Feet._at(jet, q, np.stack((u, v), axis=-1), lengths)
 
     @staticmethod
-    def _at(jet: Jet, q: Array, parameters: Array) -> Feet:
+    def _at(jet: Jet, q: Array, parameters: Array, lengths: Array) -> Feet:
         """From the jets next to the feet, by the last part of the step."""
         away = q - jet.r
         du, dv = tangential(jet, away)
@@ -88,9 +97,9 @@ class Feet:
         sure = left <= SETTLED * float(np.fmax.reduce(np.abs(heights), initial=FLOOR))
         farthest = np.copysign(np.sqrt(dot(away, away)), heights)
         # where it ends in a singular line it goes on, as the next link, along its tangent plane
-        beyond = np.where(_singular(jet), heights, np.where(np.isnan(farthest), np.inf, farthest))
+        beyond = np.where(_singular(jet, lengths), heights, np.where(np.isnan(farthest), np.inf, farthest))
         heights = np.where(sure, heights - bulge, beyond)
-        return Feet(parameters, heights, jet.n, _changes(jet, np.where(sure, heights, 0.0)), sure)
+        return Feet(parameters, heights, jet.n, _changes(jet, np.where(sure, heights, 0.0)), sure, lengths)
 
     @property
     def known(self) -> Array:
@@ -103,11 +112,11 @@ class Feet:
         return float(np.abs(self.heights[self.sure]).max(initial=0.0))
 
 
-def _singular(jet: Jet) -> NDArray[np.bool_]:
-    """Where (N,) r_u and r_v are all but parallel, or one is all but nothing."""
+def _singular(jet: Jet, lengths: Array) -> NDArray[np.bool_]:
+    """Where (N,) r_u and r_v are all but parallel, or one is all but nothing beside its largest square of `lengths` (2,)."""
     normal = cross(jet.r_u, jet.r_v)
-    u, v = dot(jet.r_u, jet.r_u), dot(jet.r_v, jet.r_v)
-    return np.asarray(dot(normal, normal) <= SINGULAR * np.maximum(u, v) ** 2)
+    u, v = dot(jet.r_u, jet.r_u) / lengths[0], dot(jet.r_v, jet.r_v) / lengths[1]
+    return np.asarray(dot(normal, normal) / lengths.prod() <= SINGULAR * np.maximum(u, v) ** 2)
 
 
 def _bulge(jet: Jet, du: Array, dv: Array) -> Array:
