@@ -36,6 +36,8 @@ CLOSE = 1.25
 FEW = (
     ("internal", "gear", 0.1),
     ("undercut_modified_involute_sensible_2066", "pinion", 0.1),
+    # its flanks are singular just below the form point, which chords of the seam with the fillet pass
+    ("circular_arc", "pinion", 0.1),
 )
 MANY = (
     *FEW,

@@ -12,9 +12,9 @@ from gearmesh.kernel.surface.nearest import tangential
 from gearmesh.kernel.surface.surface import Jet, Surface
 
 #: steps towards the foot at most, and the share of the largest distance that the next one may change
-STEPS, SETTLED = 12, 1e-3
-#: share of a step that led away that is tried next
-SHORTER = 0.25
+STEPS, SETTLED = 40, 1e-3
+#: share of a step that led away that is tried next, and the share at which no more is
+SHORTER, SHORTEST = 0.25, 1e-3
 #: square of the area of r_u and r_v, each by its largest length, over that of the longer one's square at which they are singular
 SINGULAR = 1e-3
 #: distances (mm) below this are rounding
@@ -71,7 +71,7 @@ class Feet:
             away = q - jet.r
             du, dv = tangential(jet, away)
             scale = float(np.fmax.reduce(np.abs(dot(jet.n, away)), initial=FLOOR))
-            which = np.flatnonzero(np.abs(_bulge(jet, du, dv)) > SETTLED * scale)
+            which = np.flatnonzero((np.abs(_bulge(jet, du, dv)) > SETTLED * scale) & (share > SHORTEST))
             if not which.size:
                 break
             du, dv = share[which] * du[which], share[which] * dv[which]
