@@ -127,7 +127,9 @@ def _chords(patch: PatchMesh, measured: FacetBounds, line: Index, place: Rigid) 
     """The chords of a line of a link's nodes over its surface, which `place` takes to the other side's."""
     surface, parameters = _surface(patch)
     ends, at = (np.stack((given[line[:-1]], given[line[1:]]), axis=1) for given in (patch.points, parameters))
-    return EdgeSide(known(patch.triangles, line, measured.sides, place), Chords(surface, ends, at, place, measured.lengths).measure)
+    return EdgeSide(
+        known(patch.triangles, line, measured.sides, place), Chords(surface, ends, at, place, measured.lengths).measure
+    )
 
 
 def _end(patch: PatchMesh, measured: FacetBounds, which: int, shared: bool) -> tuple[EdgeSide, EdgeSide]:
