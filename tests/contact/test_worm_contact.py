@@ -10,6 +10,7 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 from gearmesh.contact.conditions.bent_lines import line_over_face, pieces
+from gearmesh.contact.conditions.lines import trace
 from gearmesh.contact.conditions.meshing import Bound, Conditions, Flank
 from gearmesh.contact.engagement.curve import MeshCurve
 from gearmesh.contact.engagement.engagement import whole_engagement
@@ -23,6 +24,7 @@ from gearmesh.kernel.surface.surface import Jet
 from gearmesh.systems.designs import load
 from gearmesh.teeth.generation.tool_in_place import generation
 
+CORPUS = SAMPLES.parent / "tests" / "corpus"
 #: radii of the wheel's throat and the worm's tip about the worm's axis, mm
 THROAT, TIP = 25.0, 35.0
 
@@ -181,3 +183,27 @@ def test_repeated_conditions_keep_what_bounds_each_position() -> None:
     f = plain(x[some], some)[0]
     np.testing.assert_array_equal(plain.repeat(some)(x[some], np.arange(3))[0], f)
     assert np.ptp(f[:, 3:], axis=0).max() > 1.0
+
+
+@pytest.mark.parametrize(
+    ("name", "keys", "phi1"),
+    [
+        ("face_worm_drive_10", ["wheel.face_width=35.65931903616282", "wheel.addendum=1"], -1.2),
+        ("tip_worm_drive_19", [], -1.8),
+    ],
+)
+def test_lines_do_not_depend_on_which_of_their_places_is_known(name: str, keys: list[str], phi1: float) -> None:
+    """Lines in two pieces, of which the stations of the face show neither end to end from everywhere."""
+    pair = solver_pair(pair_of(load(CORPUS / f"{name}.toml", keys))).parts[0]
+    x = touches(pair, np.array([phi1]))[0].x
+    plain = Conditions(pair.flanks, np.array([phi1]), pair.length)
+    own = pieces(pair, plain, x, 13)
+    assert own.line.tolist() == [0, 0]
+    places = own.x[:, [1, 6, 9]].reshape(-1, 5)
+    again = trace(pair, np.full(len(places), phi1), places)
+    r = plain.touch(own.x.reshape(-1, 5), np.zeros(26, dtype=np.intp)).fixed[0].r.reshape(2, 13, 3)
+    for points in again.points:
+        assert points is not None
+        assert points.shape == (27, 3)
+        assert np.abs(points[[*range(13), *range(14, 27)]].reshape(2, 13, 3) - r).max() < 1e-8
+    assert np.abs(again.x - again.x[0]).max() < 1e-8

@@ -25,6 +25,12 @@ from gearmesh.kernel.surface.nearest import tangential
 STEPS, MOST, ROUGH = 24, 48, 1e-5
 #: how far (part of a flank's length) beyond the flanks a line is followed, to where it may enter them again
 BEYOND = 0.35
+#: how often points of lines that were followed are spaced evenly again
+ALIKE = 6
+#: neighbours on a line at stations of the face are no farther apart than this many stations, and turn the gear alike (rad)
+NEAR, SAME = 4.0, 1e-8
+#: stations beyond those known that are looked for from these
+AHEAD = 6
 #: evaluations of a point of a line at a station at most
 EVALUATIONS = 15
 
@@ -48,17 +54,33 @@ def directions(pair: Pair, touch: Touch) -> tuple[Array, Array]:
 
 
 def pieces(pair: Pair, plain: Conditions, x: Array, count: int) -> LinePieces:
-    """What both flanks have of the lines through x (M, 5), at `count` points each; `plain`: the conditions at these positions."""
+    """What both flanks have of the lines through x (M, 5), at `count` points each; `plain`: the conditions at these positions.
+
+    It does not matter which places of the lines x are.
+    """
     states = np.full((len(x), 2 * MOST + 1, 5), np.nan)
-    over_face, good = _over_face(pair, plain, x) if pair.wound else (states, np.zeros(len(x), dtype=bool))
+    over_face, good, start = _over_face(pair, plain, x) if pair.wound else (states, np.zeros(len(x), dtype=bool), x)
     if good.any():
         states[good, : over_face.shape[1]] = over_face[good]
     rest = np.flatnonzero(~good)
     if rest.size:
-        states[rest] = _follow(pair, plain.repeat(rest), x[rest])
+        states[rest] = _over_face_first(pair, plain.repeat(rest), _follow(pair, plain.repeat(rest), start[rest]))
     own = _pieces(pair, plain, np.arange(len(x)), states, count)
-    # a gap between two steps shows between the points of its piece
-    return _pieces(pair, plain, own.line, own.x, count)
+    # a gap between two steps shows between the points of its piece; of what was followed the chords become alike, wherever its
+    # steps were: each time their differences are some 40 times less
+    for _ in range(ALIKE if rest.size else 1):
+        own = _pieces(pair, plain, own.line, own.x, count)
+    return own
+
+
+def _over_face_first(pair: Pair, plain: Conditions, states: Array) -> Array:
+    """Lines through states (L, S, 5), NaN where there are none, in the order in which the gear's face begins and ends."""
+    first, last = (np.isfinite(way[..., 0]).argmax(axis=1) for way in (states, states[:, ::-1]))
+    every = np.arange(len(states))
+    ends = np.concatenate((states[every, first], states[every, -1 - last]))
+    station = pair.gear.axial.value(plain.touch(ends, np.tile(every, 2)).own[1].r)
+    falls = (station[len(states) :] - station[: len(states)]) * np.subtract(*pair.gear.extent[::-1]) < 0.0
+    return np.where(falls[:, None, None], states[:, ::-1], states)
 
 
 def _pieces(pair: Pair, plain: Conditions, line: NDArray[np.intp], states: Array, count: int) -> LinePieces:
@@ -105,13 +127,57 @@ def line_over_face(pair: Pair, plain: Conditions, x: Array, stations: Array) -> 
     return solution.values.reshape(*shape, 5), there.reshape(shape), touch
 
 
-def _over_face(pair: Pair, plain: Conditions, x: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Points (M, S, 5) of lines through x (M, 5) in order over the gear's face, NaN beyond where they end, and which lines (M,) run
-    from one end of it to the other without gaps, so that these are all of their points."""
+def _over_face(pair: Pair, plain: Conditions, x: Array) -> tuple[Array, NDArray[np.bool_], Array]:
+    """Points (M, S, 5) of lines through x (M, 5) in order over the gear's face, NaN beyond where they end; which lines (M,) run
+    from one end of it to the other without gaps, so that these are all of their points; and where to follow the others from
+    (M, 5): the deepest of these points inside both flanks, if one is."""
     stations = np.linspace(*pair.gear.extent, 2 * STEPS + 1)
     states, there, touch = line_over_face(pair, plain, x, stations)
     steps = np.linalg.norm(np.diff(touch.fixed[0].r.reshape(*there.shape, 3), axis=1), axis=-1)
-    return states, there.all(axis=1) & (steps < 2.0 * 4.0 * pair.length / STEPS).all(axis=1)
+    good = there.all(axis=1) & (steps < 2.0 * 4.0 * pair.length / STEPS).all(axis=1)
+    start, left = x.copy(), np.flatnonzero(~good)
+    if left.size:
+        own, here = states[left], plain.repeat(left)
+        held = _from_neighbours(pair, here, x[left], own, there[left], stations)
+        states[left], good[left] = own, held.all(axis=1)
+        rows = np.repeat(np.arange(left.size), stations.size)
+        outside, past = margins(
+            pair, here.repeat(rows).touch(own.reshape(-1, 5), np.arange(rows.size)), own.reshape(-1, 5)
+        )
+        margin = np.where(held, np.maximum(outside.max(axis=1), past).reshape(held.shape), np.inf)
+        inside = np.flatnonzero(margin.min(axis=1) <= EDGE_SLACK)
+        start[left[inside]] = own[inside, margin[inside].argmin(axis=1)]
+    return states, good, start
+
+
+def _from_neighbours(
+    pair: Pair, plain: Conditions, x: Array, states: Array, there: NDArray[np.bool_], stations: Array
+) -> NDArray[np.bool_]:
+    """Which points (M, S) of lines at stations (S,) hang together with the places x (M, 5) of theirs.
+
+    `states` (M, S, 5), as far as they are `there` (M, S), are what is known; what lies beyond the ends of what hangs together is
+    looked for from there, and put in its place.
+    """
+    every, near = np.arange(len(x)), NEAR * abs(stations[1] - stations[0])
+    rows, middle = np.repeat(every, stations.size), plain.touch(x, every).fixed[0].r[:, None]
+    repeated, known = plain.repeat(rows), 0
+    while True:
+        r = repeated.touch(states.reshape(-1, 5), np.arange(rows.size)).fixed[0].r.reshape(*there.shape, 3)
+        # beside the line the gear is turned further
+        there &= np.abs(states[..., 4] - x[:, None, 4]) < SAME
+        away = np.where(there, np.linalg.norm(r - middle, axis=-1), np.inf)
+        gaps = ~(there[:, 1:] & there[:, :-1]) | (np.linalg.norm(np.diff(r, axis=1), axis=-1) >= near)
+        run, nearest = np.pad(np.cumsum(gaps, axis=1), ((0, 0), (1, 0))), away.argmin(axis=1)
+        held: NDArray[np.bool_] = there & (run == run[every, nearest][:, None]) & (away[every, nearest] < near)[:, None]
+        line, k = np.nonzero(held.any(axis=1, keepdims=True) & ~held)
+        ends = held.argmax(axis=1), stations.size - 1 - held[:, ::-1].argmax(axis=1)
+        end = np.where(k < ends[0][line], ends[0][line], ends[1][line])
+        close = np.flatnonzero(np.abs(k - end) <= AHEAD)
+        if not close.size or held.sum() == known:
+            return held
+        known, line, k, end = held.sum(), line[close], k[close], end[close]
+        values, solved, _ = line_over_face(pair, plain.repeat(line), states[line, end], stations[k][:, None])
+        states[line, k], there[line, k] = values[:, 0], solved[:, 0]
 
 
 def _follow(pair: Pair, plain: Conditions, x: Array) -> Array:

@@ -58,7 +58,8 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
     def distance(r: Array) -> Array:
         """Of points (M, 3) in the mating gear's frame, inf beside its face and where the gear's place is not known."""
         station = mating.blank.axial.value(r)
-        over = (station >= low) & (station <= high)
+        # faces of equal widths end together, and rounding tells nothing
+        over = (station >= low - EQUAL) & (station <= high + EQUAL)
         return np.where(over, mating.blank.root.value(r), np.inf)
 
     least: Clearance | None = None
