@@ -137,9 +137,19 @@ def _side(side: ToothSide, tooth: Tooth, blank: Blank, distance: float) -> Tooth
         tip_corner=None if side.tip_corner is None else _tip_corner(side, side.tip_corner, blank, distance),
         smooth_flank=None if smooth is None else lambda p, v: Parallel(smooth(p, v), distance),
         generated=side.generated or side,
-        crossed=side.crossed or side.sharp,
+        crossed=side.crossed or side.sharp or not _smooth(side, blank),
         generation=None,
     )
+
+
+def _smooth(side: ToothSide, blank: Blank) -> bool:
+    """Whether flank and fillet touch at the form point all along the face; a modified flank may leave the fillet in an edge."""
+    stations = blank.extent[0] + np.linspace(0.0, 1.0, PROOF_STATIONS) * (blank.extent[1] - blank.extent[0])
+    flank, fillet = (
+        along(surface, np.full_like(stations, p), stations, blank.axial)[1].n
+        for surface, p in zip((side.flank, side.fillet), side.form_point, strict=True)
+    )
+    return bool((np.linalg.norm(flank - fillet, axis=-1) < TOUCHING).all())
 
 
 def _tip_corner(side: ToothSide, corner: TipCorner, blank: Blank, distance: float) -> TipCorner:

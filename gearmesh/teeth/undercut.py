@@ -242,8 +242,10 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
         cusp = np.where(np.isnan(cusp), side.form_point[0], cusp)
     if np.isnan(cusp).any():
         raise _undercut_error(t[int(np.argmax(np.isnan(cusp)))])
+    # a modified flank may cross the fillet beyond the end that its tool left it with
     p = cusp + crowded * (tip - cusp)
-    q = side.form_point[1] + crowded[::-1] * (side.root - side.form_point[1])
+    reach = 1.0 + MISSED if side.crossed and side.generated is not None else 1.0
+    q = side.root + (1.0 - crowded[::-1]) * reach * (side.form_point[1] - side.root)
     flank, fillet = (
         follow(surface, np.broadcast_to(x, p.shape), stations, axial)
         for surface, x in ((side.flank, p), (side.fillet, q))

@@ -28,6 +28,8 @@ from gearmesh.teeth.space import Space
 from gearmesh.teeth.tooth import Tooth
 
 SADDLE = Path(__file__).parents[1] / "corpus" / "saddle_spiral_bevel_tilted.toml"
+#: flanks that begin so near their base circle that moved inwards they cross the fillet beyond its own end
+NEAR_BASE = ["pinion.teeth=18", "pinion.profile_shift=0", "gear.profile_shift=0", "pinion.modifications={profile_crowning=0.008}"]
 #: mm, of the meshes
 TOLERANCE = 0.01
 MEMBERS = [
@@ -128,8 +130,10 @@ def test_the_parallel_of_a_screw_involute_is_one_of_the_same_base_cylinder() -> 
         (SADDLE, []),
         (SAMPLES / "helical.toml", ["pinion.hob={chamfer_diameter=130.5}"]),
         (SAMPLES / "hob_protuberance.toml", []),
+        (SAMPLES / "rack.toml", []),
+        (SAMPLES / "spur.toml", NEAR_BASE),
     ],
-    ids=["drawn_root", "chamfer", "sharp_form_point"],
+    ids=["drawn_root", "chamfer", "sharp_form_point", "crowned", "crowned_from_the_base_circle_on"],
 )
 def test_surfaces_that_meet_in_edges_end_in_the_edges_of_the_moved_ones(
     design: Path, settings: list[str], share: float
