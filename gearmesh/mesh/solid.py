@@ -215,7 +215,9 @@ def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> Tria
         ends = low - 1.0, top + 1.0
         if opening.floor is not None:
             ends = (opening.floor, ends[1]) if opening.floor == opening.low else (ends[0], opening.floor)
-        cut(_prism(opening.curves, ends, tolerance), opening.region)
+        # chords of its arc about the axis do not leave the wall between it and the bore
+        inner = max((rho for rho, _ in member.body.profile if rho < opening.reach[0]), default=0.0)
+        cut(_prism(opening.curves, ends, min(tolerance, 0.5 * (opening.reach[0] - inner))), opening.region)
     if gear.status().name != "NoError" or gear.is_empty():
         raise DesignError(
             member.name,

@@ -81,32 +81,64 @@ def with_end_chamfers(member: Member, spec: BrokenEdges) -> Member:
 
     sharp = member.tooth.sharp_ends
 
-    def chamfers(share: float) -> EndChamfers:
+    def chamfers(shares: tuple[float, float]) -> EndChamfers:
         first, last = (
             EndChamfer(share * r, share * r, rounded=True)
-            if r
+            if r and share
             else EndChamfer(share * w, float(share * w * slope))
-            if w
+            if w and share
             else None
-            for w, r in zip(widths, radii, strict=True)
+            for w, r, share in zip(widths, radii, shares, strict=True)
         )
         return first, last
 
-    def prove(share: float) -> None:
+    def fits_ends(*shares: float) -> bool:
         """By samples of the sharp outline: they are the same for every share."""
-        _prove_ends(
-            member, sharp.blank.with_ends(chamfers(share)), lambda end, ch: sharp.sharp_outlines[end].inside(ch.width)
-        )
+        blank = sharp.blank.with_ends(chamfers((shares[0], shares[1])))
+        return goes(lambda: _prove_ends(member, blank, lambda end, ch: sharp.sharp_outlines[end].inside(ch.width)))
 
-    made = replace(member.tooth, blank=sharp.blank.with_ends(chamfers(1.0)))
+    made = replace(member.tooth, blank=sharp.blank.with_ends(chamfers((1.0, 1.0))))
     if goes(lambda: _prove_ends(member, made.blank, lambda end, _: _outline_of(made, end))):
         return replace(member, tooth=made)
-    keys = [f"end_{edge}{end}" for edge in ("chamfer", "rounding") for end in ("", "_toe", "_heel")]
-    asked = {key: getattr(spec, key) for key in keys}
-    key, width = next((key, own) for key, own in asked.items() if own)
-    limit = largest(lambda share: goes(lambda: prove(share)))
+    # toe first, whichever end of the teeth it is
+    ends = [order.index(end) for end in (0, 1)]
+    keys = dict(zip(ends, _end_keys(spec), strict=True))
+    at_fault = next(
+        (end for end in ends if keys[end] and not fits_ends(*(float(end == own) for own in (0, 1)))), ends[0]
+    )
+    key = keys[at_fault] or keys[1 - at_fault]
+    width, other = getattr(spec, key), keys[1 - at_fault]
+    beside = 1.0 if other and fits_ends(*(float(at_fault != own) for own in (0, 1))) else 0.0
+
+    def shares(share: float) -> tuple[float, ...]:
+        return tuple(share if keys[own] == key else beside for own in (0, 1))
+
+    limit = largest(lambda share: fits_ends(*shares(share)))
     larger, most = "larger than teeth, face width or rim allow", f"at most {at_most(limit * width)} mm"
     raise DesignError(f"{member.name}.{key}", width, unit="mm", reason=larger, allowed=most)
+
+
+def _end_keys(spec: BrokenEdges) -> tuple[str, str]:
+    """The keys that broken edges at toe and heel go by, empty where an end is sharp."""
+    toe, heel = (
+        next(
+            (
+                key
+                for edge in ("chamfer", "rounding")
+                for key in (f"end_{edge}_{end}", f"end_{edge}")
+                if _asks(spec, key, end)
+            ),
+            "",
+        )
+        for end in ("toe", "heel")
+    )
+    return toe, heel
+
+
+def _asks(spec: BrokenEdges, key: str, end: str) -> bool:
+    """Whether a key gives the broken edge of an end: one of both ends does where the end has none of its own."""
+    own = f"{key}_{end}"
+    return bool(getattr(spec, key)) and getattr(spec, own, None) is None
 
 
 def _prove_ends(member: Member, blank: Blank, outline: Callable[[int, EndChamfer], Array]) -> None:

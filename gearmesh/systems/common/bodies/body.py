@@ -21,6 +21,8 @@ RIM_DEPTHS = 1.2
 HUB_BORES, HUB_RIMS = 1.6, 0.4
 #: least rim over what is cut into a body, in whole depths (thinner ones are to be avoided: ISO 6336-3, rim thickness factor)
 LEAST_RIM = 0.5
+#: least wall between openings, or between them and bore, keyway or hub, in whole depths: thinner ones are lost in tolerances
+LEAST_WALL = 0.02
 
 
 def bore_radius(name: str, diameter: float | None, limit: float, what: str, smallest: float | None = None) -> float:

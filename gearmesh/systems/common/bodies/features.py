@@ -4,8 +4,9 @@ bore, holes, bolt holes, spokes."""
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations, pairwise
 from typing import TYPE_CHECKING
 
@@ -17,9 +18,10 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.polylines import contains
 from gearmesh.kernel.surface.levels import station_normal
-from gearmesh.systems.common.bodies.body import LEAST_RIM, RIM_DEPTHS
+from gearmesh.systems.common.bodies.body import LEAST_RIM, LEAST_WALL, RIM_DEPTHS
 from gearmesh.systems.common.bodies.parallel_keys import LARGEST, SMALLEST, keyway_in_hub
 from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.tooth_edges import largest
 from gearmesh.teeth.blank.body import Body, Disc, TurnedStep
 from gearmesh.teeth.blank.features import BodyFeatures, Boss, Drilling, Outline, Pattern, Slot, Spokes
 from gearmesh.teeth.blank.halves import HalfGear
@@ -76,10 +78,20 @@ class UnderTeeth:
         return lines[np.argsort(-self.body.rise * lines[:, 1])] if self.flat else lines[::-1]
 
     @cached_property
+    def depth(self) -> float:
+        """Whole depth of the teeth at mid face, mm."""
+        tip, root = (self._line(region, self.halves[0])[ALONG // 2] for region in (Region.LAND, Region.ROOT))
+        return float(np.linalg.norm(tip - root))
+
+    @property
     def least_rim(self) -> float:
         """Least rim over what is cut into the body, mm."""
-        tip, root = (self._line(region, self.halves[0])[ALONG // 2] for region in (Region.LAND, Region.ROOT))
-        return LEAST_RIM * float(np.linalg.norm(tip - root))
+        return LEAST_RIM * self.depth
+
+    @property
+    def wall(self) -> float:
+        """Least wall between openings and what is beside them, mm."""
+        return LEAST_WALL * self.depth
 
     def _line(self, region: Region, half: HalfGear) -> Array:
         points = self.tooth.grid(region, np.array([0.5]), self.tooth.sections(np.linspace(0.0, 1.0, ALONG))).points[0]
@@ -90,33 +102,66 @@ class UnderTeeth:
         """Whether points (N, 2), (rho, z), are all inside a body under the roots."""
         return bool(contains(np.concatenate((body.profile, self.root)), points).all())
 
-    def check_rim(self, key: str, value: object, points: Array) -> None:
-        """Refuse a feature that leaves less than the least rim between points (N, 2), (rho, z), and the roots."""
+    def leaves(self, rim: float, radius: float, ends: tuple[float, float]) -> bool:
+        """Whether a feature that reaches up to a radius between two z leaves a rim, mm; of an internal gear, down to it."""
+        points, root = _line((radius, ends[0]), (radius, ends[1])), self.root[np.argsort(self.root[:, 1])]
+        over = np.interp(points[:, 1], root[:, 1], root[:, 0]) - points[:, 0]
+        return bool((self.body.rise * over > 0.0).all() and _distances(points, self.root).min() >= rim)
+
+    def farthest(self, rim: float, ends: tuple[float, float]) -> float:
+        """The radius (mm) up to which features between two z leave a rim, mm; of an internal gear, down to which."""
+        start, end = (
+            (self.body.profile[0][0], self.root[:, 0].min()) if self.body.around else (0.0, self.root[:, 0].max())
+        )
+        return float(
+            start + largest(lambda share: self.leaves(rim, start + share * (end - start), ends)) * (end - start)
+        )
+
+    def rim_fault(self, points: Array) -> str:
+        """What is wrong with a feature whose outline in the axial plane has points (N, 2), (rho, z): too thin a rim between it and
+        the roots. Empty where nothing is."""
         left = float(_distances(points, self.root).min()) if self.is_inside(self.body.without_web, points) else 0.0
-        if left < self.least_rim:
-            rim = f"a rim of {left:.3g} mm, {left / self.module:.2g} modules," if left > 0.0 else "no rim"
-            raise DesignError(
-                f"{self.name}.{key}",
-                value,
-                unit="mm",
-                reason=f"leaves {rim} at the roots",
-                allowed=f"at least {at_least(self.least_rim)} mm of rim, {self.least_rim / self.module:.3g} modules or "
-                f"{LEAST_RIM:g} whole depths",
-            )
+        if left >= self.least_rim:
+            return ""
+        rim = f"a rim of {left:.3g} mm, {left / self.module:.2g} modules," if left > 0.0 else "no rim"
+        return f"leaves {rim} at the roots"
+
+    @property
+    def rim_words(self) -> str:
+        """The least rim, in words that go on after what leaves it."""
+        modules = f"{self.least_rim / self.module:.3g} modules"
+        return f"which leaves at least {at_least(self.least_rim)} mm of rim, {modules} or {LEAST_RIM:g} whole depths"
+
+    def check_rim(
+        self,
+        key: str,
+        value: object,
+        radii: tuple[float, ...],
+        ends: tuple[float, float],
+        bound: Callable[[float], str],
+    ) -> None:
+        """Refuse a feature that leaves less than the least rim between some radii and the roots, from one z to another, mm; `bound`
+        says of the farthest radius that a feature may have what the key may be."""
+        fault = self.rim_fault(np.concatenate([_line((rho, ends[0]), (rho, ends[1])) for rho in radii]))
+        if fault:
+            allowed = f"{bound(self.farthest(self.least_rim, ends))}, {self.rim_words}"
+            raise DesignError(f"{self.name}.{key}", value, unit="mm", reason=fault, allowed=allowed)
 
 
 def body_features(spec: MemberBody, under: UnderTeeth) -> BodyFeatures:
     """Features of the part `spec` of a design (in mm). Raises DesignError naming key, value and limit."""
     name, body, web = under.name, under.body, under.body.web
     keyway = _keyway(spec, under)
-    keyed = body.bore_radius + (keyway.depth if keyway else 0.0)
+    bore = body.bore_radius
+    keyed, corner = (bore, bore) if keyway is None else (bore + keyway.depth, keyway.reach(bore))
+    inner = "bore" if keyway is None else "keyway"
     ends = under.ends
     hubs = [
-        _boss(name, key, hub, (keyed, end), web)
+        _boss(name, key, hub, (corner, end), web, inner)
         for key, hub, end in (("toe_hub", spec.toe_hub, ends[0]), ("hub", spec.hub, ends[1]))
     ]
     shafts = [
-        _shaft(name, key, shaft, (keyed, end if hub is None else None))
+        _shaft(name, key, shaft, (corner, end if hub is None else None), inner)
         for key, shaft, hub, end in (
             ("toe_shaft", spec.toe_shaft, hubs[0], ends[0]),
             ("heel_shaft", spec.heel_shaft, hubs[1], ends[1]),
@@ -131,7 +176,7 @@ def body_features(spec: MemberBody, under: UnderTeeth) -> BodyFeatures:
     features = replace(features, toe_bore=bores[0], heel_bore=bores[1])
     beside = [0.5 * hub.diameter for hub in hubs if hub] + [steps[0].radius for steps in (*shafts, *bores) if steps]
     room = (max(keyed, *beside, 0.0), under.smallest) if web is None else (web.inner, web.outer)
-    return _with_openings(spec, under, features, room, keyed)
+    return _with_openings(spec, under, features, room, corner)
 
 
 def ring_features(spec: MemberTable, under: UnderTeeth) -> BodyFeatures:
@@ -156,8 +201,10 @@ def ring_features(spec: MemberTable, under: UnderTeeth) -> BodyFeatures:
 
 
 def _check_ring_step(under: UnderTeeth, key: str, step: TurnedStep) -> None:
-    low, high = under.body.ends
-    under.check_rim(f"{key}.diameters", 2.0 * step.radius, _line((step.radius, low), (step.radius, high)))
+    ends = under.body.ends
+    under.check_rim(
+        f"{key}.diameters", 2.0 * step.radius, (step.radius,), ends, lambda r: f"at least {at_least(2.0 * r)} mm"
+    )
 
 
 def _keyway(spec: MemberBody, under: UnderTeeth) -> Slot | None:
@@ -172,7 +219,9 @@ def _keyway(spec: MemberBody, under: UnderTeeth) -> Slot | None:
             unit="mm",
             allowed=f"less than the bore, {at_most(2.0 * body.bore_radius)} mm",
         )
-    limit = (under.smallest if web is None else web.inner) - body.bore_radius
+    # to where its corners are
+    room = (under.smallest if web is None else web.inner) - under.wall
+    limit = math.sqrt(max(room**2 - 0.25 * keyway.width**2, 0.0)) - body.bore_radius
     if keyway.depth >= limit:
         raise DesignError(
             f"{name}.keyway.depth",
@@ -188,8 +237,10 @@ def _within(web: Disc | None) -> str:
     return "root" if web is None else "hub of the web"
 
 
-def _boss(name: str, key: str, spec: Hub | None, bounds: tuple[float, float], web: Disc | None) -> Boss | None:
-    """A hub between two radii (mm), that of the bore and that of its end face."""
+def _boss(
+    name: str, key: str, spec: Hub | None, bounds: tuple[float, float], web: Disc | None, inner: str
+) -> Boss | None:
+    """A hub between two radii (mm), that of what is `inner`, bore or keyway, and that of its end face."""
     if spec is None:
         return None
     low, high = 2.0 * bounds[0], 2.0 * bounds[1]
@@ -198,13 +249,16 @@ def _boss(name: str, key: str, spec: Hub | None, bounds: tuple[float, float], we
             f"{name}.{key}.diameter",
             spec.diameter,
             unit="mm",
-            allowed=f"between {at_least(low)} (bore) and {at_most(high)} mm ({_within(web)})",
+            allowed=f"between {at_least(low)} ({inner}) and {at_most(high)} mm ({_within(web)})",
         )
     return Boss(spec.diameter, spec.length)
 
 
-def _shaft(name: str, key: str, spec: ShaftSteps | None, bounds: tuple[float, float | None]) -> tuple[TurnedStep, ...]:
-    """Steps of a shaft; `bounds`: radius of the bore, and of the end face that it is on, None of one on a hub, mm."""
+def _shaft(
+    name: str, key: str, spec: ShaftSteps | None, bounds: tuple[float, float | None], inner: str
+) -> tuple[TurnedStep, ...]:
+    """Steps of a shaft; `bounds`: radius of what is `inner`, bore or keyway, and of the end face that it is on, None of one on a
+    hub, mm."""
     if spec is None:
         return ()
     ends = spec.end_diameters or spec.diameters
@@ -215,7 +269,7 @@ def _shaft(name: str, key: str, spec: ShaftSteps | None, bounds: tuple[float, fl
                 f"{name}.{key}.{given}",
                 min(diameters),
                 unit="mm",
-                allowed=f"more than the bore, {at_least(2.0 * low)} mm",
+                allowed=f"more than the {inner}, {at_least(2.0 * low)} mm",
             )
     if high is not None and spec.diameters[0] >= 2.0 * high:
         raise DesignError(
@@ -269,19 +323,33 @@ def _bore_steps(spec: MemberBody, under: UnderTeeth, features: BodyFeatures) -> 
         sense = -1.0 if end else 1.0
         z = turned.profile[turned.bore_band + end][1]
         for step in steps:
-            line = _line((step.radius * (1.0 + WALL), z), (step.radius * (1.0 + WALL), z + sense * step.length))
-            if not under.is_inside(turned, line):
-                raise DesignError(
-                    f"{name}.{key}.diameters",
-                    2.0 * step.radius,
-                    unit="mm",
-                    reason="breaks through the outside of the body",
-                    allowed="a smaller diameter or length",
-                )
-            if float(_distances(line, under.root).min()) < under.least_rim:
-                under.check_rim(f"{key}.diameters", 2.0 * step.radius, line)
+            reach = (z, z + sense * step.length)
+            fault = _bore_step_fault(under, turned, step.radius, reach)
+            if fault:
+                most = _widest_bore_step(under, turned, (least, step.radius), reach)
+                allowed = "a shorter step" if most is None else f"at most {at_most(2.0 * most)} mm, {under.rim_words}"
+                key, value = f"{name}.{key}.diameters", 2.0 * step.radius
+                raise DesignError(key, value, unit="mm", reason=fault, allowed=allowed)
             z += sense * step.length
     return made
+
+
+def _bore_step_fault(under: UnderTeeth, turned: Body, radius: float, ends: tuple[float, float]) -> str:
+    """What is wrong with a step of the bore from one z to another; empty where nothing is."""
+    line = _line((radius * (1.0 + WALL), ends[0]), (radius * (1.0 + WALL), ends[1]))
+    if not under.is_inside(turned, line):
+        return "breaks through the outside of the body"
+    return under.rim_fault(line) if float(_distances(line, under.root).min()) < under.least_rim else ""
+
+
+def _widest_bore_step(
+    under: UnderTeeth, turned: Body, bounds: tuple[float, float], ends: tuple[float, float]
+) -> float | None:
+    """The largest radius of a step of the bore from one z to another that nothing is wrong with, between two, mm; None where there
+    is none."""
+    low, high = bounds
+    share = largest(lambda share: not _bore_step_fault(under, turned, low + share * (high - low), ends))
+    return low + share * (high - low) if share > 0.0 else None
 
 
 def _check_lengths(spec: MemberBody, under: UnderTeeth, body: Body) -> None:
@@ -311,7 +379,7 @@ def _with_openings(
     name, holes = under.name, getattr(spec, "holes", None)
     made: list[tuple[str, float, Pattern]] = []
     if holes is not None:
-        features = replace(features, holes=(drilled := holes_in(name, holes, *room)))
+        features = replace(features, holes=(drilled := holes_in(name, holes, *room, under.wall)))
         made.append((*_stated_size(holes, "holes", ("circle", "diameter", "count")), drilled))
     if spec.bolts is not None:
         features = replace(features, bolts=(bolts := _bolts(name, spec.bolts, room)))
@@ -321,12 +389,11 @@ def _with_openings(
         made.append((*_stated_size(spec.spokes, "spokes", ("outer_diameter", "inner_diameter", "width")), spokes))
     body = features.turn(under.body)
     for key, value, pattern in made:
-        ends = _levels(key, value, pattern, body, under)
-        # above its own faces a body has hubs and shafts, which have no roots
-        low, high = max(ends[0], under.body.ends[0]), min(ends[1], under.body.ends[1])
         # what plane end faces have always been allowed stays so
-        if low < high and (pattern is not features.holes or not under.flat):
-            under.check_rim(key, value, np.concatenate([_line((rho, low), (rho, high)) for rho in pattern.reach]))
+        rim = under.wall if pattern is features.holes and under.flat else under.least_rim
+        ends = _within_body(_levels(key, value, pattern, body, under, rim), under)
+        if ends is not None and rim == under.least_rim:
+            under.check_rim(key, value, pattern.reach, ends, partial(_up_to, key, pattern, under))
     for (key, _, one), (other_key, value, other) in combinations(made, 2):
         if _overlap(one, other):
             raise DesignError(
@@ -339,26 +406,51 @@ def _with_openings(
     return features
 
 
+def _within_body(ends: tuple[float, float], under: UnderTeeth) -> tuple[float, float] | None:
+    """What of an opening between two z is under the teeth: above its own faces a body has hubs and shafts, which have no roots."""
+    low, high = max(ends[0], under.body.ends[0]), min(ends[1], under.body.ends[1])
+    return (low, high) if low < high else None
+
+
+def _up_to(key: str, pattern: Pattern, under: UnderTeeth, radius: float) -> str:
+    """What a key of openings may be, for them to go no farther than to a radius (mm)."""
+    (inner, outer), around = pattern.reach, under.body.around
+    named = key.rpartition(".")[2]
+    if named == "circle":
+        return (
+            f"at least {at_least(2.0 * radius + outer - inner)} mm"
+            if around
+            else f"at most {at_most(2.0 * radius - outer + inner)} mm"
+        )
+    if named == "diameter" and (most := abs(2.0 * radius - outer - inner)) and (2.0 * radius > outer + inner) != around:
+        return f"at most {at_most(most)} mm"
+    if named == "outer_diameter":
+        return f"at most {at_most(2.0 * radius)} mm"
+    return f"openings {f'from {at_least(2.0 * radius)}' if around else f'up to {at_most(2.0 * radius)}'} mm"
+
+
 def _stated_size(spec: Table, table: str, keys: tuple[str, ...]) -> tuple[str, float]:
     """The first of some keys of a table that is given, its place in the member's table before it, and its value."""
     return next((f"{table}.{key}", getattr(spec, key)) for key in keys if getattr(spec, key) is not None)
 
 
-def _levels(key: str, value: float, pattern: Pattern, body: Body, under: UnderTeeth) -> tuple[float, float]:
-    """Between which z openings go through the body. Raises DesignError where they do not begin and end on plane faces."""
+def _levels(key: str, value: float, pattern: Pattern, body: Body, under: UnderTeeth, rim: float) -> tuple[float, float]:
+    """Between which z openings go through the body. Raises DesignError where they do not begin and end on plane faces, walls
+    beside them included; `rim`: what they have to leave under the roots, mm."""
+    inner, outer = pattern.reach
     try:
-        return body.levels(pattern.reach, under.flat, pattern.depth)
+        return body.levels((max(inner - under.wall, 0.0), outer + under.wall), under.flat, pattern.depth)
     except ValueError:
         if pattern.depth is not None and _goes_deeper(pattern, body, under.flat):
+            low, high = body.levels(pattern.reach, under.flat)
             key = f"{under.name}.{key.partition('.')[0]}.depth"
-            raise DesignError(
-                key, pattern.depth, unit="mm", reason="the holes do not end in the body", allowed="less, or none"
-            ) from None
-        inner, outer = pattern.reach
+            most = f"less than {at_most(high - low)} mm, or none"
+            why = "the holes do not end in the body"
+            raise DesignError(key, pattern.depth, unit="mm", reason=why, allowed=most) from None
         why = f"openings from {2.0 * inner:.6g} to {2.0 * outer:.6g} mm do not begin and end on one plane face each"
         if pattern.depth is not None:
             why = f"holes from {2.0 * inner:.6g} to {2.0 * outer:.6g} mm, {pattern.depth:g} mm deep, do not end in the body"
-        rooms = _rooms(body, under, pattern.depth)
+        rooms = _rooms(body, under, pattern.depth, rim)
         allowed = " or ".join(f"{at_least(2.0 * a)} to {at_most(2.0 * b)} mm" for a, b in rooms)
         raise DesignError(
             f"{under.name}.{key}", value, unit="mm", reason=why, allowed=f"openings from {allowed}" if rooms else ""
@@ -374,22 +466,40 @@ def _goes_deeper(pattern: Pattern, body: Body, flat_ends: bool) -> bool:
     return True
 
 
-def _rooms(body: Body, under: UnderTeeth, depth: float | None) -> list[tuple[float, float]]:
-    """Radii (mm) between which openings are on plane faces."""
+def _rooms(body: Body, under: UnderTeeth, depth: float | None, rim: float) -> list[tuple[float, float]]:
+    """Radii (mm) between which openings are on plane faces, less walls and the `rim` under the roots."""
     bounds = {face_bound for face in body.plane_faces(under.flat) for face_bound in (face.inner, face.outer)}
     # blind holes in the heel do not reach the toe's face
     limit = under.smallest if depth is None or body.around else max(under.smallest, under.heel)
-    places = sorted({bound for bound in bounds if 0.0 < bound < np.inf} | {limit})
-    rooms = []
+    places = sorted({bound for bound in bounds if 0.0 <= bound < np.inf} | {limit})
+    rooms: list[tuple[float, float]] = []
     for one, other in pairwise(places):
         # beyond the roots there are only the teeth
         if one >= limit if body.around else other <= limit:
-            try:
-                body.levels((one, other), under.flat, depth)
-            except ValueError:
-                continue
-            rooms.append((one, other))
-    return rooms
+            on_one_face = (rooms[-1][0], other) if rooms and rooms[-1][1] == one else (one, other)
+            if _levels_of(body, on_one_face, under, depth) is not None:
+                rooms[-1:] = [on_one_face] if on_one_face[0] < one else [*rooms[-1:], on_one_face]
+            elif _levels_of(body, (one, other), under, depth) is not None:
+                rooms.append((one, other))
+    made = []
+    for one, other in rooms:
+        low, high = one + under.wall if one > 0.0 else 0.0, other - under.wall
+        if (ends := _levels_of(body, (one, other), under, depth)) is not None:
+            bound = under.farthest(rim, ends)
+            low, high = (max(low, bound), high) if body.around else (low, min(high, bound))
+        if low < high:
+            made.append((low, high))
+    return made
+
+
+def _levels_of(
+    body: Body, reach: tuple[float, float], under: UnderTeeth, depth: float | None
+) -> tuple[float, float] | None:
+    """Between which z of what is under the teeth openings between two radii go, None where they are not on plane faces."""
+    try:
+        return _within_body(body.levels(reach, under.flat, depth), under)
+    except ValueError:
+        return None
 
 
 def _bolts(name: str, spec: BoltHoles, room: tuple[float, float]) -> Drilling:
@@ -417,17 +527,18 @@ def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float], leas
     thick as that of one. Given ones may go through hubs too, down to the `least` radius: which plane faces they are on is asked
     later.
     """
-    name = under.name
-    if under.body.web is None:
+    name, web = under.name, under.body.web
+    limit = under.farthest(under.least_rim, under.body.ends if web is None else (web.low, web.high))
+    if web is None:
         room = room[0], room[1] - RIM_DEPTHS / LEAST_RIM * under.least_rim
     margin = SPOKE_MARGIN * (room[1] - room[0])
     inner = 2.0 * (room[0] + margin) if spec.inner_diameter is None else spec.inner_diameter
     outer = 2.0 * (room[1] - margin) if spec.outer_diameter is None else spec.outer_diameter
     for key, given, low, high in (
-        ("inner_diameter", spec.inner_diameter, 2.0 * least, outer),
-        ("outer_diameter", spec.outer_diameter, inner, 2.0 * under.smallest),
+        ("inner_diameter", spec.inner_diameter, 2.0 * (least + under.wall), outer),
+        ("outer_diameter", spec.outer_diameter, inner, 2.0 * limit),
     ):
-        if given is not None and not low <= given < high:
+        if given is not None and not low <= given <= high:
             allowed = f"from {at_least(low)} to {at_most(high)} mm"
             raise DesignError(f"{name}.spokes.{key}", given, unit="mm", allowed=allowed)
     if not inner < outer:
@@ -443,7 +554,9 @@ def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float], leas
             raise DesignError(
                 f"{name}.spokes.corner_radius", corner, unit="mm", allowed=f"less than {at_most(deepest)} mm"
             )
-        most = f"less than {at_most(widest)} mm" if widest > 0.0 else "fewer spokes or a smaller corner_radius"
+        angle = float(np.arctan2(spokes.corners[0, 1], spokes.corners[0, 0]))
+        fewer = f"at most {max(math.ceil(math.pi / angle) - 1, 1)} spokes or" if angle > 0.0 else "thinner spokes or"
+        most = f"less than {at_most(widest)} mm" if widest > 0.0 else f"{fewer} a smaller corner_radius"
         raise DesignError(
             f"{name}.spokes.width", spec.width, unit="mm", reason="leaves no opening between the spokes", allowed=most
         )
@@ -475,20 +588,23 @@ def _distances(points: Array, line: Array) -> Array:
     return np.asarray(np.linalg.norm(points[:, None] - start - along[..., None] * way, axis=-1).min(axis=1))
 
 
-def holes_in(name: str, spec: Holes, inner: float, outer: float) -> Drilling:
-    """Holes where a body has room between two radii (mm). Raises DesignError naming key, value and limit."""
-    room, apart = outer - inner, math.sin(math.pi / spec.count)
+def holes_in(name: str, spec: Holes, inner: float, outer: float, wall: float = 0.0) -> Drilling:
+    """Holes where a body has room between two radii, less walls (mm). Raises DesignError naming key, value and limit."""
+    room, apart = outer - inner - 2.0 * wall, math.sin(math.pi / spec.count)
     circle = inner + outer if spec.circle is None else spec.circle
     diameter = spec.diameter
     if diameter is None:
         widest = 2.0 * min(0.5 * circle - inner, outer - 0.5 * circle)
         diameter = min(HOLE_ROOM * widest, HOLE_PITCH * circle * apart if spec.count > 1 else math.inf)
-    if spec.circle is None and not diameter < room:
+    if spec.diameter is not None and not diameter < room:
+        # where their circle leaves room at all, as much as it does
+        here = 2.0 * min(0.5 * circle - inner - wall, outer - wall - 0.5 * circle)
+        room = min(room, here) if here > 0.0 else room
         raise DesignError(
             f"{name}.holes.diameter", diameter, unit="mm", allowed=f"less than the room for them, {at_most(room)} mm"
         )
-    if not (diameter > 0.0 and 2.0 * inner + diameter < circle < 2.0 * outer - diameter):
-        size = max(diameter, 0.0)
+    size = max(diameter, 0.0) + 2.0 * wall
+    if not (diameter > 0.0 and 2.0 * inner + size < circle < 2.0 * outer - size):
         raise DesignError(
             f"{name}.holes.circle",
             circle,
