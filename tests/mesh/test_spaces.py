@@ -29,7 +29,12 @@ from gearmesh.teeth.tooth import Tooth
 
 SADDLE = Path(__file__).parents[1] / "corpus" / "saddle_spiral_bevel_tilted.toml"
 #: flanks that begin so near their base circle that moved inwards they cross the fillet beyond its own end
-NEAR_BASE = ["pinion.teeth=18", "pinion.profile_shift=0", "gear.profile_shift=0", "pinion.modifications={profile_crowning=0.008}"]
+NEAR_BASE = [
+    "pinion.teeth=18",
+    "pinion.profile_shift=0",
+    "gear.profile_shift=0",
+    "pinion.modifications={profile_crowning=0.008}",
+]
 #: mm, of the meshes
 TOLERANCE = 0.01
 MEMBERS = [

@@ -411,7 +411,7 @@ def test_the_figure_of_a_refusal_is_the_first_that_works(
 @pytest.mark.parametrize(
     "keys",
     [
-        ("bore=30", "spokes={count=5,width=6,inner_diameter=30.3}"),
+        ("bore=30", "spokes={count=3,width=6,inner_diameter=30.3}"),
         (
             "bore=30",
             "web={thickness=12,hub_diameter=50,rim_diameter=90}",
