@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from gearmesh.api.gears import Gears, build
     from gearmesh.cad.contours.curves import Contour
     from gearmesh.cad.step import Part
+    from gearmesh.contact.conditions.refinement import Contacts
     from gearmesh.contact.engagement.engagement import Engagement
     from gearmesh.contact.engagement.turns import FullTurns
     from gearmesh.contact.path import ContactPath
@@ -82,7 +83,11 @@ if TYPE_CHECKING:
     from gearmesh.drawing.outline import Outline
     from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
     from gearmesh.figures import Entry, Figure, Summary
+    from gearmesh.kernel.motion.joint import Joint, MotionUnits
     from gearmesh.kernel.motion.rigid import Rigid
+    from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
+    from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface, Level
+    from gearmesh.kernel.surface.surface import Jet, Surface
     from gearmesh.loaded.mounts import FlexibleMount
     from gearmesh.mesh.triangles import TriangleMesh
     from gearmesh.metrology.second_order import SecondOrder
@@ -111,14 +116,15 @@ if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
     from gearmesh.systems.system import System, ToolPart, kinds, register, system
     from gearmesh.systems.worm_drive.design import WormDriveDesign
-    from gearmesh.teeth.blank.body import TurnedStep
+    from gearmesh.teeth.blank.body import Body, Disc, PlaneFace, TurnedStep
+    from gearmesh.teeth.blank.end_edge import EndChamfer
     from gearmesh.teeth.blank.features import Boss, Drilling, Opening, Slot
     from gearmesh.teeth.blank.halves import AxialGap, HalfGear
-    from gearmesh.teeth.end_strip import SharpOutline
+    from gearmesh.teeth.end_strip import EndStrip, SharpOutline, StripPiece
     from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
     from gearmesh.teeth.mount import Mount
     from gearmesh.teeth.region import Region, Side
-    from gearmesh.teeth.section import Ends, Grid, Sections
+    from gearmesh.teeth.section import Ends, Grid, Link, Sections
     from gearmesh.teeth.tooth import Tooth
     from gearmesh.teeth.tooth_side import ToothSide
     from gearmesh.tools.rack import Parabola
@@ -134,6 +140,7 @@ __all__ = [
     "AxialGap",
     "BacklashCurve",
     "BeveloidDesign",
+    "Body",
     "Boss",
     "Cad",
     "CandidateFigures",
@@ -142,9 +149,12 @@ __all__ = [
     "Compensation",
     "CompositeFigures",
     "CompositeTest",
+    "ConeLevel",
+    "ConeSurface",
     "ConjugateDesign",
     "Contact",
     "ContactPath",
+    "Contacts",
     "Contour",
     "Correction",
     "CorrectionFigures",
@@ -156,11 +166,14 @@ __all__ = [
     "DesignSheet",
     "DeviationMap",
     "Diagram",
+    "Disc",
     "Drilling",
     "EaseOffMap",
     "EaseOffPoint",
     "EaseOffTable",
     "Effect",
+    "EndChamfer",
+    "EndStrip",
     "Ends",
     "Engagement",
     "Entry",
@@ -184,11 +197,15 @@ __all__ = [
     "HypoidDesign",
     "Inspection",
     "InspectionFigures",
+    "Jet",
+    "Joint",
     "Key",
     "KeyLine",
     "KeyRange",
     "LargestErrors",
+    "Level",
     "Limits",
+    "Link",
     "Listing",
     "LoadedContact",
     "LoadedFigures",
@@ -201,6 +218,7 @@ __all__ = [
     "MemberLimitFigures",
     "MemberMount",
     "ModifiedInvoluteDesign",
+    "MotionUnits",
     "Mount",
     "NoSolutionError",
     "NovikovDesign",
@@ -212,6 +230,10 @@ __all__ = [
     "Picture",
     "Pinned",
     "PlaceFigures",
+    "PlaneArc",
+    "PlaneCurve",
+    "PlaneFace",
+    "PlaneLine",
     "PlanetaryDesign",
     "PlanetarySizing",
     "PositionFigures",
@@ -243,9 +265,11 @@ __all__ = [
     "Solid",
     "Solids",
     "SpiralBevelDesign",
+    "StripPiece",
     "Study",
     "StudySummary",
     "Summary",
+    "Surface",
     "System",
     "Table",
     "ToolPart",
@@ -388,6 +412,7 @@ _HOMES = {
     ),
     "gearmesh.cad.contours.curves": ("Contour",),
     "gearmesh.cad.step": ("Part",),
+    "gearmesh.contact.conditions.refinement": ("Contacts",),
     "gearmesh.contact.engagement.engagement": ("Engagement",),
     "gearmesh.contact.engagement.turns": ("FullTurns",),
     "gearmesh.contact.path": ("ContactPath",),
@@ -414,7 +439,25 @@ _HOMES = {
         "Figure",
         "Summary",
     ),
+    "gearmesh.kernel.motion.joint": (
+        "Joint",
+        "MotionUnits",
+    ),
     "gearmesh.kernel.motion.rigid": ("Rigid",),
+    "gearmesh.kernel.plane.curves": (
+        "PlaneArc",
+        "PlaneCurve",
+        "PlaneLine",
+    ),
+    "gearmesh.kernel.surface.levels": (
+        "ConeLevel",
+        "ConeSurface",
+        "Level",
+    ),
+    "gearmesh.kernel.surface.surface": (
+        "Jet",
+        "Surface",
+    ),
     "gearmesh.loaded.mounts": ("FlexibleMount",),
     "gearmesh.mesh.triangles": ("TriangleMesh",),
     "gearmesh.metrology.second_order": ("SecondOrder",),
@@ -471,18 +514,44 @@ _HOMES = {
         "system",
     ),
     "gearmesh.systems.worm_drive.design": ("WormDriveDesign",),
-    "gearmesh.teeth.blank.body": ("TurnedStep",),
-    "gearmesh.teeth.blank.features": ("Boss", "Drilling", "Opening", "Slot"),
-    "gearmesh.teeth.blank.halves": ("AxialGap", "HalfGear"),
-    "gearmesh.teeth.end_strip": ("SharpOutline",),
+    "gearmesh.teeth.blank.body": (
+        "Body",
+        "Disc",
+        "PlaneFace",
+        "TurnedStep",
+    ),
+    "gearmesh.teeth.blank.end_edge": ("EndChamfer",),
+    "gearmesh.teeth.blank.features": (
+        "Boss",
+        "Drilling",
+        "Opening",
+        "Slot",
+    ),
+    "gearmesh.teeth.blank.halves": (
+        "AxialGap",
+        "HalfGear",
+    ),
+    "gearmesh.teeth.end_strip": (
+        "EndStrip",
+        "SharpOutline",
+        "StripPiece",
+    ),
     "gearmesh.teeth.gear_train": (
         "GearPair",
         "GearTrain",
         "Member",
     ),
     "gearmesh.teeth.mount": ("Mount",),
-    "gearmesh.teeth.region": ("Region", "Side"),
-    "gearmesh.teeth.section": ("Ends", "Grid", "Sections"),
+    "gearmesh.teeth.region": (
+        "Region",
+        "Side",
+    ),
+    "gearmesh.teeth.section": (
+        "Ends",
+        "Grid",
+        "Link",
+        "Sections",
+    ),
     "gearmesh.teeth.tooth": ("Tooth",),
     "gearmesh.teeth.tooth_side": ("ToothSide",),
     "gearmesh.tools.rack": ("Parabola",),

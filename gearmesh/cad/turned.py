@@ -29,7 +29,7 @@ from gearmesh.cad.occ import (
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
-from gearmesh.teeth.blank.features import Outline
+from gearmesh.teeth.blank.features import ClosedLine
 
 #: a trace is refined until it is this close (mm) to its curve, each span of which is cut at most into so many
 TRACED, FINEST = 1e-8, 8
@@ -218,7 +218,7 @@ class Prism:
     faces: tuple[Any, ...]
 
     @staticmethod
-    def of(outline: Outline, levels: tuple[float, float]) -> Prism:
+    def of(outline: ClosedLine, levels: tuple[float, float]) -> Prism:
         """Of an outline of lines and arcs, counterclockwise, with material round it, between two z (mm), the lower first."""
         rise = levels[1] - levels[0]
         posts = [[vertex((*curve.start, z)) for curve in outline] for z in levels]

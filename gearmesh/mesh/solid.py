@@ -23,7 +23,7 @@ from gearmesh.mesh.row import row_mesh
 from gearmesh.mesh.tessellate import ToothMesh, tessellate_alike
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals, join, with_area
 from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.blank.features import Outline, Slot
+from gearmesh.teeth.blank.features import ClosedLine, Slot
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLETS, FLANKS, Region
 
@@ -265,7 +265,7 @@ def _hole(
     return turned.translate((*centre, ends[0])).as_original()
 
 
-def _prism(curves: Outline, ends: tuple[float, float], tolerance: float) -> Any:
+def _prism(curves: ClosedLine, ends: tuple[float, float], tolerance: float) -> Any:
     """What an opening takes between two z, its arcs as chords within the tolerance."""
     import manifold3d
 

@@ -180,7 +180,24 @@ class StripPiece:
     round: tuple[Array, float, float, float] | None = None
 
     def edge(self, sigma: Array) -> Array:
-        """X, Y (N, 2) of the sharp edge at sigma (N,)."""
+        """The sharp edge beside the piece, in the plane of the development.
+
+        Parameters
+        ----------
+        sigma : ndarray
+            (N,), from 0 to 1 along it.
+
+        Returns
+        -------
+        ndarray
+            X, Y (N, 2), mm.
+
+        Examples
+        --------
+        >>> strip = gm.build(design.with_values({"pinion.end_chamfer": 0.3})).members["pinion"].tooth.end_strips[1]
+        >>> strip.pieces[0].edge(np.array([0.0, 1.0])).shape
+        (2, 2)
+        """
         if self.arc is None:
             assert self.round is not None
             return np.broadcast_to(self.round[0], (sigma.size, 2))
@@ -263,20 +280,71 @@ class EndStrip:
         return self._plane.lift(points, self._on[0], self._about)
 
     def middle(self, region: Region) -> Array:
-        """The line (K, 3) in the middle of what a link has of the strip, from the end face on, without its end on the section."""
+        """The line in the middle of what a link has of the strip, from the end face on, without its end on the section.
+
+        Parameters
+        ----------
+        region : Region
+            The link's.
+
+        Returns
+        -------
+        ndarray
+            (K, 3), mm: one point of a chamfer, several of a rounding.
+
+        Examples
+        --------
+        >>> strip = gm.build(design.with_values({"pinion.end_chamfer": 0.3})).members["pinion"].tooth.end_strips[1]
+        >>> strip.middle(gm.Region.LAND)[:, 2].tolist()
+        [5.0]
+        """
         pieces = [piece for piece in self.pieces if piece.region is region and piece.round is None]
         tau = np.linspace(0.0, 1.0, PLACES)[:-1] if self.chamfer.rounded else np.zeros(1)
         return self.at(pieces[len(pieces) // 2], np.full(tau.size, 0.5 if len(pieces) % 2 else 0.0), tau)
 
     def depth(self, tau: Array) -> tuple[Array, Array]:
-        """The share of the depth under the end face at tau, and its derivative, (...,) each."""
+        """The share of the chamfer's depth that lies over a place, and its derivative.
+
+        Parameters
+        ----------
+        tau : ndarray
+            (...,), from the end face (0) to the section under it (1).
+
+        Returns
+        -------
+        tuple of ndarray
+            Share and derivative by tau, (...,) each.
+
+        Examples
+        --------
+        >>> strip = gm.build(design.with_values({"pinion.end_chamfer": 0.3})).members["pinion"].tooth.end_strips[1]
+        >>> strip.depth(np.array([0.5]))[0].tolist()
+        [0.5]
+        """
         if not self.chamfer.rounded:
             return tau, np.ones_like(tau)
         *_, under, rate = _conic(tau)
         return under, rate
 
     def tau(self, share: float) -> float:
-        """Where the depth under the end face is this share (0 to 1) of the chamfer's."""
+        """Where the depth under the end face is a share of the chamfer's.
+
+        Parameters
+        ----------
+        share : float
+            From 0 to 1.
+
+        Returns
+        -------
+        float
+            tau, from the end face (0) to the section under it (1).
+
+        Examples
+        --------
+        >>> strip = gm.build(design.with_values({"pinion.end_chamfer": 0.3})).members["pinion"].tooth.end_strips[1]
+        >>> strip.tau(0.5)
+        0.5
+        """
         if not self.chamfer.rounded:
             return share
         # the quadratic equation of `_conic` for tau / (1 - tau)
@@ -284,7 +352,29 @@ class EndStrip:
         return ahead / (ahead + 1.0 - share)
 
     def at(self, piece: StripPiece, sigma: Array, tau: Array) -> Array:
-        """Points (..., 3) of a piece at sigma along it and tau from the end face (0) to the section under it (1), (...,) each."""
+        """Points of a piece of the strip.
+
+        Parameters
+        ----------
+        piece : StripPiece
+            One of `pieces`.
+        sigma : ndarray
+            (...,), from 0 to 1 along the outline.
+        tau : ndarray
+            (...,), from the end face (0) to the section under it (1).
+
+        Returns
+        -------
+        ndarray
+            (..., 3) in the tooth's frame, mm.
+
+        Examples
+        --------
+        >>> strip = gm.build(design.with_values({"pinion.end_chamfer": 0.3})).members["pinion"].tooth.end_strips[1]
+        >>> points = strip.at(strip.pieces[0], np.array(0.5), np.array([0.0, 1.0]))
+        >>> points[:, 2].round(9).tolist()
+        [5.0, 4.7]
+        """
         sigma, tau = broadcast_pair(sigma, tau)
         along, every = np.unique(sigma.ravel(), return_inverse=True)
         outer, inner = (q[every].reshape(*sigma.shape, 2) for q in (_outer(piece, along), self._inner(piece, along)))

@@ -16,7 +16,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.blank.features import BodyFeatures, Boss, Drilling, Opening, Outline, Slot
+from gearmesh.teeth.blank.features import BodyFeatures, Boss, ClosedLine, Drilling, Opening, Slot
 from gearmesh.teeth.blank.halves import SINGLE_ROW, AxialGap, HalfGear, Rows
 from gearmesh.teeth.micro_geometry.index_angles import EVEN, IndexAngles
 from gearmesh.teeth.mount import Mount
@@ -320,7 +320,7 @@ class Member:
         return self.features.openings(self.body, self.flat_ends)
 
     @property
-    def prisms(self) -> tuple[tuple[Outline, float, float], ...]:
+    def prisms(self) -> tuple[tuple[ClosedLine, float, float], ...]:
         """Outlines of all that is cut along the axis out of its turned body, each between two z (mm); of a keyway without the
         bore."""
         cuts = [(opening.curves, opening.low, opening.high) for opening in self.openings]

@@ -134,10 +134,47 @@ class Link(Protocol):
     def seams(self) -> Seams: ...
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
-        """The surface's first parameter (T,) at the start and the end of the link, in the chain's direction."""
+        """The surface's first parameter at the start and the end of the link, in the chain's direction.
+
+        Parameters
+        ----------
+        sections : Sections
+            The tooth's, at T stations.
+
+        Returns
+        -------
+        tuple of ndarray
+            (T,) each.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> first, last = tooth.chain[gm.Region.FLANK_RIGHT].span(tooth.sections([0.0, 1.0]))
+        >>> first.shape
+        (2,)
+        """
 
     def grid(self, s: ArrayLike, sections: Sections) -> Grid:
-        """Exact points and normals at s (S,), or s (S, T), by the sections' stations (T,)."""
+        """Exact points and normals on the link.
+
+        Parameters
+        ----------
+        s : array_like
+            (S,), or (S, T), from 0 to 1 along the link.
+        sections : Sections
+            The tooth's, at T stations.
+
+        Returns
+        -------
+        Grid
+            (S, T).
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.chain[gm.Region.FLANK_RIGHT].grid([0.0, 0.5, 1.0], tooth.sections([0.0, 1.0])).points.shape
+        (3, 2, 3)
+        """
 
 
 def breaks(link: Link) -> Array:

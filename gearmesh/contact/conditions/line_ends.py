@@ -82,7 +82,8 @@ def touch_along_lines(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Ar
     trial.line[:] = True
     solve(pair, phi1, trial)
     good = np.flatnonzero(trial.good & trial.line)
-    contacts.take(trial.position[good], trial, good, 0, advances_of(pair, phi1, trial.x[good], trial.position[good]))
+    position = trial.position[good]
+    trial.give(contacts, position, good, 0, advances_of(pair, phi1, trial.x[good], position))
 
 
 def deepest_points(pair: Pair, phi1: Array, x: Array) -> tuple[Array, Array]:

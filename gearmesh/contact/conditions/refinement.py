@@ -44,10 +44,13 @@ EVALUATIONS, GOES = 12, 4
 
 @dataclass
 class Contacts:
-    """First touch at N positions: unknowns x (N, 5), NaN where there is none; `edges` (N, 2), the edges in contact by their numbers
-    in `Pair.bounds`, or CORNER (-1: none); `line` (N,) where the flanks touch along a line; `status`, `residual` (N,) as
-    of a `Solution`; `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's; `advance` (N,), rad, -inf where there
-    is none."""
+    """What touches first at N positions of a tooth pair.
+
+    `x` (N, 5): parameters of the pinion's surface, of the gear's, and rotation of the gear, rad; NaN where there is no contact.
+    `edges` (N, 2): numbers of the edges in contact, -1: none. `line` (N,): whether the flanks touch along a line. `status`,
+    `residual` (N,): as of every solver. `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's. `advance` (N,):
+    by how much the gear is ahead of the nominal ratio, rad; -inf where there is no contact.
+    """
 
     x: Array
     edges: NDArray[np.intp]
@@ -59,11 +62,28 @@ class Contacts:
 
     @property
     def touching(self) -> NDArray[np.bool_]:
+        """Whether there is contact at the positions (N,)."""
         converged: NDArray[np.bool_] = self.status == Status.CONVERGED
         return converged
 
     @staticmethod
     def nothing(count: int) -> Contacts:
+        """Positions at which nothing touches.
+
+        Parameters
+        ----------
+        count : int
+            How many, N.
+
+        Returns
+        -------
+        Contacts
+
+        Examples
+        --------
+        >>> gm.Contacts.nothing(2).touching.tolist()
+        [False, False]
+        """
         return Contacts(
             np.full((count, 5), np.nan),
             np.full((count, 2), -1),
@@ -75,22 +95,45 @@ class Contacts:
         )
 
     def at(self, position: NDArray[np.intp]) -> Contacts:
-        """Those of positions (M,)."""
+        """Those of some positions.
+
+        Parameters
+        ----------
+        position : ndarray of int
+            Their numbers (M,).
+
+        Returns
+        -------
+        Contacts
+            Of M positions.
+
+        Examples
+        --------
+        >>> contacts = gears.contact().engagement.at(np.radians([0.0, 2.0]))
+        >>> contacts.at(np.array([1])).x.shape
+        (1, 5)
+        """
         return Contacts(*(getattr(self, field.name)[position] for field in fields(self)))
 
     def put(self, position: NDArray[np.intp], contacts: Contacts) -> None:
-        """Other contacts (M,) in the places of positions (M,)."""
+        """Put other contacts in the places of some positions.
+
+        Parameters
+        ----------
+        position : ndarray of int
+            Their numbers (M,).
+        contacts : Contacts
+            Of M positions.
+
+        Examples
+        --------
+        >>> contacts = gears.contact().engagement.at(np.radians([0.0, 2.0]))
+        >>> contacts.put(np.array([1]), gm.Contacts.nothing(1))
+        >>> contacts.touching.tolist()
+        [True, False]
+        """
         for field in fields(self):
             getattr(self, field.name)[position] = getattr(contacts, field.name)
-
-    def take(
-        self, position: NDArray[np.intp], trial: Trial, which: NDArray[np.intp], part: int, advance: Array
-    ) -> None:
-        """Trials `which` (M,) as what touches first at positions (M,), with advances (M,)."""
-        self.part[position], self.advance[position] = part, advance
-        self.x[position], self.status[position] = trial.x[which], int(Status.CONVERGED)
-        self.residual[position], self.line[position] = trial.residual[which], trial.line[which]
-        self.edges[position] = trial.edges[which]
 
 
 @dataclass
@@ -136,6 +179,15 @@ class Trial:
             goes=np.full(count, GOES),
         )
 
+    def give(
+        self, contacts: Contacts, position: NDArray[np.intp], which: NDArray[np.intp], part: int, advance: Array
+    ) -> None:
+        """Put trials `which` (M,) into contacts as what touches first at positions (M,), with advances (M,)."""
+        contacts.part[position], contacts.advance[position] = part, advance
+        contacts.x[position], contacts.status[position] = self.x[which], int(Status.CONVERGED)
+        contacts.residual[position], contacts.line[position] = self.residual[which], self.line[which]
+        contacts.edges[position] = self.edges[which]
+
 
 def refine_candidates(
     pair: Pair,
@@ -172,7 +224,7 @@ def refine_candidates(
         best, last, most = np.full(len(phi1), -np.inf), np.full(len(phi1), -1), np.full(len(phi1), -np.inf)
         best[position], last[position], most[position] = ahead[order], good[order], advance[order]
         better = np.flatnonzero(best > _rank(contacts.advance, contacts.edges))
-        contacts.take(better, trial, last[better], number, most[better])
+        trial.give(contacts, better, last[better], number, most[better])
         if look is not None and trial is begun:
             unsolved = (trial.edges[:, 0] < 0) & ~trial.good & np.isfinite(trial.most)
             lost = np.flatnonzero(unsolved & (trial.most >= contacts.advance[trial.position]))

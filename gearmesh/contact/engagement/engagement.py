@@ -226,7 +226,7 @@ class Engagement:
             trial = Trial.of(own, self._predict(phi1[own], node[own]), self.contacts.edges[node[own]])
             trial.line[:] = True
             solve(part, phi1, trial)
-            contacts.take(own, trial, np.arange(own.size), number, advances_of(part, phi1, trial.x, own))
+            trial.give(contacts, own, np.arange(own.size), number, advances_of(part, phi1, trial.x, own))
         contacts.line[:] = True
         return contacts
 

@@ -43,7 +43,7 @@ def refine_missed(
     trial = Trial.of(position, x, np.full((len(position), 2), -1))
     trial.edges[:, 0], trial.residual[:] = CORNER, 0.0
     better = np.flatnonzero(advance > contacts.advance[position])
-    contacts.take(position[better], trial, better, number, advance[better])
+    trial.give(contacts, position[better], better, number, advance[better])
     # a summit inside the flanks, or on an edge, is solved for as such
     numbers = [-1, *pair.edges]
     edges = np.full((len(numbers) * len(position), 2), -1)

@@ -27,8 +27,9 @@ Quantity = TypeVar("Quantity", float, Array)
 
 
 @dataclass(frozen=True)
-class Reading:
-    """How a motion is read: `quantity`, its name in tables; rad of, and name of, the units of the `motion` and of its `error`."""
+class MotionUnits:
+    """Units in which a motion is given: `quantity`, its name in tables; for the `motion` and its `error` the rad in one unit, and
+    the unit's name."""
 
     quantity: str
     motion: tuple[float, str]
@@ -47,77 +48,481 @@ class Joint(Protocol):
         """What the radius is called in diagrams."""
 
     @property
-    def reading(self) -> Reading:
-        """Units that its motion is read in."""
+    def reading(self) -> MotionUnits:
+        """Units in which its motion is given."""
 
     def way(self, angle: Quantity) -> Quantity | None:
-        """Way, mm, in an angle; None where points turn."""
+        """Way, mm, in an angle; None where points turn.
+
+        Parameters
+        ----------
+        angle : float or ndarray
+            rad.
+
+        Returns
+        -------
+        float or ndarray or None
+            mm.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.way(0.1) is None
+        True
+        """
 
     def force(self, torque: Quantity) -> Quantity | None:
-        """Force, N, that does the work of a torque (N mm) about the angle; None where points turn."""
+        """Force, N, that does the work of a torque (N mm) about the angle; None where points turn.
+
+        Parameters
+        ----------
+        torque : float or ndarray
+            N mm.
+
+        Returns
+        -------
+        float or ndarray or None
+            N.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.force(1000.0) is None
+        True
+        """
 
     def diameter(self, radius: Quantity) -> Quantity | None:
-        """Diameter at a radius, mm; None where points slide."""
+        """Diameter at a radius, mm; None where points slide.
+
+        Parameters
+        ----------
+        radius : float or ndarray
+            mm.
+
+        Returns
+        -------
+        float or ndarray or None
+            mm.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.diameter(20.0)
+        40.0
+        """
 
     def height(self, radius: Quantity) -> Quantity | None:
-        """Height over x = 0 at a radius, mm; None where points turn."""
+        """Height over x = 0 at a radius, mm; None where points turn.
+
+        Parameters
+        ----------
+        radius : float or ndarray
+            mm.
+
+        Returns
+        -------
+        float or ndarray or None
+            mm.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.height(20.0) is None
+        True
+        """
 
     def spin(self, base: Rigid) -> Array:
-        """Angular velocity (..., 3), rad/rad, in a frame to which `base` takes the member's own."""
+        """Angular velocity (..., 3), rad/rad, in a frame to which `base` takes the member's own.
+
+        Parameters
+        ----------
+        base : Rigid
+            From the member's frame to the one asked for.
+
+        Returns
+        -------
+        ndarray
+            (..., 3), rad of it for each rad of the angle: the axis of a revolute joint, 0 of a prismatic one.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.spin(gm.Rigid.identity()).tolist()
+        [0.0, 0.0, 1.0]
+        """
 
     def velocity(self, base: Rigid, r: Array) -> Array:
-        """Velocity (..., 3), mm/rad, of points r (..., 3), both in a frame to which `base` takes the member's own."""
+        """Velocity (..., 3), mm/rad, of points r (..., 3), both in a frame to which `base` takes the member's own.
+
+        Parameters
+        ----------
+        base : Rigid
+            From the member's frame to the one asked for.
+        r : ndarray
+            Points (..., 3) there, mm.
+
+        Returns
+        -------
+        ndarray
+            (..., 3), mm/rad.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.velocity(gm.Rigid.identity(), np.array([20.0, 0.0, 5.0])).tolist()
+        [0.0, 20.0, 0.0]
+        """
 
     def pitch(self, teeth: int) -> float:
-        """Angle, rad, from one of so many teeth to the next."""
+        """Angle, rad, from one of so many teeth to the next.
+
+        Parameters
+        ----------
+        teeth : int
+            How many there are.
+
+        Returns
+        -------
+        float
+            rad.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> round(float(np.degrees(joint.pitch(18))), 9)
+        20.0
+        """
 
     def places(self, teeth: int) -> NDArray[np.int64]:
-        """Numbers (teeth,) of all teeth, counted the way it moves from the one at angle 0."""
+        """Numbers (teeth,) of all teeth, counted the way it moves from the one at angle 0.
+
+        Parameters
+        ----------
+        teeth : int
+            How many there are.
+
+        Returns
+        -------
+        ndarray of int
+            (teeth,).
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.places(4).tolist()
+        [0, 1, 2, 3]
+        """
 
     def cycle(self, teeth: int) -> float:
-        """After how many pitches the first of so many teeth comes round again; inf where it never does."""
+        """After how many pitches the first of so many teeth comes round again; inf where it never does.
+
+        Parameters
+        ----------
+        teeth : int
+            How many there are.
+
+        Returns
+        -------
+        float
+            Pitches; inf of a prismatic joint.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> int(joint.cycle(18))
+        18
+        """
 
     def rotation_angle(self, rotation: Array, tolerance: float) -> float | None:
-        """Angle, rad, of the motion that has a rotation matrix (3, 3), about z but for `tolerance`; None where none has it."""
+        """Angle, rad, of the motion that has a rotation matrix (3, 3), about z but for `tolerance`; None where none has it.
+
+        Parameters
+        ----------
+        rotation : ndarray
+            (3, 3).
+        tolerance : float
+            Largest difference of its entries from those of the joint's motion.
+
+        Returns
+        -------
+        float or None
+            rad.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> round(joint.rotation_angle(joint.to(0.25).rotation, 1e-9), 12)
+        0.25
+        """
 
     def to(self, angle: ArrayLike) -> Rigid:
-        """The motion by an angle."""
+        """The motion by an angle.
+
+        Parameters
+        ----------
+        angle : array_like
+            (...,), rad.
+
+        Returns
+        -------
+        Rigid
+            In the member's frame, of shape (...,).
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.to(0.5 * np.pi).point(np.array([20.0, 0.0, 5.0])).round(12).tolist()
+        [0.0, 20.0, 5.0]
+        """
 
     def angle(self, r: Array) -> Array:
-        """Angle at which points are."""
+        """Angle at which points are: their polar angle, or y over the `travel`.
+
+        Parameters
+        ----------
+        r : ndarray
+            Points (..., 3) in the member's frame, mm.
+
+        Returns
+        -------
+        ndarray
+            (...,), rad.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> float(joint.angle(np.array([20.0, 0.0, 5.0])))
+        0.0
+        """
 
     def place(self, angle: Array, radius: Array) -> Array:
-        """x and y (..., 2), mm, of points at an angle and a radius."""
+        """x and y (..., 2), mm, of points at an angle and a radius.
+
+        Parameters
+        ----------
+        angle : ndarray
+            (...,), rad.
+        radius : ndarray
+            (...,), mm.
+
+        Returns
+        -------
+        ndarray
+            (..., 2), mm.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.place(np.array(0.0), np.array(20.0)).tolist()
+        [20.0, 0.0]
+        """
 
     def angle_gradient(self, r: Array) -> Array:
-        """Gradient (..., 3), 1/mm, of that angle."""
+        """Gradient of the angle at which points are.
+
+        Parameters
+        ----------
+        r : ndarray
+            Points (..., 3) in the member's frame, mm.
+
+        Returns
+        -------
+        ndarray
+            (..., 3), 1/mm.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.angle_gradient(np.array([20.0, 0.0, 5.0])).tolist()
+        [-0.0, 0.05, 0.0]
+        """
 
     def angle_hessian(self, r: Array, w: Array) -> Array:
-        """Its Hessian applied to vectors w (..., 3), (..., 3)."""
+        """Hessian of the angle at which points are, applied to vectors.
+
+        Parameters
+        ----------
+        r : ndarray
+            Points (..., 3) in the member's frame, mm.
+        w : ndarray
+            Vectors (..., 3).
+
+        Returns
+        -------
+        ndarray
+            (..., 3).
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> r, along = np.array([20.0, 0.0, 5.0]), np.array([0.0, 0.0, 1.0])
+        >>> bool((joint.angle_hessian(r, along) == 0.0).all())
+        True
+        """
 
     def radius(self, r: Array) -> Array:
-        """Coordinate (...,), mm, at right angles to motion and z, growing out of the body."""
+        """Coordinate at right angles to motion and z, which grows out of the body: the polar radius, or x.
+
+        Parameters
+        ----------
+        r : ndarray
+            Points (..., 3) in the member's frame, mm.
+
+        Returns
+        -------
+        ndarray
+            (...,), mm.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> float(joint.radius(np.array([12.0, 16.0, 5.0])))
+        20.0
+        """
 
     def outward(self, r: Array) -> Array:
-        """Gradient (..., 2) of the radius over x and y."""
+        """Gradient of the radius over x and y.
+
+        Parameters
+        ----------
+        r : ndarray
+            Points (..., 3) in the member's frame, mm.
+
+        Returns
+        -------
+        ndarray
+            (..., 2).
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.outward(np.array([12.0, 16.0, 5.0])).tolist()
+        [0.6, 0.8]
+        """
 
     def arm(self, r: Array) -> Array:
-        """Speed (...,), mm/rad, of points."""
+        """Speed of points.
+
+        Parameters
+        ----------
+        r : ndarray
+            Points (..., 3) in the member's frame, mm.
+
+        Returns
+        -------
+        ndarray
+            (...,), mm/rad: the radius of a revolute joint, the `travel` of a prismatic one.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> float(joint.arm(np.array([12.0, 16.0, 5.0])))
+        20.0
+        """
 
     def along(self, r: Array, w: Array) -> Array:
-        """Scalar product (...,) of vectors w (..., 3) with the velocity of points r, mm/rad."""
+        """Scalar product of vectors with the velocity of points.
+
+        Parameters
+        ----------
+        r : ndarray
+            Points (..., 3) in the member's frame, mm.
+        w : ndarray
+            Vectors (..., 3).
+
+        Returns
+        -------
+        ndarray
+            (...,), mm/rad times the unit of w.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> float(joint.along(np.array([20.0, 0.0, 5.0]), np.array([0.0, 3.0, 1.0])))
+        60.0
+        """
 
     def within(self, angle: Array) -> Array:
-        """Differences of angles less the full turns that bring them next to zero; those that are there stay to the last digit."""
+        """Differences of angles less the full turns that bring them next to zero; those that are there stay to the last digit.
+
+        Parameters
+        ----------
+        angle : ndarray
+            (...,), rad.
+
+        Returns
+        -------
+        ndarray
+            (...,), rad, from -pi to pi; of a prismatic joint as they are.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> round(float(joint.within(np.array(2.0 * np.pi + 0.1))), 12)
+        0.1
+        """
 
     def wrap(self, angle: Array) -> Array:
-        """Angles counted from -pi/2 to 3 pi/2, where a full turn is none."""
+        """Angles counted from -pi/2 to 3 pi/2, where a full turn is none.
+
+        Parameters
+        ----------
+        angle : ndarray
+            (...,), rad.
+
+        Returns
+        -------
+        ndarray
+            (...,), rad; of a prismatic joint as they are.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> round(float(joint.wrap(np.array(-0.75 * np.pi)) / np.pi), 12)
+        1.25
+        """
 
     def running(self, angle: Array) -> Array:
-        """Angles (N,) in a row without jumps by full turns."""
+        """Angles in a row without jumps by full turns.
+
+        Parameters
+        ----------
+        angle : ndarray
+            (N,), rad.
+
+        Returns
+        -------
+        ndarray
+            (N,), rad.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> joint.running(np.array([3.0, 3.1, 3.2 - 2.0 * np.pi])).round(12).tolist()
+        [3.0, 3.1, 3.2]
+        """
 
     def nearest(self, angle: float, guess: float) -> float:
-        """Of all angles at which points are where they are at `angle`, the one nearest to `guess`."""
+        """Of all angles at which points are where they are at `angle`, the one nearest to `guess`.
+
+        Parameters
+        ----------
+        angle : float
+            rad.
+        guess : float
+            rad.
+
+        Returns
+        -------
+        float
+            rad.
+
+        Examples
+        --------
+        >>> joint = gears.members["pinion"].tooth.joint
+        >>> round(joint.nearest(0.1, 6.0) - 2.0 * np.pi, 12)
+        0.1
+        """
 
 
 @dataclass(frozen=True)
@@ -133,8 +538,8 @@ class Revolute:
         return "radius"
 
     @property
-    def reading(self) -> Reading:
-        return Reading("phi2", (np.pi / 180.0, "deg"), (ARCSEC, "arcsec"))
+    def reading(self) -> MotionUnits:
+        return MotionUnits("phi2", (np.pi / 180.0, "deg"), (ARCSEC, "arcsec"))
 
     def way(self, angle: Quantity) -> None:
         return None
@@ -226,8 +631,8 @@ class Prismatic:
         return "height"
 
     @property
-    def reading(self) -> Reading:
-        return Reading("displacement", (1.0 / self.travel, "mm"), (1e-3 / self.travel, "um"))
+    def reading(self) -> MotionUnits:
+        return MotionUnits("displacement", (1.0 / self.travel, "mm"), (1e-3 / self.travel, "um"))
 
     def way(self, angle: Quantity) -> Quantity:
         return self.travel * angle

@@ -30,16 +30,82 @@ class PlaneCurve(Protocol):
         """Area (mm^2) that the line from the origin to the curve's point sweeps, counterclockwise."""
 
     def at(self, s: Array) -> Array:
-        """Points (K, 2), mm, at s (K,) from 0 to 1."""
+        """Points of the curve.
+
+        Parameters
+        ----------
+        s : ndarray
+            (K,), from 0 to 1.
+
+        Returns
+        -------
+        ndarray
+            (K, 2), mm.
+
+        Examples
+        --------
+        >>> arc = gm.PlaneArc.circle(10.0)
+        >>> arc.at(np.array([0.0, 0.25])).round(12).tolist()
+        [[10.0, 0.0], [0.0, 10.0]]
+        """
 
     def slope(self, s: Array) -> Array:
-        """Derivatives (K, 2), mm, of the points by s (K,)."""
+        """Derivatives of its points.
+
+        Parameters
+        ----------
+        s : ndarray
+            (K,), from 0 to 1.
+
+        Returns
+        -------
+        ndarray
+            By s, (K, 2), mm.
+
+        Examples
+        --------
+        >>> line = gm.PlaneLine(np.zeros(2), np.array([3.0, 4.0]))
+        >>> line.slope(np.array([0.5])).tolist()
+        [[3.0, 4.0]]
+        """
 
     def turn(self, angle: float) -> PlaneCurve:
-        """The same about the origin by an angle (rad)."""
+        """The curve turned about the origin.
+
+        Parameters
+        ----------
+        angle : float
+            rad, counterclockwise.
+
+        Returns
+        -------
+        PlaneCurve
+
+        Examples
+        --------
+        >>> line = gm.PlaneLine(np.zeros(2), np.array([3.0, 4.0]))
+        >>> line.turn(0.5 * np.pi).end.round(12).tolist()
+        [-4.0, 3.0]
+        """
 
     def move(self, way: Array) -> PlaneCurve:
-        """The same moved by `way` (2,), mm."""
+        """The curve moved.
+
+        Parameters
+        ----------
+        way : ndarray
+            (2,), mm.
+
+        Returns
+        -------
+        PlaneCurve
+
+        Examples
+        --------
+        >>> arc = gm.PlaneArc.circle(10.0)
+        >>> arc.move(np.array([1.0, 0.0])).centre.tolist()
+        [1.0, 0.0]
+        """
 
 
 @dataclass(frozen=True)
@@ -78,7 +144,25 @@ class PlaneArc:
 
     @staticmethod
     def circle(radius: float, centre: Sequence[float] | Array = (0.0, 0.0)) -> PlaneArc:
-        """A full circle."""
+        """A full circle.
+
+        Parameters
+        ----------
+        radius : float
+            mm.
+        centre : sequence of float
+            (2,), mm.
+
+        Returns
+        -------
+        PlaneArc
+
+        Examples
+        --------
+        >>> arc = gm.PlaneArc.circle(10.0)
+        >>> arc.closed
+        True
+        """
         return PlaneArc(np.array(centre, dtype=float), radius, 0.0, 2.0 * np.pi)
 
     @property

@@ -21,13 +21,66 @@ class Level(Protocol):
     """A function g(r) whose zero level bounds a body (g < 0 inside), with gradient and Hessian."""
 
     def value(self, r: Array) -> Array:
-        """g at points (..., 3), (...,)."""
+        """The function at points.
+
+        Parameters
+        ----------
+        r : ndarray
+            Points (..., 3), mm.
+
+        Returns
+        -------
+        ndarray
+            g (...,), negative inside.
+
+        Examples
+        --------
+        >>> tip = gears.members["pinion"].tooth.chain[gm.Region.LAND].cone
+        >>> float(tip.value(np.array([19.0, 0.0, 0.0])))
+        -1.0
+        """
 
     def gradient(self, r: Array) -> Array:
-        """Gradient, (..., 3)."""
+        """Its gradient.
+
+        Parameters
+        ----------
+        r : ndarray
+            Points (..., 3), mm.
+
+        Returns
+        -------
+        ndarray
+            (..., 3).
+
+        Examples
+        --------
+        >>> tip = gears.members["pinion"].tooth.chain[gm.Region.LAND].cone
+        >>> tip.gradient(np.array([19.0, 0.0, 0.0])).tolist()
+        [1.0, 0.0, 0.0]
+        """
 
     def hessian(self, r: Array, w: Array) -> Array:
-        """Hessian applied to vectors w (..., 3), (..., 3)."""
+        """Its Hessian, applied to vectors.
+
+        Parameters
+        ----------
+        r : ndarray
+            Points (..., 3), mm.
+        w : ndarray
+            Vectors (..., 3).
+
+        Returns
+        -------
+        ndarray
+            (..., 3).
+
+        Examples
+        --------
+        >>> tip = gears.members["pinion"].tooth.chain[gm.Region.LAND].cone
+        >>> tip.hessian(np.array([20.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])).tolist()
+        [-0.0, 0.05, 0.0]
+        """
 
 
 class LandSurface(Surface, Protocol):
@@ -109,7 +162,24 @@ class ConeLevel:
 
     @staticmethod
     def of(radius: float, slope: float = 0.0) -> ConeLevel:
-        """The cone rho = radius + slope z, g < 0 on the side of the axis."""
+        """The cone rho = radius + slope z, with the axis inside.
+
+        Parameters
+        ----------
+        radius : float
+            At z = 0, mm.
+        slope : float
+            d rho / dz.
+
+        Returns
+        -------
+        ConeLevel
+
+        Examples
+        --------
+        >>> gm.ConeLevel.of(20.0).radius
+        20.0
+        """
         length = float(np.hypot(1.0, slope))
         return ConeLevel(float(np.arctan2(1.0, -slope)), radius / length)
 
@@ -136,7 +206,23 @@ class ConeLevel:
         return perpendicular(axial)
 
     def at(self, z: float | Array) -> Array:
-        """rho, mm, at z; not of a plane."""
+        """Its radius at some z; not of a plane.
+
+        Parameters
+        ----------
+        z : float or ndarray
+            (...,), mm.
+
+        Returns
+        -------
+        ndarray
+            (...,), mm.
+
+        Examples
+        --------
+        >>> round(float(gm.ConeLevel.of(20.0, 0.1).at(10.0)), 12)
+        21.0
+        """
         return np.asarray(self.radius + self.slope * z)
 
     def parallel(self, distance: float) -> ConeLevel:
@@ -204,7 +290,26 @@ class ConeSurface:
         )
 
     def meeting(self, axial: Level, stations: Array) -> Array:
-        """v (...,) where the surface has the station coordinates `stations` (...,), mm."""
+        """Its second parameter where it has given station coordinates.
+
+        Parameters
+        ----------
+        axial : Level
+            The station coordinate.
+        stations : ndarray
+            (...,), mm.
+
+        Returns
+        -------
+        ndarray
+            v (...,), mm.
+
+        Examples
+        --------
+        >>> axial = gm.ConeLevel(0.0)
+        >>> gm.ConeLevel.of(20.0).surface.meeting(axial, np.array([-5.0, 5.0])).tolist()
+        [-5.0, 5.0]
+        """
         (a, b), (across, up) = self.level.normal, station_normal(axial)
         distance = stations - axial.value(np.zeros(3))
         return (distance - self.level.offset * (across * a + up * b)) / (up * a - across * b)

@@ -33,22 +33,98 @@ class Jet:
         return Jet(*(getattr(self, field.name)[which] for field in fields(Jet)))
 
     def where(self, condition: NDArray[np.bool_], other: Jet) -> Jet:
-        """These points where a condition (N,) holds, those of another jet elsewhere."""
+        """These points where a condition holds, those of another jet elsewhere.
+
+        Parameters
+        ----------
+        condition : ndarray of bool
+            (N,).
+        other : Jet
+            Of N points.
+
+        Returns
+        -------
+        Jet
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> jet = tooth.chain[gm.Region.FLANK_RIGHT].grid([0.5], tooth.sections([0.0, 1.0])).jet
+        >>> row = jet.where(np.array([True]), jet)
+        >>> bool((row.r == jet.r).all())
+        True
+        """
         mine = condition[:, None]
         return Jet(*(np.where(mine, getattr(self, field.name), getattr(other, field.name)) for field in fields(Jet)))
 
     def move(self, transform: Rigid) -> Jet:
-        """The jet of the same surface in another frame."""
+        """The jet of the same surface in another frame.
+
+        Parameters
+        ----------
+        transform : Rigid
+            From this frame to the other one.
+
+        Returns
+        -------
+        Jet
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> jet = tooth.chain[gm.Region.FLANK_RIGHT].grid([0.5], tooth.sections([0.0, 1.0])).jet
+        >>> moved = jet.move(gm.Rigid(np.eye(3), np.array([0.0, 0.0, 3.0])))
+        >>> (moved.r - jet.r)[0, 0].round(12).tolist()
+        [0.0, 0.0, 3.0]
+        """
         r, *turned = transform.vectors(self.r, self.n, self.r_u, self.r_v, self.n_u, self.n_v)
         return Jet(r + transform.translation, *turned)
 
     def parallel(self, distance: float) -> Jet:
-        """The jet of the surface every point of which is so far (mm) along its normal; parameters stay."""
+        """The jet of the parallel surface; parameters stay.
+
+        Parameters
+        ----------
+        distance : float
+            Along the normal, mm.
+
+        Returns
+        -------
+        Jet
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> jet = tooth.chain[gm.Region.FLANK_RIGHT].grid([0.5], tooth.sections([0.0, 1.0])).jet
+        >>> (np.linalg.norm(jet.parallel(0.1).r - jet.r, axis=-1)).round(12).tolist()
+        [[0.1, 0.1]]
+        """
         r, r_u, r_v = (a + distance * b for a, b in ((self.r, self.n), (self.r_u, self.n_u), (self.r_v, self.n_v)))
         return Jet(r, self.n, r_u, r_v, self.n_u, self.n_v)
 
     def along(self, du: Array, dv: Array) -> tuple[Array, Array]:
-        """Differentials (dr, dn), (..., 3), of point and normal for parameter differentials (...,)."""
+        """Differentials of point and normal for differentials of the parameters.
+
+        Parameters
+        ----------
+        du : ndarray
+            (...,).
+        dv : ndarray
+            (...,).
+
+        Returns
+        -------
+        tuple of ndarray
+            dr, mm, and dn, (..., 3) each.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> jet = tooth.chain[gm.Region.FLANK_RIGHT].grid([0.5], tooth.sections([0.0, 1.0])).jet
+        >>> dr, dn = jet.along(np.ones((1, 2)), np.zeros((1, 2)))
+        >>> bool((dr == jet.r_u).all())
+        True
+        """
         du, dv = du[..., None], dv[..., None]
         return self.r_u * du + self.r_v * dv, self.n_u * du + self.n_v * dv
 
@@ -57,7 +133,25 @@ class Surface(Protocol):
     """A surface with an exact jet."""
 
     def jet(self, u: Array, v: Array) -> Jet:
-        """Jet at parameters u, v (...,)."""
+        """Point, unit normal and their first partials.
+
+        Parameters
+        ----------
+        u : ndarray
+            First parameter, (...,).
+        v : ndarray
+            Second parameter, (...,).
+
+        Returns
+        -------
+        Jet
+
+        Examples
+        --------
+        >>> jet = gears.members["pinion"].tooth.right.flank.jet(np.array([0.1, 0.2]), np.array([0.0, 0.0]))
+        >>> jet.r.shape
+        (2, 3)
+        """
 
 
 class GeneratedSurface(Surface, Protocol):

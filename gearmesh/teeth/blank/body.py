@@ -42,7 +42,22 @@ class PlaneFace:
     up: bool
 
     def covers(self, reach: tuple[float, float]) -> bool:
-        """Whether all between two radii is on it."""
+        """Whether all between two radii is on it.
+
+        Parameters
+        ----------
+        reach : tuple of float
+            Smallest and largest radius, mm.
+
+        Returns
+        -------
+        bool
+
+        Examples
+        --------
+        >>> gm.PlaneFace(z=5.0, inner=6.0, outer=15.0, up=True).covers((8.0, 12.0))
+        True
+        """
         return self.inner <= reach[0] and reach[1] <= self.outer
 
 
@@ -59,9 +74,29 @@ class Body:
 
     @staticmethod
     def disk(bore: float, toe: tuple[float, float], heel: tuple[float, float], *faces: float) -> Body:
-        """A disk with a bore of radius `bore` (mm; 0: none), its end faces at the points (rho, z) of toe and heel.
+        """A disk with a bore.
 
-        `faces`: z of the bore's ends where these are not those of toe and heel.
+        The bore's ends lie at z of toe and heel unless `faces` says otherwise.
+
+        Parameters
+        ----------
+        bore : float
+            Radius, mm; 0: none.
+        toe : tuple of float
+            (rho, z), mm, where the end face meets the teeth.
+        heel : tuple of float
+            The same at the other end.
+        faces : float
+            z of the bore's ends, mm: none, or two.
+
+        Returns
+        -------
+        Body
+
+        Examples
+        --------
+        >>> gm.Body.disk(6.0, (15.0, -5.0), (15.0, 5.0)).bore_diameter
+        12.0
         """
         low, high = faces or (toe[1], heel[1])
         profile = [toe, (bore, low), (bore, high), heel]
@@ -69,12 +104,54 @@ class Body:
 
     @staticmethod
     def tube(radius: float, toe: float, heel: float, band: Region = Region.BORE) -> Body:
-        """What is left between toothed end faces at z = toe and heel and a cylinder: a bore, or the rim of an internal gear."""
+        """What is left between toothed end faces at z = toe and heel and a cylinder: a bore, or the rim of an internal gear.
+
+        Parameters
+        ----------
+        radius : float
+            Of the cylinder, mm.
+        toe : float
+            z of an end face, mm.
+        heel : float
+            z of an end face, mm.
+        band : Region
+            What the cylinder is: the bore, or the rim.
+
+        Returns
+        -------
+        Body
+
+        Examples
+        --------
+        >>> gm.Body.tube(6.0, -5.0, 5.0).ends
+        (-5.0, 5.0)
+        """
         return Body(((radius, toe), (radius, heel)), (band,))
 
     @staticmethod
     def hub_and_rim(bore: float, web: Disc, toe: float, heel: float) -> Body:
-        """Hub and rim between end faces at z = toe and heel, and a web between them; the rim bears the teeth."""
+        """Hub and rim between end faces at z = toe and heel, and a web between them; the rim bears the teeth.
+
+        Parameters
+        ----------
+        bore : float
+            Radius, mm.
+        web : Disc
+            Where it is.
+        toe : float
+            z of an end face, mm.
+        heel : float
+            z of an end face, mm.
+
+        Returns
+        -------
+        Body
+
+        Examples
+        --------
+        >>> gm.Body.hub_and_rim(6.0, gm.Disc(10.0, 14.0, -2.0, 2.0), -5.0, 5.0).web
+        Disc(inner=10.0, outer=14.0, low=-2.0, high=2.0)
+        """
         profile = [
             (web.outer, toe),
             (web.outer, web.low),
@@ -91,18 +168,69 @@ class Body:
         return Body(tuple(profile), (*recess, Region.FACE_TOE, Region.BORE, Region.FACE_HEEL, *recess))
 
     def with_recess(self, web: Disc) -> Body:
-        """A disk with a recess in its heel's face between the radii of a web, which goes on to its toe's face."""
+        """A disk with a recess in its heel's face between the radii of a web, which goes on to its toe's face.
+
+        Parameters
+        ----------
+        web : Disc
+            Where it is.
+
+        Returns
+        -------
+        Body
+
+        Examples
+        --------
+        >>> disk = gm.Body.disk(6.0, (15.0, -5.0), (15.0, 5.0))
+        >>> disk.with_recess(gm.Disc(8.0, 13.0, -5.0, 2.0)).web.high
+        2.0
+        """
         last, (_, high) = self.bore_band + 1, self.profile[self.bore_band + 1]
         recess = [(web.inner, high), (web.inner, web.high), (web.outer, web.high), (web.outer, high)]
         bands = (*self.bands[: last + 1], *(Region.WEB,) * 3, *self.bands[last:])
         return Body((*self.profile[: last + 1], *recess, *self.profile[last + 1 :]), bands)
 
     def shift(self, rise: float) -> Body:
-        """The body moved along z by `rise` (mm)."""
+        """The body moved along z.
+
+        Parameters
+        ----------
+        rise : float
+            mm.
+
+        Returns
+        -------
+        Body
+
+        Examples
+        --------
+        >>> body = gears.members["pinion"].body
+        >>> body.shift(2.0).ends
+        (-3.0, 7.0)
+        """
         return Body(tuple((rho, z + rise) for rho, z in self.profile), self.bands)
 
     def with_steps(self, toe: Sequence[TurnedStep], heel: Sequence[TurnedStep]) -> Body:
-        """The body with steps of hub or shaft on its end faces round the bore, each in order from the body outwards."""
+        """The body with steps of hub or shaft on its end faces round the bore, each in order from the body outwards.
+
+        Parameters
+        ----------
+        toe : sequence of TurnedStep
+            On the toe's side.
+        heel : sequence of TurnedStep
+            On the heel's side.
+
+        Returns
+        -------
+        Body
+
+        Examples
+        --------
+        >>> body = gears.members["pinion"].body
+        >>> step = gm.TurnedStep(10.0, 10.0, 4.0, gm.Region.HUB)
+        >>> body.with_steps([], [step]).ends
+        (-5.0, 9.0)
+        """
         points, names = list(self.profile), list(self.bands)
         for steps, heelward in ((heel, True), (toe, False)):
             if not steps:
@@ -121,7 +249,26 @@ class Body:
         return Body(tuple(points), tuple(names))
 
     def with_stepped_bore(self, toe: Sequence[TurnedStep], heel: Sequence[TurnedStep]) -> Body:
-        """The body with steps of its bore, or of the outside of a ring, each in order from its end inwards."""
+        """The body with steps of its bore, or of the outside of a ring, each in order from its end inwards.
+
+        Parameters
+        ----------
+        toe : sequence of TurnedStep
+            On the toe's side.
+        heel : sequence of TurnedStep
+            On the heel's side.
+
+        Returns
+        -------
+        Body
+
+        Examples
+        --------
+        >>> body = gears.members["pinion"].body
+        >>> wide = gm.TurnedStep(8.0, 8.0, 3.0, gm.Region.BORE)
+        >>> body.with_stepped_bore([wide], []).profile[0]
+        (8.0, -5.0)
+        """
         points, names, band = list(self.profile), list(self.bands), Region.RIM if self.around else Region.BORE
         # the end of the profile first: its steps of a ring have the region of its outside
         for steps, heelward in ((heel, True), (toe, False))[:: self.rise]:
@@ -146,7 +293,23 @@ class Body:
         return -1 if self.around else 1
 
     def plane_faces(self, flat_ends: bool) -> list[PlaneFace]:
-        """Its plane ends, those of the teeth with them where these are planes (`flat_ends`), which have no bound at the teeth."""
+        """Its plane ends, and those of the teeth where these are planes.
+
+        Parameters
+        ----------
+        flat_ends : bool
+            Whether the teeth end on planes, which have no bound at the teeth then.
+
+        Returns
+        -------
+        list of PlaneFace
+
+        Examples
+        --------
+        >>> body = gears.members["pinion"].body
+        >>> [face.z for face in body.plane_faces(flat_ends=True)]
+        [-5.0, 5.0]
+        """
         made = [
             PlaneFace(z, min(rho, other), max(rho, other), other > rho)
             for (rho, z), (other, end) in pairwise(self.profile)
@@ -158,9 +321,32 @@ class Body:
         return made
 
     def levels(self, reach: tuple[float, float], flat_ends: bool, depth: float | None = None) -> tuple[float, float]:
-        """The z between which an opening between two radii goes through the body, or has a depth (mm) from the heel's face.
+        """The z between which an opening between two radii goes through the body, or as deep as asked.
 
-        Raises ValueError where it does not begin and end on one plane each.
+        Parameters
+        ----------
+        reach : tuple of float
+            Smallest and largest radius of the opening, mm.
+        flat_ends : bool
+            Whether the teeth end on planes, which have no bound at the teeth then.
+        depth : float, optional
+            From the heel's face, mm; without it all through.
+
+        Returns
+        -------
+        tuple of float
+            z, mm.
+
+        Raises
+        ------
+        ValueError
+            Where it does not begin and end on one plane each.
+
+        Examples
+        --------
+        >>> body = gears.members["pinion"].body
+        >>> body.levels((8.0, 12.0), flat_ends=True)
+        (-5.0, 5.0)
         """
         faces = sorted((face for face in self.plane_faces(flat_ends) if face.covers(reach)), key=lambda face: face.z)
         through = len(faces) == 2
@@ -238,12 +424,35 @@ class Body:
         return Body(tuple(filled), self.bands)
 
     def cut_off(self) -> float:
-        """Volume (mm^3) between profile and axis; signed by the direction of z from toe to heel."""
+        """Volume between profile and axis, signed by the direction of z from toe to heel.
+
+        Returns
+        -------
+        float
+            mm^3.
+
+        Examples
+        --------
+        >>> body = gears.members["pinion"].body
+        >>> round(body.cut_off() / (np.pi * 6.2**2 * 10.0), 12)
+        1.0
+        """
         rho, z = np.array(self.profile).T
         return float(np.pi / 3.0 * (np.diff(z) @ (rho[1:] ** 2 + rho[1:] * rho[:-1] + rho[:-1] ** 2)))
 
     def enclosed_volume(self) -> float:
-        """Volume (mm^3) between the profile, closed by the straight line from heel to toe, and itself; signed by its sense."""
+        """Volume between the profile, closed by the straight line from heel to toe, and itself, signed by its sense.
+
+        Returns
+        -------
+        float
+            mm^3.
+
+        Examples
+        --------
+        >>> gm.Body.disk(0.0, (1.0, 0.0), (1.0, 2.0)).enclosed_volume() < 0.0
+        True
+        """
         closed = np.array((*self.profile, self.profile[0]))
         rho, rise = closed[:, 0], np.diff(closed[:, 1])
         return float(np.pi / 3.0 * (rise @ (rho[1:] ** 2 + rho[1:] * rho[:-1] + rho[:-1] ** 2)))

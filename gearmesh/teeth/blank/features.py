@@ -15,8 +15,8 @@ from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 from gearmesh.teeth.blank.body import Body, TurnedStep
 from gearmesh.teeth.region import Region
 
-#: closed line of curves, counterclockwise
-Outline = tuple[PlaneCurve, ...]
+#: a closed line of curves, counterclockwise
+ClosedLine = tuple[PlaneCurve, ...]
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Slot:
     width: float
     depth: float
 
-    def in_bore(self, radius: float) -> Outline:
+    def in_bore(self, radius: float) -> ClosedLine:
         """The outline of a bore with the keyway on +x: the arc, and from its end the three lines.
 
         Parameters
@@ -105,7 +105,7 @@ class Pattern(Protocol):
         """Radii (mm) between which they are, or heights over a bar's reference plane."""
 
     @property
-    def outlines(self) -> tuple[Outline, ...]:
+    def outlines(self) -> tuple[ClosedLine, ...]:
         """One for each."""
 
 
@@ -132,7 +132,7 @@ class Drilling:
         return 0.5 * (self.circle - self.diameter), 0.5 * (self.circle + self.diameter)
 
     @property
-    def outlines(self) -> tuple[Outline, ...]:
+    def outlines(self) -> tuple[ClosedLine, ...]:
         return tuple((PlaneArc.circle(0.5 * self.diameter, centre),) for centre in self.centres)
 
 
@@ -160,7 +160,7 @@ class HoleRow:
         return self.height - 0.5 * self.diameter, self.height + 0.5 * self.diameter
 
     @property
-    def outlines(self) -> tuple[Outline, ...]:
+    def outlines(self) -> tuple[ClosedLine, ...]:
         return tuple((PlaneArc.circle(0.5 * self.diameter, centre),) for centre in self.centres)
 
 
@@ -201,7 +201,7 @@ class Spokes:
         return straight and bool((angles < np.pi / self.count).all())
 
     @property
-    def outlines(self) -> tuple[Outline, ...]:
+    def outlines(self) -> tuple[ClosedLine, ...]:
         (xi, y), (xo, _) = self.corners
         between, r, foot = 2.0 * np.pi / self.count, self.corner, 0.5 * self.width
         inner, outer = np.arctan2(y, xi), np.arctan2(y, xo)
@@ -234,7 +234,7 @@ class Opening:
     through."""
 
     region: Region
-    curves: Outline
+    curves: ClosedLine
     low: float
     high: float
     reach: tuple[float, float]

@@ -23,7 +23,7 @@ from gearmesh.systems.common.bodies.parallel_keys import LARGEST, SMALLEST, keyw
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.tooth_edges import largest
 from gearmesh.teeth.blank.body import Body, Disc, TurnedStep
-from gearmesh.teeth.blank.features import BodyFeatures, Boss, Drilling, Outline, Pattern, Slot, Spokes
+from gearmesh.teeth.blank.features import BodyFeatures, Boss, ClosedLine, Drilling, Pattern, Slot, Spokes
 from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
@@ -569,7 +569,7 @@ def _overlap(one: Pattern, other: Pattern) -> bool:
     return any(bool(contains(a, b).any() or contains(b, a).any()) for a in drawn[0] for b in drawn[1])
 
 
-def _points(outline: Outline) -> Array:
+def _points(outline: ClosedLine) -> Array:
     """Points (N, 2) along a closed line."""
     return np.concatenate([curve.at(np.arange(ROUND) / ROUND) for curve in outline])
 
