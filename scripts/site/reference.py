@@ -58,6 +58,39 @@ PYTHON = (
     ),
     ("studies", "Studies", "", ("Study", "LargestErrors")),
     (
+        "teeth",
+        "Teeth and gear bodies",
+        "What gears consist of. `gears.train` has the pairs, `gears.members` each member by its name.",
+        (
+            *("GearTrain", "GearPair", "Member", "Mount", "HalfGear", "AxialGap"),
+            *("Tooth", "ToothSide", "Side", "Region", "Sections", "Ends", "Link", "Grid"),
+            *("EndChamfer", "EndStrip", "StripPiece", "SharpOutline"),
+            *("Body", "Disc", "TurnedStep", "PlaneFace", "Slot", "Boss", "Drilling", "Opening", "Outline"),
+        ),
+    ),
+    (
+        "engagement",
+        "Engagement and path of contact",
+        "What contact analysis solves, position by position: attributes of `gears.contact()`.",
+        ("ContactPath", "Engagement", "Contacts", "FullTurns", "BacklashCurve", "SideContact"),
+    ),
+    (
+        "surfaces",
+        "Surfaces, curves and motions",
+        "Geometry within teeth, bodies, sections and meshes.",
+        (
+            *("Surface", "Jet", "Level", "ConeLevel", "ConeSurface", "TriangleMesh", "Part"),
+            *("PlaneCurve", "PlaneLine", "PlaneArc", "Contour", "Parabola", "ArcRack"),
+            *("Rigid", "Joint", "MotionUnits"),
+        ),
+    ),
+    (
+        "tables",
+        "Keys, figures and tables",
+        "What keys of designs, figures of answers and printed tables consist of.",
+        ("Key", "KeyLine", "Table", "Figure", "Entry", "Summary", "Listing"),
+    ),
+    (
         "sheets",
         "Data sheets, pictures, reports, exchange",
         "",
@@ -86,6 +119,7 @@ INTERNAL = {
     "System": {"of_keys"},
     "FlexibleMount": {"wrenches", "displace"},
     "RollTest": {"patches"},
+    "BacklashCurve": {"of"},
 }
 #: members of a design that people use; what else it has is how files are read
 OF_DESIGNS = ("resolve", "in_mm", "given_module", "mm_per_unit", "key_lines", "key_groups")
