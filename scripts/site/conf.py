@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -54,13 +55,27 @@ html_show_search_summary = False
 html_use_index = True
 html_theme_options = {"navigation_with_keys": False}
 
+#: an array as signatures have it, `~` before what is shown by its last name
+ARRAY = re.compile(r"~?numpy\.ndarray\[~?tuple\[~?typing\.Any, \.\.\.\], ~?numpy\.dtype\[~?[\w.]+\]\]")
+
 
 def setup(app: Any) -> None:
     # before napoleon, which takes the words before a colon for the type of a property
     app.connect("autodoc-process-docstring", plain_first_line, priority=400)
+    app.connect("autodoc-process-signature", plain_signature)
 
 
 def plain_first_line(app: Any, what: str, name: str, value: object, options: object, lines: list[str]) -> None:
     """Put a blank that is not shown before the text of a property."""
     if what in ("property", "attribute") and lines:
         lines.insert(0, "\\ ")
+
+
+def plain_signature(
+    app: Any, what: str, name: str, value: object, options: object, signature: str | None, returned: str | None
+) -> tuple[str | None, str | None]:
+    """Arrays by their short name, as shapes stand in the sections; protocols, of which nobody makes one, without arguments."""
+    if getattr(value, "_is_protocol", False):
+        return "", returned
+    first, second = (None if text is None else ARRAY.sub("~numpy.ndarray", text) for text in (signature, returned))
+    return first, second
