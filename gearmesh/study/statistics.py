@@ -86,7 +86,8 @@ def effects(keys: Mapping[str, Array], figure: str, values: Array) -> list[Effec
     slope = np.linalg.lstsq(scaled, y - y.mean(), rcond=None)[0] / spread[free]
     left = y - y.mean() - (table[:, free] - middle) @ slope
     total = float(((y - y.mean()) ** 2).sum())
-    explained = 1.0 - float((left**2).sum()) / total if total > 0.0 else 0.0
+    # of a figure that is the same in all rows nothing is left
+    explained = 1.0 - float((left**2).sum()) / total if total > 0.0 else 1.0
     rows = []
     for k, own in enumerate(free):
         low, high = np.percentile(table[:, own], (5, 95))

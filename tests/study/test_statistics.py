@@ -8,6 +8,7 @@ import pytest
 from gearmesh.errors import DesignError
 from gearmesh.study.rows.largest import STEPS, largest
 from gearmesh.study.statistics import PERCENTILES, effects, limit_of, percentiles
+from gearmesh.view.diagrams.study_plots import percentile_marks
 
 pytestmark = pytest.mark.quick
 
@@ -64,3 +65,14 @@ def test_the_largest_error_is_where_the_condition_ends(room: object, low: float,
             assert abs(value) - 1e-12 <= abs(wanted) <= abs(beyond) + 1e-12
             assert abs(value - beyond) < 1.1e-4
     assert sum(calls) < 2 * STEPS + 50
+
+
+def test_a_figure_that_never_changes_follows_the_keys_and_has_one_mark() -> None:
+    """It was reported as not linear, with R^2 = 0, and the names of its percentiles lay upon each other."""
+    keys = {"a": np.linspace(-1.0, 1.0, 40), "b": np.linspace(0.0, 1.0, 40) ** 2}
+    values = np.full(40, 19.0)
+    unchanged = effects(keys, "converged", values)
+    assert all(effect.linear and effect.explained == 1.0 and effect.swing == 0.0 for effect in unchanged)
+    assert len(unchanged) == 2
+    assert percentile_marks(values, PERCENTILES) == [(19.0, "1, 5, 50, 95, 99 %")]
+    assert percentile_marks(np.array([0.0] * 11 + [18.0] * 10), (5, 50, 95)) == [(0.0, "5, 50 %"), (18.0, "95 %")]

@@ -154,7 +154,7 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
     if bars.remark:
         axes.text(0.98, 0.06, bars.remark, transform=axes.transAxes, ha="right", fontsize=8)
     axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax([first, np.where(np.isfinite(total), total, 0.0)]))))
-    axes.set_xlabel(f"share of the variance of {bars.name}: {why}", fontsize=9)
+    axes.set_xlabel(f"share of the variance of {bars.name}:\n{why}", fontsize=9)
 
 
 def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentiles: Sequence[int], title: str) -> None:
@@ -168,14 +168,22 @@ def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentile
         if known.size:
             own.hist(known, bins=min(60, max(8, int(np.sqrt(known.size)))), color=PALE, edgecolor="white", lw=0.4)
             top = own.get_ylim()[1]
-            for p, at in zip(percentiles, np.percentile(known, percentiles), strict=True):
+            for at, label in percentile_marks(known, percentiles):
                 own.axvline(at, color=INK, lw=0.8, ls=":")
-                own.text(at, top, f"{p} %", rotation=90, fontsize=6, ha="right", va="top")
+                own.text(at, top, label, rotation=90, fontsize=6, ha="right", va="top")
         for limit in own_figure.limits:
             own.axvline(limit, color=CURVES[1], lw=1.4, ls="--")
         own.set_xlabel(own_figure.name, fontsize=9)
         own.set_ylabel("rows", fontsize=8)
     save_figure(figure, file)
+
+
+def percentile_marks(values: Array, percentiles: Sequence[int]) -> list[tuple[float, str]]:
+    """Places of percentiles of values (N,), and their names; those that are one value have one name."""
+    marks: dict[float, list[str]] = {}
+    for p, at in zip(percentiles, np.percentile(values, percentiles).tolist(), strict=True):
+        marks.setdefault(at, []).append(str(p))
+    return [(at, f"{', '.join(names)} %") for at, names in marks.items()]
 
 
 def _two_lines(figure: StudyFigure) -> str:
