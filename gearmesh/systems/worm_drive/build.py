@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -389,7 +390,7 @@ def _prove(
 def _wheel(design: WormDriveDesign) -> Member:
     spec, hob = design.wheel, wheel_hob(design)
     lowered = 0.0 if design.sets("wheel.addendum") else usual_addendum(design)
-    tooth = _prove("wheel", wheel_tooth(design), spec, prove_wheel, lowered=lowered)
+    tooth = _prove("wheel", wheel_tooth(design), spec, lambda _: prove_wheel_of(design), lowered=lowered)
     blank, smallest = tooth.blank, hob.distance - hob.tip_radius
     tooth = with_tip_edge("wheel", tooth, spec)
     root = float(blank.root.at(0.5 * spec.face_width))
@@ -397,9 +398,10 @@ def _wheel(design: WormDriveDesign) -> Member:
     return with_end_chamfers(Member("wheel", tooth, _wheel_parameters, body_features(spec, under)), spec)
 
 
+@lru_cache(maxsize=2)
 def wheel_tooth(design: WormDriveDesign) -> Tooth:
-    """A tooth of the wheel of a complete design in mm, as its hob generates it, with sharp edges and not yet trimmed. Raises
-    DesignError."""
+    """A tooth of the wheel of a complete design in mm, as its hob generates it, with sharp edges and not yet trimmed: one and the
+    same for what looks for the face width and what builds the wheel. Raises DesignError."""
     spec, hob = design.wheel, wheel_hob(design)
     half = 0.5 * spec.face_width
     angle = math.radians(spec.throat_angle) if spec.tip_form == "chamfered" else None
@@ -429,6 +431,13 @@ def wheel_tooth(design: WormDriveDesign) -> Tooth:
         for side in (1, -1)
     )
     return Tooth(spec.teeth, right, left, blank)
+
+
+@lru_cache(maxsize=2)
+def prove_wheel_of(design: WormDriveDesign) -> None:
+    """Trim the wheel's tooth of a complete design in mm, once for what looks for the face width and what builds the wheel. Raises
+    TrimError, DesignError."""
+    prove_wheel(wheel_tooth(design))
 
 
 def _wheel_parameters(p: Array, v: Array) -> dict[str, Array]:

@@ -19,6 +19,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.worm_drive.build import (
     ADDENDUM_SHARES,
+    prove_wheel_of,
     refuse_tools,
     root_rounding,
     usual_addendum,
@@ -26,9 +27,7 @@ from gearmesh.systems.worm_drive.build import (
 )
 from gearmesh.systems.worm_drive.cutting.root import open_root
 from gearmesh.systems.worm_drive.design import ADDENDUM
-from gearmesh.systems.worm_drive.wheel import prove_wheel
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
@@ -88,42 +87,44 @@ def _refused_by_tools(design: WormDriveDesign, usual: float) -> bool:
 def _sound_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:
     """Parts of the usual width over which the flanks are whole, the largest first; 1 alone where the width is given, or the thread
     is gentle."""
+    prove = _prove_closely if design.wheel.addendum < ADDENDUM else prove_wheel_of
     try:
-        tooth = _tooth(design, usual)
+        tooth = wheel_tooth(wide := _in_mm(design, usual))
     except DesignError:
         return
-    prove = _prove_closely if design.wheel.addendum < ADDENDUM else prove_wheel
-    if _succeeds(prove, tooth):
+    if _succeeds(prove, wide):
         yield 1.0
     if math.isfinite(design.wheel.face_width) or design.lead_angle <= GENTLE:
         return
     # the other side is the mirror image, or next to it
     ends = {share: 0.5 + 0.5 * np.array([-share, share]) for share in SHARES.tolist()}
     whole = list(takewhile(lambda share: _succeeds(tooth.ends, Side.RIGHT, ends[share]), ends))
-    yield from (share for share in whole[::-1] if _succeeds(prove, _tooth(design, share * usual)))
+    yield from (share for share in whole[::-1] if _succeeds(prove, _in_mm(design, share * usual)))
 
 
 def _narrow_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:
     """Lesser parts of the usual width over which the teeth are sound, the largest first, each looked at for itself: where teeth are
     not sound over half the width, the wide one is no guide."""
     for share in NARROW_SHARES:
+        own = _in_mm(design, share * usual)
         try:
-            tooth = _tooth(design, share * usual)
+            wheel_tooth(own)
         except DesignError:
             continue
-        if _succeeds(_prove_closely, tooth):
+        if _succeeds(_prove_closely, own):
             yield share
 
 
-def _prove_closely(tooth: Tooth) -> None:
-    """Trim a tooth at many stations: those of the proof may miss where it just does not reach. Raises TrimError."""
-    prove_wheel(tooth)
-    tooth.sections(np.linspace(0.0, 1.0, CLOSE))
+def _prove_closely(design: WormDriveDesign) -> None:
+    """Trim the wheel's tooth of a design in mm at many stations: those of the proof may miss where it just does not reach. Raises
+    TrimError."""
+    prove_wheel_of(design)
+    wheel_tooth(design).sections(np.linspace(0.0, 1.0, CLOSE))
 
 
-def _tooth(design: WormDriveDesign, width: float) -> Tooth:
-    """A tooth of the wheel with a face width in the design's units. Raises DesignError."""
-    return wheel_tooth(design.fill({"wheel.face_width": width}).in_mm())
+def _in_mm(design: WormDriveDesign, width: float) -> WormDriveDesign:
+    """The design in mm with a face width of the wheel in its own units."""
+    return design.fill({"wheel.face_width": width}).in_mm()
 
 
 def _succeeds(trimming: Callable[P, object], *args: P.args, **keys: P.kwargs) -> bool:
