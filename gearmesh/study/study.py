@@ -262,7 +262,10 @@ class Study(Result):
 def _ranking(shares: Sequence[VarianceShare]) -> str:
     """What shares of a figure's variance say of the order of keys."""
     if not shares:
-        return f"use a sample of which {FEWEST_ROWS} rows or more have it; so few, or an incomplete grid, do not rank them either"
+        return (
+            f"use a sample of which {FEWEST_ROWS} rows or more have it; "
+            "so few rows, or an incomplete grid, do not rank them either"
+        )
     alone = sum(share.first for share in shares)
     if shares[0].total is None and alone < HALF:
         return (
