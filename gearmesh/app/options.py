@@ -15,9 +15,25 @@ from gearmesh.errors import ArgumentError
 if TYPE_CHECKING:
     from gearmesh import Design, Gears
 
+
+def present(path: Path) -> Path:
+    """A design file that is there: before options that are missing, which name what to make of it. Raises FileError."""
+    from gearmesh.design.files import is_input
+    from gearmesh.files.reading import refuse_missing
+
+    if not is_input(path):
+        refuse_missing(path)
+    return path
+
+
 DesignFile = Annotated[
     Path,
-    typer.Argument(metavar="DESIGN", help="Design file, TOML or JSON; - is standard input.", show_default=False),
+    typer.Argument(
+        metavar="DESIGN",
+        help="Design file, TOML or JSON; - is standard input.",
+        show_default=False,
+        callback=present,
+    ),
 ]
 Set = Annotated[
     list[str] | None,

@@ -42,10 +42,22 @@ def file_bytes(path: PathLike, most: int, wanted: str = "file", error: type[Gear
             _refuse_special(os.fstat(descriptor).st_mode, path, wanted, error)
             content = file.read(most + 1)
     except (OSError, ValueError) as failure:  # ValueError: a path with a NUL in it
-        raise error(path, reason=f"cannot be read: {getattr(failure, 'strerror', None) or failure}") from None
+        raise _unreadable(path, failure, error) from None
     if len(content) > most:
         raise error(path, reason=f"is larger than {size_text(most)}, the limit for a {wanted}")
     return content
+
+
+def refuse_missing(path: PathLike) -> None:
+    """Raise FileError, as reading it would, where a path leads to nothing."""
+    try:
+        os.stat(path)
+    except (OSError, ValueError) as failure:
+        raise _unreadable(path, failure, FileError) from None
+
+
+def _unreadable(path: PathLike, failure: Exception, error: type[GearmeshError]) -> GearmeshError:
+    return error(path, reason=f"cannot be read: {getattr(failure, 'strerror', None) or failure}")
 
 
 def file_text(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> str:

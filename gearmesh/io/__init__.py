@@ -2,17 +2,19 @@
 
 `write_scene` and `read_scene` take several named meshes, `formats` lists what there is, `mesh_in_file` is what a file would
 hold of a mesh, and `whole_file`, `whole_text` are for everything else that writes a file. Importing this loads no mesh
-or graphics library.
+or graphics library, and the formats once one of these is asked for: who writes a text needs none.
 """
 
 from __future__ import annotations
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from gearmesh.io.atomic import whole_file, whole_folder, whole_text
 
-# Importing a format registers it.
-from gearmesh.io.meshes import glb, obj, ply, stl, threemf, vtk, vtm  # noqa: F401
-from gearmesh.io.registry import Scene, formats, mesh_in_file, read, read_scene, write, write_scene
-from gearmesh.io.single import rounding
+if TYPE_CHECKING:
+    from gearmesh.io.registry import Scene, formats, mesh_in_file, read, read_scene, write, write_scene
+    from gearmesh.io.single import rounding
 
 __all__ = [
     "Scene",
@@ -27,3 +29,16 @@ __all__ = [
     "write",
     "write_scene",
 ]
+
+#: modules of the formats, each of which registers its own
+FORMATS = ("glb", "obj", "ply", "stl", "threemf", "vtk", "vtm")
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module 'gearmesh.io' has no attribute {name!r}")
+    for module in FORMATS:
+        import_module(f"gearmesh.io.meshes.{module}")
+    home = import_module(f"gearmesh.io.{'single' if name == 'rounding' else 'registry'}")
+    value = globals()[name] = getattr(home, name)
+    return value

@@ -1,6 +1,6 @@
 """Which answers a picture of gears needs, and what draws them.
 
-Pictures of a tooth load neither what makes whole solids nor what checks them.
+Pictures of a tooth load neither what makes whole solids, nor what checks them, nor what draws diagrams.
 """
 
 from __future__ import annotations
@@ -13,16 +13,11 @@ from numpy.typing import ArrayLike
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.questions import SolvedGears
 from gearmesh.errors import ArgumentError, NoSolutionError
-from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.gear_train import GearPair, Member
-from gearmesh.teeth.generation.tool_in_place import tool_in_place
 from gearmesh.teeth.region import Side
 from gearmesh.view import pictures
-from gearmesh.view.diagrams.flank_diagrams import plot_flanks
-from gearmesh.view.diagrams.plots import plot_backlash, plot_transmission_error
-from gearmesh.view.diagrams.turns_plot import plot_turns
 from gearmesh.view.picture import FIGURES, VIEWS, Animation, Diagram, Picture
 
 if TYPE_CHECKING:
@@ -146,6 +141,9 @@ def _tool_picture(
     """A member with the tool that generates a flank, or with its `worm`, or their lines of contact."""
     if view == "contact_lines":
         return Picture(pictures.tool_contact_picture(member, side, size, title))
+    from gearmesh.mesh.solid import gear_solid
+    from gearmesh.teeth.generation.tool_in_place import tool_in_place
+
     name, tooth = member.name, member.tooth if worm is None or worm.tooth is None else worm.tooth
     tool, part = tool_in_place(tooth, side), None
     if worm is not None and not tool.as_part:
@@ -186,6 +184,10 @@ def _figure(
     size: tuple[int, int] | None,
     dpi: int,
 ) -> Diagram:
+    from gearmesh.view.diagrams.flank_diagrams import plot_flanks
+    from gearmesh.view.diagrams.plots import plot_backlash, plot_transmission_error
+    from gearmesh.view.diagrams.turns_plot import plot_turns
+
     unit, path = contact.pair.output.reading.error, contact.path
     if view == "te":
         what = f"{title}: transmission error"

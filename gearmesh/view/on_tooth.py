@@ -21,6 +21,8 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.view.palette import EDGE, LINES, PATH
 from gearmesh.view.scene import Curve, Dots, MemberContact, Project, ToothView
 
+#: cosine of the angle by which a curve turns at most from one point to the next where it has no corner
+CORNER = 0.7
 #: what a way along the normal counts for in an ellipse, as a part of one along the major axis
 OUT_OF_PLANE = 0.25
 
@@ -72,7 +74,7 @@ def path_on_surface(view: ToothView, contact: MemberContact, between: int = 8) -
     known = np.isfinite(point[:, 0])
     if not (known[1:] & known[:-1]).any():
         return ()
-    point, normal = _refine(point, between), _refine(normal, between)
+    point, normal = _refine_curve(point, between), _refine(normal, between)
     on_surface = view.project(point)
     # Edge contact lies on the trimmed edge itself, where `project` may fall to either side: the chord is near enough.
     on_surface = np.where(np.isfinite(on_surface), on_surface, point)
@@ -152,7 +154,7 @@ def _between(contact: MemberContact, run: NDArray[np.int64], between: int) -> tu
     away = OUT_OF_PLANE * normal / _refine(contact.semi_major[run], between)[:, None]
     axes = np.stack((major, minor, away), axis=1)
     form: Array = np.einsum("pki,pkj->pij", axes, axes)
-    return _refine(contact.point[run], between), form
+    return _refine_curve(contact.point[run], between), form
 
 
 def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
@@ -218,3 +220,32 @@ def _refine(values: Array, between: int) -> Array:
     ahead = np.where(weight > 0, weight * values[right], 0.0)
     behind = np.where(weight < 1, (1.0 - weight) * values[left], 0.0)
     return ahead + behind
+
+
+def _refine_curve(points: Array, between: int) -> Array:
+    """Points (P, 3) with `between` steps from each to the next, on cubics that have the tangent of the parabola through a point and
+    its neighbours; beside corners, ends and NaN on parabolas.
+
+    On a circle the chords of 20 deg are 1.5 % of its radius off, these curves 0.04 %.
+    """
+    straight = _refine(points, between)
+    way = np.diff(points, axis=0)
+    length = np.sqrt(dot(way, way))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        direction = way / length[:, None]
+        mean = length[1:, None] * direction[:-1] + length[:-1, None] * direction[1:]
+        mean = mean / (length[1:] + length[:-1])[:, None]
+        smooth = (dot(direction[:-1], direction[1:]) > CORNER)[:, None]
+    # tangents where an interval begins and ends; on a parabola their mean is the direction of its chord
+    begin, end = (np.full(way.shape, np.nan) for _ in range(2))
+    begin[1:], end[:-1] = np.where(smooth, mean, np.nan), np.where(smooth, mean, np.nan)
+    begin, end = (
+        np.where(np.isfinite(own), own, np.where(np.isfinite(other), 2.0 * direction - other, direction))
+        for own, other in ((begin, end), (end, begin))
+    )
+    t = (np.arange(between) / between)[:, None]
+    rise, fall = ((length[:, None] * tangent - way)[:, None] for tangent in (begin, end))
+    bend = t * (1.0 - t) * ((1.0 - t) * rise - t * fall)
+    # two points in one place have no direction
+    straight[: bend.shape[0] * between] += np.where(np.isfinite(bend), bend, 0.0).reshape(-1, 3)
+    return straight

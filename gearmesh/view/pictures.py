@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,25 +22,14 @@ from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair, Member
-from gearmesh.teeth.generation.contact_lines import tool_contact
-from gearmesh.teeth.generation.tool_in_place import ToolInPlace
 from gearmesh.teeth.region import Side
-from gearmesh.view.diagrams import plots as plotting
-from gearmesh.view.diagrams.flank_diagrams import (
-    ContactPanel,
-    FieldPanel,
-    Panel,
-    beside,
-    contact_panel,
-    is_long,
-    plot_flanks,
-)
-from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.projection import flank_projection
 from gearmesh.view.scene import Scene, ToothView, contact_on
-from gearmesh.view.tools.tool_contact import tool_contact_scene
-from gearmesh.view.tools.tool_scene import tool_scene
 from gearmesh.view.views import gap_scene, member_scene, pair_scene, pattern_scene, set_scene
+
+if TYPE_CHECKING:
+    from gearmesh.teeth.generation.tool_in_place import ToolInPlace
+    from gearmesh.view.diagrams.flank_diagrams import ContactPanel, FieldPanel, Panel
 
 #: width and height of a picture in pixels
 Size = tuple[int, int]
@@ -152,6 +142,8 @@ def tool_picture(
     member: Member, side: Side, tool: ToolInPlace, part: TriangleMesh | None, size: Size = SIZE, title: str = ""
 ) -> Scene:
     """A member with the tool that generates a flank of it, or the mesh `part` of that tool, in the tool's frame."""
+    from gearmesh.view.tools.tool_scene import tool_scene
+
     s, t = (np.linspace(0.0, 1.0, n) for n in TOOL_GRID)
     plain = replace(member, features=BodyFeatures())
     shown = f"{member.name}, {side} flank, and its {tool.name}"
@@ -161,6 +153,9 @@ def tool_picture(
 
 def tool_contact_picture(member: Member, side: Side, size: Size = SIZE, title: str = "") -> Scene:
     """The tool that generates a flank of a member and the tooth as it leaves it, with their lines of contact."""
+    from gearmesh.teeth.generation.contact_lines import tool_contact
+    from gearmesh.view.tools.tool_contact import tool_contact_scene
+
     name, tooth = member.name, member.tooth.unmodified_tooth
     contact = tool_contact(tooth, side)
     mesh = teeth_mesh(tessellate(tooth, FINE), name, np.array([0]))
@@ -207,10 +202,11 @@ def plots(contact: Contact, te_file: Path, path_file: Path, title: str = "") -> 
 
     Returns the panels of both sides, to be drawn as they are; none where there is no cycle.
     """
+    from gearmesh.view.diagrams.flank_diagrams import ContactPanel, beside, plot_flanks
+    from gearmesh.view.diagrams.plots import plot_transmission_error
+
     before, gears, path = f"{title}: " if title else "", contact.pair, contact.path
-    plotting.plot_transmission_error(
-        te_file, path, contact.cycle, f"{before}transmission error", gears.output.reading.error
-    )
+    plot_transmission_error(te_file, path, contact.cycle, f"{before}transmission error", gears.output.reading.error)
     rows = flank_rows(contact) if contact.engagement is not None else []
     driving = _first_side(rows) if rows else [flank_panel(gears, name, path) for name in gears.members]
     plot_flanks(
@@ -221,6 +217,8 @@ def plots(contact: Contact, te_file: Path, path_file: Path, title: str = "") -> 
 
 def _first_side(rows: list[list[Panel]]) -> list[Panel]:
     """The panels of the driving side in what `flank_rows` gives."""
+    from gearmesh.view.diagrams.flank_diagrams import is_long
+
     return [row[0] for row in rows] if is_long([rows[0][0].plane]) else rows[0]
 
 
@@ -236,6 +234,9 @@ def flank_panel(
 
     `nominal` (P, 3), own frame, is another path to compare with.
     """
+    from gearmesh.view.diagrams.flank_diagrams import contact_panel
+    from gearmesh.view.diagrams.flank_plane import FlankPlane
+
     index = gears.index(name)
     contact = contact_on(index, path, gears.mounts, whole)
     wholly = None if whole is None else contact_on(index, whole, gears.mounts)
@@ -250,6 +251,8 @@ def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: 
 
     Sides of long flanks are beside each other, of short ones above each other. Raises NoSolutionError where neither side meets.
     """
+    from gearmesh.view.diagrams.flank_diagrams import is_long
+
     gears = contact.pair
     names = names or tuple(gears.members)
     sides = []
@@ -275,6 +278,9 @@ def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: 
 
 def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
     """Ease-off (um) or sliding velocity (m/s at 1000 rpm) over the pinion's flank."""
+    from gearmesh.view.diagrams.flank_diagrams import FieldPanel
+    from gearmesh.view.diagrams.flank_plane import FlankPlane
+
     pinion, ease_off = side.pair.pinion, side.ease_off
     name, plane = pinion.name, FlankPlane.of(pinion, side.pair.flanks[0])
     places = plane.frame.places(ease_off.points)

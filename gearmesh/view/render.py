@@ -60,8 +60,9 @@ def _photograph(scene: Scene, size: tuple[int, int]) -> Image:
 
     order = drawing_order(scene, size)
     # a pixel is the mean, by their distances from its middle, of four by four
-    large = pillow.frombuffer("RGBA", order["size"], draw(order), "raw", "RGBA", 0, -1)
-    return np.asarray(large.convert("RGB").resize(size, pillow.Resampling.BILINEAR))
+    # what is transparent of none of them is not asked: Pillow has no need to look at it
+    large = pillow.frombuffer("RGBX", order["size"], draw(order), "raw", "RGBX", 0, -1)
+    return np.asarray(large.resize(size, pillow.Resampling.BILINEAR).convert("RGB"))
 
 
 # --- lettering ---

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.path import ContactPath
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, cross, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import HEEL, TOE
@@ -231,14 +231,40 @@ def contact_on(
 ) -> MemberContact:
     """The contact path in the own frame of the pinion (0) or the gear (1), its curve with the positions of the `whole` path too."""
     own = _own_contact(member, path, mounts)
-    if whole is None:
-        return own
-    both = (own, path), (_own_contact(member, whole, mounts), whole)
-    kept = np.concatenate([part.touching for _, part in both])
-    rotation = np.concatenate([part.rotation for _, part in both])[kept]
-    points, normals = (np.concatenate([part.path[k] for part, _ in both])[kept] for k in (0, 1))
-    order = np.argsort(rotation, kind="stable")
-    return replace(own, curve=(points[order], normals[order]))
+    points, normals = own.path
+    edge, rotation = own.edge, path.rotation
+    if whole is not None:
+        both = (own, path), (_own_contact(member, whole, mounts), whole)
+        kept = np.concatenate([part.touching for _, part in both])
+        rotation = np.concatenate([part.rotation for _, part in both])[kept]
+        edge = np.concatenate([part.edge for part, _ in both])[kept]
+        points, normals = (np.concatenate([part.path[k] for part, _ in both])[kept] for k in (0, 1))
+        order = np.argsort(rotation, kind="stable")
+        points, normals, edge, rotation = points[order], normals[order], edge[order], rotation[order]
+    after = jumps(points, edge, rotation) + 1
+    return replace(own, curve=(np.insert(points, after, np.nan, axis=0), np.insert(normals, after, np.nan, axis=0)))
+
+
+def jumps(points: Array, edge: NDArray[np.bool_], rotation: Array) -> NDArray[np.intp]:
+    """Indices of the points (P, 3) of a path of contact from which it jumps to the next: where contact on flanks gives way to an
+    `edge` (P,) elsewhere, or the other way round.
+
+    A path that goes on along an edge which it comes to has a velocity (per `rotation` (P,), rad) there between that before and that
+    after. One that jumps is farther from all of these than they are from rest together.
+    """
+    if len(rotation) < 2:
+        return np.zeros(0, dtype=np.intp)
+    turned = np.maximum(np.abs(np.diff(rotation)), 1e-9 * np.ptp(rotation))
+    velocity = np.diff(points, axis=0) / turned[:, None]
+    changes = edge[1:] != edge[:-1]
+    steady = np.where((changes | ~np.isfinite(velocity[:, 0]))[:, None], 0.0, velocity)
+    rest = np.zeros((1, 3))
+    before, after = np.concatenate((rest, steady[:-1])), np.concatenate((steady[1:], rest))
+    way, away = after - before, velocity - before
+    part = np.clip(dot(away, way) / np.maximum(dot(way, way), 1e-300), 0.0, 1.0)
+    far = np.linalg.norm(away - part[:, None] * way, axis=-1)
+    most = np.linalg.norm(before, axis=-1) + np.linalg.norm(after, axis=-1)
+    return np.flatnonzero(changes & (far > most) & (most > 0.0))
 
 
 def _own_contact(member: int, path: ContactPath, mounts: tuple[Mount, Mount]) -> MemberContact:

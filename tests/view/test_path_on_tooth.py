@@ -1,0 +1,60 @@
+"""The path of contact in a picture: a curve between its positions, and not joined where contact jumps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.view.on_tooth import path_on_surface
+from gearmesh.view.scene import MemberContact, ToothView, jumps
+
+
+def contact(points: np.ndarray) -> MemberContact:
+    """Contact at points (P, 3), without ellipses."""
+    none = np.full(len(points), np.nan)
+    normals = np.broadcast_to((0.0, 0.0, 1.0), points.shape)
+    return MemberContact(
+        points,
+        normals,
+        np.full(points.shape, np.nan),
+        np.full(points.shape, np.nan),
+        none,
+        none,
+        np.zeros(len(none), bool),
+    )
+
+
+def view() -> ToothView:
+    """One of a tooth so small that nothing is lifted from it."""
+    corners = 1e-9 * np.eye(3)
+    mesh = TriangleMesh(
+        corners, np.array([[0, 1, 2]]), np.zeros(1, dtype=int), ("flank",), np.ones((1, 3)) / np.sqrt(3.0)
+    )
+    return ToothView(mesh, lambda points: points)
+
+
+@pytest.mark.quick
+def test_path_between_positions_is_as_round_as_they_are() -> None:
+    """On a circle whose chords are 1.5 % of the radius off, spaced unevenly; a corner of 90 deg stays one."""
+    angle = np.radians(np.r_[np.arange(0.0, 181.0, 20.0), np.arange(190.0, 301.0, 10.0)])
+    circle = np.stack((np.cos(angle), np.sin(angle), np.zeros(len(angle))), axis=-1)
+    (curve,) = path_on_surface(view(), contact(circle))
+    assert np.abs(np.linalg.norm(curve.points, axis=-1) - 1.0).max() < 1e-3
+
+    across, up = (np.linspace(0.0, 1.0, 6)[:, None] * direction for direction in np.eye(3)[:2])
+    (curve,) = path_on_surface(view(), contact(np.concatenate((across, across[-1] + up[1:]))))
+    x, y, _ = np.abs(curve.points - (1.0, 0.0, 0.0)).T
+    assert np.minimum(x, y).max() < 1e-6
+
+
+@pytest.mark.quick
+def test_path_is_cut_where_contact_jumps_to_an_edge_elsewhere() -> None:
+    """And nowhere else: not where it goes on along the edge that it comes to, nor where positions are far apart."""
+    rotation = np.array([0.0, 0.1, 0.2, 0.5, 0.6, 0.7, 0.8])
+    edge = np.array([False, False, False, False, True, True, True])
+    along = np.stack((10.0 * rotation, np.zeros(7), np.zeros(7)), axis=-1)
+    assert jumps(along, edge, rotation).tolist() == []
+    elsewhere = along + np.where(edge[:, None], (0.0, 8.0, 0.0), 0.0)
+    assert jumps(elsewhere, edge, rotation).tolist() == [3]
+    assert jumps(elsewhere[::-1], edge[::-1], 0.8 - rotation[::-1]).tolist() == [2]
