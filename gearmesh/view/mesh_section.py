@@ -2,7 +2,7 @@
 
 The section is at right angles to the pinion's lengths (axis, cone distance) through the contact in the middle of its path; that of
 a worm goes through its own axis, across the wheel's: the axial section of one and the middle section of the other. All tooth pairs
-in mesh have a dot where they touch; contact outside of the section is seen in the direction of its lengths.
+in mesh have a dot where they touch; contact outside of the section is seen in the direction of its lengths, and paler.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.answers.contact.rolling import RollingContact
 from gearmesh.contact.path import ContactPath
@@ -31,6 +32,8 @@ FRAMES, STANDS = 24, 70
 CROSSED = 0.7
 #: what of a point leads to the axis
 TO_AXIS = np.array([-1.0, -1.0, 0.0])
+#: colour of contact outside of the section
+BEYOND = "#e39aa6"
 #: colours of the sections
 SECTIONS = ("#c3d6ea", "#ecdcbc")
 
@@ -81,8 +84,21 @@ class MeshSection:
         )
         # on the section, and a little before it
         back = self.camera.axes[2]
-        lifted = points - dot(points - self.camera.focus, back)[..., None] * back + 0.01 * self.camera.height * back
-        return Scene(bodies, self.camera, dots=(Dots(lifted, "contact"),), title=self.title, size=self.size)
+        beyond = dot(points - self.camera.focus, back)
+        lifted = points + (0.01 * self.camera.height - beyond)[..., None] * back
+        outside = self._outside(points)
+        dots = [Dots(np.where(outside[:, None], np.nan, lifted), "contact")]
+        if self._outside(self.points).any():
+            # all pictures of an animation have the same legend
+            dots.append(
+                Dots(np.where(outside[:, None], lifted, np.nan), "contact before or behind the section", BEYOND)
+            )
+        return Scene(bodies, self.camera, dots=tuple(dots), title=self.title, size=self.size)
+
+    def _outside(self, points: Array) -> NDArray[np.bool_]:
+        """Which points (..., 3) are no contact of the section, but before or behind it, (...,)."""
+        beyond = dot(points - self.camera.focus, self.camera.axes[2])
+        return np.asarray(np.abs(beyond) > 0.01 * self.camera.height)
 
 
 def mesh_section(

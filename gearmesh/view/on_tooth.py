@@ -21,6 +21,8 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.view.palette import EDGE, LINES, PATH
 from gearmesh.view.scene import Curve, Dots, MemberContact, Project, ToothView
 
+#: extent of a path of contact that is seen, in heights at which it is drawn
+SHORTEST = 10.0
 #: cosine of the angle by which a curve turns at most from one point to the next where it has no corner
 CORNER = 0.7
 #: what a way along the normal counts for in an ellipse, as a part of one along the major axis
@@ -68,11 +70,11 @@ def ellipses_on_surface(
 def path_on_surface(view: ToothView, contact: MemberContact, between: int = 8) -> tuple[Curve, ...]:
     """The path of contact as a curve on the surface, with `between` steps from one position to the next.
 
-    Along contact lines there is none.
+    Along contact lines there is none, nor where it is so short that nobody sees it.
     """
     point, normal = contact.path
     known = np.isfinite(point[:, 0])
-    if not (known[1:] & known[:-1]).any():
+    if not (known[1:] & known[:-1]).any() or np.ptp(point[known], axis=0).max() < SHORTEST * view.lift:
         return ()
     point, normal = _refine_curve(point, between), _refine(normal, between)
     on_surface = view.project(point)
