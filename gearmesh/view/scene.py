@@ -246,10 +246,10 @@ def contact_on(
 
 
 def jumps(points: Array, edge: NDArray[np.bool_], rotation: Array) -> NDArray[np.intp]:
-    """Indices of the points (P, 3) of a path of contact from which it jumps to the next: where contact on flanks gives way to an
-    `edge` (P,) elsewhere, or the other way round.
+    """Indices of the points (P, 3) of a path of contact from which it jumps to the next: where contact on flanks becomes that
+    of an `edge` (P,) elsewhere, or the other way round.
 
-    A path that goes on along an edge which it comes to has a velocity (per `rotation` (P,), rad) there between that before and that
+    A path that goes on along an edge which it reaches has a velocity (per `rotation` (P,), rad) there between that before and that
     after. One that jumps is farther from all of these than they are from rest together.
     """
     if len(rotation) < 2:

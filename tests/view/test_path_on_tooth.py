@@ -50,7 +50,7 @@ def test_path_between_positions_is_as_round_as_they_are() -> None:
 
 @pytest.mark.quick
 def test_path_is_cut_where_contact_jumps_to_an_edge_elsewhere() -> None:
-    """And nowhere else: not where it goes on along the edge that it comes to, nor where positions are far apart."""
+    """And nowhere else: not where it goes on along the edge that it reaches, nor where positions are far apart."""
     rotation = np.array([0.0, 0.1, 0.2, 0.5, 0.6, 0.7, 0.8])
     edge = np.array([False, False, False, False, True, True, True])
     along = np.stack((10.0 * rotation, np.zeros(7), np.zeros(7)), axis=-1)
