@@ -66,10 +66,11 @@ def test_long_work_without_stages_has_a_line_in_a_pipe(
 ) -> None:
     """Once it is long, with the time that remains where it is known; work that names its stages has those alone."""
     monkeypatch.setattr(terminal, "_TICK", 0.001)
-    monkeypatch.setattr(terminal, "LONG", -1.0)
+    monkeypatch.setattr(terminal, "LONG", 3600.0)
     said, deadline = "", monotonic() + 60.0
     with terminal.working("tool path"):
         tell(1e-9)
+        monkeypatch.setattr(terminal, "LONG", -1.0)
         while not said and monotonic() < deadline:
             said = capsys.readouterr().err
     assert re.fullmatch(r"gearmesh: tool path, about \d+ s remaining\n", said)
