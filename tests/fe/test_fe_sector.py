@@ -115,6 +115,7 @@ def test_nodes_of_the_cuts_are_pairs_and_named_in_the_deck(tmp_path: Path, order
             "sector = 5: must be a divisor of the 12 teeth of the gear: 1, 2, 3, 4, 6",
         ),
         ({"sector": 12, "members": ("gear",)}, "a divisor of the 12 teeth of the gear: 1, 2, 3, 4, 6"),
+        ({"sector": 3, "members": ("ring",)}, "members = ring: must be members of the pair pinion-gear"),
         ({"sector": 3}, "sector = 3: must be left out for members in mesh; choose one of them"),
     ],
 )

@@ -214,9 +214,13 @@ def request_of(
 ) -> Request:
     """The model that a design's tables fe and material define; `rotation` (rad) of the pinion takes the place of the torque.
 
-    Raises DesignError for an even number of teeth, a coefficient of `friction` that is none and a `sector` that there is not.
+    Raises DesignError for an even number of teeth, members that the pair has not, a coefficient of `friction` that is none and a
+    `sector` that there is not.
     """
     own, wanted = mesh_request_of(design, sector), design.in_mm().fe
+    unknown = next((name for name in members if name not in pair.members), None)
+    if unknown is not None:
+        raise ArgumentError("members", unknown, must_be=f"members of the pair {pair.name}")
     if sector is not None:
         if len(members) > 1:
             raise ArgumentError("sector", sector, must_be="left out for members in mesh; choose one of them")

@@ -113,7 +113,7 @@ def fe(
         ccx()
     mesh = chosen_pair(gears, pair) if gears.pairs else 0
     names = gears.train.pair(mesh).members if gears.pairs else gears.members
-    members = _members(tuple(names), member, friction)
+    members = _members(gears, tuple(names), member, friction)
     answer: FiniteElements | UnloadedFiniteElements | FiniteElementSolution | FiniteElementDecks
     with working("finite-element model") as progress:
         chosen = None if program is None else program.value
@@ -150,10 +150,12 @@ def _refuse_unpaired(gears: gm.Gears, **options: object) -> None:
             raise gears.train.needs_pair(option, value)
 
 
-def _members(names: tuple[str, ...], member: str, friction: float | None) -> tuple[str, ...] | None:
-    """Which of the members with these names are modelled; None for both."""
+def _members(gears: gm.Gears, names: tuple[str, ...], member: str, friction: float | None) -> tuple[str, ...] | None:
+    """Which of the members with these names, those of the chosen pair, are modelled; None for both."""
     if member not in (BOTH, *names):
-        raise ArgumentError("member", member, must_be=f"one of {', '.join((*names, BOTH))}")
+        elsewhere = next((pair.name for pair in gears.pairs if member in pair.members), None)
+        remedy = "" if elsewhere is None else f"it is in --pair {elsewhere}"
+        raise ArgumentError("member", member, must_be=f"one of {', '.join((*names, BOTH))}", remedy=remedy)
     if friction and member != BOTH:
         raise ArgumentError(
             "friction", friction, must_be=f"left out with --member {member}, which has no contact alone"
