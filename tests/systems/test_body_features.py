@@ -371,6 +371,7 @@ BOUNDS = [
     ("spur", "gear", ["bore=20"], "toe_bore={diameters=[%s],lengths=[4]}", 123, "at most"),
     ("spur", "gear", ["bore=20"], "spokes={count=6,width=8,outer_diameter=%s}", 900, "to"),
     ("spur", "gear", ["bore=20"], "spokes={count=6,width=4,inner_diameter=%s}", 1, "from"),
+    ("face_gear", "gear", [], "spokes={count=6,width=30,outer_diameter=%s}", 1000, "to"),
     ("spur", "gear", ["bore=20"], "keyway={width=6,depth=%s}", 60, "less than"),
     ("spur", "gear", ["bore=20", "keyway={}"], "hub={length=5,diameter=%s}", 26, "between"),
     ("spur", "gear", [], "bolts={count=4,diameter=6,circle=80,depth=%s}", 29, "less than"),

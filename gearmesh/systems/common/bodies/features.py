@@ -529,6 +529,8 @@ def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float], leas
     """
     name, web = under.name, under.body.web
     limit = under.farthest(under.least_rim, under.body.ends if web is None else (web.low, web.high))
+    # plane faces end with the body's at cones and cylinders
+    limit = min(limit, under.smallest - under.wall)
     if web is None:
         room = room[0], room[1] - RIM_DEPTHS / LEAST_RIM * under.least_rim
     margin = SPOKE_MARGIN * (room[1] - room[0])
