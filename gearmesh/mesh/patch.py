@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -58,19 +59,21 @@ class LinkNodes:
         parameters = None if grid.p is None else grid.parameters[0]
         return LinkNodes(tooth, region, s, sections.t, grid.points[0], grid.normals[0], parameters)
 
-    def middle(self, corners: Index) -> Grid:
-        """The surface (M,) near the middles of nodes (M, K)."""
+    def middle(self, *corners: Index) -> Grid:
+        """The surface (M,) near the middles of nodes (M, K), of edges and of triangles one after the other."""
         surface = self.tooth.chain[self.region].surface
         if surface is None or self.parameters is None:
-            at = trim(self.tooth, self.t[corners].mean(axis=1))
-            drawn = LinkNodes.on(self.tooth, self.region, self.s[corners].mean(axis=1), at)
+            at = trim(self.tooth, _means(self.t, corners))
+            drawn = LinkNodes.on(self.tooth, self.region, _means(self.s, corners), at)
             return Grid(drawn.points, drawn.normals)
-        jet = surface.jet(*self.parameters[corners].mean(axis=1).T)
+        jet = surface.jet(*_means(self.parameters, corners).T)
         return Grid(jet.r, jet.n, jet)
 
-    def height(self, corners: Index) -> Array:
-        """Signed distance (M,), mm, of the middles of nodes (M, K), edges or triangles, from the surface."""
-        return distance(self.middle(corners), self.points[corners].mean(axis=1))
+    def height(self, *corners: Index) -> tuple[Array, Array]:
+        """Signed distance (M,), mm, of the middles of nodes (M, K), of edges and of triangles, from the surface, and its normals
+        (M, 3) near them."""
+        near = self.middle(*corners)
+        return distance(near, _means(self.points, corners)), near.normals
 
     def arch(self, edges: Index, heights: Array | None = None) -> Array:
         """Largest distance (M,), mm, of edges (M, 2) from the surface by its normals at their ends alone, to third
@@ -160,6 +163,12 @@ def trim(tooth: Tooth, t: Array) -> Sections:
     _, first, which = np.unique(np.round(t, DIGITS), return_index=True, return_inverse=True)
     # a station itself, not what it is rounded to, which may be beyond the beginning of undercut
     return tooth.sections(t[first])[which]
+
+
+def _means(of: Array, corners: Sequence[Index]) -> Array:
+    """Means (M, ...) of what is given at nodes, over their numbers (M, K), one after the other."""
+    means = [of[at].mean(axis=1) for at in corners]
+    return np.concatenate(means) if len(means) > 1 else means[0]
 
 
 def distance(near: Grid, q: Array) -> Array:

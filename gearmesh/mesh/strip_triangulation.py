@@ -19,7 +19,7 @@ valid.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -201,19 +201,25 @@ def _cheapest(cost: Array, low: Index, high: Index, columns: int) -> tuple[float
     """The least sum of cost from corner to corner of a table (A, B), which has the costs (K,) from `low` up to `high` (A,) in its
     rows, and the steps on the way, True along the first axis."""
     total = np.full((low.size, columns), np.inf)
-    before, first = np.full(columns, np.inf), 0
+    before = np.full(columns, np.inf)
     before[0] = 0.0
-    for row, begin, end in zip(total, low.tolist(), high.tolist(), strict=True):
-        own = np.cumsum(cost[first : first + end - begin])
+    for row, begin, end, own in zip(total, low.tolist(), high.tolist(), _sums(cost, high - low), strict=True):
         # from the row before at any place, then along this one
-        row[begin:end] = own + np.minimum.accumulate(before[begin:end] - np.concatenate(([0.0], own[:-1])))
-        before, first = row, first + end - begin
-    i, j = low.size - 1, columns - 1
+        row[begin:end] = own[1:] + np.minimum.accumulate(before[begin:end] - own[:-1])
+        before = row
+    i, j, known = low.size - 1, columns - 1, total.tolist()
     steps = list[bool]()
     while i or j:
-        steps.append(j == 0 or (i > 0 and bool(total[i - 1, j] <= total[i, j - 1])))
+        steps.append(j == 0 or (i > 0 and known[i - 1][j] <= known[i][j - 1]))
         i, j = (i - 1, j) if steps[-1] else (i, j - 1)
     return float(total[-1, -1]), np.array(steps[::-1], dtype=bool)
+
+
+def _sums(cost: Array, sizes: Index) -> Iterable[Array]:
+    """Sums from 0 on of costs (K,) along rows of so many (A,)."""
+    if sizes[0] * sizes.size == cost.size and (sizes == sizes[0]).all():
+        return np.cumsum(np.concatenate((np.zeros((sizes.size, 1)), cost.reshape(sizes.size, -1)), axis=1), axis=1)
+    return [np.append(0.0, np.cumsum(part)) for part in np.split(cost, np.cumsum(sizes)[:-1])]
 
 
 def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bool, bool]]:

@@ -941,7 +941,7 @@ class Tooth:
             """Residuals of the points of some stations on levels (N,), mm, of the tip."""
 
             def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-                jet = side.flank.jet(x[:, 0], x[:, 1])
+                jet = jet_at(x)
                 f = np.stack((axial.value(jet.r) - stations[which[index]], tip.value(jet.r) - level[index]), axis=-1)
                 rows = [[dot(g, d) for d in (jet.r_u, jet.r_v)] for g in (axial.gradient(jet.r), tip.gradient(jet.r))]
                 return f, np.moveaxis(np.array(rows), -1, 0)
@@ -950,6 +950,15 @@ class Tooth:
 
         near = follow(side.flank, np.full_like(stations, side.tip), stations, axial)
         start = np.stack((np.full_like(stations, side.tip), near.values), axis=-1)
+        last = start, near.jet
+
+        def jet_at(x: Array) -> Jet:
+            """At parameters (N, 2); the last one is kept, as each solution begins and ends with what was evaluated before."""
+            nonlocal last
+            if not np.array_equal(x, last[0]):
+                last = x.copy(), side.flank.jet(x[:, 0], x[:, 1])
+            return last[1]
+
         tolerance = trim_tolerance(near.jet.r[near.converged])
         solution = newton.solve(at_tip(np.arange(stations.size), np.zeros_like(stations)), start, tolerance=tolerance)
         values, converged = solution.values, solution.converged
@@ -972,7 +981,7 @@ class Tooth:
             values[lost], converged[lost] = x, solution.converged
         if not converged.all():
             raise TrimError("tip", float(t[int(np.argmin(converged))]), "the flank does not reach the tip")
-        return values[:, 0], side.flank.jet(values[:, 0], values[:, 1])
+        return values[:, 0], jet_at(values)
 
     def _near_tip(self, side: ToothSide, stations: Array) -> Array:
         """Flank parameters (T, 2) near where flanks that are steep along the face reach the tip first, from the form point on;

@@ -50,8 +50,8 @@ def image(
     nodes = LinkNodes.of(tooth, mesh.patch.region, s, t, trimmed, second)
     triangles = made.triangles if turned else made.triangles[:, ::-1]
     edges, sides = edges_of(triangles, s.size)
-    _, peaks, centres = deviations_of(nodes, triangles, edges, sides, np.isin(t, fixed))
-    return PatchMesh(nodes, triangles, centres.normals, max(mesh.patch.deviation, float(peaks.max())))
+    _, peaks, normals = deviations_of(nodes, triangles, edges, sides, np.isin(t, fixed))
+    return PatchMesh(nodes, triangles, normals, max(mesh.patch.deviation, float(peaks.max())))
 
 
 def _image_stations(t: Array, turned: bool) -> Array:

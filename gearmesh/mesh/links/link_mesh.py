@@ -139,7 +139,7 @@ def mesh_link(
             triangulation = turned
         triangles, strip = triangulation.triangles()
         edges, side = edges_of(triangles, s.size)
-        edge, peaks, centres = deviations_of(points, triangles, edges, side, crease)
+        edge, peaks, normals = deviations_of(points, triangles, edges, side, crease)
         if peaks.max() <= tolerance or turns == TURNS[-1]:
             break
         bad, fixed = (
@@ -161,7 +161,7 @@ def mesh_link(
             form_point = _form_point_miss(tooth, link, trimmed[np.searchsorted(trimmed.t, at)])
         off[seam] = max(off[seam], form_point)
     deviation = max(float(off.max()), float(strips.max()), missed)
-    patch = PatchMesh(points, triangles, centres.normals, deviation)
+    patch = PatchMesh(points, triangles, normals, deviation)
     return LinkMesh(patch, lines.s, np.diff(lines.begins) - 1.0, off, strips, form_point)
 
 

@@ -6,25 +6,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, dot
-from gearmesh.mesh.patch import LinkNodes, distance
-from gearmesh.teeth.section import Grid
+from gearmesh.mesh.patch import LinkNodes
 
 Index = NDArray[np.int64]
 
 
 def deviations_of(
     nodes: LinkNodes, triangles: Index, edges: Index, sides: Index, crease: NDArray[np.bool_]
-) -> tuple[Array, Array, Grid]:
-    """Largest distances, mm, of edges (E, 2) and of triangles (M, 3), and the surface near the centres of these.
+) -> tuple[Array, Array, Array]:
+    """Largest distances, mm, of edges (E, 2) and of triangles (M, 3), and the normals (M, 3) near the centres of these.
 
     `sides` (M, 3): which edges those opposite to a triangle's corners are; `crease` (N,): nodes with one of two normals.
     """
-    heights, centres = nodes.height(edges), nodes.middle(triangles)
+    # of both in one evaluation, which takes hardly more than one of them
+    (heights, centres), (_, normals) = (np.split(of, [len(edges)]) for of in nodes.height(edges, triangles))
     # normals on creases are those of one of both sides, and those of drawn links not square to them
     arches = np.where(crease[edges].any(axis=1), 0.0, nodes.arch(edges, heights))
     edge = np.maximum(np.abs(heights), arches)
-    inside = peaks(heights[sides], distance(centres, nodes.points[triangles].mean(axis=1)))
-    return edge, np.maximum(inside, edge[sides].max(axis=1)), centres
+    inside = peaks(heights[sides], centres)
+    return edge, np.maximum(inside, edge[sides].max(axis=1)), normals
 
 
 def peaks(sides: Array, centres: Array) -> Array:
