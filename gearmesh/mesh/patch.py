@@ -167,7 +167,13 @@ def trim(tooth: Tooth, t: Array) -> Sections:
 
 def _means(of: Array, corners: Sequence[Index]) -> Array:
     """Means (M, ...) of what is given at nodes, over their numbers (M, K), one after the other."""
-    means = [of[at].mean(axis=1) for at in corners]
+    # corner by corner: numpy is slow along axes of two or three
+    means = list[Array]()
+    for at in corners:
+        total = of[at[:, 0]]
+        for k in range(1, at.shape[1]):
+            total = total + of[at[:, k]]
+        means.append(total / at.shape[1])
     return np.concatenate(means) if len(means) > 1 else means[0]
 
 

@@ -193,8 +193,10 @@ def _band(t: Array, other: Array, apart: float) -> tuple[Index, Index] | None:
 def _pairs(a: Index, b: Index, low: Index, high: Index) -> Index:
     """Each node of a (A,) with those of b (B,) from `low` up to `high` (A,): (K, 2)."""
     count = high - low
-    place = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count - low, count)
-    return np.stack((np.repeat(a, count), b[place]), axis=1)
+    before = (count.cumsum() - high).repeat(count)
+    pairs = np.empty((before.size, 2), dtype=np.int64)
+    pairs[:, 0], pairs[:, 1] = a.repeat(count), b[np.arange(before.size) - before]
+    return pairs
 
 
 def _cheapest(cost: Array, low: Index, high: Index, columns: int) -> tuple[float, NDArray[np.bool_]]:
@@ -229,10 +231,10 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
     """
     diagonals = [
         (
-            (left[1], np.append(toe, right[0])[0]),
-            (np.append(left[0], toe)[-1], right[1]),
-            (np.append(left[-1], heel)[-1], right[-2]),
-            (left[-2], np.append(heel, right[-1])[0]),
+            (left[1], toe[0] if toe.size else right[0]),
+            (toe[-1] if toe.size else left[0], right[1]),
+            (heel[-1] if heel.size else left[-1], right[-2]),
+            (left[-2], heel[0] if heel.size else right[-1]),
         )
         for left, right, toe, heel in strips
     ]

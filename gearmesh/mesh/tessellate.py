@@ -189,8 +189,9 @@ def tessellate_alike(
         np.unique(np.concatenate([tooth.breaks for tooth in teeth])),
         list[Array](),
     )
+    known = dict[bytes, Array]()
     for _ in range(ROUNDS):
-        before, seams = seams, _seams(drafts, least, fixed)
+        before, seams = seams, _seams(drafts, least, fixed, known)
         moved = [not before or not np.array_equal(*pair) for pair in zip(seams, before or seams, strict=True)]
         if not any(moved) and not any(draft.stale for draft in drafts):
             break
@@ -202,11 +203,12 @@ def tessellate_alike(
     return tuple(ToothMesh(draft.tooth, made, tolerance) for draft, made in zip(drafts, patches, strict=True))
 
 
-def _seams(drafts: Sequence[_Draft], least: Array, fixed: Array) -> list[Array]:
+def _seams(drafts: Sequence[_Draft], least: Array, fixed: Array, known: dict[bytes, Array]) -> list[Array]:
     """Stations of the nodes of every seam (R + 1) between the links of all drafts, as many as the links on both sides
     of it want.
 
-    The last seam of a whole tooth is the first one of the next. `least` (R + 1,): cells that they have at least.
+    The last seam of a whole tooth is the first one of the next. `least` (R + 1,): cells that they have at least; `known`: those of
+    rounds before, by their density.
     """
     count, seams = len(drafts[0].regions), list[Array]()
     whole = count == len(drafts[0].tooth.regions)
@@ -220,7 +222,10 @@ def _seams(drafts: Sequence[_Draft], least: Array, fixed: Array) -> list[Array]:
         density = np.max(wanted, axis=0)
         total = float(np.trapezoid(density, dx=1.0 / (density.size - 1)))
         density = density * max(1.0, (cells - 0.5) / total)
-        seams.append(stations(density[None], fixed, np.zeros(1, dtype=bool))[0])
+        key = density.tobytes()
+        if key not in known:
+            known[key] = stations(density[None], fixed, np.zeros(1, dtype=bool))[0]
+        seams.append(known[key])
     return seams
 
 

@@ -121,7 +121,7 @@ class Rigid:
         together = np.empty((*vectors[0].shape[:-1], len(vectors), 3))
         for k, vector in enumerate(vectors):
             together[..., k, :] = vector
-        turned = together @ np.swapaxes(self.rotation, -1, -2)
+        turned = together @ self.rotation.swapaxes(-1, -2)
         return tuple(turned[..., k, :] for k in range(len(vectors)))
 
     def __matmul__(self, other: Rigid) -> Rigid:

@@ -125,7 +125,9 @@ class PlaneLevel:
         return self.sign * (r[..., 2] - self.z0)
 
     def gradient(self, r: Array) -> Array:
-        return np.broadcast_to(np.array([0.0, 0.0, self.sign]), r.shape)
+        gradient = np.zeros(r.shape)
+        gradient[..., 2] = self.sign
+        return gradient
 
     def hessian(self, r: Array, w: Array) -> Array:
         return np.zeros_like(w)

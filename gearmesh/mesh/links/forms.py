@@ -118,13 +118,21 @@ def _sideways(points: Array, ds: float, dt: float) -> Array:
     By differences of the points (S, T, 3) of a grid.
     """
     bent = np.pad(np.diff(points, 2, axis=1) / dt**2, ((0, 0), (1, 1), (0, 0)), mode="edge")
-    r_s, r_t = np.gradient(points, ds, axis=0), np.gradient(points, dt, axis=1)
+    r_s, r_t = _rates(points, ds), _rates(points.swapaxes(0, 1), dt).swapaxes(0, 1)
     size = dot(r_t, r_t)
     across = r_s - np.divide(dot(r_s, r_t), size, out=np.zeros_like(size), where=size > 0.0)[..., None] * r_t
     width = dot(across, across)
     wide = width > NO_WIDTH**2 * size
     turning: Array = np.divide(np.abs(dot(bent, across)), width, out=np.zeros_like(width), where=wide)
     return turning
+
+
+def _rates(points: Array, step: float) -> Array:
+    """Derivatives (S, T, 3) along the first axis of points so many steps apart: as np.gradient, in a fifth of its calls."""
+    rates = np.empty_like(points)
+    rates[1:-1] = (points[2:] - points[:-2]) / (2.0 * step)
+    rates[0], rates[-1] = (points[1] - points[0]) / step, (points[-1] - points[-2]) / step
+    return rates
 
 
 def _outline(curves: Array, s: Array) -> Array:

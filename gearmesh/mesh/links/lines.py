@@ -22,7 +22,8 @@ def stations(along: Array, fixed: Array, staggered: NDArray[np.bool_]) -> tuple[
     `staggered` (n,): lines with their nodes in the middles of the cells, and at the fixed stations.
     """
     ends = np.concatenate(([0.0], fixed, [1.0]))
-    knots = np.unique(np.concatenate((np.linspace(0.0, 1.0, along.shape[1]), fixed)))
+    knots = np.linspace(0.0, 1.0, along.shape[1])
+    knots = np.unique(np.concatenate((knots, fixed))) if fixed.size else knots
     density = _columns(along, knots)
     total = np.zeros_like(density)
     np.cumsum(0.5 * (density[:, 1:] + density[:, :-1]) * np.diff(knots), axis=1, out=total[:, 1:])
@@ -32,8 +33,9 @@ def stations(along: Array, fixed: Array, staggered: NDArray[np.bool_]) -> tuple[
     # of every part of a line the first node and those inside, and the end of the line as a part of one node
     shift = staggered[:, None] & (cells > 0)
     count = np.concatenate((cells + shift, np.ones((len(along), 1), dtype=int)), axis=1)
-    owner = np.repeat(np.arange(count.size), count.ravel())
-    place = np.arange(owner.size) - np.repeat(np.cumsum(count) - count.ravel(), count.ravel())
+    sizes = count.ravel()
+    owner = np.arange(sizes.size).repeat(sizes)
+    place = np.arange(owner.size) - (sizes.cumsum() - sizes).repeat(sizes)
     line, part = np.divmod(owner, ends.size)
     inside = np.minimum(part, ends.size - 2)
     share = (place - 0.5 * (staggered[line] & (place > 0))) / cells[line, inside]

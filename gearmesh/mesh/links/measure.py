@@ -19,12 +19,13 @@ def deviations_of(
     `sides` (M, 3): which edges those opposite to a triangle's corners are; `crease` (N,): nodes with one of two normals.
     """
     # of both in one evaluation, which takes hardly more than one of them
-    (heights, centres), (_, normals) = (np.split(of, [len(edges)]) for of in nodes.height(edges, triangles))
+    count, (both, normals) = len(edges), nodes.height(edges, triangles)
+    heights, centres = both[:count], both[count:]
     # normals on creases are those of one of both sides, and those of drawn links not square to them
     arches = np.where(crease[edges].any(axis=1), 0.0, nodes.arch(edges, heights))
     edge = np.maximum(np.abs(heights), arches)
     inside = peaks(heights[sides], centres)
-    return edge, np.maximum(inside, edge[sides].max(axis=1)), normals
+    return edge, np.maximum(inside, edge[sides].max(axis=1)), normals[count:]
 
 
 def peaks(sides: Array, centres: Array) -> Array:
