@@ -332,15 +332,17 @@ def _side(gears: GearPair, name: str) -> Side:
 
 @dataclass(frozen=True)
 class ToothViews:
-    """Teeth of the members of a gear set to look at, each meshed once, however many pictures and meshes of the set show it."""
+    """Teeth of the members of a gear set to look at, each meshed once, however many pictures and meshes of the set show it; without
+    `lean` not thinned, as for pictures that keep no triangles."""
 
+    lean: bool = True
     meshes: dict[str, tuple[TriangleMesh, TriangleMesh]] = field(default_factory=dict)
 
     def of(self, gears: GearPair, name: str) -> ToothView:
         """A member's tooth, finely meshed, in front of the rest of its gear."""
         body = gears.members[name]
         if name not in self.meshes:
-            self.meshes[name] = _fine_and_rest(body)
+            self.meshes[name] = _fine_and_rest(body, lean=self.lean)
         fine, rest = self.meshes[name]
         grid, ends = _pattern_grid(gears, name), end_names(body.tooth.blank.axial)
         return ToothView(fine, flank_projection(body, _side(gears, name)), rest, grid, ends=ends)
@@ -348,12 +350,12 @@ class ToothViews:
 
 def tooth_view(gears: GearPair, name: str) -> ToothView:
     """A member's tooth to look at, for one picture."""
-    return ToothViews().of(gears, name)
+    return ToothViews(lean=False).of(gears, name)
 
 
-def _fine_and_rest(body: Member) -> tuple[TriangleMesh, TriangleMesh]:
+def _fine_and_rest(body: Member, *, lean: bool) -> tuple[TriangleMesh, TriangleMesh]:
     """The tooth on +x finely meshed, and the gear without it, coarsely."""
-    fine = teeth_mesh(tessellate(body.tooth, FINE), body.name, np.array([0]))
+    fine = teeth_mesh(tessellate(body.tooth, FINE, lean=lean), body.name, np.array([0]))
     rough = tessellate(body.tooth, COARSE)
     whole = gear_solid(replace(body, features=BodyFeatures()), COARSE, rough)
     rest = replace(
