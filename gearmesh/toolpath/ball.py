@@ -31,7 +31,7 @@ from gearmesh.kernel.surface.surface import Jet
 from gearmesh.lengths import in_mm
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections
-from gearmesh.toolpath.corners import InnerCorner
+from gearmesh.toolpath.corners import InnerCorner, largest_between
 from gearmesh.toolpath.space import CutSpace
 
 #: length (diameters) of a shank that is not given
@@ -191,11 +191,10 @@ def largest_ball(
     sizes = (1.0 / (TOUCHED - 1), 1.0 / (STATIONS - 1)), (1.0 / (HIT - 1), float(beside[1] - beside[0]))
     least = min((_refine(space, pair, sizes, corners) for pair in by_station[:PLACES]), key=lambda pair: pair.radius)
     touched, hit = (space.walls[k].region for k, _, _ in least.places)
-    sharpest = max(corners, key=lambda corner: corner.angle, default=None)
-    if sharpest is not None and sharpest.largest(left) < least.radius:
-        touched, hit = (space.walls[k].region for k in (sharpest.before, sharpest.before + 1))
-        return LargestBall(sharpest.largest(left) - stock, touched, hit, corner=True)
-    return LargestBall(least.radius - stock, touched, hit)
+    radius, corner = largest_between(space, corners, least.radius, stock, left)
+    if corner is not None:
+        touched, hit = (space.walls[k].region for k in (corner.before, corner.before + 1))
+    return LargestBall(radius - stock, touched, hit, corner=corner is not None)
 
 
 def _everywhere(space: CutSpace) -> _Lines:

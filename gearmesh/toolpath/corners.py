@@ -7,7 +7,7 @@ r"""Sharp inner corners between two walls of a space: which part of either wall 
                    V
 
 Where it touches both is solved on the surfaces: r_k(s, t) + R n_k = r_k+1(s', t') + R n_k+1 for s, s' and t' at given t. There the
-passes of both walls end.
+passes of both walls end. Along the tooth a corner may turn into an outer edge (phi < 0), up to which the ball goes on either wall.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.space import CutSpace
 
@@ -35,21 +35,24 @@ STEPS, STEP, TOUCHES = 12, 1e-6, 1e-9
 #: by how much farther from the corner passes end than where the ball touches both walls: what is interpolated between stations,
 #: and extrapolated to the ends, is far less
 MARGIN = 1.02
-#: fewest stations at which the ball has to touch both walls within the face
-FEWEST = 9
+#: rounds in which the largest ball of a corner is found
+REFINED = 4
+#: least share of the stations with a corner at which the ball has to touch both walls within the face
+FEWEST = 0.27
 
 
 @dataclass(frozen=True)
 class InnerCorner:
-    """The corner between wall `before` and the next one of a space, and the largest angle (rad) between their normals."""
+    """The corner between wall `before` and the next one of a space: angles (STATIONS,), rad, between their normals, negative where
+    it is an outer edge."""
 
     before: int
-    angle: float
+    angles: Array
 
-    def largest(self, left: float) -> float:
-        """Radius (mm) of the largest ball that leaves no more than `left` (mm) in it."""
-        slope = MARGIN * np.tan(0.5 * self.angle)
-        return float(left / (1.0 - np.sqrt(1.0 - slope**2))) if slope < 1.0 else 0.0
+    @property
+    def angle(self) -> float:
+        """The largest angle, rad."""
+        return float(self.angles.max())
 
 
 def inner_corners(space: CutSpace, walls: Sequence[int]) -> tuple[InnerCorner, ...]:
@@ -62,9 +65,9 @@ def inner_corners(space: CutSpace, walls: Sequence[int]) -> tuple[InnerCorner, .
         last, first = (space.walls[j].jet(np.array(s), sections) for j, s in ((k, [1.0]), (k + 1, [0.0, 1e-3])))
         into = dot(first.r[1] - first.r[0], last.n[0]) > 0.0
         sine = np.linalg.norm(np.cross(last.n[0], first.n[0]), axis=-1)
-        angle = np.where(into, np.arctan2(sine, dot(last.n[0], first.n[0])), 0.0)
-        if angle.max() > SMOOTH:
-            made.append(InnerCorner(k, float(angle.max())))
+        angles = np.where(into, 1.0, -1.0) * np.arctan2(sine, dot(last.n[0], first.n[0]))
+        if angles.max() > SMOOTH:
+            made.append(InnerCorner(k, angles))
     return tuple(made)
 
 
@@ -81,10 +84,60 @@ class WallParts:
         if wall not in self.first and wall not in self.last:
             return share
         low, high = (
-            ends[wall](sections.t) if wall in ends else np.full(sections.t.size, end)
+            np.clip(ends[wall](sections.t), 0.0, 1.0) if wall in ends else np.full(sections.t.size, end)
             for ends, end in ((self.first, 0.0), (self.last, 1.0))
         )
         return np.asarray(low + share[:, None] * (high - low))
+
+
+def largest_between(
+    space: CutSpace, corners: Sequence[InnerCorner], most: float, stock: float, left: float
+) -> tuple[float, InnerCorner | None]:
+    """Radius (mm), stock included and at most `most`, of the largest ball that leaves no more than `left` (mm) in any corner, and
+    the corner that limits it; None where none does."""
+    limit = None
+    for corner in corners:
+        radius = most
+        height = _left_between(space, corner, radius, stock)
+        if height <= left:
+            continue
+        # what is left grows a little faster than the ball: of two radii on either side of the limit
+        low, low_height = 0.0, 0.0
+        for _ in range(REFINED):
+            share = (left - low_height) / (height - low_height) if np.isfinite(height) else 0.5
+            tried = low + share * (radius - low)
+            own = _left_between(space, corner, tried, stock)
+            if own <= left:
+                low, low_height = tried, own
+            else:
+                radius, height = tried, own
+        most, limit = low, corner
+    return most, limit
+
+
+def _left_between(space: CutSpace, corner: InnerCorner, radius: float, stock: float) -> float:
+    """The most (mm) that passes `radius` (mm) from both walls, the last ones before a corner, leave in it over the stock; infinite
+    where the ball does not reach into it."""
+    if radius <= stock:
+        return 0.0
+    try:
+        parts = wall_parts(space, [corner], radius)
+    except NoSolutionError:
+        return np.inf
+    sections = space.tooth.sections(np.linspace(0.0, 1.0, STATIONS))
+    ends = ((corner.before, 1.0), (corner.before + 1, 0.0))
+    least = np.full((2, STATIONS), np.inf)
+    at = [space.walls[k].jet(np.array([end]), sections) for k, end in ends]
+    along = unit(np.gradient(at[0].r[0], sections.t, axis=0))
+    for k, end in ends:
+        jet = space.walls[k].jet(parts.s(k, np.array([end]), sections), sections)
+        way = jet.r[0] + radius * jet.n[0] - at[0].r[0]
+        way -= dot(way, along)[:, None] * along
+        for own, height in zip(at, least, strict=True):
+            rise = dot(way, own.n[0])
+            inside = (radius - stock) ** 2 - (dot(way, way) - rise**2)
+            np.minimum(height, np.where(inside > 0.0, rise - np.sqrt(np.maximum(inside, 0.0)), np.inf), out=height)
+    return float(least[:, corner.angles > SMOOTH].max()) - stock
 
 
 def wall_parts(space: CutSpace, corners: Sequence[InnerCorner], radius: float) -> WallParts:
@@ -103,28 +156,32 @@ def wall_parts(space: CutSpace, corners: Sequence[InnerCorner], radius: float) -
     made, sections = WallParts(first, last), space.tooth.sections(np.linspace(0.0, 1.0, STATIONS))
     for wall in {*first, *last}:
         s = made.s(wall, np.array([0.0, 1.0]), sections)
-        if (s[0] >= s[1]).any() or s.min() < 0.0 or s.max() > 1.0:
+        if (s[0] >= s[1]).any():
             raise _too_large(space, wall, radius)
     return made
 
 
 def _contacts(space: CutSpace, corner: InnerCorner, radius: float) -> tuple[Array, Array]:
-    """t (T,) and s (2, T) on both walls at which a ball touches both, without stations where it touches one beyond the face."""
+    """t (T,) and s (2, T) on both walls at which a ball touches both, without stations where it touches one beyond the face; beyond
+    the corner, s > 1 and s < 0, where it is an outer edge."""
     before, after = (space.walls[k] for k in (corner.before, corner.before + 1))
     t = np.linspace(0.0, 1.0, STATIONS)
     sections = space.tooth.sections(t)
-    away = radius * np.tan(0.5 * corner.angle)
+    away = radius * np.tan(0.5 * corner.angles)
     widths = [
         np.linalg.norm(np.diff(wall.jet(np.array([end, end + step]), sections).r, axis=0)[0], axis=-1) / abs(step)
         for wall, end, step in ((before, 1.0, -1e-3), (after, 0.0, 1e-3))
     ]
-    x = np.stack((1.0 - away / widths[0], away / widths[1], t))
+    ends = np.stack((1.0 - away / widths[0], away / widths[1]))
+    inner = np.flatnonzero(corner.angles > SMOOTH)
+    own = sections[inner]
+    x = np.clip(np.concatenate((ends[:, inner], t[None, inner])), 0.0, 1.0)
 
     def apart(x: Array) -> Array:
         """Vectors (T, 3) between the centres over both walls."""
-        own = before.jet(x[0][None], sections)
+        one = before.jet(x[0][None], own)
         other = after.jet(x[1][None], space.tooth.sections(x[2]))
-        return np.asarray((own.r + radius * own.n - other.r - radius * other.n)[0])
+        return np.asarray((one.r + radius * one.n - other.r - radius * other.n)[0])
 
     for _ in range(STEPS):
         miss = apart(x)
@@ -139,9 +196,11 @@ def _contacts(space: CutSpace, corner: InnerCorner, radius: float) -> tuple[Arra
             slopes.append((apart(moved) - miss) / step[:, None])
         x = np.clip(x - np.linalg.solve(np.stack(slopes, axis=-1), miss[..., None])[..., 0].T, 0.0, 1.0)
     good = np.linalg.norm(apart(x), axis=-1) < 1e3 * TOUCHES
-    if good.sum() < FEWEST:
+    if good.mean() < FEWEST:
         raise _too_large(space, corner.before, radius)
-    return t[good], x[:2, good]
+    ends[:, inner] = x[:2]
+    used = np.delete(np.arange(STATIONS), inner[~good])
+    return t[used], ends[:, used]
 
 
 def _too_large(space: CutSpace, wall: int, radius: float) -> NoSolutionError:

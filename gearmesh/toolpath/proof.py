@@ -50,6 +50,8 @@ MOST_PIECES = 5_000_000
 BLOCK = 20_000
 #: distance of points (radii of the ball) that stand for the teeth beside a shank, and clearance up to which it is measured
 SPACING, MEASURED = 0.125, 0.25
+#: most stations of these points
+ALONG = 2001
 #: most positions of a shank that are measured, all if there are fewer than twice as many
 MOST = 3000
 #: positions at once
@@ -263,8 +265,7 @@ def _clearance(teeth: Array, centres: Array, axes: Array, part: ToolCylinder, ga
 
 def _dense(space: CutSpace, spacing: float) -> Array:
     """Points (K, 3) of the walls and what is beside them, about `spacing` (mm) apart."""
-    toe, heel = space.tooth.blank.extent
-    along = int(np.clip(np.ceil(1.2 * abs(heel - toe) / spacing), 9, 401))
+    along = int(np.clip(np.ceil(1.2 * space.length / spacing), 9, ALONG))
     sections = space.tooth.sections(np.linspace(0.0, 1.0, along))
     points = [space.beyond(np.linspace(0.0, 1.0, BESIDE), sections)]
     for wall in space.walls:

@@ -15,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
+from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.kernel.surface.surface import Jet
@@ -23,8 +24,14 @@ from gearmesh.teeth.region import FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.section import Link, Sections
 from gearmesh.teeth.tooth import Tooth
 
-#: points across a link and along the face that stand for the two teeth beside the space, and for all others
+#: points across a link and along the face that stand for the two teeth beside the space, and for all others; fewest along the
+#: face for each depth of the space that a tooth is long, and most
 NEAR, FAR = (9, 33), (5, 33)
+A_DEPTH, MOST = 4.0, 401
+#: least rise of the middle between the tips over the root, as a share of its distance, and stations at which it is looked at
+LEAST_RISE, LOOKED_AT = 0.5, 5
+#: points of an edge by which its length is measured
+EDGE = 65
 
 
 @dataclass(frozen=True)
@@ -104,6 +111,19 @@ class CutSpace:
         across = cross(feed, opening)
         return SpaceFrames(feed, opening, across * np.sign(dot(across, right - left))[:, None])
 
+    def refuse_threads(self) -> None:
+        """Raise NoSolutionError where the space winds so far round the axis that it does not open between its tips at a station."""
+        sections = self.tooth.sections(np.linspace(0.0, 1.0, LOOKED_AT))
+        left, right = (self.walls[k].jet(np.array([end]), sections).r[0] for k, end in ((0, 0.0), (-1, 1.0)))
+        root = self.walls[2].jet(np.array([0.5]), sections)
+        rise = dot(unit(0.5 * (left + right) - root.r[0]), root.n[0])
+        if rise.min() < LEAST_RISE:
+            raise NoSolutionError(
+                reason="the thread winds too far round the axis: in a section across the axis, from which tool axes are "
+                "taken, its space does not open between its tips",
+                remedy="turn, mill or grind it as a thread",
+            )
+
     @property
     def numbers(self) -> list[int]:
         """Numbers of all spaces of a row: of the tooth after each; a row that does not close has none before its first tooth."""
@@ -119,6 +139,13 @@ class CutSpace:
     def depth(self) -> float:
         """Depth (mm) from the tips to the root."""
         return self.tooth.height
+
+    @cached_property
+    def length(self) -> float:
+        """Length (mm) of the space along its longest edge, which is more than the face where teeth are helical."""
+        sections = self.tooth.sections(np.linspace(0.0, 1.0, EDGE))
+        edges = np.concatenate([wall.jet(np.array([0.0, 1.0]), sections).r for wall in self.walls])
+        return float(np.linalg.norm(np.diff(edges, axis=1), axis=-1).sum(axis=-1).max())
 
     @cached_property
     def beside(self) -> Array:
@@ -147,7 +174,8 @@ class CutSpace:
 
     def _grids(self, across: int, along: int) -> list[Array]:
         """Points (across, along, 3) of all links of the tooth on +x."""
-        s, sections = np.linspace(0.0, 1.0, across), self.tooth.sections(np.linspace(0.0, 1.0, along))
+        count = max(along, min(MOST, int(np.ceil(A_DEPTH * self.length / self.depth))))
+        s, sections = np.linspace(0.0, 1.0, across), self.tooth.sections(np.linspace(0.0, 1.0, count))
         return [self.tooth.grid(region, s, sections).points for region in self.tooth.regions]
 
     def beyond(self, s: Array, sections: Sections) -> Array:

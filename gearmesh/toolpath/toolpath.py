@@ -80,6 +80,7 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
     """
     space = CutSpace(member)
     _refuse_number(space, order.spaces)
+    space.refuse_threads()
     walls = choose_walls(space, order.flank, order.surfaces)
     denser, budget, corners = np.ones(len(space.walls)), order.budget, inner_corners(space, walls)
     largest = largest_ball(space, walls, order.stock, corners, budget.scallop)

@@ -35,6 +35,8 @@ CASES = {
     "face gear, undercut": (sample("face_gear"), "gear", "ball:2", "100um", {"flank": "right"}),
     "novikov, hollow flanks": (sample("novikov"), "gear", "ball:2.4", "60um", {"lead": 10.0}),
     "formate pinion, sharp inner corner": (sample("spiral_bevel_formate"), "pinion", "ball:1", "10um", {}),
+    "formate hypoid, a corner that turns into an edge": (sample("hypoid_formate"), "pinion", "ball:0.603", "20um", {}),
+    "worm of 6 threads": (sample("../tests/corpus/contact_worm_drive_left_six_zk"), "worm", "ball:0.95,9", "20um", {}),
     "8 teeth of 0.5 mm, undercut": (lambda: gm.gear(8, module=0.5, face=4), "gear", "ball:0.52", "5um", {}),
 }  # fmt: skip
 
@@ -199,3 +201,22 @@ def test_every_format_has_the_same_positions(tmp_path: Path) -> None:
     lines = pyvista.read(answer.save(tmp_path / "path.vtp"))
     assert lines.points == pytest.approx(tips + radius * axes, abs=1e-5)
     assert lines.n_lines == len(lines.cell_data["pass"])
+
+
+def test_threads_that_do_not_open_in_a_section_are_refused_for_it() -> None:
+    """In a section across the axis the middle between both tips of one or two threads is beneath their root, whatever the ball."""
+    asked = ("--member", "worm", "--tool", "ball:1,5", "--scallop", "20um")
+    for name in ("worm_drive", "worm_drive_dual_lead"):
+        words = refused("toolpath", SAMPLES / f"{name}.toml", *asked, status=3)
+        assert "does not open between its tips" in words
+
+
+@pytest.mark.sweep
+def test_the_largest_ball_of_a_corner_is_measured_between_curved_walls() -> None:
+    """A ball between it and the 0.69 mm that flat walls of this angle would have room for is refused; the case above is one of
+    the size that is named."""
+    gears = sample("hypoid_formate")()
+    with pytest.raises(
+        gm.DesignError, match=r"diameter of 0\.603\d mm, by what it may leave in the sharp inner corner"
+    ):
+        gears.toolpath("pinion", "ball:0.62", "20um")
