@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from oracles.command_line import refused, run
 from oracles.places import SAMPLES
-from oracles.swept_balls import BETWEEN, heights, positions
+from oracles.swept_balls import BETWEEN, heights, positions, spheres
+from scipy.spatial import cKDTree
 
 import gearmesh as gm
 from gearmesh.toolpath.ball import BallCutter, largest_ball
@@ -63,6 +64,30 @@ def test_the_file_leaves_no_more_than_asked_and_gouges_nothing(case: str, tmp_pa
     assert highest > 0.4 * answer.order.scallop
     assert answer.measured.left_max > 0.7e3 * answer.order.scallop
     assert highest < 1e-3 * answer.measured.left_max + BETWEEN
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize(
+    ("name", "member", "tool"),
+    [("worm_drive", "wheel", "ball:1.86"), ("internal", "gear", "ball:1.14"), ("helical_hub", "gear", "ball:3.1,30")],
+)
+def test_ball_and_shank_stay_out_of_the_whole_solid(name: str, member: str, tool: str, tmp_path: Path) -> None:
+    """The file against all vertices of the gear's solid, which are on exact surfaces: end faces, lands, hub and all teeth."""
+    gears = sample(name)()
+    answer = gears.toolpath(member, tool, "50um")
+    file = answer.save(tmp_path / "path.cls")
+    points = gears.solid(member, "5um").mesh.vertices
+    radius, centres = spheres(file)
+    depth = radius - cKDTree(centres).query(points, distance_upper_bound=2.0 * radius)[0]
+    assert -1e-3 < depth.max() < GOUGE
+    _, tips, axes, rapid = positions(file)
+    cuts = np.flatnonzero(~rapid)
+    cuts = cuts[:: max(1, cuts.size // 60)]
+    way = points - (tips + radius * axes)[cuts][:, None]
+    up = np.einsum("nkj,nj->nk", way, axes[cuts])
+    away = np.sqrt(np.maximum((way**2).sum(axis=-1) - up**2, 0.0)) - radius
+    shank = away[(up > 0.02 * radius) & (up < answer.path.ball.length)]
+    assert shank.min(initial=np.inf) > 0.9 * answer.path.clearance
 
 
 @pytest.mark.quick
