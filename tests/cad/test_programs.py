@@ -19,6 +19,7 @@ from oracles.command_line import refused
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.answers.bodies.freecad import macro
 from gearmesh.app.cli import main
 from gearmesh.cad.brep import exact_volume
 from gearmesh.cad.part21 import basic_alphabet
@@ -259,6 +260,21 @@ def test_a_macro_has_the_keys_of_the_design_as_typed_properties(tmp_path: Path) 
     design = gm.load(SAMPLES / "helical.toml", SMALL)
     assert gm.parse(tomllib.loads(setup["design"])) == design
     assert (setup["tolerance"], setup["folder"]) == ("1um", str(SAMPLES))
+
+
+@pytest.mark.parametrize("kind", sorted({tomllib.loads(file.read_text())["kind"] for file in SAMPLES.glob("*.toml")}))
+def test_the_macro_of_every_kind_is_python_with_plain_values(kind: str) -> None:
+    """FreeCAD's own Python has no gearmesh: words that a key chooses from are plain strings, and the value is one of them."""
+    file = next(file for file in sorted(SAMPLES.glob("*.toml")) if tomllib.loads(file.read_text())["kind"] == kind)
+    data = tomllib.loads(file.read_text())
+    tree = ast.parse(macro(gm.load(file), data, file.read_text(), SAMPLES, "1um"))
+    (setup,) = (
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "SETUP"
+    )
+    assert setup["keys"]
+    assert all(key["value"] in key["choices"] for key in setup["keys"].values() if "choices" in key)
 
 
 def test_macros_have_a_suffix_of_their_own(tmp_path: Path) -> None:

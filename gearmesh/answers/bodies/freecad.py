@@ -75,7 +75,7 @@ def _value_type(key: Key, value: bool | int | float | str) -> dict[str, Any]:
         return {"type": "Bool", "value": value}
     if isinstance(value, str):
         return (
-            {"type": "Enumeration", "choices": list(key.choices), "value": value}
+            {"type": "Enumeration", "choices": [str(choice) for choice in key.choices], "value": str(value)}
             if key.choices
             else {"type": "String", "value": value}
         )
