@@ -6,11 +6,9 @@ import math
 import os
 import re
 import sys
-import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from threading import Event, Thread
 from typing import TYPE_CHECKING
 
 from gearmesh import lengths
@@ -27,8 +25,6 @@ Progress = Callable[[float, str], None]
 _LARGEST_PICTURE = 16384
 #: seconds over which the speed of work is averaged
 _EVER = 1e9
-#: seconds of this process after which work without stages has a line where there is no terminal, and between two looks at the clock
-LONG, _TICK = 2.0, 0.2
 #: characters in a line of a window that is wide enough for anything
 _ENDLESS = 100_000
 
@@ -99,11 +95,17 @@ def output_folder(path: Path) -> Iterator[None]:
 @contextmanager
 def working(what: str) -> Iterator[Progress]:
     """A progress bar on a terminal, with the time that it took and, once the progress is known, that which remains; until then the
-    bar pulses. Elsewhere one line per stage, or, of work that names none, one once it is long. What the work itself tells on its
-    way counts where the command tells nothing."""
+    bar pulses. Elsewhere one line per stage. What the work itself tells on its way counts where the command tells nothing."""
     if not sys.stderr.isatty():
-        with _stages(what) as named:
-            yield named
+        stage = ""
+
+        def line(fraction: float, doing: str) -> None:
+            nonlocal stage
+            if doing != stage:
+                stage = doing
+                print(f"gearmesh: {doing}", file=sys.stderr)
+
+        yield line
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -128,39 +130,6 @@ def working(what: str) -> Iterator[Progress]:
 
         with listening(on_its_way):
             yield own
-
-
-@contextmanager
-def _stages(what: str) -> Iterator[Progress]:
-    """One line per stage that the work names. Work that names none has one once it has taken LONG, with the time that remains where
-    it tells how far it is."""
-    stage, most, over = "", 0.0, Event()
-    begin, began = time.process_time(), time.monotonic()
-
-    def line(fraction: float, doing: str) -> None:
-        nonlocal stage
-        over.set()
-        if doing != stage:
-            stage = doing
-            print(f"gearmesh: {doing}", file=sys.stderr)
-
-    def on_its_way(fraction: float) -> None:
-        nonlocal most
-        most = max(most, fraction)
-
-    def watch() -> None:
-        while not over.wait(_TICK):
-            if time.process_time() - begin > LONG:
-                left = (time.monotonic() - began) * (1.0 / most - 1.0) if most > 0.0 else 0.0
-                print(f"gearmesh: {what}" + (f", about {left:.0f} s remaining" if left >= 1.0 else ""), file=sys.stderr)
-                return
-
-    Thread(target=watch, daemon=True).start()
-    try:
-        with listening(on_its_way):
-            yield line
-    finally:
-        over.set()
 
 
 def show(listings: Iterable[Listing]) -> None:

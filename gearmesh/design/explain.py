@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from gearmesh.design.keys import Table
 from gearmesh.design.shown import nearest, shown_key, value_text
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, shown_value
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
@@ -29,7 +29,10 @@ def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int) -
         key, value, fields = (ctx := dict(detail["ctx"])).pop("key"), ctx.pop("value"), ctx
         # without a key of its own it is about the table
         dotted = ".".join([*map(str, detail["loc"]), *([key] if key else [])])
-        return DesignError(design.name_in_texts(dotted), value, shown=value_text(value), more=more, **fields)
+        declared = design.key_at(dotted) if isinstance(value, float | int) and not isinstance(value, bool) else None
+        unit = "" if declared is None else declared.unit_in(units).removeprefix("-")
+        shown = shown_value(value, unit) if unit else value_text(value)
+        return DesignError(design.name_in_texts(dotted), value, shown=shown, more=more, **fields)
     table = _table(design, tables)
     key = design.name_in_texts(shown_key(detail["loc"]))
     if detail["type"] == "extra_forbidden":

@@ -30,10 +30,11 @@ def test_numbers_that_are_none_are_refused_in_one_line_with_the_value(
 
 @pytest.mark.quick
 def test_models_of_unknown_suffixes_are_refused_before_the_design_is_read(tmp_path: Path) -> None:
-    """There is no design to read."""
-    missing = tmp_path / "missing.toml"
-    assert "unknown suffix .xyz; allowed for finite-element models" in refused("fe", missing, "-o", tmp_path / "x.xyz")
-    assert "the suffix of abaqus files is .inp" in refused("fe", missing, "-o", tmp_path / "x.msh", "--for", "abaqus")
+    """There is a file, and no design in it."""
+    broken = tmp_path / "broken.toml"
+    broken.write_text("kind = ")
+    assert "unknown suffix .xyz; allowed for finite-element models" in refused("fe", broken, "-o", tmp_path / "x.xyz")
+    assert "the suffix of abaqus files is .inp" in refused("fe", broken, "-o", tmp_path / "x.msh", "--for", "abaqus")
 
 
 @pytest.mark.quick

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
-from time import monotonic
 from typing import Any
 
 import pytest
@@ -12,7 +10,6 @@ from oracles.built import pair_of
 from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
-from gearmesh.app import terminal
 from gearmesh.loaded import sharing
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.progress import in_turn, listening, part, tell
@@ -59,29 +56,6 @@ def test_search_for_the_contact_of_a_bevel_pair_says_how_far_it_is() -> None:
     assert told == sorted(told)
     # of the first flank, of both
     assert 0.0 < told[0] < 0.5 < told[-2] < told[-1] == 1.0
-
-
-def test_long_work_without_stages_has_a_line_in_a_pipe(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Once it is long, with the time that remains where it is known; work that names its stages has those alone."""
-    monkeypatch.setattr(terminal, "_TICK", 0.001)
-    monkeypatch.setattr(terminal, "LONG", 3600.0)
-    said, deadline = "", monotonic() + 60.0
-    with terminal.working("tool path"):
-        tell(1e-9)
-        monkeypatch.setattr(terminal, "LONG", -1.0)
-        while not said and monotonic() < deadline:
-            said = capsys.readouterr().err
-    assert re.fullmatch(r"gearmesh: tool path, about \d+ s remaining\n", said)
-
-    monkeypatch.setattr(terminal, "LONG", 3600.0)
-    with terminal.working("study") as progress:
-        progress(0.0, "rows: 12")
-        progress(0.5, "rows: 12")
-    with terminal.working("limits"):
-        tell(0.5)
-    assert capsys.readouterr().err == "gearmesh: rows: 12\n"
 
 
 def test_compliances_end_where_nobody_waits_for_them(monkeypatch: pytest.MonkeyPatch) -> None:

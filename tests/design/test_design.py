@@ -211,7 +211,7 @@ def test_other_values_take_the_place_of_what_was_derived() -> None:
         assert set(design.resolve()["gear"]) == set(parse(stated).resolve()["gear"])
         build(design)
     keys["gear"]["addendum"] = 1.0
-    with pytest.raises(DesignError, match=r"^gear.tip_diameter = 93.0: cannot be given together with addendum$"):
+    with pytest.raises(DesignError, match=r"^gear.tip_diameter = 93 mm: cannot be given together with addendum$"):
         parse(keys).with_values({"gear.tip_diameter": 93.0})
     assert parse(keys).with_values({"gear.addendum": 0.9}).resolve()["gear"]["addendum"] == 0.9
 
@@ -328,26 +328,30 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
         {k: v for k, v in BEVELOID.items() if k != "module"},
         "module: missing; give module (mm) or diametr",
     ),
-    ("two sizes", {**BEVELOID, "diametral_pitch": 2}, "diametral_pitch = 2.0: cannot be given together with module"),
+    (
+        "two sizes",
+        {**BEVELOID, "diametral_pitch": 2},
+        "diametral_pitch = 2 1/inch: cannot be given together with module",
+    ),
     (
         "two tips",
         set_in(set_in(BEVELOID, "gear.addendum", 1), "gear.tip_diameter", 190),
-        "gear.tip_diameter = 190.0: cannot be given together with addendum",
+        "gear.tip_diameter = 190 mm: cannot be given together with addendum",
     ),
     (
         "two edges",
         set_in(BEVELOID, "gear", {**BEVELOID["gear"], "tip_chamfer": 1, "tip_rounding": 2}),
-        "gear.tip_rounding = 2.0: cannot be given together with tip_chamfer",
+        "gear.tip_rounding = 2 mm: cannot be given together with tip_chamfer",
     ),
     (
         "keyway without bore",
         set_in(BEVELOID, "gear", {**BEVELOID["gear"], "bore": 0, "keyway": {"width": 3, "depth": 1}}),
-        "gear.keyway.width = 3.0: must be smaller than the bore, 0",
+        "gear.keyway.width = 3 mm: must be smaller than the bore, 0",
     ),
     (
         "centre distance of axes that meet",
         set_in(BEVELOID, "assembly.center_distance", 150),
-        "assembly.center_distance = 150.0: only parallel axes have one",
+        "assembly.center_distance = 150 mm: only parallel axes have one",
     ),
     (
         "unknown key before other errors",

@@ -207,7 +207,7 @@ def test_positions_that_are_left_out_are_pinned_by_the_engagement(
 
 
 def test_mesh_angle_needs_the_index() -> None:
-    refused = r"^pinion.convex.mesh_angle = 3.0: needs index_angle"
+    refused = r"^pinion.convex.mesh_angle = 3 deg: needs index_angle"
     with pytest.raises(gm.DesignError, match=refused):
         gm.load(SAMPLES / "spiral_bevel_basic.toml", ["pinion.convex.mesh_angle=3"])
 

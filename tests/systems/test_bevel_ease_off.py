@@ -184,9 +184,9 @@ ALL = (
     [
         (
             {"concave": {"path_angle": 80}},
-            "pinion.concave.path_angle = 80.0: cannot be given together with contact.ease_off",
+            "pinion.concave.path_angle = 80 deg: cannot be given together with contact.ease_off",
         ),
-        ({"convex": {"semi_major_axis": 5}}, "pinion.convex.semi_major_axis = 5.0: cannot be given together with"),
+        ({"convex": {"semi_major_axis": 5}}, "pinion.convex.semi_major_axis = 5 mm: cannot be given together with"),
         ({"concave": {"te_at_change": 5}}, "pinion.concave.te_at_change = 5.0: cannot be given together with"),
         (
             {"concave": {"ease_off": {}, "ratio_derivative": 0.01}},

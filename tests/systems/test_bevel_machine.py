@@ -364,7 +364,7 @@ def test_sides_that_are_cut_at_once_have_one_machine() -> None:
     design = completing(2.2)
     design["pinion"]["convex"]["radial"] = 70.0
     with pytest.raises(
-        GearmeshError, match=r"pinion\.convex\.radial = 70\.0: process = \"completing\" cuts both sides at once"
+        GearmeshError, match=r"pinion\.convex\.radial = 70 mm: process = \"completing\" cuts both sides at once"
     ):
         design_of(**design)
 

@@ -78,15 +78,15 @@ def test_compensation_keeps_the_backlash_by_the_thickness() -> None:
     [
         (
             {"pinion.thickness": 5.9, "backlash": 0.1},
-            r"^pinion.thickness = 5.9: cannot be given together with backlash",
+            r"^pinion.thickness = 5.9 mm: cannot be given together with backlash",
         ),
         (
             {"pinion.thickness": 5.9, "pinion.convex.index_angle": 9.0},
-            r"^pinion.thickness = 5.9: cannot be given together with pinion.convex.index_angle",
+            r"^pinion.thickness = 5.9 mm: cannot be given together with pinion.convex.index_angle",
         ),
         (
             {"gear.thickness": 3.9, "gear.cutter.point_width": 2.0},
-            r"^gear.thickness = 3.9: cannot be given together with gear.cutter.point_width",
+            r"^gear.thickness = 3.9 mm: cannot be given together with gear.cutter.point_width",
         ),
         (
             {"gear.thickness": 9.0},
@@ -108,7 +108,7 @@ def test_blades_of_one_cut_leave_no_thickness_to_ask_for() -> None:
     own = {key: given[key] for key in ("pinion.convex.tip_radius", "pinion.convex.blade_angle")}
     bases = {f"pinion.{name}.sliding_base": 0.0 for name in ("concave", "convex")}
     design = gm.load(GIVEN).with_values({**one, **own, **bases, "process": "completing"})
-    with pytest.raises(DesignError, match=r'^pinion.thickness = 5.9: process = "completing" determines it by'):
+    with pytest.raises(DesignError, match=r'^pinion.thickness = 5.9 mm: process = "completing" determines it by'):
         design.with_values({"backlash": None, "pinion.thickness": 5.9})
 
 

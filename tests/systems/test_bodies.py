@@ -284,11 +284,11 @@ def test_finite_element_models_say_what_they_leave_out() -> None:
         ),
         (
             ["pinion.keyway={width=3}"],
-            "pinion.keyway.width = 3.0: depth is missing; give both, or neither for the standard sizes",
+            "pinion.keyway.width = 3 mm: depth is missing; give both, or neither for the standard sizes",
         ),
         (
             ['pinion.keyway={width=3, depth=1, standard="DIN 6885"}'],
-            "pinion.keyway.width = 3.0: cannot be given together with standard",
+            "pinion.keyway.width = 3 mm: cannot be given together with standard",
         ),
         (
             ["pinion.web={thickness=30}"],

@@ -178,11 +178,11 @@ def test_cad_and_sections(name: str) -> None:
 @pytest.mark.parametrize(
     ("keys", "named"),
     [
-        ({"helix_angle": 0}, "helix_angle = 0.0: must be above 0"),
-        ({"gap": 46}, "gear.face_width = 46.0: must be above gap, 46"),
-        ({"arrangement": "single"}, 'gap = 8.0: needs arrangement = "double_helical"'),
-        ({"assembly": {"dz": 0.1}}, "assembly.dz = 0.1: must be 0 for double helical"),
-        ({"gap": 0, "gear": {**GEAR, "gap_diameter": 100}}, "gear.gap_diameter = 100.0: needs a gap above 0"),
+        ({"helix_angle": 0}, "helix_angle = 0 deg: must be above 0"),
+        ({"gap": 46}, "gear.face_width = 46 mm: must be above gap, 46"),
+        ({"arrangement": "single"}, 'gap = 8 mm: needs arrangement = "double_helical"'),
+        ({"assembly": {"dz": 0.1}}, "assembly.dz = 0.1 mm: must be 0 for double helical"),
+        ({"gap": 0, "gear": {**GEAR, "gap_diameter": 100}}, "gear.gap_diameter = 100 mm: needs a gap above 0"),
         ({"gear": {**GEAR, "gap_diameter": 140}}, "gear.gap_diameter = 140 mm: allowed is between 30"),
     ],
 )
@@ -277,13 +277,13 @@ def test_a_planetary_set_of_halves_of_other_widths_meshes_on_both() -> None:
 @pytest.mark.parametrize(
     ("keys", "named"),
     [
-        ({"helix_angle": 0}, "helix_angle = 0.0: must be above 0"),
-        ({"gap": 24}, "planet.face_width = 24.0: must be above gap, 24"),
-        ({"arrangement": "single"}, 'gap = 6.0: needs arrangement = "double_helical"'),
+        ({"helix_angle": 0}, "helix_angle = 0 deg: must be above 0"),
+        ({"gap": 24}, "planet.face_width = 24 mm: must be above gap, 24"),
+        ({"arrangement": "single"}, 'gap = 6 mm: needs arrangement = "double_helical"'),
         ({"sun": {"teeth": 18, "face_width": 30, "gap_diameter": 60}}, "sun.gap_diameter = 60 mm: allowed is between"),
         (
             {"gap": 0, "ring": {"teeth": 72, "face_width": 30, "gap_diameter": 170}},
-            "ring.gap_diameter = 170.0: needs a gap",
+            "ring.gap_diameter = 170 mm: needs a gap",
         ),
     ],
 )

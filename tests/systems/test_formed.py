@@ -117,7 +117,7 @@ def test_solids_contact_and_roll_test_agree() -> None:
             {"tool_tip_radius": 0.5},
             "gear.tool_tip_radius = 0.5: .* at most 0.454115, with which a space has one round root",
         ),
-        ({"tool_tip_radius": 0.0}, "gear.tool_tip_radius = 0.0: must be above 0"),
+        ({"tool_tip_radius": 0.0}, "gear.tool_tip_radius = 0 m_n: must be above 0"),
         (
             {"tool_tip_radius": 0.9, "dedendum": 0.4, "addendum": 0.1},
             "leave no flank below the tips; allowed is less than 0.74",

@@ -219,7 +219,7 @@ def test_as_much_protuberance_as_stock_leaves_the_plain_tooth() -> None:
 @pytest.mark.parametrize(
     ("hob", "keys", "message"),
     [
-        ({"stock": 0.1}, {}, "pinion.hob.stock = 0.1: the finishing tool cuts below the protuberance, 0;"),
+        ({"stock": 0.1}, {}, "pinion.hob.stock = 0.1 mm: the finishing tool cuts below the protuberance, 0;"),
         (
             {"stock": 0.1, "finishing_diameter": 30.0},
             {},
@@ -234,10 +234,10 @@ def test_as_much_protuberance_as_stock_leaves_the_plain_tooth() -> None:
         ({"chamfer_diameter": 45.0}, {}, "pinion.hob.chamfer_diameter = 45 mm: allowed is between"),
         ({"chamfer_diameter": 40.0, "chamfer_angle": 70}, {}, "the chamfers leave no land"),
         ({"chamfer_diameter": 43.0, "chamfer_angle": 20}, {}, "pinion.hob.chamfer_angle = 20 deg: allowed is more"),
-        ({"chamfer_angle": 30}, {}, "pinion.hob.chamfer_angle = 30.0: needs a chamfer_diameter"),
-        ({"chamfer_diameter": 43.0}, {"tip_chamfer": 0.1}, "pinion.tip_chamfer = 0.1: cannot be given together"),
-        ({"protuberance_angle": 5}, {}, "pinion.hob.protuberance_angle = 5.0: needs a protuberance"),
-        ({"protuberance": 0.1, "finishing_diameter": 38.0}, {}, "pinion.hob.finishing_diameter = 38.0: needs a stock"),
+        ({"chamfer_angle": 30}, {}, "pinion.hob.chamfer_angle = 30 deg: needs a chamfer_diameter"),
+        ({"chamfer_diameter": 43.0}, {"tip_chamfer": 0.1}, "pinion.tip_chamfer = 0.1 mm: cannot be given together"),
+        ({"protuberance_angle": 5}, {}, "pinion.hob.protuberance_angle = 5 deg: needs a protuberance"),
+        ({"protuberance": 0.1, "finishing_diameter": 38.0}, {}, "pinion.hob.finishing_diameter = 38 mm: needs a stock"),
         ({"protuberance": 0.1}, {"shaper": {"teeth": 20}}, "pinion.hob: cannot be given together with shaper"),
     ],
 )

@@ -185,7 +185,7 @@ def test_a_tool_that_is_fed_leaves_the_root_that_the_sheet_states(name: str) -> 
         ),
         (
             {"backlash": 0.1, "pinion": {"span": {"teeth": 3, "upper": 15.1, "lower": 15}}},
-            "backlash = 0.1: cannot be given together with pinion.span",
+            "backlash = 0.1 mm: cannot be given together with pinion.span",
         ),
     ],
 )

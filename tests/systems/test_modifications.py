@@ -179,7 +179,7 @@ def test_mating_gears_that_are_no_involutes_have_no_modifications() -> None:
     plain = {**gm.system("modified_involute").design.example, "kind": "modified_involute"}
     crowned = {**plain["gear"], "parabola": 0.001, "modifications": {"helix_slope": 0.001}}
     for design, message in (
-        ({**plain, "gear": crowned}, r"^gear.parabola = 0.001: must be 0 where modifications are given$"),
+        ({**plain, "gear": crowned}, r"^gear.parabola = 0.001 1/mm: must be 0 where modifications are given$"),
         ({**plain, "pinion": {**plain["pinion"], "modifications": {}}}, r"^pinion.modifications: unknown key"),
         ({**FACE, "gear": {"teeth": 120, "modifications": {}}}, r"^gear.modifications: unknown key"),
     ):

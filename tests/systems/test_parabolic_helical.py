@@ -366,7 +366,7 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
 @pytest.mark.parametrize(
     ("kind", "settings", "message"),
     [
-        ("novikov", "gear.parabola=0.02", r"gear.parabola = 0.02: must be smaller than pinion.parabola, 0.016739"),
+        ("novikov", "gear.parabola=0.02", r"gear.parabola = 0.02 1/mm: must be smaller than pinion.parabola, 0.016739"),
         ("novikov", "backlash=30", r"backlash = 30 mm: leaves no tooth of the pinion; allowed is less than 17.0165 mm"),
         ("novikov", "worm.pitch_radius=2", r"worm.pitch_radius = 2 mm: must be above threads m_n / 2 = 2.54 mm"),
         (
@@ -388,12 +388,12 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
         (
             "novikov",
             "pinion.plunge_coefficient=-0.003",
-            r"pinion.plunge_coefficient = -0.003: .* allowed is at most 0.002509",
+            r"pinion.plunge_coefficient = -0.003 1/mm: .* allowed is at most 0.002509",
         ),
         (
             "novikov",
             "pinion.roll_coefficient=6e-5",
-            r"pinion.roll_coefficient = 6e-05: moves .* allowed is at most 5.459e-05",
+            r"pinion.roll_coefficient = 6e-05 rad/mm\^2: moves .* allowed is at most 5.459e-05",
         ),
         ("modified_involute", "assembly.dq=1", r"assembly.dq: unknown key"),
     ],

@@ -138,7 +138,7 @@ def test_broken_edges_take_their_own_section_off(edge: str) -> None:
         ),
         (
             {"tip_chamfer": 0.2, "tip_rounding": 0.2},
-            "rack.tip_rounding = 0.2: cannot be given together with tip_chamfer",
+            "rack.tip_rounding = 0.2 mm: cannot be given together with tip_chamfer",
         ),
         (
             {"modifications": {"tip_relief": {"amount": 0.01, "start_diameter": 40}}},

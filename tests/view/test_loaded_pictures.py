@@ -213,7 +213,7 @@ def test_a_run_meshes_the_teeth_of_its_pictures_once(
     meshed: list[float] = []
     monkeypatch.setattr(
         "gearmesh.view.pictures.tessellate",
-        lambda tooth, tolerance: meshed.append(tolerance) or tessellate(tooth, tolerance),
+        lambda tooth, tolerance, **keys: meshed.append(tolerance) or tessellate(tooth, tolerance, **keys),
     )
     monkeypatch.setattr("gearmesh.reports.run._solve", lambda *_: ({0: gears.contact()}, {0: loaded}))
     monkeypatch.setattr("gearmesh.answers.check.ROLL_TOLERANCE", 1e-3)

@@ -113,7 +113,10 @@ class Feet:
 
 
 def _singular(jet: Jet, lengths: Array) -> NDArray[np.bool_]:
-    """Where (N,) r_u and r_v are all but parallel, or one is all but nothing beside its largest square of `lengths` (2,)."""
+    """Where (N,) r_u and r_v are all but parallel, or one is all but nothing beside its largest square of `lengths` (2,); nowhere
+    on what has no width at all."""
+    if not lengths.all():
+        return np.zeros(len(jet.r_u), dtype=bool)
     normal = cross(jet.r_u, jet.r_v)
     u, v = dot(jet.r_u, jet.r_u) / lengths[0], dot(jet.r_v, jet.r_v) / lengths[1]
     return np.asarray(dot(normal, normal) / lengths.prod() <= SINGULAR * np.maximum(u, v) ** 2)
