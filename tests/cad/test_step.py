@@ -734,7 +734,7 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
         (
             "--member pinion -o a.step --set pinion.bore=40 --set pinion.keyway={width=38,depth=1} "
             "--set pinion.hub={diameter=43,length=5}",
-            "pinion: the faces do not make a valid solid; change bore, keyway or hub",
+            "pinion.hub.diameter = 43 mm: allowed is between 56.6393 (keyway) and 111.733 mm (root)",
         ),
     ],
 )

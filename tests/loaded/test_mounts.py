@@ -264,7 +264,7 @@ NUMBERS = r"must be 6 numbers above 0 or \"rigid\", in N/mm, N, N mm/rad, or 6 r
             f"gear.mount.stiffness={np.ones((6, 6)).tolist()}",
             r"stiffness: its rows must be symmetric and positive",
         ),
-        ("spur", "gear.mount.z=3", r"gear\.mount\.z = 3\.0: needs stiffness"),
+        ("spur", "gear.mount.z=3", r"gear\.mount\.z = 3 mm: needs stiffness"),
         ("spur", "gear.mount.held=hub", r'gear\.mount\.held = "hub": must be one of "bore", "rim"'),
         ("rack", "rack.mount.held=rim", r"rack\.mount: unknown key"),
         (
