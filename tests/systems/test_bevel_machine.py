@@ -356,7 +356,7 @@ def test_sides_that_are_cut_at_once_differ_by_rounding_at_most() -> None:
         side["sliding_base"] = base
     assert set(gears_of(**design).members) == {"pinion", "gear"}
     sides[1]["sliding_base"] = 1e-8
-    with pytest.raises(GearmeshError, match=r"pinion\.convex\.sliding_base = 1e-08: .*cuts both sides at once"):
+    with pytest.raises(GearmeshError, match=r"pinion\.convex\.sliding_base = 1e-08 mm: .*cuts both sides at once"):
         design_of(**design)
 
 

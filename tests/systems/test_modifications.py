@@ -105,7 +105,7 @@ def test_refused(tables: dict[str, Any], message: str) -> None:
 
 @pytest.mark.sweep
 def test_refused_where_there_is_no_such_flank() -> None:
-    with pytest.raises(DesignError, match=r"^pinion\.cone_angle = 5\.0: must be 0 where modifications are given"):
+    with pytest.raises(DesignError, match=r"^pinion\.cone_angle = 5 deg: must be 0 where modifications are given"):
         parse(with_pinion(cone_angle=5.0, modifications={"profile_crowning": 0.01}))
     spur = {**PLAIN, "pinion": {"teeth": 22, "face_width": 24}, "gear": {"teeth": 40, "face_width": 22}}
     spur["pinion"]["modifications"] = {"triangular_end_relief_tip": {"amount": 0.01, "length": 5}}
