@@ -182,7 +182,9 @@ def test_members_of_a_set_have_the_thickness_allowances_that_are_given() -> None
         found = gears.contact(pair=mesh).summary
         assert found["backlash_normal_min_mm"] == pytest.approx(thinner * cosine, abs=1e-9)
         assert found["backlash_normal_max_mm"] == pytest.approx(thinner * cosine, abs=1e-9)
-    with pytest.raises(DesignError, match=r"backlash = 0\.1 mm: cannot be given together with sun\.thickness_allowance"):
+    with pytest.raises(
+        DesignError, match=r"backlash = 0\.1 mm: cannot be given together with sun\.thickness_allowance"
+    ):
         gm.parse({"kind": "planetary", "module": 2, "backlash": 0.1, **tables})
     # one alone: the others are nominal
     del tables["sun"]["thickness_allowance"], tables["ring"]["thickness_allowance"]
