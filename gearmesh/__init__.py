@@ -37,30 +37,71 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gearmesh.answers.bodies.cad import Cad
+    from gearmesh.answers.bodies.cad import Cad, CadFigures, CadSurfaceFigures
     from gearmesh.answers.bodies.finite_element_model import FiniteElementModel, UnloadedFiniteElements
     from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
-    from gearmesh.answers.bodies.measuring_grid import MeasuringGridFigures, MeasuringGrids
-    from gearmesh.answers.bodies.model_figures import CyclicFigures
+    from gearmesh.answers.bodies.measuring_grid import MeasuringGridFigures, MeasuringGrids, PointColumns
+    from gearmesh.answers.bodies.model_figures import (
+        CyclicFigures,
+        DeckFigures,
+        HalfAxes,
+        MeshFigures,
+        ModelFigures,
+        Resolution,
+        SolutionFigures,
+        SolvedContact,
+        SolvedFillets,
+        SolvedToothPair,
+    )
     from gearmesh.answers.bodies.section import Section, SectionFigures
-    from gearmesh.answers.bodies.solid import Solid, Solids
-    from gearmesh.answers.bodies.toolpath import ToolPathAnswer, ToolPathFigures
-    from gearmesh.answers.bodies.topography import FlankTopography, TopographyFigures
-    from gearmesh.answers.check import Check, RollTest, Verdict
+    from gearmesh.answers.bodies.solid import Solid, SolidFigures, Solids
+    from gearmesh.answers.bodies.toolpath import PathAngles, SurfaceLeft, ToolPathAnswer, ToolPathFigures
+    from gearmesh.answers.bodies.topography import AmountColumns, FlankTopography, TopographyFigures
+    from gearmesh.answers.check import Check, RollRow, RollTest, Verdict
     from gearmesh.answers.contact.contact import Contact
     from gearmesh.answers.contact.ease_off import EaseOffMap, EaseOffPoint
-    from gearmesh.answers.contact.figures import PositionFigures
+    from gearmesh.answers.contact.figures import (
+        CurvatureFigures,
+        EllipseFigures,
+        HertzFigures,
+        MemberPoint,
+        PairCurvature,
+        PositionFigures,
+    )
     from gearmesh.answers.contact.fit import BacklashCurve
     from gearmesh.answers.contact.sides import SideContact
-    from gearmesh.answers.contact.vh import PlaceFigures, TotalFigures, VHCheck
-    from gearmesh.answers.exchange import RexsExport, RexsReading, load_rexs
+    from gearmesh.answers.contact.vh import Displacement, NearestPlace, PlaceFigures, TotalFigures, VHCheck
+    from gearmesh.answers.exchange import RexsExport, RexsReading, TorqueFigures, UnusedAttributeFigures, load_rexs
     from gearmesh.answers.inspection.composite import CompositeFigures, CompositeTest
-    from gearmesh.answers.inspection.correction import Correction, CorrectionFigures
-    from gearmesh.answers.inspection.figures import InspectionFigures
+    from gearmesh.answers.inspection.correction import (
+        CorrectedSettingFigures,
+        Correction,
+        CorrectionFigures,
+        EffectFigures,
+        PrognosisFigures,
+        ResidualFigures,
+    )
+    from gearmesh.answers.inspection.figures import (
+        ClassFigures,
+        FlankInspectionFigures,
+        FlankOrderFigures,
+        InspectionFigures,
+        PitchFigures,
+        TraceFigures,
+    )
     from gearmesh.answers.inspection.flank_map import DeviationMap, MeasuredTrace
     from gearmesh.answers.inspection.inspection import Inspection
-    from gearmesh.answers.limits import Limits, MemberLimitFigures
-    from gearmesh.answers.load.figures import LoadedFigures, LoadedPosition, LoadedTotals, ToothPairPosition
+    from gearmesh.answers.inspection.machine_settings import MovableSetting
+    from gearmesh.answers.limits import LimitingLineFigures, Limits, MemberLimitFigures, SideLimitFigures
+    from gearmesh.answers.load.figures import (
+        FilletFigures,
+        LoadedFigures,
+        LoadedPosition,
+        LoadedTotals,
+        MemberDisplacement,
+        ToothPairFigures,
+        ToothPairPosition,
+    )
     from gearmesh.answers.load.loaded import LoadedContact
     from gearmesh.answers.pinned import Pinned
     from gearmesh.answers.planetary_sizing import PlanetarySizing, RejectedFigures, SetFigures, size_planetary
@@ -71,62 +112,165 @@ if TYPE_CHECKING:
     from gearmesh.api.gear import gear
     from gearmesh.api.gears import Gears, build
     from gearmesh.cad.contours.curves import Contour
-    from gearmesh.cad.step import Part
+    from gearmesh.cad.section import MemberSection
+    from gearmesh.cad.step import NamedFace, Occurrence, Part, PartAssembly
+    from gearmesh.check.roll import RollContact
+    from gearmesh.contact.assemblies import AssemblyPaths
     from gearmesh.contact.conditions.refinement import Contacts
+    from gearmesh.contact.engagement.cycle import Break, Cycle
+    from gearmesh.contact.engagement.ease_off import EaseOff
     from gearmesh.contact.engagement.engagement import Engagement
-    from gearmesh.contact.engagement.turns import FullTurns
+    from gearmesh.contact.engagement.turns import FullTurns, Wave
+    from gearmesh.contact.fit.clearance import Clearance
+    from gearmesh.contact.fit.fit import Fit, Gap, Interference
+    from gearmesh.contact.fit.tight_mesh import TightMesh
+    from gearmesh.contact.flanks import PathHertz
     from gearmesh.contact.path import ContactPath
-    from gearmesh.design.core import Design, MemberMount
+    from gearmesh.design.core import (
+        BoltHoles,
+        BoreSteps,
+        ContactTable,
+        Design,
+        FiniteElementTable,
+        FlankContact,
+        GearBody,
+        Holes,
+        Hub,
+        Keyway,
+        MaterialTable,
+        MemberMaterial,
+        MemberMount,
+        MeshTable,
+        Phi1,
+        RexsSource,
+        ShaftSteps,
+        SpokeTable,
+        UnloadedElementTable,
+        Web,
+    )
     from gearmesh.design.files import toml
     from gearmesh.design.keys import Key, KeyLine, Table
+    from gearmesh.design.measured import PairMeasured, PlanetaryMeasured, RackMeasured, WormDriveMeasured
+    from gearmesh.design.modifications import EndRelief, Modifications, ProfileRelief, TriangularRelief
+    from gearmesh.design.topography_file import TopographyGrid
     from gearmesh.drawing.drawing import WorkshopDrawing
     from gearmesh.drawing.outline import Outline
     from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
-    from gearmesh.figures import Entry, Figure, Summary
+    from gearmesh.fe.results import ContactFigures
+    from gearmesh.figures import Entry, Figure, Figures, Summary
     from gearmesh.kernel.motion.joint import Joint, MotionUnits
     from gearmesh.kernel.motion.rigid import Rigid
     from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
     from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface, Level
     from gearmesh.kernel.surface.surface import Jet, Surface
     from gearmesh.loaded.mounts import FlexibleMount
+    from gearmesh.loaded.root_stress import RootStress
+    from gearmesh.loaded.separation import Separation
+    from gearmesh.loaded.sharing import LoadedMesh, PairLoad
     from gearmesh.mesh.triangles import TriangleMesh
+    from gearmesh.metrology.correction import SettingChanges
+    from gearmesh.metrology.evaluation import EvaluatedTrace, TraceRange
+    from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
     from gearmesh.metrology.second_order import SecondOrder
     from gearmesh.metrology.tolerances import FigureClass, GearClass
     from gearmesh.reports.report import ReportPage
     from gearmesh.reports.run import Report
-    from gearmesh.study.largest_errors import KeyRange, LargestErrors
+    from gearmesh.study.largest_errors import KeyRange, LargestErrors, LargestFigures
+    from gearmesh.study.plan import Plan
     from gearmesh.study.rows.patterns import AssemblyContact
-    from gearmesh.study.statistics import Effect
+    from gearmesh.study.statistics import Effect, Limit
     from gearmesh.study.study import Study
     from gearmesh.study.summary import StudySummary
     from gearmesh.study.variance import VarianceShare
-    from gearmesh.systems.beveloid.design import BeveloidDesign
-    from gearmesh.systems.circular_arc.design import CircularArcDesign
+    from gearmesh.systems.beveloid.design import BeveloidAssembly, BeveloidDesign, BeveloidMember
+    from gearmesh.systems.circular_arc.design import (
+        CircularArcAssembly,
+        CircularArcContact,
+        CircularArcDesign,
+        CircularArcGear,
+        CircularArcPinion,
+    )
     from gearmesh.systems.circular_arc.fillets import ArcRack
-    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
-    from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
-    from gearmesh.systems.cylindrical.planetary.sizing import SetCandidate
-    from gearmesh.systems.cylindrical.rack.design import RackDesign, SingleRackDesign
+    from gearmesh.systems.common.standards.iso286 import Deviations
+    from gearmesh.systems.common.worm_keys import WormTool
+    from gearmesh.systems.cylindrical.allowance_keys import DiameterTolerance, ThicknessAllowance
+    from gearmesh.systems.cylindrical.design import (
+        CylindricalAssembly,
+        CylindricalDesign,
+        CylindricalMember,
+        Hob,
+        ShaperCutter,
+    )
+    from gearmesh.systems.cylindrical.measure_keys import BallMeasurement, SpanMeasurement
+    from gearmesh.systems.cylindrical.merit import MeshMerit
+    from gearmesh.systems.cylindrical.planetary.design import PlanetaryAssembly, PlanetaryDesign, RingMember
+    from gearmesh.systems.cylindrical.planetary.sizing import RejectedSet, SetCandidate, SetSearch, SetTrial, WantedSet
+    from gearmesh.systems.cylindrical.rack.design import BoltRow, RackAssembly, RackDesign, RackTable, SingleRackDesign
     from gearmesh.systems.cylindrical.single.design import SingleGearDesign
+    from gearmesh.systems.cylindrical.sizing import Candidate, Wanted
     from gearmesh.systems.designs import load, new, parse
-    from gearmesh.systems.face_gear.design import FaceGearDesign
-    from gearmesh.systems.parabolic_helical.design import ModifiedInvoluteDesign, NovikovDesign
-    from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
-    from gearmesh.systems.spiral_bevel.design import EaseOffTable, SpiralBevelDesign
+    from gearmesh.systems.face_gear.design import (
+        FaceGearAssembly,
+        FaceGearDesign,
+        FaceGearGear,
+        FaceGearMachine,
+        FaceGearPinion,
+        FaceGearWorm,
+        ShaperTool,
+    )
+    from gearmesh.systems.parabolic_helical.design import (
+        DiskTool,
+        ModifiedInvoluteDesign,
+        ModifiedInvoluteGear,
+        NovikovDesign,
+        NovikovGear,
+        ParabolicAssembly,
+        ParabolicMember,
+        ParabolicPinion,
+    )
+    from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateContact, ConjugateDesign, ConjugateMember
+    from gearmesh.systems.spiral_bevel.design import (
+        BevelAssembly,
+        BevelBody,
+        BevelContact,
+        BevelGear,
+        BevelPinion,
+        BladeTable,
+        EaseOffTable,
+        GearCutter,
+        PinionSide,
+        SpiralBevelContact,
+        SpiralBevelDesign,
+    )
     from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
-    from gearmesh.systems.system import System, ToolPart, kinds, register, system
-    from gearmesh.systems.worm_drive.design import WormDriveDesign
+    from gearmesh.systems.system import (
+        Displacements,
+        DrawnRows,
+        PatternCheck,
+        PatternShift,
+        Setting,
+        Sheet,
+        SheetTable,
+        System,
+        ToolPart,
+        kinds,
+        register,
+        system,
+    )
+    from gearmesh.systems.worm_drive.design import HobTable, WheelTable, WormDriveAssembly, WormDriveDesign, WormTable
     from gearmesh.teeth.blank.body import Body, Disc, PlaneFace, TurnedStep
     from gearmesh.teeth.blank.end_edge import EndChamfer
     from gearmesh.teeth.blank.features import Boss, Drilling, Opening, Slot
     from gearmesh.teeth.blank.halves import AxialGap, HalfGear
     from gearmesh.teeth.end_strip import EndStrip, SharpOutline, StripPiece
     from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
+    from gearmesh.teeth.limits import LostFlank, MemberLimits, SideLimits
+    from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
     from gearmesh.teeth.mount import Mount
     from gearmesh.teeth.region import Region, Side
     from gearmesh.teeth.section import Ends, Grid, Link, Sections
     from gearmesh.teeth.tooth import Tooth
-    from gearmesh.teeth.tooth_side import ToothSide
+    from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
     from gearmesh.tools.rack import Parabola
     from gearmesh.view.picture import Animation, Diagram, Picture
 
@@ -134,160 +278,324 @@ if TYPE_CHECKING:
 __version__ = "0.16.0"
 
 __all__ = [
+    "AmountColumns",
     "Animation",
     "ArcRack",
     "AssemblyContact",
+    "AssemblyPaths",
     "AxialGap",
     "BacklashCurve",
+    "BallMeasurement",
+    "BevelAssembly",
+    "BevelBody",
+    "BevelContact",
+    "BevelGear",
+    "BevelPinion",
+    "BeveloidAssembly",
     "BeveloidDesign",
+    "BeveloidMember",
+    "BladeTable",
     "Body",
+    "BoltHoles",
+    "BoltRow",
+    "BoreSteps",
     "Boss",
+    "Bottom",
+    "Break",
     "Cad",
+    "CadFigures",
+    "CadSurfaceFigures",
+    "Candidate",
     "CandidateFigures",
     "Check",
+    "CircularArcAssembly",
+    "CircularArcContact",
     "CircularArcDesign",
+    "CircularArcGear",
+    "CircularArcPinion",
+    "ClassFigures",
+    "Clearance",
     "Compensation",
     "CompositeFigures",
     "CompositeTest",
     "ConeLevel",
     "ConeSurface",
+    "ConjugateContact",
     "ConjugateDesign",
+    "ConjugateMember",
     "Contact",
+    "ContactFigures",
     "ContactPath",
+    "ContactTable",
     "Contacts",
     "Contour",
+    "CorrectedSettingFigures",
     "Correction",
     "CorrectionFigures",
+    "CurvatureFigures",
+    "Cycle",
     "CyclicFigures",
+    "CylindricalAssembly",
     "CylindricalDesign",
     "CylindricalMember",
+    "DeckFigures",
     "Design",
     "DesignError",
     "DesignSheet",
+    "DeviationGrid",
     "DeviationMap",
+    "Deviations",
     "Diagram",
+    "DiameterTolerance",
     "Disc",
+    "DiskTool",
+    "Displacement",
+    "Displacements",
+    "DrawnRows",
     "Drilling",
+    "EaseOff",
     "EaseOffMap",
     "EaseOffPoint",
     "EaseOffTable",
     "Effect",
+    "EffectFigures",
+    "EllipseFigures",
     "EndChamfer",
+    "EndRelief",
     "EndStrip",
     "Ends",
     "Engagement",
     "Entry",
+    "EvaluatedTrace",
+    "FaceGearAssembly",
     "FaceGearDesign",
+    "FaceGearGear",
+    "FaceGearMachine",
+    "FaceGearPinion",
+    "FaceGearWorm",
     "Figure",
     "FigureClass",
+    "Figures",
+    "FilletFigures",
     "FiniteElementDecks",
     "FiniteElementModel",
     "FiniteElementSolution",
+    "FiniteElementTable",
     "FiniteElements",
+    "Fit",
+    "FlankContact",
+    "FlankInspectionFigures",
+    "FlankOrderFigures",
     "FlankTopography",
     "FlexibleMount",
     "FullTurns",
+    "Gap",
+    "GearBody",
     "GearClass",
+    "GearCutter",
     "GearPair",
     "GearTrain",
     "GearmeshError",
     "Gears",
     "Grid",
+    "HalfAxes",
     "HalfGear",
+    "HertzFigures",
+    "Hob",
+    "HobTable",
+    "Holes",
+    "Hub",
     "HypoidDesign",
     "Inspection",
     "InspectionFigures",
+    "Interference",
     "Jet",
     "Joint",
     "Key",
     "KeyLine",
     "KeyRange",
+    "Keyway",
     "LargestErrors",
+    "LargestFigures",
     "Level",
+    "Limit",
+    "LimitingLineFigures",
     "Limits",
     "Link",
     "Listing",
     "LoadedContact",
     "LoadedFigures",
+    "LoadedMesh",
     "LoadedPosition",
     "LoadedTotals",
+    "LostFlank",
+    "MaterialTable",
     "MeasuredTrace",
+    "MeasuringGrid",
     "MeasuringGridFigures",
     "MeasuringGrids",
     "Member",
+    "MemberDisplacement",
     "MemberLimitFigures",
+    "MemberLimits",
+    "MemberMaterial",
     "MemberMount",
+    "MemberPoint",
+    "MemberSection",
+    "MeshFigures",
+    "MeshMerit",
+    "MeshTable",
+    "ModelFigures",
+    "Modifications",
     "ModifiedInvoluteDesign",
+    "ModifiedInvoluteGear",
     "MotionUnits",
     "Mount",
+    "MovableSetting",
+    "NamedFace",
+    "NearestPlace",
     "NoSolutionError",
     "NovikovDesign",
+    "NovikovGear",
+    "Occurrence",
     "Opening",
     "Outline",
     "OutputError",
+    "PairCurvature",
+    "PairLoad",
+    "PairMeasured",
     "Parabola",
+    "ParabolicAssembly",
+    "ParabolicMember",
+    "ParabolicPinion",
     "Part",
+    "PartAssembly",
+    "PathAngles",
+    "PathHertz",
+    "PatternCheck",
+    "PatternShift",
+    "Phi1",
     "Picture",
+    "PinionSide",
     "Pinned",
+    "PitchFigures",
     "PlaceFigures",
+    "Plan",
     "PlaneArc",
     "PlaneCurve",
     "PlaneFace",
     "PlaneLine",
+    "PlanetaryAssembly",
     "PlanetaryDesign",
+    "PlanetaryMeasured",
     "PlanetarySizing",
+    "PointColumns",
     "PositionFigures",
+    "ProfileRelief",
+    "PrognosisFigures",
+    "RackAssembly",
     "RackDesign",
+    "RackMeasured",
+    "RackTable",
     "Region",
     "RejectedFigures",
+    "RejectedSet",
     "Report",
     "ReportPage",
+    "ResidualFigures",
+    "Resolution",
     "Result",
     "RexsExport",
     "RexsReading",
+    "RexsSource",
     "Rigid",
+    "RingMember",
+    "RollContact",
+    "RollRow",
     "RollTest",
+    "RootStress",
     "RunTime",
     "SecondOrder",
     "Section",
     "SectionFigures",
     "Sections",
+    "Separation",
     "SetCandidate",
     "SetFigures",
+    "SetSearch",
+    "SetTrial",
+    "Setting",
+    "SettingChanges",
     "SettingFigures",
+    "ShaftSteps",
+    "ShaperCutter",
+    "ShaperTool",
     "SharpOutline",
+    "Sheet",
+    "SheetTable",
     "Side",
     "SideContact",
+    "SideLimitFigures",
+    "SideLimits",
     "SingleGearDesign",
     "SingleRackDesign",
     "Sizing",
     "Slot",
     "Solid",
+    "SolidFigures",
     "Solids",
+    "SolutionFigures",
+    "SolvedContact",
+    "SolvedFillets",
+    "SolvedToothPair",
+    "SpanMeasurement",
+    "SpiralBevelContact",
     "SpiralBevelDesign",
+    "SpokeTable",
     "StripPiece",
     "Study",
     "StudySummary",
     "Summary",
     "Surface",
+    "SurfaceLeft",
     "System",
     "Table",
+    "ThicknessAllowance",
+    "TightMesh",
+    "TipCorner",
     "ToolPart",
     "ToolPathAnswer",
     "ToolPathFigures",
     "Tooth",
+    "ToothPairFigures",
     "ToothPairPosition",
     "ToothSide",
     "TopographyFigures",
+    "TopographyGrid",
+    "TorqueFigures",
     "TotalFigures",
+    "TraceFigures",
+    "TraceRange",
     "TriangleMesh",
+    "TriangularRelief",
     "TurnedStep",
+    "UnloadedElementTable",
     "UnloadedFiniteElements",
+    "UnusedAttributeFigures",
     "VHCheck",
     "VarianceShare",
     "Verdict",
+    "Wanted",
+    "WantedSet",
+    "Wave",
+    "Web",
+    "WheelTable",
     "WorkshopDrawing",
+    "WormDriveAssembly",
     "WormDriveDesign",
+    "WormDriveMeasured",
+    "WormTable",
+    "WormTool",
     "build",
     "gear",
     "kinds",
@@ -304,7 +612,11 @@ __all__ = [
 
 #: where each name is, to be loaded when it is asked for
 _HOMES = {
-    "gearmesh.answers.bodies.cad": ("Cad",),
+    "gearmesh.answers.bodies.cad": (
+        "Cad",
+        "CadFigures",
+        "CadSurfaceFigures",
+    ),
     "gearmesh.answers.bodies.finite_element_model": (
         "FiniteElementModel",
         "UnloadedFiniteElements",
@@ -317,26 +629,43 @@ _HOMES = {
     "gearmesh.answers.bodies.measuring_grid": (
         "MeasuringGridFigures",
         "MeasuringGrids",
+        "PointColumns",
     ),
-    "gearmesh.answers.bodies.model_figures": ("CyclicFigures",),
+    "gearmesh.answers.bodies.model_figures": (
+        "CyclicFigures",
+        "DeckFigures",
+        "HalfAxes",
+        "MeshFigures",
+        "ModelFigures",
+        "Resolution",
+        "SolutionFigures",
+        "SolvedContact",
+        "SolvedFillets",
+        "SolvedToothPair",
+    ),
     "gearmesh.answers.bodies.section": (
         "Section",
         "SectionFigures",
     ),
     "gearmesh.answers.bodies.solid": (
         "Solid",
+        "SolidFigures",
         "Solids",
     ),
     "gearmesh.answers.bodies.toolpath": (
+        "PathAngles",
+        "SurfaceLeft",
         "ToolPathAnswer",
         "ToolPathFigures",
     ),
     "gearmesh.answers.bodies.topography": (
+        "AmountColumns",
         "FlankTopography",
         "TopographyFigures",
     ),
     "gearmesh.answers.check": (
         "Check",
+        "RollRow",
         "RollTest",
         "Verdict",
     ),
@@ -345,10 +674,19 @@ _HOMES = {
         "EaseOffMap",
         "EaseOffPoint",
     ),
-    "gearmesh.answers.contact.figures": ("PositionFigures",),
+    "gearmesh.answers.contact.figures": (
+        "CurvatureFigures",
+        "EllipseFigures",
+        "HertzFigures",
+        "MemberPoint",
+        "PairCurvature",
+        "PositionFigures",
+    ),
     "gearmesh.answers.contact.fit": ("BacklashCurve",),
     "gearmesh.answers.contact.sides": ("SideContact",),
     "gearmesh.answers.contact.vh": (
+        "Displacement",
+        "NearestPlace",
         "PlaceFigures",
         "TotalFigures",
         "VHCheck",
@@ -356,6 +694,8 @@ _HOMES = {
     "gearmesh.answers.exchange": (
         "RexsExport",
         "RexsReading",
+        "TorqueFigures",
+        "UnusedAttributeFigures",
         "load_rexs",
     ),
     "gearmesh.answers.inspection.composite": (
@@ -363,23 +703,40 @@ _HOMES = {
         "CompositeTest",
     ),
     "gearmesh.answers.inspection.correction": (
+        "CorrectedSettingFigures",
         "Correction",
         "CorrectionFigures",
+        "EffectFigures",
+        "PrognosisFigures",
+        "ResidualFigures",
     ),
-    "gearmesh.answers.inspection.figures": ("InspectionFigures",),
+    "gearmesh.answers.inspection.figures": (
+        "ClassFigures",
+        "FlankInspectionFigures",
+        "FlankOrderFigures",
+        "InspectionFigures",
+        "PitchFigures",
+        "TraceFigures",
+    ),
     "gearmesh.answers.inspection.flank_map": (
         "DeviationMap",
         "MeasuredTrace",
     ),
     "gearmesh.answers.inspection.inspection": ("Inspection",),
+    "gearmesh.answers.inspection.machine_settings": ("MovableSetting",),
     "gearmesh.answers.limits": (
+        "LimitingLineFigures",
         "Limits",
         "MemberLimitFigures",
+        "SideLimitFigures",
     ),
     "gearmesh.answers.load.figures": (
+        "FilletFigures",
         "LoadedFigures",
         "LoadedPosition",
         "LoadedTotals",
+        "MemberDisplacement",
+        "ToothPairFigures",
         "ToothPairPosition",
     ),
     "gearmesh.answers.load.loaded": ("LoadedContact",),
@@ -411,14 +768,56 @@ _HOMES = {
         "build",
     ),
     "gearmesh.cad.contours.curves": ("Contour",),
-    "gearmesh.cad.step": ("Part",),
+    "gearmesh.cad.section": ("MemberSection",),
+    "gearmesh.cad.step": (
+        "NamedFace",
+        "Occurrence",
+        "Part",
+        "PartAssembly",
+    ),
+    "gearmesh.check.roll": ("RollContact",),
+    "gearmesh.contact.assemblies": ("AssemblyPaths",),
     "gearmesh.contact.conditions.refinement": ("Contacts",),
+    "gearmesh.contact.engagement.cycle": (
+        "Break",
+        "Cycle",
+    ),
+    "gearmesh.contact.engagement.ease_off": ("EaseOff",),
     "gearmesh.contact.engagement.engagement": ("Engagement",),
-    "gearmesh.contact.engagement.turns": ("FullTurns",),
+    "gearmesh.contact.engagement.turns": (
+        "FullTurns",
+        "Wave",
+    ),
+    "gearmesh.contact.fit.clearance": ("Clearance",),
+    "gearmesh.contact.fit.fit": (
+        "Fit",
+        "Gap",
+        "Interference",
+    ),
+    "gearmesh.contact.fit.tight_mesh": ("TightMesh",),
+    "gearmesh.contact.flanks": ("PathHertz",),
     "gearmesh.contact.path": ("ContactPath",),
     "gearmesh.design.core": (
+        "BoltHoles",
+        "BoreSteps",
+        "ContactTable",
         "Design",
+        "FiniteElementTable",
+        "FlankContact",
+        "GearBody",
+        "Holes",
+        "Hub",
+        "Keyway",
+        "MaterialTable",
+        "MemberMaterial",
         "MemberMount",
+        "MeshTable",
+        "Phi1",
+        "RexsSource",
+        "ShaftSteps",
+        "SpokeTable",
+        "UnloadedElementTable",
+        "Web",
     ),
     "gearmesh.design.files": ("toml",),
     "gearmesh.design.keys": (
@@ -426,6 +825,19 @@ _HOMES = {
         "KeyLine",
         "Table",
     ),
+    "gearmesh.design.measured": (
+        "PairMeasured",
+        "PlanetaryMeasured",
+        "RackMeasured",
+        "WormDriveMeasured",
+    ),
+    "gearmesh.design.modifications": (
+        "EndRelief",
+        "Modifications",
+        "ProfileRelief",
+        "TriangularRelief",
+    ),
+    "gearmesh.design.topography_file": ("TopographyGrid",),
     "gearmesh.drawing.drawing": ("WorkshopDrawing",),
     "gearmesh.drawing.outline": ("Outline",),
     "gearmesh.errors": (
@@ -434,9 +846,11 @@ _HOMES = {
         "NoSolutionError",
         "OutputError",
     ),
+    "gearmesh.fe.results": ("ContactFigures",),
     "gearmesh.figures": (
         "Entry",
         "Figure",
+        "Figures",
         "Summary",
     ),
     "gearmesh.kernel.motion.joint": (
@@ -459,7 +873,19 @@ _HOMES = {
         "Surface",
     ),
     "gearmesh.loaded.mounts": ("FlexibleMount",),
+    "gearmesh.loaded.root_stress": ("RootStress",),
+    "gearmesh.loaded.separation": ("Separation",),
+    "gearmesh.loaded.sharing": (
+        "LoadedMesh",
+        "PairLoad",
+    ),
     "gearmesh.mesh.triangles": ("TriangleMesh",),
+    "gearmesh.metrology.correction": ("SettingChanges",),
+    "gearmesh.metrology.evaluation": (
+        "EvaluatedTrace",
+        "TraceRange",
+    ),
+    "gearmesh.metrology.flanks.measuring_grid": ("MeasuringGrid",),
     "gearmesh.metrology.second_order": ("SecondOrder",),
     "gearmesh.metrology.tolerances": (
         "FigureClass",
@@ -470,50 +896,136 @@ _HOMES = {
     "gearmesh.study.largest_errors": (
         "KeyRange",
         "LargestErrors",
+        "LargestFigures",
     ),
+    "gearmesh.study.plan": ("Plan",),
     "gearmesh.study.rows.patterns": ("AssemblyContact",),
-    "gearmesh.study.statistics": ("Effect",),
+    "gearmesh.study.statistics": (
+        "Effect",
+        "Limit",
+    ),
     "gearmesh.study.study": ("Study",),
     "gearmesh.study.summary": ("StudySummary",),
     "gearmesh.study.variance": ("VarianceShare",),
-    "gearmesh.systems.beveloid.design": ("BeveloidDesign",),
-    "gearmesh.systems.circular_arc.design": ("CircularArcDesign",),
+    "gearmesh.systems.beveloid.design": (
+        "BeveloidAssembly",
+        "BeveloidDesign",
+        "BeveloidMember",
+    ),
+    "gearmesh.systems.circular_arc.design": (
+        "CircularArcAssembly",
+        "CircularArcContact",
+        "CircularArcDesign",
+        "CircularArcGear",
+        "CircularArcPinion",
+    ),
     "gearmesh.systems.circular_arc.fillets": ("ArcRack",),
+    "gearmesh.systems.common.standards.iso286": ("Deviations",),
+    "gearmesh.systems.common.worm_keys": ("WormTool",),
+    "gearmesh.systems.cylindrical.allowance_keys": (
+        "DiameterTolerance",
+        "ThicknessAllowance",
+    ),
     "gearmesh.systems.cylindrical.design": (
+        "CylindricalAssembly",
         "CylindricalDesign",
         "CylindricalMember",
+        "Hob",
+        "ShaperCutter",
     ),
-    "gearmesh.systems.cylindrical.planetary.design": ("PlanetaryDesign",),
-    "gearmesh.systems.cylindrical.planetary.sizing": ("SetCandidate",),
+    "gearmesh.systems.cylindrical.measure_keys": (
+        "BallMeasurement",
+        "SpanMeasurement",
+    ),
+    "gearmesh.systems.cylindrical.merit": ("MeshMerit",),
+    "gearmesh.systems.cylindrical.planetary.design": (
+        "PlanetaryAssembly",
+        "PlanetaryDesign",
+        "RingMember",
+    ),
+    "gearmesh.systems.cylindrical.planetary.sizing": (
+        "RejectedSet",
+        "SetCandidate",
+        "SetSearch",
+        "SetTrial",
+        "WantedSet",
+    ),
     "gearmesh.systems.cylindrical.rack.design": (
+        "BoltRow",
+        "RackAssembly",
         "RackDesign",
+        "RackTable",
         "SingleRackDesign",
     ),
     "gearmesh.systems.cylindrical.single.design": ("SingleGearDesign",),
+    "gearmesh.systems.cylindrical.sizing": (
+        "Candidate",
+        "Wanted",
+    ),
     "gearmesh.systems.designs": (
         "load",
         "new",
         "parse",
     ),
-    "gearmesh.systems.face_gear.design": ("FaceGearDesign",),
-    "gearmesh.systems.parabolic_helical.design": (
-        "ModifiedInvoluteDesign",
-        "NovikovDesign",
+    "gearmesh.systems.face_gear.design": (
+        "FaceGearAssembly",
+        "FaceGearDesign",
+        "FaceGearGear",
+        "FaceGearMachine",
+        "FaceGearPinion",
+        "FaceGearWorm",
+        "ShaperTool",
     ),
-    "gearmesh.systems.spiral_bevel.conjugate.design": ("ConjugateDesign",),
+    "gearmesh.systems.parabolic_helical.design": (
+        "DiskTool",
+        "ModifiedInvoluteDesign",
+        "ModifiedInvoluteGear",
+        "NovikovDesign",
+        "NovikovGear",
+        "ParabolicAssembly",
+        "ParabolicMember",
+        "ParabolicPinion",
+    ),
+    "gearmesh.systems.spiral_bevel.conjugate.design": (
+        "ConjugateContact",
+        "ConjugateDesign",
+        "ConjugateMember",
+    ),
     "gearmesh.systems.spiral_bevel.design": (
+        "BevelAssembly",
+        "BevelBody",
+        "BevelContact",
+        "BevelGear",
+        "BevelPinion",
+        "BladeTable",
         "EaseOffTable",
+        "GearCutter",
+        "PinionSide",
+        "SpiralBevelContact",
         "SpiralBevelDesign",
     ),
     "gearmesh.systems.spiral_bevel.hypoid_design": ("HypoidDesign",),
     "gearmesh.systems.system": (
+        "Displacements",
+        "DrawnRows",
+        "PatternCheck",
+        "PatternShift",
+        "Setting",
+        "Sheet",
+        "SheetTable",
         "System",
         "ToolPart",
         "kinds",
         "register",
         "system",
     ),
-    "gearmesh.systems.worm_drive.design": ("WormDriveDesign",),
+    "gearmesh.systems.worm_drive.design": (
+        "HobTable",
+        "WheelTable",
+        "WormDriveAssembly",
+        "WormDriveDesign",
+        "WormTable",
+    ),
     "gearmesh.teeth.blank.body": (
         "Body",
         "Disc",
@@ -541,6 +1053,12 @@ _HOMES = {
         "GearTrain",
         "Member",
     ),
+    "gearmesh.teeth.limits": (
+        "LostFlank",
+        "MemberLimits",
+        "SideLimits",
+    ),
+    "gearmesh.teeth.micro_geometry.deviations": ("DeviationGrid",),
     "gearmesh.teeth.mount": ("Mount",),
     "gearmesh.teeth.region": (
         "Region",
@@ -553,7 +1071,11 @@ _HOMES = {
         "Sections",
     ),
     "gearmesh.teeth.tooth": ("Tooth",),
-    "gearmesh.teeth.tooth_side": ("ToothSide",),
+    "gearmesh.teeth.tooth_side": (
+        "Bottom",
+        "TipCorner",
+        "ToothSide",
+    ),
     "gearmesh.tools.rack": ("Parabola",),
     "gearmesh.view.picture": (
         "Animation",

@@ -512,7 +512,7 @@ class FlankContact(ContactTable):
     ] = "right"
 
 
-class Mesh(Table):
+class MeshTable(Table):
     """How fine the solids are."""
 
     tolerance: Annotated[
@@ -644,7 +644,7 @@ class Design(Table):
     ] = None
     backlash: Annotated[float, Key("length", "normal backlash of the pair", low=0)] = 0.0
     contact: ContactTable = ContactTable()
-    mesh: Mesh = Mesh()
+    mesh: MeshTable = MeshTable()
     material: MaterialTable = MaterialTable()
     fe: FiniteElementTable = FiniteElementTable()
 

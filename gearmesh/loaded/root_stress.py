@@ -51,13 +51,53 @@ class RootStress:
 
     @staticmethod
     def join(pinion: RootStress, gear: RootStress) -> RootStress:
-        """Of both members, from figures (M,) of each."""
+        """Stresses of both members in one.
+
+        Parameters
+        ----------
+        pinion : RootStress
+            Arrays (M,) of the pinion.
+        gear : RootStress
+            The same of the gear.
+
+        Returns
+        -------
+        RootStress
+            Arrays (M, 2).
+
+        Examples
+        --------
+        >>> one = gm.RootStress(*(np.ones(3) for _ in range(5)))
+        >>> gm.RootStress.join(one, one).bending.shape
+        (3, 2)
+        """
         return RootStress(
             *(np.stack(both, axis=1) for both in zip(vars(pinion).values(), vars(gear).values(), strict=True))
         )
 
     def worst(self, values: Array, position: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-        """Numbers (P, 2) of the pairs with the largest of values (M, 2) at each of `count` positions."""
+        """Which tooth pair is stressed most at each position.
+
+        Parameters
+        ----------
+        values : numpy.ndarray of float (M, 2)
+            Stresses of pinion and gear, MPa.
+        position : numpy.ndarray of int (M,)
+            Position of each pair.
+        count : int
+            Positions P.
+
+        Returns
+        -------
+        numpy.ndarray of int (P, 2)
+            Numbers of the pairs, of pinion and gear.
+
+        Examples
+        --------
+        >>> stress = gm.RootStress(*(np.ones((3, 2)) for _ in range(5)))
+        >>> stress.worst(np.array([[1.0, 3.0], [2.0, 1.0], [5.0, 5.0]]), np.array([0, 0, 1]), 2).tolist()
+        [[1, 0], [2, 2]]
+        """
         known = np.nan_to_num(values, nan=-np.inf)
         order = [np.lexsort((own, position)) for own in known.T]
         return np.stack(

@@ -53,7 +53,25 @@ class Plan:
         return tuple(self.columns)
 
     def rows(self, start: int, stop: int) -> list[tuple[Value, ...]]:
-        """Values of the rows from `start` to `stop`, in the order of the keys."""
+        """Values of some rows, in the order of the keys.
+
+        Parameters
+        ----------
+        start : int
+            The first row, counted from 0.
+        stop : int
+            The one after the last.
+
+        Returns
+        -------
+        list of tuple
+            One tuple of values a row.
+
+        Examples
+        --------
+        >>> gears.study({"assembly.dx": "-0.02:0.02:3"}).plan.rows(0, 2)
+        [(-0.02,), (0.0,)]
+        """
         return list(zip(*(column[start:stop] for column in self.columns.values()), strict=True))
 
     @property

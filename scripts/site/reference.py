@@ -192,9 +192,37 @@ def directive(name: str) -> list[str]:
 
 
 def fields_of(name: str) -> str:
-    """The public fields of a public class, in their order."""
-    fields = getattr(getattr(gm, name), "__dataclass_fields__", {})
+    """The public fields of a public class, in their order; of a table of a design its keys."""
+    value = getattr(gm, name)
+    fields = value.model_fields if issubclass(value, gm.Table) else getattr(value, "__dataclass_fields__", {})
     return ", ".join(code(field) for field in fields if not field.startswith("_"))
+
+
+#: types within answers: title, what they are, and which
+PARTS = (
+    (
+        "Figures",
+        "Rows of answers and what is in them, each field a figure; units and meanings are on [their page](../figures.md).",
+        lambda value: issubclass(value, gm.Figures),
+    ),
+    (
+        "Tables of designs",
+        "`design.pinion`, `design.assembly` and all other tables of a design; what keys mean is on the page of their kind.",
+        lambda value: issubclass(value, gm.Table),
+    ),
+    ("Others", "What attributes of gears and answers are besides.", lambda value: True),
+)
+
+
+def parts_of(names: Sequence[str]) -> list[str]:
+    """Tables of types within answers, by what they are."""
+    body, left = [], list(names)
+    for title, about, belongs in PARTS:
+        group = [name for name in left if belongs(getattr(gm, name))]
+        left = [name for name in left if name not in group]
+        rows = ((code(name), summary(getattr(gm, name)), fields_of(name)) for name in group)
+        body += [f"## {title}", "", about, "", *table(("class", "what", "fields"), rows)]
+    return body
 
 
 def kinds_of_design() -> dict[str, list[str]]:
@@ -241,13 +269,9 @@ def python_pages(folder: Path) -> None:
         folder / "parts.md",
         "Types within answers",
         [
-            "What attributes of gears and answers are, for annotations. Units and meanings of figures are on their own page,",
-            "[figures](../figures.md).",
+            "What attributes of gears and answers are, for annotations.",
             "",
-            *table(
-                ("class", "what", "fields"),
-                ((code(name), summary(getattr(gm, name)), fields_of(name)) for name in parts),
-            ),
+            *parts_of(parts),
         ],
     )
     listed = [*(file for file, *_ in PYTHON), "designs", "parts"]

@@ -37,7 +37,24 @@ class Resolution(Figures):
     )
 
     def coarse(self, second_order: bool) -> str:
-        """Why elements of first or second order so coarse do not resolve the contact pressure; empty where they do."""
+        """Why elements so coarse do not resolve the contact pressure.
+
+        Parameters
+        ----------
+        second_order : bool
+            Whether elements are of second order.
+
+        Returns
+        -------
+        str
+            The reason; empty where they do resolve it.
+
+        Examples
+        --------
+        >>> over = {"pinion": gm.HalfAxes(0.5, 4.0), "gear": gm.HalfAxes(4.0, 4.0)}
+        >>> gm.Resolution(over, {"pinion": 4.0, "gear": 4.0}, 0.1).coarse(False)
+        '0.5 elements over a semi-axis of the contact ellipse'
+        """
         if self.sag is None:
             return "the contact is at an edge"
         least = min(min(half_axes.across, half_axes.along) for half_axes in self.over.values())

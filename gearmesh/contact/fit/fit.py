@@ -120,7 +120,23 @@ class Fit:
         return any(clearance is not None and clearance.distance < -NOTHING for clearance in self.clearances)
 
     def jams(self, phi1: Array) -> NDArray[np.bool_]:
-        """At which rotations phi1 (N,), rad, the gears are `jammed`."""
+        """At which rotations of the pinion the gears are `jammed`.
+
+        Parameters
+        ----------
+        phi1 : numpy.ndarray of float (N,)
+            Rotations, rad.
+
+        Returns
+        -------
+        numpy.ndarray of bool (N,)
+            True where no rotation of the gear is free.
+
+        Examples
+        --------
+        >>> bool(gears.contact().fit.jams(np.zeros(1))[0])
+        False
+        """
         if not self.jammed:
             return np.zeros(len(phi1), dtype=bool)
         jamming: NDArray[np.bool_] = np.full(len(phi1), True) if self._in_roots else self.play(phi1) < 0.0

@@ -55,11 +55,37 @@ class MeasuringGrid:
         *,
         fillet: bool = False,
     ) -> MeasuringGrid:
-        """Of the one tooth of a member: (I, J) points evenly spaced in s and t, `margins` from the edges; one row or
-        column lies in the middle.
+        """Points of a flank, or of the fillet under it, evenly spaced along profile and face.
 
-        Raises DesignError for a shape or margins out of range and where teeth of the member differ, TrimError where the tooth
-        cannot be trimmed.
+        Parameters
+        ----------
+        member : Member
+            Whose teeth are all alike.
+        side : Side
+            The flank.
+        shape : tuple of two int
+            Rows from root to tip and columns from toe to heel; one alone lies in the middle.
+        margins : tuple of two float
+            Shares of profile and face that are left out beside the edges.
+        fillet : bool
+            Whether the fillet is meant.
+
+        Returns
+        -------
+        MeasuringGrid
+            In the member's frame.
+
+        Raises
+        ------
+        DesignError
+            For a shape or margins out of range, and where teeth of the member differ.
+        NoSolutionError
+            For a tooth that cannot be trimmed.
+
+        Examples
+        --------
+        >>> gm.MeasuringGrid.of(gears.members["pinion"], gm.Side.RIGHT, (5, 9)).points.shape
+        (5, 9, 3)
         """
         _refuse(shape, margins)
         tooth = member.one_tooth
@@ -90,7 +116,24 @@ class MeasuringGrid:
         return len(self.s), len(self.t)
 
     def probe_centres(self, radius: float) -> Array:
-        """Centres (I, J, 3) of a probe's ball of that radius (mm) that touches."""
+        """Where the centre of a probe's ball is when it touches.
+
+        Parameters
+        ----------
+        radius : float
+            Of the ball, mm.
+
+        Returns
+        -------
+        numpy.ndarray of float (I, J, 3)
+            Centres in the member's frame, mm.
+
+        Examples
+        --------
+        >>> grid = gm.MeasuringGrid.of(gears.members["pinion"], gm.Side.RIGHT, (5, 9))
+        >>> bool(np.allclose(grid.probe_centres(1.0) - grid.points, grid.normals))
+        True
+        """
         return np.asarray(self.points + radius * self.normals)
 
     @property

@@ -63,14 +63,50 @@ class ThicknessAllowance(Table):
         return self
 
     def by_series(self, diameter: float) -> dict[str, float]:
-        """Both ends, mm, as the series says at a reference diameter, mm; empty without a series."""
+        """Both ends of the allowance as the series says, DIN 3967.
+
+        Parameters
+        ----------
+        diameter : float
+            Reference diameter, mm.
+
+        Returns
+        -------
+        dict of str to float
+            "upper" and "lower", mm; empty without a series.
+
+        Examples
+        --------
+        >>> design = gm.load("samples/helical.toml", ["pinion.thickness_allowance=cd25"])
+        >>> design.pinion.thickness_allowance.by_series(40.0)
+        {'upper': -0.054, 'lower': -0.084}
+        """
         if self.series is None:
             return {}
         return dict(zip(("upper", "lower"), din3967.allowances(self.series, diameter), strict=True))
 
     def check_series(self, table: str, diameter: float, mm_per_unit: float) -> None:
-        """Raise a conflict for a reference diameter (mm) beyond the standard's, and for ends beside the series that are not its
-        own; `table`: the dotted name of this one."""
+        """See that the reference diameter is one of the standard's, and that ends beside the series are its own.
+
+        Parameters
+        ----------
+        table : str
+            Dotted name of this table, which refusals name.
+        diameter : float
+            Reference diameter, mm.
+        mm_per_unit : float
+            Millimetres in a unit of the design's lengths.
+
+        Raises
+        ------
+        DesignError
+            Where they are not.
+
+        Examples
+        --------
+        >>> design = gm.load("samples/helical.toml", ["pinion.thickness_allowance=cd25"])
+        >>> design.pinion.thickness_allowance.check_series("pinion.thickness_allowance", 124.2, 1.0)
+        """
         if diameter > din3967.DIAMETERS[-1]:
             raise conflict(
                 f"{table}.series",
@@ -138,7 +174,24 @@ class DiameterTolerance(Table):
         return self
 
     def deviations(self, diameter: float) -> iso286.Deviations | None:
-        """Both deviations of a diameter, lengths in mm; None where ISO 286 has no such size."""
+        """Both deviations of a diameter, of a table in mm.
+
+        Parameters
+        ----------
+        diameter : float
+            Nominal, mm.
+
+        Returns
+        -------
+        Deviations or None
+            Upper and lower, mm; None where ISO 286 has no such size.
+
+        Examples
+        --------
+        >>> design = gm.load("samples/spur.toml", ["pinion.tip_diameter_tolerance=h8"])
+        >>> design.pinion.tip_diameter_tolerance.deviations(44.0).lower
+        -0.039
+        """
         if self.grade is not None:
             return None if diameter > iso286.SIZES[-1] else iso286.deviations(self.grade, diameter)
         assert self.upper is not None
@@ -166,6 +219,23 @@ class CenterDistanceAllowance(Table):
         return self
 
     def center_distance_deviations(self, distance: float) -> iso286.Deviations | None:
-        """Both allowances of a centre distance, mm; None where none are given, or ISO 286 has no such size."""
+        """Both deviations of a centre distance.
+
+        Parameters
+        ----------
+        distance : float
+            Nominal centre distance, mm.
+
+        Returns
+        -------
+        Deviations or None
+            Upper and lower, mm; None where no allowance is given, or ISO 286 has no such size.
+
+        Examples
+        --------
+        >>> design = gm.load("samples/spur.toml", ["assembly.center_distance_allowance=js7"])
+        >>> design.assembly.center_distance_deviations(100.0).upper
+        0.0175
+        """
         given = self.center_distance_allowance
         return None if given is None or distance > iso286.SIZES[-1] else iso286.deviations(given, distance)

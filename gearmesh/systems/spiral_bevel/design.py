@@ -428,7 +428,24 @@ class BevelPinion(BevelMember):
     convex: PinionSide = PinionSide()
 
     def side(self, name: str) -> PinionSide:
-        """The side "concave" or "convex"."""
+        """The keys of a side of the pinion's teeth.
+
+        Parameters
+        ----------
+        name : str
+            "concave" or "convex".
+
+        Returns
+        -------
+        PinionSide
+            Cutter and machine settings of that side.
+
+        Examples
+        --------
+        >>> design = gm.load("samples/spiral_bevel_basic.toml")
+        >>> design.pinion.side("concave") is design.pinion.concave
+        True
+        """
         return self.concave if name == "concave" else self.convex
 
 

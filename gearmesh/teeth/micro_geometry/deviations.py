@@ -69,11 +69,37 @@ class DeviationGrid:
     def of(
         tooth: Tooth, which: Side, values: ArrayLike, s: ArrayLike | None = None, t: ArrayLike | None = None
     ) -> DeviationGrid:
-        """At shares `s` (I,) of the way from form point to tip and `t` (J,) from toe to heel, the trimmed flank's, ascending
-        in 0..1.
+        """Deviations of a flank at shares of the way along its profile and along its face.
 
-        By default they are evenly spaced, MARGIN from the edges. Raises DesignError for other values and shares, TrimError where
-        the tooth cannot be trimmed.
+        Parameters
+        ----------
+        tooth : Tooth
+            Whose flank is meant.
+        which : Side
+            The flank.
+        values : array of float (I, J)
+            Deviations, mm: rows from root to tip, columns from toe to heel.
+        s : array of float (I,), optional
+            Shares of the way from form point to tip, ascending in 0..1; by default evenly spaced, 0.1 from the edges.
+        t : array of float (J,), optional
+            The same from toe to heel.
+
+        Returns
+        -------
+        DeviationGrid
+            In the frame of the tooth's member.
+
+        Raises
+        ------
+        DesignError
+            For values that are no table of numbers, and for other shares.
+        NoSolutionError
+            For a tooth that cannot be trimmed.
+
+        Examples
+        --------
+        >>> gm.DeviationGrid.of(gears.members["pinion"].one_tooth, gm.Side.RIGHT, np.zeros((5, 9))).points.shape
+        (5, 9, 3)
         """
         values = np.asarray(values, dtype=float)
         if values.ndim != 2 or min(values.shape) < 2 or not np.isfinite(values).all():
@@ -89,7 +115,7 @@ class DeviationGrid:
         grid = tooth.flank_grid(which, *places)
         return DeviationGrid(grid.points, grid.normals, values)
 
-    def spline(self, levels: tuple[Level, Level]) -> BandSpline:
+    def _spline(self, levels: tuple[Level, Level]) -> BandSpline:
         """The deviations over the flank coordinates that two levels are. Raises DesignError where the points are no grid."""
 
         def places(points: Array) -> Array:
@@ -176,7 +202,7 @@ def _side(tooth: Tooth, which: Side, grid: DeviationGrid) -> ToothSide:
             reason="a linear relief gives the flank a corner, over which deviations along its normals would tear it",
             allowed="flanks with parabolic or circular reliefs",
         )
-    field = LevelField(levels, (grid.spline(levels), _fade(tooth, which, levels)))
+    field = LevelField(levels, (grid._spline(levels), _fade(tooth, which, levels)))
     reached = field.jet(grid.points + grid.values[..., None] * grid.normals).value
     if np.abs(reached - grid.values).max() > FADED:
         raise ArgumentError(
