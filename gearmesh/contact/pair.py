@@ -45,8 +45,6 @@ FACES = 0.6 * np.pi
 STEP = 1e-6
 #: sine of the angle between axes from which on they are skew, not parallel with errors
 SKEW = 0.1
-#: and below which they are parallel
-PARALLEL = 1e-9
 #: largest residual of what counts as solved: mm, and a part of the pinion's largest coordinate, if that is more
 TOLERANCE, ROUNDING = 1e-11, 1e-12
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Figures
 from gearmesh.kernel.motion.joint import Joint
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rigid import PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc
 from gearmesh.kernel.surface.levels import station_normal
@@ -36,8 +36,6 @@ SourceParameters = Callable[[Array, Array], dict[str, Array]]
 
 #: how far (mm) teeth that differ may be from each other where they begin at the root
 SEAM = 1e-9
-#: sine of the angle between axes that count as parallel
-PARALLEL = 1e-12
 
 
 @dataclass(frozen=True)

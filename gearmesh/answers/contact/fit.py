@@ -13,8 +13,8 @@ from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.fit.fit import NOTHING, Fit, centre_distance, fit
 from gearmesh.contact.fit.freeing import direction, freeing_shift
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.pair import PARALLEL
 from gearmesh.figures import Figures, figure
+from gearmesh.kernel.motion.rigid import PARALLEL
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair
 

@@ -11,9 +11,10 @@ import numpy as np
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.zone import ContactZone, LimitLine, contact_zone, limit_lines
 from gearmesh.figures import Figures, figure
+from gearmesh.kernel.motion.rigid import PARALLEL
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.kernel.surface.levels import station_normal
-from gearmesh.teeth.gear_train import PARALLEL, GearPair
+from gearmesh.teeth.gear_train import GearPair
 
 #: sine of the distance of axes that cross over that of the contact from them up to which they intersect
 INTERSECT = 1e-9

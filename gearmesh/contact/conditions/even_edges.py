@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Bound, Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, advances_of, at_positions, margins
-from gearmesh.contact.pair import NUMBERED, OF_CORNERS, PARALLEL, Pair
+from gearmesh.contact.pair import NUMBERED, OF_CORNERS, Pair
+from gearmesh.kernel.motion.rigid import PARALLEL
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, turn
 

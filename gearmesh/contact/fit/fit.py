@@ -24,7 +24,8 @@ from gearmesh.contact.engagement.symmetry import ImageCurve, image
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.fit.clearance import Clearance, tip_clearance
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.pair import PARALLEL, Pair
+from gearmesh.contact.pair import Pair
+from gearmesh.kernel.motion.rigid import PARALLEL
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 from gearmesh.teeth.gear_train import GearPair

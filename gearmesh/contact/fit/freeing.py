@@ -25,8 +25,7 @@ from gearmesh.contact.fit.fit import (
     slack_of,
 )
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.pair import PARALLEL
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rigid import PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair
 

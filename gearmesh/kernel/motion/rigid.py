@@ -14,6 +14,9 @@ from numpy.typing import ArrayLike
 
 from gearmesh.kernel.numeric.algebra import Array, rotation_about, turn
 
+#: sine of the angle between axes below which they are parallel
+PARALLEL = 1e-9
+
 
 @dataclass(frozen=True)
 class Rigid:

@@ -19,7 +19,7 @@ from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.kinds import KINDS
 
 #: Angles (deg) closer than this to parallel axes are parallel.
-PARALLEL = 1e-9
+ALIGNED = 1e-9
 #: Rounding of the rack's tip that is not given, in normal modules, where there is room for it [ISO 53].
 TIP_RADIUS = 0.38
 
@@ -164,7 +164,7 @@ class BeveloidDesign(PairDesign):
         """Whether the nominal axes are parallel [LT02 3]: opposite helices, and cone angles that cancel."""
         cones = self.pinion.cone_angle + (-1 if self.assembly.turned_over else 1) * self.gear.cone_angle
         helices = self.pinion.helix_angle + self.gear.helix_angle
-        return math.hypot(cones, helices) < PARALLEL
+        return math.hypot(cones, helices) < ALIGNED
 
     @model_validator(mode="after")
     def _center_distance_of_parallel_axes(self) -> Self:
