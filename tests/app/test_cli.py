@@ -421,6 +421,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
         ("tca absent.toml", "absent.toml: cannot be read: No such file or directory"),
         # before what to make of it, which is missing, too
         ("solid absent.toml", "absent.toml: cannot be read: No such file or directory"),
+        ("convert absent.rexs", "absent.rexs: cannot be read: No such file or directory"),
         ("tca .", ".: is a folder, not a design file"),
         ("tca SAMPLE --json - --csv -", "--csv = -: --json already uses standard output"),
         ("tca SAMPLE --json nowhere/a.json", "cannot write nowhere/a.json: the folder nowhere does not exist"),

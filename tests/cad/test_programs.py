@@ -114,7 +114,7 @@ def test_without_the_library_one_line_names_the_extra(monkeypatch: pytest.Monkey
         for made in (part, mesh):
             with pytest.raises(gm.OutputError) as raised:
                 getattr(made, f"to_{library}")()
-            assert str(raised.value) == f'to_{library} needs {name}: pip install ".[{library}]"'
+            assert str(raised.value) == f'to_{library} needs {name}: pip install "gearmesh[{library}]"'
 
 
 def test_a_mesh_for_manifold3d_is_the_same_body() -> None:

@@ -302,5 +302,5 @@ def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:
     arguments = ["solid", str(SAMPLES / "spur.toml"), "--member", "gear", "-o", str(old)]
     done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == 'gearmesh: error: DXF needs ezdxf: pip install ".[cad]"\n'
+    assert done.stderr == 'gearmesh: error: DXF needs ezdxf: pip install "gearmesh[cad]"\n'
     assert [file.read_text() for file in tmp_path.iterdir()] == ["kept"]

@@ -754,7 +754,7 @@ def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:
     arguments = ["solid", str(SAMPLES / "helical.toml"), "--member", "both", "-o", str(old)]
     run = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False)
     assert (run.returncode, run.stdout) == (2, "")
-    assert run.stderr == 'gearmesh: error: STEP needs OpenCASCADE: pip install ".[step]"\n'
+    assert run.stderr == 'gearmesh: error: STEP needs OpenCASCADE: pip install "gearmesh[step]"\n'
     assert [file.read_text() for file in tmp_path.iterdir()] == ["kept"]
 
 

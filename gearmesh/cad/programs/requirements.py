@@ -20,4 +20,4 @@ def require(module: str, need: str, extra: str) -> None:
             what = need.partition(" needs ")[0]
             reason = f"{what} needs the system library {missing}: apt-get install libgl1 libx11-6"
             raise OutputError(reason=reason) from None
-        raise OutputError(reason=f'{need}: pip install ".[{extra}]"') from None
+        raise OutputError(reason=f'{need}: pip install "gearmesh[{extra}]"') from None

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from gearmesh.app.options import Json, Set, load_gears
+from gearmesh.app.options import Json, Set, load_gears, present
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
 
@@ -15,7 +15,12 @@ from gearmesh.errors import ArgumentError
 def convert(
     source: Annotated[
         Path,
-        typer.Argument(metavar="IN", help="REXS file (.rexs, .rexsj, .rexsz), or a design file.", show_default=False),
+        typer.Argument(
+            metavar="IN",
+            help="REXS file (.rexs, .rexsj, .rexsz), or a design file.",
+            show_default=False,
+            callback=present,
+        ),
     ],
     output: Annotated[
         Path,
