@@ -19,13 +19,14 @@ valid.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.cheapest_ways import Table, cheapest, together
 
 Index = NDArray[np.int64]
 #: distance (M,), mm, of the middles of edges (M, 2) from the surface
@@ -40,10 +41,6 @@ Chains = tuple[int, int, tuple[Index, Index]]
 CORNERS = ((True, True), (True, False), (False, True), (False, False))
 #: gain (mm) from which on a diagonal is turned: below it is rounding
 GAIN = 1e-12
-#: pairs of nodes of a strip up to which all of its diagonals are tried
-PAIRS = 4_000
-#: cells beyond the longest of its diagonals up to which they are tried in strips with more, and how many pairs these may be
-CELLS, MOST_PAIRS = 4.0, 40_000
 
 
 @dataclass(frozen=True)
@@ -143,25 +140,21 @@ class StripTriangulation:
         """The triangulation with the best corners, and the best diagonals between their chains, in the chosen strips (S,): the sum
         of the diagonals' misses, to the fourth power, is the least that there is; nodes are at `t` (N,).
 
-        By dynamic programming over all pairs of nodes [Fuchs, Kedem & Uselton, Comm. ACM 20 (1977) 693]; in strips with more than
-        PAIRS of them over those that are no farther apart along the strip than its diagonals and some cells more; where they are
-        more than MOST_PAIRS the strip stays.
+        By dynamic programming over all pairs of nodes [Fuchs, Kedem & Uselton, Comm. ACM 20 (1977) 693], in long strips over those
+        that are near; where they are too many the strip stays (`Table`).
         """
         steps, chains = np.split(self.steps, np.searchsorted(self.strip, np.arange(1, len(self.start)))), self._chains
         places, strip = self.diagonals()
         apart = np.zeros(len(self.start))
         np.maximum.at(apart, strip, np.abs(t[self.a[places[:, 0]]] - t[self.b[places[:, 1]]]))
-        for k in np.flatnonzero(chosen):
-            ways = [_chains(self.strips[k], *corners) for corners in CORNERS]
-            bands = [_band(t[a], t[b], apart[k]) if a.size and b.size else None for _, _, (a, b) in ways]
-            tried = [(way, band) for way, band in zip(ways, bands, strict=True) if band is not None]
-            if not tried:
-                continue
-            pairs = [_pairs(*way[2], *band) for way, band in tried]
-            costs = np.split(miss(np.concatenate(pairs)) ** 4, np.cumsum([len(part) for part in pairs])[:-1])
-            ends = [_cheapest(cost, *band, way[2][1].size) for cost, (way, band) in zip(costs, tried, strict=True)]
-            least = int(np.argmin([total for total, _ in ends]))
-            chains[k], steps[k] = tried[least][0], ends[least][1]
+        tables = [(k, *_around(self.strips[k], t, apart[k])) for k in np.flatnonzero(chosen).tolist()]
+        tried = [(k, pair, table) for k, pair, table in tables if table is not None]
+        for some in together([table for *_, table in tried]):
+            begun = [tried[n] for n in some]
+            costs = miss(np.concatenate([table.pairs(*pair) for _, pair, table in begun])) ** 4
+            ways = cheapest(costs, [table for *_, table in begun])
+            for (k, _, _), (way, taken) in zip(begun, ways, strict=True):
+                chains[k], steps[k] = _chains(self.strips[k], *CORNERS[way]), taken
         return StripTriangulation._join(self.strips, chains, steps)
 
     def _gaining(self, miss: Miss, held: Array) -> Index:
@@ -177,51 +170,6 @@ class StripTriangulation:
         gain[at] = np.where((first == second) & (first > 0.0), 0.0, miss(both[0]) - miss(both[1]))
         best = (gain > GAIN) & (gain > np.append(gain[1:], 0.0)) & (gain >= np.concatenate(([0.0], gain[:-1])))
         return np.flatnonzero(best)
-
-
-def _band(t: Array, other: Array, apart: float) -> tuple[Index, Index] | None:
-    """Which nodes of one chain, from `low` up to `high` (A,), may be joined with each node of the other, by their places along the
-    strip, t (A,) and (B,): all of them where these are few pairs; None where they are too many."""
-    if t.size * other.size <= PAIRS:
-        return np.zeros(t.size, dtype=np.int64), np.full(t.size, other.size)
-    widest = max(float(np.diff(of, prepend=0.0, append=1.0).max()) for of in (t, other))
-    low = np.searchsorted(other, t - apart - CELLS * widest)
-    high = np.searchsorted(other, t + apart + CELLS * widest, side="right")
-    return (low, high) if (high - low).sum() <= MOST_PAIRS else None
-
-
-def _pairs(a: Index, b: Index, low: Index, high: Index) -> Index:
-    """Each node of a (A,) with those of b (B,) from `low` up to `high` (A,): (K, 2)."""
-    count = high - low
-    before = (count.cumsum() - high).repeat(count)
-    pairs = np.empty((before.size, 2), dtype=np.int64)
-    pairs[:, 0], pairs[:, 1] = a.repeat(count), b[np.arange(before.size) - before]
-    return pairs
-
-
-def _cheapest(cost: Array, low: Index, high: Index, columns: int) -> tuple[float, NDArray[np.bool_]]:
-    """The least sum of cost from corner to corner of a table (A, B), which has the costs (K,) from `low` up to `high` (A,) in its
-    rows, and the steps on the way, True along the first axis."""
-    total = np.full((low.size, columns), np.inf)
-    before = np.full(columns, np.inf)
-    before[0] = 0.0
-    for row, begin, end, own in zip(total, low.tolist(), high.tolist(), _sums(cost, high - low), strict=True):
-        # from the row before at any place, then along this one
-        row[begin:end] = own[1:] + np.minimum.accumulate(before[begin:end] - own[:-1])
-        before = row
-    i, j, known = low.size - 1, columns - 1, total.tolist()
-    steps = list[bool]()
-    while i or j:
-        steps.append(j == 0 or (i > 0 and known[i - 1][j] <= known[i][j - 1]))
-        i, j = (i - 1, j) if steps[-1] else (i, j - 1)
-    return float(total[-1, -1]), np.array(steps[::-1], dtype=bool)
-
-
-def _sums(cost: Array, sizes: Index) -> Iterable[Array]:
-    """Sums from 0 on of costs (K,) along rows of so many (A,)."""
-    if sizes[0] * sizes.size == cost.size and (sizes == sizes[0]).all():
-        return np.cumsum(np.concatenate((np.zeros((sizes.size, 1)), cost.reshape(sizes.size, -1)), axis=1), axis=1)
-    return [np.append(0.0, np.cumsum(part)) for part in np.split(cost, np.cumsum(sizes)[:-1])]
 
 
 def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bool, bool]]:
@@ -251,6 +199,16 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
             held = len(left if starts[k] else right) == 2
             corners.append((bool(starts[k]), bool(starts[k] if held else ends[k])))
     return corners
+
+
+def _around(strip: Strip, t: Array, apart: float) -> tuple[tuple[Index, Index], Table | None]:
+    """The nodes of a strip at its toe, on its left line and at its heel, those at toe, on the right line and at heel, and the
+    table of their pairs, in which chains of all CORNERS begin and end: from left, from right; to right, to left."""
+    left, right, toe, heel = strip
+    a, b = np.concatenate((toe[::-1], left, heel)), np.concatenate((toe, right, heel[::-1]))
+    starts = [[toe.size + 1, 0], [0, toe.size + 1]]
+    ends = [[a.size - 1, toe.size + right.size - 2], [toe.size + left.size - 2, b.size - 1]]
+    return (a, b), Table.of(t[a], t[b], apart, starts, ends)
 
 
 def _chains(strip: Strip, from_left: bool, to_right: bool) -> Chains:
