@@ -9,10 +9,16 @@ def main() -> int:
     """Answer the command line. Stopped while that is being loaded, it says so as it does later."""
     try:
         from gearmesh.app.cli import main as answer
+
+        status = answer()
     except KeyboardInterrupt:
         print("gearmesh: error: stopped: no file was written", file=sys.stderr)
-        return 130
-    return answer()
+        status = 130
+    if status == 130:
+        # a stop within code that is a text, as methods of dataclasses are while they are made, leaves a mark by which Python ends
+        # itself by a signal; the next text takes it away
+        exec("")
+    return status
 
 
 if __name__ == "__main__":

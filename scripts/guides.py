@@ -189,8 +189,12 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "80", "NO_COLOR": "1"}
 
 
+#: what is in work, a line each, in a pipe: the bar of a terminal, which goes when it is done
+STAGE = re.compile(r"^gearmesh: (?!warning|error).*\n", re.MULTILINE)
+
+
 def shell(text: str, folder: Path) -> str:
-    """Run a bash block: what it printed, on either stream."""
+    """Run a bash block: what it printed, on either stream, as a terminal keeps it."""
     program = f'gearmesh() {{ "{sys.executable}" -m gearmesh "$@"; }}\n'
     done = subprocess.run(
         ["bash", "-euo", "pipefail", "-c", program + text],
@@ -205,7 +209,7 @@ def shell(text: str, folder: Path) -> str:
     )
     if done.returncode:
         raise GuideError(f"status {done.returncode}\n{done.stdout}")
-    return done.stdout
+    return STAGE.sub("", done.stdout)
 
 
 def run(path: Path, folder: Path, *, write: bool = False) -> None:

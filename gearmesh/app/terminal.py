@@ -95,7 +95,8 @@ def output_folder(path: Path) -> Iterator[None]:
 @contextmanager
 def working(what: str) -> Iterator[Progress]:
     """A progress bar on a terminal, with the time that it took and, once the progress is known, that which remains; until then the
-    bar pulses. Elsewhere one line per stage. What the work itself tells on its way counts where the command tells nothing."""
+    bar pulses. Elsewhere one line per stage. What the work itself tells on its way counts where the command tells nothing: then
+    `what` is the stage, of work that tells anything, which no clock decides."""
     if not sys.stderr.isatty():
         stage = ""
 
@@ -105,7 +106,12 @@ def working(what: str) -> Iterator[Progress]:
                 stage = doing
                 print(f"gearmesh: {doing}", file=sys.stderr)
 
-        yield line
+        def begun(fraction: float) -> None:
+            if not stage:
+                line(fraction, what)
+
+        with listening(begun):
+            yield line
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn

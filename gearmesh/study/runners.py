@@ -32,22 +32,24 @@ def in_process(work: Work[T], chunks: Iterable[Chunk]) -> Iterator[tuple[int, T]
 
 
 def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterator[tuple[int, T]]:
-    """Chunks on so many processes of this machine, as they are finished; they end with this one, however that ends.
+    """Chunks on so many processes of this machine, as they are finished; they end with this one, however that ends, and at once
+    where nobody waits for them any more.
 
     Raises OutputError where one of them dies: what it had in work is not done.
     """
     from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
     from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
+    from multiprocessing import active_children, get_context
 
     waiting: dict[Future[T], int] = {}
     left = iter(chunks)
-    spawned = get_context("spawn")
+    spawned, others = get_context("spawn"), active_children()
     with _one_thread_each(), ProcessPoolExecutor(workers, mp_context=spawned, initializer=_end_with_parent) as pool:
         try:
             while True:
-                for number, rows in _some(left, workers * AHEAD - len(waiting)):
-                    waiting[pool.submit(work, rows)] = number
+                with _deaf_to_stops():
+                    for number, rows in _some(left, workers * AHEAD - len(waiting)):
+                        waiting[pool.submit(work, rows)] = number
                 if not waiting:
                     return
                 done = wait(waiting, return_when=FIRST_COMPLETED).done
@@ -57,8 +59,35 @@ def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterat
             raise OutputError(
                 reason="a worker process died (out of memory?); run the same command again to continue"
             ) from None
+        except BaseException:
+            # what they have in work is lost as well if it is waited for
+            for process in active_children():
+                if process not in others:
+                    process.terminate()
+            raise
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _deaf_to_stops() -> Iterator[None]:
+    """Processes that start meanwhile never hear of Ctrl-C, which a terminal sends to all: this one ends them.
+
+    They would answer with a traceback each while they load, and with nothing while they compute in C.
+    """
+    import signal
+    from multiprocessing import resource_tracker
+
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    # that of multiprocessing itself lets signals through again once it has started
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _end_with_parent() -> None:

@@ -22,7 +22,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oracles.command_line import refused, run
 from oracles.examples import examples
-from oracles.places import SAMPLES
+from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.bodies.solid import Solid, SolidFigures
@@ -655,7 +655,7 @@ def test_full_standard_output_is_one_line() -> None:
 def test_tca_of_the_first_sample() -> None:
     """[LT02] Table 2, case 1."""
     status, out, err = run("tca", INTERSECTED, "--json", "-")
-    assert (status, err) == (0, "")
+    assert (status, err) == (0, "gearmesh: tooth contact\n")
     rows = [
         (p["phi1_deg"], p["phi2_deg"], *p["pinion"]["params"].values(), *p["gear"]["params"].values(), p["te_arcsec"])
         for p in json.loads(out)["positions"]
@@ -667,7 +667,7 @@ def test_tca_of_the_first_sample() -> None:
 @pytest.mark.quick
 def test_solid_of_the_first_sample(here: Path) -> None:
     status, out, err = run("solid", INTERSECTED, "--member", "pinion", "-o", "p.stl", "--tol", "50um")
-    assert (status, err) == (0, "")
+    assert (status, err) == (0, "gearmesh: solid of the pinion\n")
     found = dict(line.split() for line in out.splitlines())
     assert (found["watertight"], float(found["tolerance_um"])) == ("true", 50)
     assert (here / "p.stl").stat().st_size == 84 + 50 * int(found["triangles"])
@@ -721,6 +721,23 @@ except BaseException:
 print('went on')
 """,
 }
+
+
+@pytest.mark.quick
+def test_a_stop_within_code_that_is_a_text_ends_in_the_status_of_a_stop(tmp_path: Path) -> None:
+    """As dataclasses are made, in imports: `python -m` would end itself by the signal, after what was said."""
+    (tmp_path / "stopped.py").write_text(
+        "import signal, sys\n"
+        "from gearmesh import __main__\n"
+        "from gearmesh.app import cli\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "cli.import_module = lambda name: exec('raise KeyboardInterrupt')\n"
+        "sys.argv = ['gearmesh', 'tca']\n"
+        "sys.exit(__main__.main())\n"
+    )
+    command, environment = [sys.executable, "-m", "stopped"], {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "gearmesh: error: stopped: no file was written\n")
 
 
 @pytest.mark.quick

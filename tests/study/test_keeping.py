@@ -37,6 +37,15 @@ def chunks(out: Path) -> list[int]:
     return [json.loads(line)["done"][0] for line in (out / "rows.jsonl").read_text().splitlines()]
 
 
+#: hundredths of a second of CPU time in which a worker has begun to load, and has not ended
+LOADING = 20
+
+
+def ticks(process: str) -> int:
+    """CPU time that a process has taken, in hundredths of a second."""
+    return sum(map(int, Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13]))
+
+
 def alive(process: int) -> bool:
     """Whether a process is there and has not ended."""
     try:
@@ -57,6 +66,29 @@ def killed(out: Path, kept: int, *more: str) -> list[int]:
         begun = [int(p) for p in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
         process.send_signal(signal.SIGKILL)
     return begun
+
+
+@pytest.mark.sweep
+def test_stopped_it_ends_at_once_with_one_line(tmp_path: Path) -> None:
+    """Ctrl-C goes to all processes of a terminal: even while the workers load they say nothing of their own, and nobody waits for
+    what they have in work."""
+    out = tmp_path / "out"
+    # of a job in the background the signal is ignored
+    begin = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); import sys; sys.argv[0] = 'gearmesh'\n"
+    command = [sys.executable, "-c", f"{begin}from gearmesh.__main__ import main; sys.exit(main())", *map(str, WORDS)]
+    command += ["--workers", "2", "-o", str(out)]
+    pipes = {"stderr": subprocess.PIPE, "stdout": subprocess.DEVNULL, "text": True, "start_new_session": True}
+    with subprocess.Popen(command, env=ENVIRONMENT, **pipes) as process:
+        until, children = time.monotonic() + 120.0, Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        while min(map(ticks, begun := children.read_text().split()[1:]), default=0) < LOADING or len(begun) < 2:
+            assert process.poll() is None
+            assert time.monotonic() < until
+            time.sleep(0.005)
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=60.0)
+    assert process.returncode == 130
+    assert said.splitlines() == [f"gearmesh: error: stopped: kept in {out}, each of them whole: plan.json"]
+    assert [own for own in begun if alive(int(own))] == []
 
 
 @pytest.mark.sweep
