@@ -165,6 +165,10 @@ class Scene:
     size: tuple[int, int] = (1600, 1200)
 
 
+#: positions are the same that are this part of the engagement from each other
+SAME = 1e-9
+
+
 @dataclass(frozen=True)
 class MemberContact:
     """The contact of P positions as one member sees it, in its own frame: what a flank picture draws.
@@ -240,6 +244,8 @@ def contact_on(
         edge = np.concatenate([part.edge for part, _ in both])[kept]
         points, normals = (np.concatenate([part.path[k] for part, _ in both])[kept] for k in (0, 1))
         order = np.argsort(rotation, kind="stable")
+        # positions that both have are in one place but for rounding, and what is between them has no direction
+        order = order[np.diff(rotation[order], prepend=-np.inf) > SAME * np.ptp(rotation)]
         points, normals, edge, rotation = points[order], normals[order], edge[order], rotation[order]
     after = jumps(points, edge, rotation) + 1
     return replace(own, curve=(np.insert(points, after, np.nan, axis=0), np.insert(normals, after, np.nan, axis=0)))
@@ -254,7 +260,7 @@ def jumps(points: Array, edge: NDArray[np.bool_], rotation: Array) -> NDArray[np
     """
     if len(rotation) < 2:
         return np.zeros(0, dtype=np.intp)
-    turned = np.maximum(np.abs(np.diff(rotation)), 1e-9 * np.ptp(rotation))
+    turned = np.maximum(np.abs(np.diff(rotation)), SAME * np.ptp(rotation))
     velocity = np.diff(points, axis=0) / turned[:, None]
     changes = edge[1:] != edge[:-1]
     steady = np.where((changes | ~np.isfinite(velocity[:, 0]))[:, None], 0.0, velocity)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
@@ -163,8 +164,10 @@ CUT_OFF, LONGEST, FILLS, SPARED = 2.6, 9.5, 1.2, 1.25
 AT_EDGE, BELOW_ROOT = 0.94, 0.1
 #: heights of a flank that are seen before its foremost point: the fillet, and not the next tooth
 BEFORE = 0.12
-#: mean of the directions from root to tip below which a flank winds, and their cosine up to which it is shown then
-WINDS, TURNED = 0.5, 0.85
+#: mean of the directions from root to tip below which a flank winds; cosines up to which these look alike, and are in sight
+WINDS, ALIKE, IN_SIGHT = 0.5, 0.85, -0.35
+#: what the normal of a flank that winds counts for in the direction from which it is seen, as a part of its height
+ASLANT = 0.7
 #: what of a point is at right angles to z
 FLAT = np.array([1.0, 1.0, 0.0])
 
@@ -194,9 +197,8 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
         raise NoSolutionError(
             view.title or "flank picture", reason="no position has contact, so there is nothing to show"
         )
-    wound = view.grid is not None and _winds(view.grid)
-    if view.grid is not None and wound:
-        view = replace(view, grid=_turn_near(view.grid, contact.middle))
+    if view.grid is not None and _winds(view.grid):
+        return _thread_camera(view.grid, contact, view.size)
     grid = _flank_points(view)
     normal = unit(np.nanmean(contact.normal, axis=0))
     if view.grid is not None:
@@ -205,10 +207,6 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
         normal = mean * np.sign(dot(mean, normal))
     land = view.fine.only("land").normals if "land" in view.fine.region_names else grid.mean(axis=0)[None] * FLAT
     up = unit(land.mean(axis=0))
-    if view.grid is not None and wound:
-        # across the threads the next one would hide it
-        up = unit(_heights(view.grid).mean(axis=0))
-        normal = unit(normal + up)
     whole = frame(normal, up, grid, view.size, margin=FILLS)
     right, rise, _ = whole.axes
     height = np.ptp(grid @ rise)
@@ -227,6 +225,28 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
     return replace(whole, position=whole.position + shift, focus=whole.focus + shift, height=most, front=front)
 
 
+def _thread_camera(grid: Array, contact: MemberContact, size: tuple[int, int]) -> Camera:
+    """Look at a flank of points (I, J, 3) that winds round its axis: at what touches on the side of the axis that is seen from where
+    the middle of the contact is, and at as much of the flank as that takes."""
+    turn = _turn_near(grid, contact.middle, IN_SIGHT)
+    columns = _nearest_columns(grid, contact.places)
+    touched = columns[(columns >= turn.start) & (columns < turn.stop)]
+    seen = grid[:, touched.min() : touched.max() + 1]
+    up = unit(_heights(seen).mean(axis=0))
+    across = unit(cross(np.gradient(grid, axis=0), np.gradient(grid, axis=1))[:, turn].reshape(-1, 3).mean(axis=0))
+    out = across * np.sign(dot(across, unit(np.nanmean(contact.normal, axis=0))))
+    # across the threads the next one would hide the root, from above the flank would be too steep
+    camera = frame(ASLANT * out + up, up, seen.reshape(-1, 3), size, margin=FILLS)
+    return replace(camera, height=max(camera.height, CUT_OFF * float(np.linalg.norm(seen[-1] - seen[0], axis=-1).mean())))
+
+
+def _nearest_columns(grid: Array, places: Array) -> NDArray[np.int64]:
+    """Columns (K,) of a flank's points (I, J, 3) that places (K, 3) are nearest to."""
+    few = grid[:: max(grid.shape[0] // 4, 1)]
+    away = np.linalg.norm(places[:, None, None] - few, axis=-1)
+    return np.asarray(away.min(axis=1).argmin(axis=1))
+
+
 def _heights(grid: Array) -> Array:
     """Unit vectors (J, 3) from root to tip of a flank's points (I, J, 3)."""
     return np.asarray(unit(grid[-1] - grid[0]))
@@ -237,14 +257,14 @@ def _winds(grid: Array) -> bool:
     return float(np.linalg.norm(_heights(grid).mean(axis=0))) < WINDS
 
 
-def _turn_near(grid: Array, point: Array) -> Array:
-    """The part (I, K, 3) of a flank that winds, of points (I, J, 3), that looks as it does where it is nearest to a point (3,)."""
+def _turn_near(grid: Array, point: Array, least: float) -> slice:
+    """The columns of a flank that winds, of points (I, J, 3), with heights at angles whose cosine with that at the column nearest to
+    a point (3,) is at least `least`."""
     heights = _heights(grid)
     nearest = int(np.linalg.norm(grid - point, axis=-1).min(axis=0).argmin())
-    other = np.flatnonzero(heights @ heights[nearest] < TURNED)
+    other = np.flatnonzero(heights @ heights[nearest] < least)
     first = int(other[other < nearest].max(initial=-1)) + 1
-    last = int(other[other > nearest].min(initial=len(heights)))
-    return grid[:, first:last]
+    return slice(first, int(other[other > nearest].min(initial=len(heights))))
 
 
 def _front(view: ToothView, camera: Camera) -> float:
@@ -260,7 +280,7 @@ def edge_words(view: ToothView, camera: Camera) -> tuple[Word, ...]:
     if view.grid is None:
         return ()
     if _winds(view.grid):
-        part = _turn_near(view.grid, camera.focus)
+        part = view.grid[:, _turn_near(view.grid, camera.focus, ALIKE)]
         i, j = part.shape[0] // 2, part.shape[1] // 2
         return tuple(Word(word, part[k, j], part[i, j]) for word, k in (("tip", -1), ("root", 0)))
     i = view.grid.shape[0] // 2

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
+from oracles.places import SAMPLES
 
+from gearmesh.contact.flanks import analyse
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.systems.designs import load
 from gearmesh.view.on_tooth import path_on_surface
-from gearmesh.view.scene import MemberContact, ToothView, jumps
+from gearmesh.view.scene import MemberContact, ToothView, contact_on, jumps
 
 
 def contact(points: np.ndarray) -> MemberContact:
@@ -46,6 +50,17 @@ def test_path_between_positions_is_as_round_as_they_are() -> None:
     (curve,) = path_on_surface(view(), contact(np.concatenate((across, across[-1] + up[1:]))))
     x, y, _ = np.abs(curve.points - (1.0, 0.0, 0.0)).T
     assert np.minimum(x, y).max() < 1e-6
+
+
+def test_path_has_no_position_twice() -> None:
+    """Those of the design are among those of the whole engagement, but for rounding, and between the two is no direction."""
+    pair = pair_of(load(str(SAMPLES / "beveloid_crossed.toml"), []))
+    rotation = np.radians(np.linspace(-10.0, 10.0, 9))
+    contacts = [analyse(pair, turns) for turns in (rotation[2:7], rotation + 1e-12)]
+    points = contact_on(0, contacts[0], pair.mounts, contacts[1]).path[0]
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=-1)
+    assert len(points) == 9
+    assert steps.min() > 0.5 * steps.max()
 
 
 @pytest.mark.quick

@@ -28,15 +28,22 @@ def test_contact_on_a_thread_is_seen() -> None:
     assert not any(hidden(start, camera.axes, mesh.vertices[mesh.triangles]) for start in starts)
 
 
-def test_middle_of_contact_on_a_worm_is_in_the_picture() -> None:
-    """Of contact lines, which go round the worm, the middle one."""
-    pair = pair_of(load(str(SAMPLES / "worm_drive.toml"), []))
-    path = analyse(pair, np.radians(np.linspace(-180.0, 120.0, 7)))
+def test_contact_on_this_side_of_a_worm_is_in_the_picture() -> None:
+    """Contact goes more than once round the axis: of its points all that are on the side of the axis that is seen."""
+    pair = pair_of(load(str(SAMPLES / "worm_drive.toml"), ["hob.reference_diameter=66"]))
+    path = analyse(pair, np.radians(np.linspace(-200.0, 200.0, 21)))
     camera = contact_picture(pair, "worm", path).camera
-    middle = contact_on(0, path, pair.mounts).middle
-    x, y, _ = camera.pixels(middle, SIZE)
-    assert 0.15 * SIZE[0] < x < 0.85 * SIZE[0]
-    assert 0.15 * SIZE[1] < y < 0.85 * SIZE[1]
+    contact = contact_on(0, path, pair.mounts)
+    lead = 10.0 * np.pi  # two threads of module 5 mm
+    near = np.abs(contact.point[:, 2] - contact.middle[2]) < 0.5 * lead
+    facing = contact.point[:, :2] @ camera.axes[2, :2] > 0.0
+    points = contact.point[np.isfinite(contact.point[:, 0]) & near & facing]
+    x, y, _ = camera.pixels(points, SIZE).T
+    assert len(points) >= 5
+    assert x.min() > 0.03 * SIZE[0]
+    assert x.max() < 0.97 * SIZE[0]
+    assert y.min() > 0.03 * SIZE[1]
+    assert y.max() < 0.97 * SIZE[1]
 
 
 def test_pattern_on_a_worm_is_where_its_ellipses_are() -> None:

@@ -37,6 +37,8 @@
   const COLOURS = ["#fde725", "#addc30", "#5ec962", "#28ae80", "#21918c", "#2c728e", "#3b528b", "#472d7b", "#440154"];
   const COMPOUND = [0.247, 0.498, 0.769], ELLIPSE = [0.78, 0.06, 0.18], CAP = "vec3(0.62, 0.36, 0.28)";
   const FIELD_OF_VIEW = 20, SECONDS = 5, CLICK = 5, CONTACT = "contact";
+  // cosine of the angle up to which directions from root to tip look alike
+  const ALIKE = 0.85;
 
   // ---------------------------------------------------------------- members
 
@@ -479,17 +481,43 @@
     stale = true;
   }
 
+  // what of a flank looks as it does where it touches at the position shown: all of it, or a part of a thread that winds round its
+  // axis. Its middle, its directions along and from root to tip, its height and its size, fixed frame
+  function inSight(flank, member, x) {
+    const [rows, columns] = flank.shape, middle = columns >> 1;
+    const own = (k) => vector(flank.points.slice(3 * k, 3 * k + 3)).applyMatrix4(member.group.matrix);
+    const roots = [], tips = [], heights = [];
+    for (let j = 0; j < columns; j++) {
+      roots.push(own(j));
+      tips.push(own((rows - 1) * columns + j));
+      heights.push(tips[j].clone().sub(roots[j]));
+    }
+    const point = vector(at(flank.contact, 3, x)).applyMatrix4(member.group.matrix);
+    const away = roots.map((root, j) => point.distanceTo(root) + point.distanceTo(tips[j]));
+    const nearest = Math.max(away.indexOf(Math.min(...away)), 0);
+    const alike = (j) => heights[j].dot(heights[nearest]) > ALIKE * heights[j].length() * heights[nearest].length();
+    let first = nearest, last = nearest;
+    while (first > 0 && alike(first - 1)) first--;
+    while (last < columns - 1 && alike(last + 1)) last++;
+    const whole = last - first === columns - 1, centre = whole ? middle : nearest;
+    return {
+      point,
+      centre: own((rows >> 1) * columns + centre),
+      along: roots[last].clone().sub(roots[first]).normalize(),
+      up: heights[centre],
+      size: whole ? flank.size : Math.max(tips[first].distanceTo(roots[last]), roots[first].distanceTo(tips[last])),
+      normal: vector(at(flank.normal, 3, x)).transformDirection(member.group.matrix),
+    };
+  }
+
   // the pinion's flank where it touches, through the other gears, as large as the teeth in mesh
   function lookAtContact() {
-    const [flank] = current.flanks, member = members[current.members[0]], [rows, columns] = flank.shape;
+    const member = members[current.members[0]];
     members.filter((other) => other !== member).forEach((other) => setMode(other, "see-through"));
     showPosition();
-    const x = Number(roll.value) * (current.phi1.length - 1), middle = columns >> 1;
-    const own = (k) => vector(flank.points.slice(3 * k, 3 * k + 3)).applyMatrix4(member.group.matrix);
-    const up = own((rows - 1) * columns + middle).sub(own(middle)), along = own(columns - 1).sub(own(0)).normalize();
-    const out = vector(at(flank.normal, 3, x)).transformDirection(member.group.matrix);
-    aim(vector(at(flank.contact, 3, x)).applyMatrix4(member.group.matrix),
-      out.multiplyScalar(0.7).add(along.multiplyScalar(0.8)).add(up.clone().setLength(0.5)), up, Math.max(5 * up.length(), 1.2 * flank.size));
+    const { point, along, up, size, normal } = inSight(current.flanks[0], member, Number(roll.value) * (current.phi1.length - 1));
+    aim(point, normal.multiplyScalar(0.7).add(along.multiplyScalar(0.8)).add(up.clone().setLength(0.5)), up,
+      Math.max(5 * up.length(), 1.2 * size));
   }
 
   function lookAt(which) {
@@ -504,15 +532,11 @@
       aim(vector(focus), vector(back), vector(up), 0.9 * height);
       return;
     }
-    const flank = current.flanks[which], member = members[current.members[which]], [rows, columns] = flank.shape;
+    const member = members[current.members[which]];
     members.filter((other) => other !== member).forEach((other) => setMode(other, "hidden"));
     showPosition();
-    const x = Number(roll.value) * (current.phi1.length - 1);
-    const own = (k) => vector(flank.points.slice(3 * k, 3 * k + 3)).applyMatrix4(member.group.matrix);
-    const middle = columns >> 1, centre = own((rows >> 1) * columns + middle);
-    const up = own((rows - 1) * columns + middle).sub(own(middle)).normalize();
-    const normal = vector(at(flank.normal, 3, x)).transformDirection(member.group.matrix);
-    aim(centre, normal.add(up.clone().multiplyScalar(0.6)), up, 0.9 * flank.size);
+    const { centre, up, size, normal } = inSight(current.flanks[which], member, Number(roll.value) * (current.phi1.length - 1));
+    aim(centre, normal.add(up.clone().setLength(0.6)), up, 0.9 * size);
   }
 
   function resize() {
