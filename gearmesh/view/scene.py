@@ -235,8 +235,7 @@ def contact_on(
 ) -> MemberContact:
     """The contact path in the own frame of the pinion (0) or the gear (1), its curve with the positions of the `whole` path too."""
     own = _own_contact(member, path, mounts)
-    points, normals = own.path
-    edge, rotation = own.edge, path.rotation
+    (points, normals), edge, rotation = own.path, own.edge, path.rotation
     if whole is not None:
         both = (own, path), (_own_contact(member, whole, mounts), whole)
         kept = np.concatenate([part.touching for _, part in both])

@@ -54,7 +54,7 @@ def member_scene(view: ToothView, contact: MemberContact, count: int = 9, camera
         areas=areas,
         curves=curves + contact_lines(view, contact, count) + path_on_surface(view, contact),
         dots=position_dots(view, contact),
-        words=edge_words(view, camera),
+        words=edge_words(view, camera, contact),
         title=view.title,
         size=view.size,
     )
@@ -73,7 +73,7 @@ def pattern_scene(view: ToothView, contact: MemberContact, grid: Array, camera: 
         camera=camera,
         areas=(area,) if len(contact.ellipses) else (),
         curves=contact_lines(view, contact, count=25) + path_on_surface(view, contact),
-        words=edge_words(view, camera),
+        words=edge_words(view, camera, contact),
         title=view.title,
         size=view.size,
     )
@@ -103,7 +103,7 @@ def gap_scene(
         camera=camera,
         maps=(value_map,),
         curves=path_on_surface(view, contact),
-        words=edge_words(seen, camera),
+        words=edge_words(seen, camera, contact),
         title=view.title,
         size=view.size,
     )
@@ -162,6 +162,8 @@ ALONG = 0.9
 CUT_OFF, LONGEST, FILLS, SPARED = 2.6, 9.5, 1.2, 1.25
 #: where, as a part of the way to the picture's edge, it is said that a flank goes on, and how far below it in its heights
 AT_EDGE, BELOW_ROOT = 0.94, 0.1
+#: half the width of a word, as a part of the picture's height
+WORD = 0.06
 #: heights of a flank that are seen before its foremost point: the fillet, and not the next tooth
 BEFORE = 0.12
 #: mean of the directions from root to tip below which a flank winds; cosines up to which these look alike, and are in sight
@@ -226,8 +228,8 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
 
 
 def _thread_camera(grid: Array, contact: MemberContact, size: tuple[int, int]) -> Camera:
-    """Look at a flank of points (I, J, 3) that winds round its axis: at what touches on the side of the axis that is seen from where
-    the middle of the contact is, and at as much of the flank as that takes."""
+    """Look at a flank of points (I, J, 3) that winds round its axis: at what touches on the side of the axis where the middle of
+    the contact is, and at as much of the flank as that takes."""
     turn = _turn_near(grid, contact.middle, IN_SIGHT)
     columns = _nearest_columns(grid, contact.places)
     touched = columns[(columns >= turn.start) & (columns < turn.stop)]
@@ -237,7 +239,9 @@ def _thread_camera(grid: Array, contact: MemberContact, size: tuple[int, int]) -
     out = across * np.sign(dot(across, unit(np.nanmean(contact.normal, axis=0))))
     # across the threads the next one would hide the root, from above the flank would be too steep
     camera = frame(ASLANT * out + up, up, seen.reshape(-1, 3), size, margin=FILLS)
-    return replace(camera, height=max(camera.height, CUT_OFF * float(np.linalg.norm(seen[-1] - seen[0], axis=-1).mean())))
+    return replace(
+        camera, height=max(camera.height, CUT_OFF * float(np.linalg.norm(seen[-1] - seen[0], axis=-1).mean()))
+    )
 
 
 def _nearest_columns(grid: Array, places: Array) -> NDArray[np.int64]:
@@ -258,8 +262,8 @@ def _winds(grid: Array) -> bool:
 
 
 def _turn_near(grid: Array, point: Array, least: float) -> slice:
-    """The columns of a flank that winds, of points (I, J, 3), with heights at angles whose cosine with that at the column nearest to
-    a point (3,) is at least `least`."""
+    """The columns of a flank that winds, of points (I, J, 3), with heights at angles whose cosine with that at the column nearest
+    to a point (3,) is at least `least`."""
     heights = _heights(grid)
     nearest = int(np.linalg.norm(grid - point, axis=-1).min(axis=0).argmin())
     other = np.flatnonzero(heights @ heights[nearest] < least)
@@ -275,8 +279,9 @@ def _front(view: ToothView, camera: Camera) -> float:
     return float(depth.max(axis=0).min())
 
 
-def edge_words(view: ToothView, camera: Camera) -> tuple[Word, ...]:
-    """Toe, heel, tip and root at the edges of the flank, above and below the middle of what is seen of it."""
+def edge_words(view: ToothView, camera: Camera, contact: MemberContact) -> tuple[Word, ...]:
+    """Toe, heel, tip and root at the edges of the flank, above and below the middle of what is seen of it, or as near to that as
+    they stand clear of what touches."""
     if view.grid is None:
         return ()
     if _winds(view.grid):
@@ -285,9 +290,22 @@ def edge_words(view: ToothView, camera: Camera) -> tuple[Word, ...]:
         return tuple(Word(word, part[k, j], part[i, j]) for word, k in (("tip", -1), ("root", 0)))
     i = view.grid.shape[0] // 2
     j = int(np.abs((view.grid[i] - camera.focus) @ camera.axes[0]).argmin())
-    middle = view.grid[i, j]
-    words = (Word(word, view.grid[k, j], middle) for word, k in (("tip", -1), ("root", 0)))
+    words = []
+    for word, k in ("tip", -1), ("root", 0):
+        column = _clear_column(view.grid[k], j, contact.places, camera)
+        words.append(Word(word, view.grid[k, column], view.grid[i, column]))
     return (*(_end_word(view, view.grid, camera, word, k) for word, k in zip(view.ends, (0, -1), strict=True)), *words)
+
+
+def _clear_column(edge: Array, middle: int, marks: Array, camera: Camera) -> int:
+    """Of an edge of a flank, points (J, 3), the one nearest to its `middle` one by which no marks (K, 3) are seen."""
+    width = camera.height * WORD
+    across = camera.axes[:2].T
+    places = (edge - camera.focus) @ across
+    near = np.abs(places[:, None] - (marks - camera.focus) @ across) < (width, 0.5 * width)
+    seen = np.abs(places[:, 0]) < 0.5 * camera.height - width
+    clear = np.flatnonzero(seen & ~near.all(axis=-1).any(axis=1))
+    return int(clear[np.abs(clear - middle).argmin()]) if len(clear) else middle
 
 
 def _end_word(view: ToothView, grid: Array, camera: Camera, word: str, end: int) -> Word:

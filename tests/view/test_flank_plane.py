@@ -138,6 +138,22 @@ def test_fields_that_are_uniform_have_no_scale(monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.quick
+def test_field_with_one_node_off_is_uniform_within_what_it_says() -> None:
+    """Tables of flanks are less accurate at a node here and there; of many nodes, or of one far off, there is a scale."""
+
+    def field(values: np.ndarray) -> FieldPanel:
+        return FieldPanel("", plane("spiral_bevel_basic", 0), np.zeros((*values.shape, 2)), values, 1.0)
+
+    values = np.full((12, 25), 1.15)
+    values[0, 0] = 0.0
+    assert field(values).is_flat
+    assert field(values).range == 1.15
+    assert not field(np.where(values > 0.0, 3.0, 0.0)).is_flat
+    values[0] = 0.0
+    assert not field(values).is_flat
+
+
+@pytest.mark.quick
 def test_fields_are_cut_at_two_edges_in_a_corner() -> None:
     """Where the table ends before the corner, it goes on by lines; where no edge is near, what is not known stays so."""
     x, y = np.meshgrid(np.arange(7.0), np.arange(6.0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from oracles.built import pair_of
-from oracles.places import SAMPLES
+from oracles.places import ROOT, SAMPLES
 
 from gearmesh.contact.flanks import analyse
 from gearmesh.mesh.triangles import TriangleMesh
@@ -61,6 +61,16 @@ def test_path_has_no_position_twice() -> None:
     steps = np.linalg.norm(np.diff(points, axis=0), axis=-1)
     assert len(points) == 9
     assert steps.min() > 0.5 * steps.max()
+
+
+def test_path_of_a_whole_engagement_is_cut_where_it_jumps() -> None:
+    """Tip contact on a fillet, then contact of the flanks: between them is none, with another run beside it or without."""
+    pair = pair_of(load(str(ROOT / "tests" / "corpus" / "nodes_novikov_sensible_205.toml"), []))
+    path = analyse(pair, np.radians(np.linspace(-9.0, 6.0, 31)))
+    after = jumps(path.point1, path.kind == "edge", path.rotation)
+    assert len(after) >= 1
+    for contact in (contact_on(0, path, pair.mounts), contact_on(0, path, pair.mounts, path)):
+        assert np.isnan(contact.path[0][after + 1 + np.arange(len(after))]).all()
 
 
 @pytest.mark.quick

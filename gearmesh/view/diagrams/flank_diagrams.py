@@ -33,6 +33,8 @@ WIDTH, BESIDE, ABOVE = 10.5, 0.8, 0.85
 STAYS, TOGETHER = 0.9, 1e-6
 #: part of the greatest amount that arrows have in the plane at least; part of a flank that a line of equal values spans at least
 SHORTEST, SPECK = 0.25, 0.03
+#: percentiles between which values are that are one; their colour
+MOST, UNIFORM = (1.0, 99.0), "#ebd03f"
 #: name of the lines of equal values, which are labelled at last
 RINGS = "rings"
 #: what covers the field where a flank has no values
@@ -100,9 +102,18 @@ class FieldPanel:
 
     @property
     def is_flat(self) -> bool:
-        """Whether all values are one, but for differences that mean nothing."""
+        """Whether all values are one, but for differences that mean nothing; a few nodes may be twice as far off."""
         known = self.values[np.isfinite(self.values)]
-        return bool(known.size) and float(np.ptp(known)) < self.least
+        return (
+            bool(known.size)
+            and self.range < 2.0 * self.least
+            and float(np.ptp(np.percentile(known, MOST))) < self.least
+        )
+
+    @property
+    def range(self) -> float:
+        """Greatest less least value."""
+        return float(np.ptp(self.values[np.isfinite(self.values)]))
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -244,7 +255,7 @@ def _draw(axes: Any, panel: Panel, window: Window) -> None:
     (left, right), _, magnified = window
     notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
     if isinstance(panel, FieldPanel) and panel.is_flat:
-        notes.insert(0, f"uniform within {panel.least:g} {panel.unit}")
+        notes.insert(0, f"uniform within {max(panel.least, np.ceil(10.0 * panel.range) / 10.0):g} {panel.unit}")
     low, high = plane.frame.outline[:, 0].min(), plane.frame.outline[:, 0].max()
     if left > low or right < high:
         notes.append(f"cut off: flank from {low:.4g} to {high:.4g} mm")
@@ -350,7 +361,11 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
     # what is less is no signal, but rounding and the error of tables
     levels = MaxNLocator(9).tick_values(low, max(high, low + panel.least))
     shown = known if panel.continued is None else np.ma.masked_invalid(np.clip(panel.continued, levels[0], levels[-1]))
-    drawn = axes.contourf(x, y, shown, levels=levels, cmap="cividis_r", zorder=1)
+    if panel.is_flat:
+        # one colour, as there is no scale
+        levels = np.array([levels[0] - panel.least, levels[-1] + panel.least])
+    paint = {"colors": [UNIFORM]} if panel.is_flat else {"cmap": "cividis_r"}
+    drawn = axes.contourf(x, y, shown, levels=levels, zorder=1, **paint)
     rings = axes.contour(x, y, shown, levels=levels, colors=[INK], linewidths=0.6, zorder=2, gid=RINGS)
     rings.set_paths(_without_specks(rings.get_paths(), panel.places.max(axis=(0, 1)) - panel.places.min(axis=(0, 1))))
     past = None if panel.beyond is None else np.ma.masked_invalid(_past_edges(panel.beyond))

@@ -29,7 +29,7 @@ from gearmesh.view.diagrams.flank_diagrams import (
 from gearmesh.view.diagrams.flank_plane import FlankPlane, strips
 from gearmesh.view.diagrams.plots import save_figure, sheet
 from gearmesh.view.palette import CURVES, EDGE, GRID_LINES, INK, LINES, PATH, PATTERN
-from gearmesh.view.scene import contact_on
+from gearmesh.view.scene import contact_on, jumps
 
 #: heights of a flank beyond it in which a limit line is still shown; margin about the zone in space, as a part of its height
 BEYOND, MARGIN = 0.6, 0.15
@@ -135,6 +135,7 @@ def _in_space(shown: ZoneOfContact) -> _ZoneLines:
     lines = [None if line is None else places(line) for line in whole.lines]
     path = places(whole.point)
     path[[line is not None for line in lines]] = np.nan
+    path = np.insert(path, jumps(whole.point1, whole.kind == "edge", whole.rotation) + 1, np.nan, axis=0)
     return _ZoneLines(
         [line for line in lines if line is not None],
         strips(lines),

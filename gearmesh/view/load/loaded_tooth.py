@@ -49,7 +49,7 @@ def loaded_scene(view: ToothView, pattern: LoadedPattern, name: str, torque: int
         camera=camera,
         maps=(ValueMap(lift_grid(grid, contact, view.lift), shown, limit, PRESSURE),),
         dots=(Dots(marks, "edge contact, or contact longer than its grid", EDGE, MARK),) if len(marks) else (),
-        words=edge_words(seen, camera),
+        words=edge_words(seen, camera, contact),
         title=view.title,
         size=view.size,
     )

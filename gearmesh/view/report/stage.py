@@ -24,7 +24,7 @@ from gearmesh.view.load.footprints import Footprints
 from gearmesh.view.load.loaded_diagrams import FAINTEST, PRESSURE, LoadedPattern, cycle_curves
 from gearmesh.view.on_tooth import closest_gap, lift_grid, union_level
 from gearmesh.view.report.packing import pack, packed_mesh
-from gearmesh.view.scene import BLUE_STEEL, BRASS, BRONZE, Camera, MemberContact, contact_on
+from gearmesh.view.scene import BLUE_STEEL, BRASS, BRONZE, Camera, MemberContact, contact_on, jumps
 
 #: um at which a scale ends at least: ten times what the amounts are accurate to
 LEAST = 1.0
@@ -138,6 +138,8 @@ def _pair(train: GearTrain, staged: StagedPair, names: list[str]) -> dict[str, A
         "name": pair.name,
         "members": [names.index(name) for name in pair.members],
         "phi1": pack(path.phi1),
+        # positions from which contact jumps to the next
+        "jumps": jumps(path.point1, path.kind == "edge", path.rotation).tolist(),
         "turns": [pack(turns[name]) for name in names],
         "te": pack(path.te / rad),
         "te_unit": unit.replace("um", "\u00b5m"),

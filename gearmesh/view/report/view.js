@@ -191,6 +191,9 @@
     });
   }
 
+  // a place among the positions of a pair; between two of them from one to the other of which contact jumps, the nearer one
+  const steady = (pair, x) => pair.jumps.includes(Math.floor(x)) ? Math.round(x) : x;
+
   const pairs = data.pairs.map((pair) => {
     const flanks = pair.flanks.map(flankOf);
     flanks.forEach((flank, k) => members[pair.members[k]].group.add(flank.mesh));
@@ -334,7 +337,8 @@
     const x = Number(roll.value) * (current.phi1.length - 1), nearest = Math.round(x);
     const turns = current.turns.map((track) => at(track, 1, x)[0]);
     members.forEach((member, k) => turned(member, turns[k]));
-    const point = at(current.point, 3, x), normal = at(current.normal, 3, x), line = at(current.lines, current.lines.length / current.phi1.length, x);
+    const place = steady(current, x);
+    const point = at(current.point, 3, place), normal = at(current.normal, 3, place), line = at(current.lines, current.lines.length / current.phi1.length, place);
     const size = Math.max(...current.flanks.map((flank) => flank.size));
     dot.visible = !Number.isNaN(point[0]) && Number.isNaN(line[0]);
     if (dot.visible) dot.position.set(...point);
@@ -342,11 +346,11 @@
     ribbon.visible = !Number.isNaN(line[0]);
     if (ribbon.visible) drawRibbon(line, normal, 0.006 * size);
     for (const flank of current.flanks) {
-      const major = at(flank.major, 3, x), { uniforms } = flank;
+      const major = at(flank.major, 3, place), { uniforms } = flank;
       uniforms.touching.value = !Number.isNaN(major[0]);
-      uniforms.centre.value.set(...at(flank.contact, 3, x));
+      uniforms.centre.value.set(...at(flank.contact, 3, place));
       uniforms.major.value.set(...major);
-      uniforms.minor.value.set(...at(flank.minor, 3, x));
+      uniforms.minor.value.set(...at(flank.minor, 3, place));
     }
     const now = element("field").value === NOW, load = current.loaded?.loads[Number(element("torque").value)];
     pressure.visible = now && Boolean(load);
@@ -515,7 +519,7 @@
     const member = members[current.members[0]];
     members.filter((other) => other !== member).forEach((other) => setMode(other, "see-through"));
     showPosition();
-    const { point, along, up, size, normal } = inSight(current.flanks[0], member, Number(roll.value) * (current.phi1.length - 1));
+    const { point, along, up, size, normal } = inSight(current.flanks[0], member, steady(current, Number(roll.value) * (current.phi1.length - 1)));
     aim(point, normal.multiplyScalar(0.7).add(along.multiplyScalar(0.8)).add(up.clone().setLength(0.5)), up,
       Math.max(5 * up.length(), 1.2 * size));
   }
@@ -535,7 +539,7 @@
     const member = members[current.members[which]];
     members.filter((other) => other !== member).forEach((other) => setMode(other, "hidden"));
     showPosition();
-    const { centre, up, size, normal } = inSight(current.flanks[which], member, Number(roll.value) * (current.phi1.length - 1));
+    const { centre, up, size, normal } = inSight(current.flanks[which], member, steady(current, Number(roll.value) * (current.phi1.length - 1)));
     aim(centre, normal.add(up.clone().setLength(0.6)), up, 0.9 * size);
   }
 
