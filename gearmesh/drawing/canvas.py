@@ -45,7 +45,8 @@ class Stroke:
 
 @dataclass(frozen=True)
 class Lettering:
-    """A text at x, y; `height` of its capitals, mm; `angle` in deg; `align`: horizontally, along it; it is centred across."""
+    """A text at x, y; `height` of its capitals, mm; `angle` in deg; `align`: horizontally, along it; it is centred
+    across; `symbol`: it is one of the sheet, as alpha_n."""
 
     x: float
     y: float
@@ -54,6 +55,7 @@ class Lettering:
     angle: float = 0.0
     align: str = "center"
     bold: bool = False
+    symbol: bool = False
 
     @property
     def box(self) -> Box:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from gearmesh.drawing.canvas import CAPITALS, POINTS, Canvas, Lettering, Pen, text_width
@@ -17,6 +18,16 @@ if TYPE_CHECKING:
 COLUMNS, ROW, TITLE, SPACE = (58.0, 14.0, 34.0), 4.6, 28.0, 5.0
 #: mm: widths of the columns of the title block
 FIELDS = (64.0, 46.0, 36.0, 34.0)
+#: Greek letters by what symbols in ASCII call them, alone or before a number or a mark
+GREEK = {
+    **dict(
+        zip(("alpha", "beta", "gamma", "delta", "zeta", "eta", "theta", "kappa", "lambda"), "αβγδζηθκλ", strict=True)
+    ),
+    **dict(zip(("mu", "xi", "rho", "tau", "phi", "psi", "eps", "Sigma", "Delta"), "μξρτφψεΣΔ", strict=True)),
+}
+GREEK_NAME = re.compile(rf"^({'|'.join(GREEK)})(?=$|[\d'*])")
+#: between the words of a symbol
+SPACE_IN_FORMULA = r"\ "
 #: letters in tables, mm
 SMALL = 2.0
 
@@ -68,8 +79,17 @@ def _data(canvas: Canvas, facts: Facts, low: float, right: float, high: float) -
         canvas.line((left, y + 0.5 * ROW), (right, y + 0.5 * ROW), pen=Pen.THIN)
         canvas.text(_lettering(left + 1.0, y, row.words, COLUMNS[0] - 2.0, bold=row.heading))
         if not row.heading:
-            canvas.text(_lettering(first + 1.0, y, row.symbol, COLUMNS[1] - 2.0))
-            canvas.text(_lettering(right - 1.0, y, row.value, COLUMNS[2] - 2.0, "right"))
+            symbol = _lettering(first + 1.0, y, row.symbol, COLUMNS[1] - 2.0)
+            canvas.text(replace(symbol, symbol=True))
+            canvas.text(
+                _lettering(
+                    right - 1.0,
+                    y,
+                    row.value.replace("m_n", "m\N{LATIN SUBSCRIPT SMALL LETTER N}"),
+                    COLUMNS[2] - 2.0,
+                    "right",
+                )
+            )
     low = high - ROW * (len(rows) + 1)
     for x in (left, first, second):
         top = high if x == left else high - ROW
@@ -149,18 +169,27 @@ def paint(page: Page) -> Figure:
     return figure
 
 
+def formula(symbol: str) -> str:
+    """A symbol of the sheet, as alpha_n, as mathtext: with Greek letters, and below the line what is after the first _."""
+    words = []
+    for word in symbol.split():
+        letter, *below = (GREEK_NAME.sub(lambda found: GREEK[found[0]], part) for part in word.split("_"))
+        words.append(letter + (f"_{{{''.join(below)}}}" if below else ""))
+    return rf"$\mathregular{{{SPACE_IN_FORMULA.join(words)}}}$" if words else ""
+
+
 def _letter(axes: object, letters: Lettering) -> None:
     axes.text(  # type: ignore[attr-defined]
         letters.x,
         letters.y,
-        letters.text,
+        formula(letters.text) if letters.symbol else letters.text,
         fontsize=letters.height / CAPITALS * POINTS,
         rotation=letters.angle,
         rotation_mode="anchor",
         ha=letters.align,
         va="center_baseline" if letters.angle else "center",
         weight="bold" if letters.bold else "normal",
-        parse_math=False,
+        parse_math=letters.symbol,
         zorder=4,
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6} if letters.height > SMALL else None,
     )

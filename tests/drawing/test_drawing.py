@@ -15,6 +15,7 @@ from gearmesh.cad.section import member_section
 from gearmesh.drawing.canvas import HATCH, Box, Canvas, Pen
 from gearmesh.drawing.drawing import WorkshopDrawing
 from gearmesh.drawing.outline import bar_faces, outline_of
+from gearmesh.drawing.page import formula
 from gearmesh.drawing.paper import SCALES, scale_name
 
 #: sample, changes, member, texts that must be there: key dimensions, hole pattern, tolerances, limits of the span
@@ -178,3 +179,19 @@ def test_chamfers_of_a_rack_are_drawn_in_both_views() -> None:
         (6.0, -8.5),
     }
     assert "0.5 mm x 60\N{DEGREE SIGN}" in " ".join(made.drawing("rack").texts)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("symbol", "text"),
+    [
+        ("alpha_n", "α_{n}"),  # noqa: RUF001
+        ("eps_v_gamma", "ε_{vγ}"),  # noqa: RUF001
+        ("j_phi1", "j_{φ1}"),
+        ("Delta b_F", r"Δ\ b_{F}"),
+        ("theta0", "θ0"),
+        ("deltoid", "deltoid"),
+    ],
+)
+def test_symbols_have_greek_letters_and_subscripts(symbol: str, text: str) -> None:
+    assert formula(symbol) == rf"$\mathregular{{{text}}}$"

@@ -137,10 +137,10 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
     """Total orders behind first ones, with two standard errors either way."""
     why = f"not linear (R\u00b2 = {bars.explained:.2g})"
     if not bars.keys:
-        axes.text(
-            0.5, 0.5, "too few rows, or an incomplete grid: keys are not ranked", ha="center", va="center", fontsize=8
-        )
-        axes.set_xlabel(f"{bars.name}: {why}", fontsize=9)
+        # words alone: axes without bars look as if something were missing
+        axes.set_axis_off()
+        words = f"{bars.name}: {why};\nkeys are not ranked: too few rows, or an incomplete grid"
+        axes.text(0.5, 0.5, words, ha="center", va="center", fontsize=9)
         return
     first, first_error, total, total_error = np.array([share[1:] for share in bars.keys]).T
     rows = np.arange(len(bars.keys))

@@ -339,7 +339,7 @@
     members.forEach((member, k) => turned(member, turns[k]));
     const place = steady(current, x);
     const point = at(current.point, 3, place), normal = at(current.normal, 3, place), line = at(current.lines, current.lines.length / current.phi1.length, place);
-    const size = Math.max(...current.flanks.map((flank) => flank.size));
+    const size = Math.min(...current.flanks.map((flank) => flank.size));
     dot.visible = !Number.isNaN(point[0]) && Number.isNaN(line[0]);
     if (dot.visible) dot.position.set(...point);
     dot.scale.setScalar(0.008 * size);
@@ -504,11 +504,13 @@
     while (first > 0 && alike(first - 1)) first--;
     while (last < columns - 1 && alike(last + 1)) last++;
     const whole = last - first === columns - 1, centre = whole ? middle : nearest;
+    // lines of the grid run aslant over threads
+    const below = roots.reduce((best, root) => root.distanceTo(tips[centre]) < best.distanceTo(tips[centre]) ? root : best);
     return {
       point,
       centre: own((rows >> 1) * columns + centre),
       along: roots[last].clone().sub(roots[first]).normalize(),
-      up: heights[centre],
+      up: tips[centre].clone().sub(below),
       size: whole ? flank.size : Math.max(tips[first].distanceTo(roots[last]), roots[first].distanceTo(tips[last])),
       normal: vector(at(flank.normal, 3, x)).transformDirection(member.group.matrix),
     };
