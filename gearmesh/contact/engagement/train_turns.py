@@ -37,7 +37,7 @@ def train_turns(train: GearTrain, pair: GearPair, rotation: Array, phi2: Array) 
         if not known:
             break
         mesh = known[0]
-        waiting.remove(mesh)
+        waiting = [other for other in waiting if other is not mesh]
         if mesh.gear.name not in turns:
             turns[mesh.gear.name] = leading_turns(mesh, turns[mesh.pinion.name])[1]
         elif mesh.pinion.name not in turns:
