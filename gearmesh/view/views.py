@@ -302,9 +302,9 @@ def _clear_column(edge: Array, middle: int, marks: Array, camera: Camera) -> int
     width = camera.height * WORD
     across = camera.axes[:2].T
     places = (edge - camera.focus) @ across
-    near = np.abs(places[:, None] - (marks - camera.focus) @ across) < (width, 0.5 * width)
-    seen = np.abs(places[:, 0]) < 0.5 * camera.height - width
-    clear = np.flatnonzero(seen & ~near.all(axis=-1).any(axis=1))
+    away = np.abs(places[:, None] - (marks - camera.focus) @ across)
+    near = np.any((away[..., 0] < width) & (away[..., 1] < 0.5 * width), axis=1)
+    clear = np.flatnonzero(~near & (np.abs(places[:, 0]) < 0.5 * camera.height - width))
     return int(clear[np.abs(clear - middle).argmin()]) if len(clear) else middle
 
 

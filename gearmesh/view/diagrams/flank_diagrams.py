@@ -363,7 +363,7 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
     shown = known if panel.continued is None else np.ma.masked_invalid(np.clip(panel.continued, levels[0], levels[-1]))
     if panel.is_flat:
         # one colour, as there is no scale
-        levels = np.array([levels[0] - panel.least, levels[-1] + panel.least])
+        levels = [float(levels[0]) - panel.least, float(levels[-1]) + panel.least]
     paint = {"colors": [UNIFORM]} if panel.is_flat else {"cmap": "cividis_r"}
     drawn = axes.contourf(x, y, shown, levels=levels, zorder=1, **paint)
     rings = axes.contour(x, y, shown, levels=levels, colors=[INK], linewidths=0.6, zorder=2, gid=RINGS)
