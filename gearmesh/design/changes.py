@@ -159,6 +159,22 @@ CHANGES: tuple[Change, ...] = (
         "the same, down to a fifth of it where no tooth is sound on half",
         "such wheels were refused for a face that nobody set",
     ),
+    Change(
+        "0.16.0",
+        ("worm_drive",),
+        "hob.pitch_height",
+        "0: hobs had the worm's normal module on their reference cylinder",
+        "the pitch point's, x2 of axes at right angles",
+        "wheels with a profile shift that a larger hob cuts were not uniform, and jammed",
+    ),
+    Change(
+        "0.16.0",
+        ("worm_drive",),
+        "hob.swivel_angle",
+        "gamma_0 - gamma, on the reference cylinders",
+        "gamma_w0 - gamma_w, at the height of the pitch point",
+        "threads of worm and larger hob were not tangent where they work",
+    ),
 )
 
 

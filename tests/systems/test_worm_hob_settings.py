@@ -17,7 +17,8 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.designs import parse
-from gearmesh.systems.worm_drive.build import wheel_hob
+from gearmesh.systems.worm_drive.build import hob_thread, nominal_thread, wheel_hob
+from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.systems.worm_drive.force_tables import thread_mesh
 from gearmesh.teeth.region import Side
 
@@ -191,6 +192,10 @@ def test_a_hob_that_stands_deeper_leaves_more_backlash() -> None:
             ["hob.center_distance=20"],
             "hob.center_distance = 20 mm: the hob cuts beyond the wheel's axis; allowed is more than 36 mm",
         ),
+        (
+            ["worm.threads=4", "worm.reference_diameter=45", "hob.reference_diameter=50", "hob.pitch_height=-2"],
+            "hob.pitch_height = -2: worm or hob have no flanks at this height",
+        ),
         (["hob.feed=axial"], 'hob.feed = "axial": must be one of "tangential", "radial"'),
         (
             ["wheel.form=helical", "hob.swivel_angle=1"],
@@ -214,3 +219,89 @@ def test_worm_and_wheel_touch_in_their_pitch_point_by_default(shaft_angle: float
     across = np.array([0.0, -hand * np.sin(design.lead_angle), np.cos(design.lead_angle)])
     assert np.cross(w1, r) @ across == pytest.approx(np.cross(w2, r - centre) @ across, rel=1e-12)
     assert design.center_distance - r[0] == pytest.approx(0.5 * design.wheel_reference_diameter, rel=1e-12)
+
+
+def larger_hob(threads: int, shift: float, **more: Any) -> dict[str, Any]:
+    """Keys of a drive whose hob is 10 % larger than the worm; keys of tables are added to theirs."""
+    keys: dict[str, Any] = {"kind": "worm_drive", "module": 4, "worm": {"threads": threads, "quotient": 11}}
+    keys |= {"wheel": {"teeth": 37, "profile_shift": shift}, "hob": {"reference_diameter": 48.4}}
+    for name, value in more.items():
+        keys[name] = {**keys.get(name, {}), **value} if isinstance(value, dict) else value
+    return keys
+
+
+@pytest.mark.parametrize("hob_threads", [3, 2])
+@pytest.mark.parametrize("right_hand", [True, False])
+@pytest.mark.parametrize("shaft_angle", [90.0, 75.0, 105.0])
+def test_worm_and_larger_hob_move_along_one_thread_in_the_pitch_point(
+    shaft_angle: float, right_hand: bool, hob_threads: int
+) -> None:
+    """Both as racks over the wheel, by their velocities there: each along its own thread, the threads parallel, as fast across
+    them. Nothing of the heights is used but the point itself."""
+    keys = larger_hob(3, 0.4, shaft_angle=shaft_angle, worm={"right_hand": right_hand}, hob={"threads": hob_threads})
+    design = parse(keys)
+    assert isinstance(design, WormDriveDesign)
+    worm, hob = nominal_thread(design), wheel_hob(design)
+    # the wheel's frame, its x axis towards the worm
+    tilt = (1 if right_hand else -1) * np.radians(shaft_angle - 90.0)
+    axes = [np.array([0.0, np.cos(tilt), np.sin(tilt)]), hob.place(1).rotation[:, 2]]
+    height = design.hob.pitch_height * design.axial_module
+    point = np.array([design.center_distance - worm.radius - height, 0.0, 0.0])
+    directions, across = [], []
+    for thread, axis, distance in zip((worm, hob.thread), axes, (design.center_distance, hob.distance), strict=True):
+        along = np.cross(axis, point - np.array([distance, 0.0, 0.0])) + thread.hand * thread.screw * axis
+        directions.append(along / np.linalg.norm(along))
+        rack = 0.5 * thread.module * design.wheel.teeth * axis
+        relative = rack - np.cross([0.0, 0.0, 1.0], point)
+        assert np.linalg.norm(np.cross(relative, directions[-1])) < 1e-12 * np.linalg.norm(rack)
+        # out of the thread's direction, in the tangent plane
+        across.append(float(np.cross(directions[-1], [1.0, 0.0, 0.0]) @ rack))
+    np.testing.assert_allclose(directions[0], directions[1], rtol=0, atol=1e-12)
+    assert across[0] == pytest.approx(across[1], rel=1e-12)
+
+
+#: a random drive that jammed by 0.10 mm where threads were tangent on the reference cylinders, and touched on edges alone
+DRIVE_132: dict[str, Any] = {
+    "module": 2.594,
+    "pressure_angle": 24.19,
+    "worm": {"quotient": 8.117, "right_hand": False},
+    "wheel": {"teeth": 22},
+    "hob": {"reference_diameter": 23.322},
+}
+UNIFORM = (
+    larger_hob(3, 0.5),
+    larger_hob(3, -0.3, worm={"right_hand": False}),
+    larger_hob(4, 0.4, shaft_angle=80.0, contact={"flank": "left"}),
+    larger_hob(4, 0.62, **DRIVE_132),
+    larger_hob(2, 0.5, hob={"threads": 3, "reference_diameter": 70.0}),
+)
+
+
+@pytest.mark.parametrize("keys", some(UNIFORM, 2))
+def test_a_larger_zi_hob_leaves_a_wheel_with_profile_shift_that_is_uniform_and_free(keys: dict[str, Any]) -> None:
+    """Without backlash: neither flank is ahead anywhere, so nothing jams, and both touch in the pitch point together."""
+    contact = gm.build(gm.parse(keys)).contact()
+    path, fitted, cycle = contact.path, contact.fit, contact.cycle
+    assert fitted is not None
+    assert cycle is not None
+    flanks = np.isin(path.kind, ("point", "line"))
+    assert flanks.sum() > 5
+    assert np.ptp(path.te[flanks]) < 1e-9
+    assert fitted.fits
+    assert abs(fitted.normal_backlash[0]) < 1e-6
+    assert cycle.contact_ratio > 1.4
+
+
+def test_a_stated_swivel_keeps_a_hob_of_the_worms_normal_module() -> None:
+    """As files have it that older versions have pinned."""
+    design = parse(larger_hob(3, 0.5, hob={"swivel_angle": -1.2}))
+    assert isinstance(design, WormDriveDesign)
+    made = hob_thread(design)
+    assert (design.hob.pitch_height, design.hob.swivel_angle) == (0.0, -1.2)
+    assert made.module * math.cos(made.lead_angle) == pytest.approx(design.normal_module, rel=1e-14)
+    # and with the height of the pitch point it is the default again
+    usual = parse(larger_hob(3, 0.5))
+    assert isinstance(usual, WormDriveDesign)
+    stated = parse(larger_hob(3, 0.5, hob={"swivel_angle": usual.hob.swivel_angle, "pitch_height": 0.5}))
+    assert isinstance(stated, WormDriveDesign)
+    assert hob_thread(stated) == hob_thread(usual)

@@ -52,6 +52,7 @@ OTHERS: dict[str, Any] = {
     "hob.threads": 3,
     "hob.addendum": 1.15,
     "hob.tip_radius": 0.1,
+    "hob.pitch_height": 0.3,
     "hob.center_distance": 103.1,
     "hob.swivel_angle": 0.5,
     "hob.feed": "radial",
@@ -61,7 +62,11 @@ OTHERS: dict[str, Any] = {
     "assembly.d_sigma": 0.1,
 }
 #: what a key needs to have a say
-NEEDS = {"backlash_share": {"backlash": 0.1}, "wheel.throat_angle": {"wheel.tip_form": "chamfered"}}
+NEEDS = {
+    "backlash_share": {"backlash": 0.1},
+    "wheel.throat_angle": {"wheel.tip_form": "chamfered"},
+    "hob.pitch_height": {"hob.reference_diameter": 44},
+}
 #: keys of which the sheet alone has something
 SHEET = ("friction", "worm.wire_diameter", "hob.feed")
 #: keys that a flank form or a form of the wheel does not have, and one of both that has them

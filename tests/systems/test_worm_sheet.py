@@ -48,7 +48,8 @@ def own_of(gears: gm.Gears) -> WormDriveDesign:
 
 
 def test_figures_are_those_of_the_hand() -> None:
-    """d1 = 60, q = 12, gamma = atan(1/6); a hob of 66 mm with sin(gamma0) = m_n z / d0, 3 mm farther away; x2 = 0.2 by a = 126."""
+    """d1 = 60, q = 12, gamma = atan(1/6), x2 = 0.2 by a = 126; a hob of 66 mm, 3 mm farther away: 1 mm over the reference cylinders
+    it has the worm's normal pitch, sin(gamma_w0) = m_x cos(gamma_w) z / (d0 + 2)."""
     sheet = sheet_of(gears_of(center_distance=126, backlash=0.1, friction=0.05, hob={"reference_diameter": 66}))
     gamma, alpha = math.atan(1.0 / 6.0), math.radians(20.0)
     normal = 5.0 * math.cos(gamma)
@@ -64,7 +65,12 @@ def test_figures_are_those_of_the_hand() -> None:
     assert sheet["c"] == pytest.approx((126.0 - 35.0 - 90.0, 126.0 - 24.0 - 101.0))
     base = 60.0 * math.cos(math.atan(math.tan(alpha) / math.sin(gamma)))
     assert sheet["d_b"][0] == pytest.approx(base, abs=1e-8)
-    assert sheet["gamma_0"] == pytest.approx(math.degrees(math.asin(normal * 2.0 / 66.0)), abs=1e-8)
+    flat = math.atan(5.0 / 31.0)
+    steep = math.asin(5.0 * math.cos(flat) * 2.0 / 68.0)
+    module = 5.0 * math.cos(flat) / math.cos(steep)
+    assert (sheet["h_w0"], sheet["m_x0"]) == pytest.approx((1.0, module), abs=1e-8)
+    assert sheet["eta_0"] == pytest.approx(math.degrees(steep - flat), abs=1e-8)
+    assert sheet["gamma_0"] == pytest.approx(math.degrees(math.atan(module / 33.0)), abs=1e-8)
     assert (sheet["a_0"], sheet["d_a0"]) == pytest.approx((129.0, 78.0))
     thin = 0.1 / (math.cos(gamma) * math.cos(alpha))
     assert sheet["s_mx"] == pytest.approx(2.5 * math.pi - thin, abs=1e-8)

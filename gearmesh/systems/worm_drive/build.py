@@ -26,9 +26,10 @@ from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import unusual_defaults
-from gearmesh.systems.common.standards.iso10828 import ThreadForm, lead_angle
+from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
 from gearmesh.systems.system import Displacements
+from gearmesh.systems.worm_drive.cutting.hob_thread import hob_thread_of
 from gearmesh.systems.worm_drive.design import ADDENDUM, DEDENDUM, WormDriveDesign
 from gearmesh.systems.worm_drive.helical_wheel import helical_wheel
 from gearmesh.systems.worm_drive.thread import LAND, DiskGrinding, Rounding, RunOut, WormThread
@@ -146,14 +147,7 @@ def refuse_tools(design: WormDriveDesign) -> None:
             reason="smaller than the worm's, whose threads would cut into the wheel at both end faces",
             allowed=f"at least {at_least(d1)} mm",
         )
-    most = math.ceil(design.hob.reference_diameter / design.normal_module) - 1
-    if (design.hob.threads or spec.threads) > most:
-        raise DesignError(
-            "hob.threads",
-            design.hob.threads or spec.threads,
-            reason=f"a hob of the reference diameter {design.hob.reference_diameter:.6g} mm has no lead angle then",
-            allowed=f"at most {most}",
-        )
+    _refuse_hob_threads(design)
     depth = (spec.addendum + spec.dedendum) * m
     if spec.form in (ThreadForm.ZK, ThreadForm.ZC) and spec.disk_diameter <= 2.0 * depth:
         raise DesignError(
@@ -182,9 +176,28 @@ def refuse_tools(design: WormDriveDesign) -> None:
         )
 
 
+def _refuse_hob_threads(design: WormDriveDesign) -> None:
+    """Refuse a hob of more threads than its cylinder has room for, or without flanks where they are to be as the worm's are."""
+    worm, hob, height = nominal_thread(design), design.hob, design.hob.pitch_height * design.axial_module
+    radius, threads = 0.5 * hob.reference_diameter, hob.threads or worm.threads
+    module = worm.module * math.cos(worm.lead_angle_at(worm.radius + height))
+    most = math.ceil(2.0 * (radius + height) / module) - 1
+    if threads > most:
+        raise DesignError(
+            "hob.threads",
+            threads,
+            reason=f"a hob of the reference diameter {hob.reference_diameter:.6g} mm has no lead angle then",
+            allowed=f"at most {most}",
+        )
+    made = hob_thread(design)
+    if not math.isfinite(made.half_thickness(radius) + made.half_thickness(radius + height)):
+        why = "worm or hob have no flanks at this height"
+        raise DesignError("hob.pitch_height", hob.pitch_height, reason=why, allowed="nearer to 0")
+
+
 def _refuse_unused(design: WormDriveDesign) -> None:
     """Refuse what a helical wheel does not have."""
-    hob = ("reference_diameter", "threads", "center_distance", "swivel_angle", "feed")
+    hob = ("reference_diameter", "threads", "pitch_height", "center_distance", "swivel_angle", "feed")
     for name, keys in (("wheel", ("tip_form", "throat_radius")), ("hob", hob)):
         table = getattr(design, name)
         for key in keys:
@@ -195,6 +208,7 @@ def _refuse_unused(design: WormDriveDesign) -> None:
                 "feed": "tangential",
                 "center_distance": design.center_distance,
                 "swivel_angle": 0.0,
+                "pitch_height": 0.0,
             }
             stated = (None, usual.get(key, design.reference_diameter))
             if key == "throat_radius" and design.wheel.tip_form == "cylindrical":
@@ -246,7 +260,7 @@ def wheel_hob(design: WormDriveDesign, side: int = 0) -> WormHob:
 
 def hob_apart(design: WormDriveDesign) -> tuple[float, float]:
     """By how much the hob is set up otherwise than usual: centre distance, mm, and swivel angle, deg."""
-    distance, swivel = design.usual_cutting(design.center_distance)
+    distance, swivel = design.usual_cutting(design.center_distance, design.hob.pitch_height)
     return design.hob.center_distance - distance, design.hob.swivel_angle - swivel
 
 
@@ -259,22 +273,8 @@ def wheel_thinner(design: WormDriveDesign, thread: WormThread) -> float:
 def hob_thread(design: WormDriveDesign, side: int = 0) -> WormThread:
     """The hob's thread; of its right (+1) or left (-1) side, or (0) of their mean."""
     worm, spec = nominal_thread(design, side), design.hob
-    threads, radius = spec.threads or worm.threads, 0.5 * spec.reference_diameter
-    if (radius, threads) == (worm.radius, worm.threads):
-        return worm
-    steep = lead_angle(worm.module * math.cos(worm.lead_angle), threads, 2.0 * radius)
-    narrower = math.cos(worm.lead_angle) / math.cos(steep)
-    angle = worm.angle
-    if worm.form is ThreadForm.ZA:
-        angle = math.atan(math.tan(worm.normal_angle) / math.cos(steep))
-    return replace(
-        worm,
-        threads=threads,
-        module=worm.module * narrower,
-        radius=radius,
-        angle=angle,
-        thickness=worm.thickness * narrower,
-    )
+    height = spec.pitch_height * design.axial_module
+    return hob_thread_of(worm, spec.threads or worm.threads, 0.5 * spec.reference_diameter, height)
 
 
 # ---------------------------------------------------------------- worm
@@ -489,6 +489,6 @@ def pinned_values(design: WormDriveDesign, train: GearTrain) -> Values:
     values: Values = {"worm.reference_diameter": design.reference_diameter}
     values |= dict.fromkeys(("worm.quotient", "worm.lead_angle"))
     if design.wheel.form == "helical":
-        unused = ("wheel.throat_radius", "hob.reference_diameter", "hob.threads")
+        unused = ("wheel.throat_radius", "hob.reference_diameter", "hob.threads", "hob.pitch_height")
         return {**values, "wheel.tip_form": "cylindrical", **dict.fromkeys(unused)}
     return {**values, "hob.threads": design.worm.threads if design.hob.threads is None else design.hob.threads}

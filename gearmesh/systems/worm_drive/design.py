@@ -40,6 +40,9 @@ SAME_LENGTH = 1e-9
 ROUNDING = 0.2
 #: Addendum of the wheel and dedendum of the worm, in axial modules.
 ADDENDUM, DEDENDUM = 1.0, 1.0 + CLEARANCE
+#: largest part of the way from the reference cylinder to the base cylinder of an involute worm at which threads of hob and worm are
+#: tangent
+ON_FLANK = 0.8
 
 
 class ThreadCount(Table):
@@ -247,6 +250,16 @@ class HobTable(Table):
     tip_radius: Annotated[
         float, Key("coefficient", "tip rounding in the axial section: generates the fillet", low=0, high=2)
     ] = ROUNDING
+    pitch_height: Annotated[
+        float,
+        Key(
+            "coefficient",
+            "height over the reference cylinders of hob and worm at which both have the same normal pitch and thickness",
+            low=-LARGEST_SHIFT,
+            high=LARGEST_SHIFT,
+            default="that of the pitch point, x2 of axes at right angles, within the flanks; 0 with hob.swivel_angle",
+        ),
+    ] = DERIVED
     center_distance: Annotated[
         float,
         Key("length", "centre distance of cutting a_0", low=0, above=True, default="a + (d_0 - d_1) / 2"),
@@ -258,7 +271,7 @@ class HobTable(Table):
             "swivel eta_0 of the hob's axis out of the worm's: towards the way that larger lead angles ask for",
             low=-90,
             high=90,
-            default="gamma_0 - gamma, threads of hob and worm tangent in the pitch point",
+            default="gamma_w0 - gamma_w: threads of hob and worm are tangent at the height hob.pitch_height",
         ),
     ] = DERIVED
     feed: Annotated[
@@ -440,7 +453,9 @@ class WormDriveDesign(Design):
         shift = given_or(wheel.profile_shift, (given_or(self.center_distance, usual) - self._zero_shift_distance) / m)
         distance = given_or(self.center_distance, self._zero_shift_distance + shift * m)
         tip = self._tip_diameter(shift)
-        cutting, swivel = self.usual_cutting(distance)
+        placed = wheel.form == "helical" or math.isfinite(self.hob.swivel_angle)
+        height = 0.0 if placed else self.pitch_height_of(distance)
+        cutting, swivel = self.usual_cutting(distance, given_or(self.hob.pitch_height, height))
         return {
             **super().derived_values(),
             "center_distance": distance,
@@ -451,17 +466,53 @@ class WormDriveDesign(Design):
             "wheel.throat_radius": distance - 0.5 * tip,
             "wheel.outside_diameter": tip + (OUTSIDE * m if wheel.throated else 0.0),
             "hob.reference_diameter": d1,
+            "hob.pitch_height": height,
             "hob.center_distance": cutting,
             "hob.swivel_angle": swivel,
         }
 
-    def usual_cutting(self, distance: float) -> tuple[float, float]:
+    def pitch_height_of(self, distance: float) -> float:
+        """How high (axial modules) the pitch point is over the worm's reference cylinder at a centre distance of the drive.
+
+        On the common perpendicular r from the worm's axis, where it moves over the wheel along its own thread: with the worm's
+        screw parameter P and K = m z2 / 2, (a - r) (r cos(psi) - P sin(psi)) = K r, psi = 90 deg - Sigma. Where flanks end
+        sooner, of steep threads near the base cylinder of the involute worm of these angles, it is as far as they go.
+
+        Parameters
+        ----------
+        distance : float
+            Centre distance, in the design's units.
+
+        Returns
+        -------
+        float
+            x2 where axes are at right angles, at most an addendum either way; 0 where there is no such point.
+
+        Examples
+        --------
+        >>> round(gm.load("samples/worm_drive.toml").pitch_height_of(127.0), 9)
+        0.4
+        """
+        m, psi = self.axial_module, math.radians(RIGHT - self.shaft_angle)
+        across = 0.5 * m * self.worm.threads * math.sin(psi)
+        middle = 0.5 * (distance * math.cos(psi) + across - 0.5 * m * self.wheel.teeth) / math.cos(psi)
+        square = middle**2 - distance * across / math.cos(psi)
+        transverse_angle = math.atan(math.tan(math.radians(self.pressure_angle)) / math.sin(self.lead_angle))
+        if square < 0.0:
+            return 0.0
+        over_base = 0.5 * self.reference_diameter * (1.0 - math.cos(transverse_angle)) / m
+        height = (middle + math.sqrt(square) - 0.5 * self.reference_diameter) / m
+        return min(max(height, -ADDENDUM, -ON_FLANK * over_base), ADDENDUM)
+
+    def usual_cutting(self, distance: float, height: float) -> tuple[float, float]:
         """Centre distance, in the design's units, and swivel angle, deg, of a hob whose thread is tangent to the worm's.
 
         Parameters
         ----------
         distance : float
             Centre distance of the drive.
+        height : float
+            Height over the reference cylinders of both at which they are tangent, axial modules.
 
         Returns
         -------
@@ -470,14 +521,15 @@ class WormDriveDesign(Design):
 
         Examples
         --------
-        >>> gm.load("samples/worm_drive.toml").usual_cutting(125.0)
+        >>> gm.load("samples/worm_drive.toml").usual_cutting(125.0, 0.0)
         (125.0, 0.0)
         """
-        d1, threads = self.reference_diameter, self.hob.threads or self.worm.threads
+        m, d1, threads = self.axial_module, self.reference_diameter, self.hob.threads or self.worm.threads
         d0 = given_or(self.hob.reference_diameter, d1)
         if (d0, threads) == (d1, self.worm.threads):
             return distance, 0.0
-        swivel = lead_angle(self.axial_module * math.cos(self.lead_angle), threads, d0) - self.lead_angle
+        flat = math.atan2(m * self.worm.threads, d1 + 2.0 * height * m)
+        swivel = lead_angle(m * math.cos(flat), threads, d0 + 2.0 * height * m) - flat
         return distance + 0.5 * (d0 - d1), math.degrees(swivel)
 
     @model_validator(mode="after")

@@ -179,6 +179,10 @@ def _dual_lead(design: WormDriveDesign) -> tuple[SheetTable, SheetTable]:
 def _hob(design: WormDriveDesign, train: GearTrain) -> SheetTable:
     hob = wheel_hob(design)
     made, tooth = hob.thread, train.members["wheel"].tooth.unmodified_tooth
+    mean = nominal_thread(design)
+    alike = (made.radius, made.threads) == (mean.radius, mean.threads)
+    # threads of one size are the same at all heights
+    height = None if alike else design.hob.pitch_height * design.axial_module
     rows: list[Row] = [
         ("z_0", "threads of the hob", "-", (made.threads,)),
         ("m_x0", "axial module of the hob", "mm", (made.module,)),
@@ -187,7 +191,13 @@ def _hob(design: WormDriveDesign, train: GearTrain) -> SheetTable:
         ("gamma_0", "lead angle of the hob", "deg", (math.degrees(made.lead_angle),)),
         ("s_mx0", "axial thickness of its thread", "mm", (2.0 * made.half_thickness(made.radius),)),
         ("a_0", "centre distance of cutting", "mm", (hob.distance,)),
-        ("eta_0", "swivel of the hob, gamma_0 - gamma_m", "deg", (design.hob.swivel_angle,)),
+        ("h_w0", "height over d_0 and d_m1 at which hob and worm have one normal pitch", "mm", (height,)),
+        (
+            "eta_0",
+            "swivel of the hob, usually gamma_w0 - gamma_w, lead angles at the height h_w0",
+            "deg",
+            (design.hob.swivel_angle,),
+        ),
         ("feed", "feed of the hob", "", (design.hob.feed,)),
         ("l_0", "least length of its threads, or way of its tangential feed", "mm", (generating_length(tooth, hob),)),
     ]

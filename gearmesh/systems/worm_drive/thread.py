@@ -77,7 +77,11 @@ class WormThread:
 
     @property
     def lead_angle(self) -> float:
-        return math.atan2(self.screw, self.radius)
+        return self.lead_angle_at(self.radius)
+
+    def lead_angle_at(self, radius: float) -> float:
+        """Lead angle (rad) on a cylinder, of a radius in mm."""
+        return math.atan2(self.screw, radius)
 
     @property
     def axial_pitch(self) -> float:
