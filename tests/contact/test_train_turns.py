@@ -18,7 +18,8 @@ from gearmesh.view.scene import contact_on
 def test_trains_turn_together_whichever_pair_is_known() -> None:
     """From the sun, from a planet and the ring, all meshes of a set close, the last one of a loop too."""
     gears = gm.build(gm.load(SAMPLES / "planetary.toml"))
-    for number in gears.train.different:
+    # the last one, too, of whose neighbours the first is not the first mesh of the set
+    for number in (*gears.train.different, len(gears.pairs) - 1):
         pair = gears.train.pairs[number]
         path = gears.contact(np.array([-3.0, 1.0]), cycle=False, pair=number).path
         turns = train_turns(gears.train, pair, path.rotation, path.phi2)

@@ -6,6 +6,7 @@ import numpy as np
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
+from gearmesh.answers.contact.staging import flank_places
 from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
@@ -44,6 +45,16 @@ def test_contact_on_this_side_of_a_worm_is_in_the_picture() -> None:
     assert x.max() < 0.97 * SIZE[0]
     assert y.min() > 0.03 * SIZE[1]
     assert y.max() < 0.97 * SIZE[1]
+
+
+def test_grid_of_a_thread_is_as_fine_as_that_of_a_tooth() -> None:
+    """A pattern is narrower than the 6 mm by which the columns of a tooth's grid would be apart on the worm."""
+    pair = pair_of(load(str(SAMPLES / "worm_drive.toml"), []))
+    for member, side, fewest in zip(pair.members.values(), pair.flanks, (150, 65), strict=True):
+        s, t = flank_places(member, side)
+        root = member.tooth.flank_grid(side, s[:1], t).points[0]
+        assert (len(s), len(t) >= fewest) == (41, True)
+        assert np.linalg.norm(np.diff(root, axis=0), axis=-1).max() < 2.5  # mm; 0.2 of a depth of 11 mm
 
 
 def test_pattern_on_a_worm_is_where_its_ellipses_are() -> None:

@@ -98,8 +98,8 @@ class Contact(Result):
     @property
     def headline(self) -> str:
         touching = f"{int(self.path.touching.sum())} of {len(self.path.phi1)} positions touch"
-        ratio = "" if self.cycle is None else f", contact ratio {self.cycle.contact_ratio:.4g}"
-        return f"{touching}{ratio}"
+        ratio = np.nan if self.cycle is None else self.cycle.contact_ratio
+        return f"{touching}, contact ratio {ratio:.4g}" if np.isfinite(ratio) else touching
 
     @property
     def listings(self) -> list[Listing]:

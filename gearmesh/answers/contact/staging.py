@@ -14,12 +14,15 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.gear_train import GearPair, GearTrain
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
+from gearmesh.teeth.region import Side
 
 #: positions of the slider
 POSITIONS = 61
 #: points across and along a flank at which gaps are known
 GRID = (41, 65)
+#: heights of a flank from one column to the next at most, unless that takes more columns than these
+FARTHEST, MOST_COLUMNS = 0.2, 401
 #: how far inside the flank's edges the outer ones are, as a part of the flank: on them it is chance whether the other has an end
 INSIDE = 1e-4
 
@@ -59,15 +62,21 @@ def staged_contact(train: GearTrain, contact: Contact) -> StagedContact:
     )
 
 
-def flank_places() -> tuple[Array, Array]:
-    """Places across (I,) and along (J,) a flank of the grid, 0 to 1."""
+def flank_places(member: Member, side: Side) -> tuple[Array, Array]:
+    """Places across (I,) and along (J,) a flank of the grid, 0 to 1: along threads so many that none is far from the next."""
     s, t = (np.linspace(INSIDE, 1.0 - INSIDE, count) for count in GRID)
-    return s, t
+    root, tip = member.tooth.flank_grid(side, s[[0, -1]], t).points
+    middle = len(t) // 2
+    height = np.linalg.norm(root - tip[middle], axis=-1).min()
+    length = np.linalg.norm(np.diff(root, axis=0), axis=-1).sum()
+    columns = int(np.clip(np.ceil(length / (FARTHEST * height)), GRID[1], MOST_COLUMNS))
+    return s, np.linspace(INSIDE, 1.0 - INSIDE, columns)
 
 
 def _gaps(contact: Contact, path: ContactPath) -> FlankGaps:
     pair, flanks = contact.pair, solver_pair(contact.pair)
-    parameters = pair.pinion.tooth.flank_grid(pair.flanks[0], *flank_places()).parameters
+    side = pair.flanks[0]
+    parameters = pair.pinion.tooth.flank_grid(side, *flank_places(pair.pinion, side)).parameters
     least = np.nan_to_num(gaps_at(flanks, path.rotation, path.phi2, parameters), nan=np.inf).min(axis=0)
     amount = None
     if contact.engagement is not None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.contact.figures import shown_contact
-from gearmesh.answers.contact.staging import GRID, StagedContact, flank_places
+from gearmesh.answers.contact.staging import StagedContact, flank_places
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
@@ -190,12 +190,13 @@ def _flank(staged: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
     pair = staged.pair
     index = pair.index(name)
     contact = contact_on(index, staged.contact.path, pair.mounts)
-    grid = pair.members[name].tooth.flank_grid(pair.flanks[index], *flank_places())
+    member, side = pair.members[name], pair.flanks[index]
+    grid = member.tooth.flank_grid(side, *flank_places(member, side))
     size = float(np.linalg.norm(np.ptp(grid.points.reshape(-1, 3), axis=0)))
     with np.errstate(invalid="ignore", divide="ignore"):
         major, minor = contact.major / contact.semi_major[:, None], contact.minor / contact.semi_minor[:, None]
     return {
-        "shape": list(GRID),
+        "shape": list(grid.points.shape[:2]),
         "size": size,
         "points": pack(to_shown.point(lift_grid(grid.points, contact, LIFT * size))),
         "contact": pack(to_shown.point(contact.point)),
