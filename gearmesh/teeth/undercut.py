@@ -54,10 +54,6 @@ class Undercut:
         return np.stack([np.interp(stations, self.stations[order], column[order]) for column in self.x.T], axis=-1)
 
 
-#: share of the nominal flank, or its inverse, at which the tip of steep flanks is no longer near its nominal place
-FAR_TIP = 0.8
-
-
 def trim_tolerance(r: Array) -> float:
     """Largest residual (mm) of a trimming solve at points near r (..., 3)."""
     return max(TRIM_TOLERANCE, TRIM_ROUNDING * float(np.abs(r).max(initial=0.0)))
@@ -83,9 +79,8 @@ def form_point(
     p, q = np.full_like(stations, side.form_point[0]), np.full_like(stations, side.form_point[1])
     cut = cut_off(side, tip[1], stations, axial, JUST_BEGUN)
     if folds:
-        share = (tip[0] - side.form_point[0]) / (side.tip - side.form_point[0])
-        near_by = (share > FAR_TIP) & (share * FAR_TIP < 1.0)
-        cut |= singular_stations(side, stations, axial, np.where(near_by, side.tip, tip[0]))
+        # beyond the tip, where the nominal one may lie, flanks may end or be turned inside out
+        cut |= singular_stations(side, stations, axial, tip[0])
     undercut = Undercut(stations[cut], np.empty((0, 4)))
     if cut.any():
         some = None if near is None or not near.stations.size else near.at(undercut.stations)

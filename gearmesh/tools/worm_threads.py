@@ -20,9 +20,6 @@ from gearmesh.kernel.envelope.helicoid import Generatrix, swept
 from gearmesh.kernel.numeric.algebra import AXIS, Array, about_axis, components, dot
 from gearmesh.tools.profile import Profile
 
-#: Newton steps to the point in which a disk touches, and the angle (rad) that counts as none
-STEPS, ARRIVED = 30, 1e-15
-
 
 @dataclass(frozen=True)
 class PlaneEdge:
@@ -74,6 +71,15 @@ class DiskLine:
     """Where a disk touches the flank that it grinds: n . (e_z x r + P e_z) = 0, the same in every place of its screw motion.
 
     The disk's axis crosses the worm's at `tilt` (rad) and at the distance `distance` (mm), at z = `middle` (mm).
+
+    Normals of the disk meet its axis, at a point that does not depend on the angle delta about it, and moving r along n changes
+    nothing. With n_x and n_w the parts of the profile's normal across and along that axis, rho the distance from it and w the place
+    along it:
+
+        g sin(tilt) cos(delta) - n_x (a cos(tilt) + P sin(tilt)) sin(delta) + n_w (P cos(tilt) - a sin(tilt)) = 0,
+        g = rho n_w - w n_x
+
+    of which the root nearer to 0 counts. NaN where the profile touches nowhere.
     """
 
     profile: Profile
@@ -85,38 +91,38 @@ class DiskLine:
 
     def at(self, p: Array) -> Generatrix:
         points, tangents, normals, turned = self.profile.section(np.asarray(p, dtype=float))
-        over = self.distance - self.radius - points[..., 0]
-        across = np.array([0.0, -np.sin(self.tilt), np.cos(self.tilt)])
-        round_ = np.array([0.0, np.cos(self.tilt), np.sin(self.tilt)])
-        delta = np.zeros_like(over)
-
-        def disk(delta: Array) -> tuple[Array, Array, Array, Array]:
-            """Points and normals of the disk, and their derivatives by its angle."""
-            inward, aside = _towards(delta, round_)
-            n_x, n_w = normals[..., :1], -normals[..., 1:]
-            r = np.array([self.distance, 0.0, self.middle]) - over[..., None] * inward - points[..., 1:] * across
-            return r, n_x * inward + n_w * across, -over[..., None] * aside, n_x * aside
-
-        for _ in range(STEPS):
-            r, n, r_d, n_d = disk(delta)
-            path = about_axis(r) + self.screw * AXIS
-            f_d = dot(n_d, path) + dot(n, about_axis(r_d))
-            step = dot(n, path) / f_d
-            delta = delta - step
-            if not (np.abs(step) > ARRIVED).any():
-                break
-        r, n, r_d, n_d = disk(delta)
-        inward, _ = _towards(delta, round_)
-        path = about_axis(r) + self.screw * AXIS
+        over, along = self.distance - self.radius - points[..., 0], points[..., 1]
+        sin, cos = np.sin(self.tilt), np.cos(self.tilt)
+        across, round_ = np.array([0.0, -sin, cos]), np.array([0.0, cos, sin])
+        n_x, n_w = normals[..., 0], -normals[..., 1]
+        inward, aside = _towards(self._half_angle(over, along, (n_x, n_w)), round_)
+        axis = np.array([self.distance, 0.0, self.middle])
+        r = axis - over[..., None] * inward - along[..., None] * across
+        n = n_x[..., None] * inward + n_w[..., None] * across
+        # by the disk's angle, and along its profile
+        r_d, n_d = -over[..., None] * aside, n_x[..., None] * aside
         r_p = tangents[..., :1] * inward - tangents[..., 1:] * across
         n_p = turned[..., :1] * inward - turned[..., 1:] * across
+        path = about_axis(r) + self.screw * AXIS
         f_d = dot(n_d, path) + dot(n, about_axis(r_d))
         rate = -((dot(n_p, path) + dot(n, about_axis(r_p))) / f_d)[..., None]
         return Generatrix(r, n, r_p + rate * r_d, n_p + rate * n_d)
 
+    def _half_angle(self, over: Array, along: Array, normal: tuple[Array, Array]) -> Array:
+        """tan(delta / 2) (...,) where the disk touches, NaN where it does not."""
+        sin, cos = np.sin(self.tilt), np.cos(self.tilt)
+        n_x, n_w = normal
+        level, swing = n_w * (self.screw * cos - self.distance * sin), (over * n_w - along * n_x) * sin
+        slope = n_x * (self.distance * cos + self.screw * sin)
+        # a negative square is a profile that the thread moves past without touching it
+        with np.errstate(invalid="ignore"):
+            root = np.sqrt(slope**2 - level**2 + swing**2)
+            return np.asarray((level + swing) / (slope + np.copysign(root, slope)))
 
-def _towards(delta: Array, round_: Array) -> tuple[Array, Array]:
-    """Unit vectors (..., 3) from a disk's rim to its axis at its angles delta (...,), and their derivatives."""
-    c, s = np.cos(delta)[..., None], np.sin(delta)[..., None]
+
+def _towards(half: Array, round_: Array) -> tuple[Array, Array]:
+    """Unit vectors (..., 3) from a disk's rim to its axis and their derivatives by its angle; `half`: tangent (...,) of half."""
+    scale = 1.0 / (1.0 + half**2)
+    c, s = ((1.0 - half**2) * scale)[..., None], (2.0 * half * scale)[..., None]
     x = np.array([1.0, 0.0, 0.0])
     return c * x - s * round_, -s * x - c * round_

@@ -26,6 +26,8 @@ REFUSED = [
     ("spiral_bevel_basic", ["depth_factor=2", "contact.delta=0.2"], "depth_factor", "at most"),
     ("spiral_bevel_geometry1", ["addendum=1.8"], "addendum", "at most"),
     ("zerol", ["gear.root_angle=5"], "gear.root_angle", "at least"),
+    ("worm_drive", ["worm.addendum=3"], "worm.addendum", "at most"),
+    ("worm_drive", ["hob.center_distance=60"], "hob.center_distance", "at least"),
 ]
 
 

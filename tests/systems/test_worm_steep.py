@@ -326,3 +326,11 @@ def test_wheels_of_an_adapted_addendum_are_sound_between_the_stations_of_the_pro
     gears = gm.build(gm.load(CORPUS / "solid_worm_drive_172.toml"))
     assert any("wheel.addendum" in line for line in gears.warnings)
     assert gears.solid("wheel", 0.05).measured.watertight
+
+
+def test_a_nominal_tip_beyond_the_end_of_a_flank_is_no_undercut() -> None:
+    """Single stations of many were taken for undercut: there the flank ends between its tip and the nominal one."""
+    tooth = gm.build(gm.load(CORPUS / "stations_worm_drive_137.toml")).members["wheel"].tooth
+    sections = tooth.sections(np.linspace(0.55, 0.65, 410))
+    for side, ends in ((tooth.right, sections.right), (tooth.left, sections.left)):
+        assert (ends.form_point_flank == side.form_point[0]).all()

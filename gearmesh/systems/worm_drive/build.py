@@ -97,7 +97,7 @@ EQUAL = 1e-9
 def build(design: WormDriveDesign) -> GearTrain:
     """The pair of a worm drive design (in mm). Raises DesignError naming key, value and limit."""
     refuse_tools(design)
-    worm = _worm(design)
+    worm = worm_member(design)
     if design.wheel.form == "helical":
         _refuse_unused(design)
         wheel = helical_wheel(design)
@@ -280,7 +280,8 @@ def hob_thread(design: WormDriveDesign, side: int = 0) -> WormThread:
 # ---------------------------------------------------------------- worm
 
 
-def _worm(design: WormDriveDesign) -> Member:
+def worm_member(design: WormDriveDesign) -> Member:
+    """The worm of a design in mm, whose wheel may be open. Raises DesignError."""
     spec, m, radius = design.worm, design.axial_module, 0.5 * design.reference_diameter
     tip, root = radius + spec.addendum * m, radius - spec.dedendum * m
     hole = bore_radius("worm", spec.stated_bore, root, "the root diameter")
@@ -365,14 +366,13 @@ def _prove(
     try:
         prove(tooth)
     except TrimError as failure:
-        vague = VagueError if failure.what in ("undercut", "flank", "root", "tip") else DesignError
         remedies_of = WORM_REMEDIES if name == "worm" else WHEEL_REMEDIES
         key, allowed, remedies = remedies_of.get(failure.what, ("addendum", "less", {}))
         why = f"{failure} at z = {tooth.stations(failure.station):.4g} mm"
         if lowered and failure.what == "tip":
             key, allowed, remedies = NARROWER
             why += f", whatever {name}.addendum from {lowered * ADDENDUM_SHARES[-1]:g} to {lowered:g} it has"
-        raise vague(
+        raise VagueError(
             f"{name}.{key}",
             getattr(spec, key),
             unit="mm" if key == "face_width" else "",
@@ -411,7 +411,7 @@ def wheel_tooth(design: WormDriveDesign) -> Tooth:
     smallest = hob.distance - hob.tip_radius
     if smallest <= 0.0 or smallest >= throat.middle:
         key = "center_distance" if abs(hob_apart(design)[0]) > EQUAL else "addendum"
-        raise DesignError(
+        raise VagueError(
             f"hob.{key}",
             getattr(design.hob, key),
             unit="" if key == "addendum" else "mm",
@@ -419,6 +419,17 @@ def wheel_tooth(design: WormDriveDesign) -> Tooth:
             allowed=f"more than {at_least(hob.tip_radius)} mm and less than {at_most(hob.tip_radius + throat.middle)} mm"
             if key == "center_distance"
             else "",
+        )
+    if hob.distance <= throat.outside:
+        apart = abs(hob_apart(design)[0]) > EQUAL
+        raise VagueError(
+            "hob.center_distance" if apart else "wheel.outside_diameter",
+            hob.distance if apart else spec.outside_diameter,
+            unit="mm",
+            reason="the outside cylinder reaches the hob's axis",
+            allowed=f"more than {at_least(throat.outside)} mm"
+            if apart
+            else f"less than {at_most(2.0 * hob.distance)} mm",
         )
     bore = bore_radius("wheel", spec.stated_bore, smallest, "the root diameter in the middle plane")
     body = disc_body("wheel", spec, bore, smallest, throat.middle - smallest)

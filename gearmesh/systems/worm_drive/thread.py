@@ -184,13 +184,13 @@ class WormThread:
 
     def root_rounding(self, land: float, radius: float) -> Rounding:
         """The rounding of `radius` (mm) between flank and the cylinder `land` (mm) below. Raises DesignError."""
-        return self._rounding(land, radius, -1)
+        return _rounding_of(self, land, radius, -1)
 
     def tip_rounding(self, land: float, radius: float) -> Rounding:
         """The rounding of `radius` (mm) between flank and the cylinder `land` (mm) above. Raises DesignError."""
-        return self._rounding(land, radius, 1)
+        return _rounding_of(self, land, radius, 1)
 
-    def _rounding(self, land: float, radius: float, convex: int) -> Rounding:
+    def solved_rounding(self, land: float, radius: float, convex: int) -> Rounding:
         """Where the rounding's centre is at its height: the one place on the sheet of the flank that goes through the reference
         cylinder, which ends in a cusp nearest to the axis, as an involute on its base cylinder."""
         section, level = self.section, land - convex * radius
@@ -265,6 +265,12 @@ class RunOut:
 def _curve_of(thread: WormThread) -> GeneratingCurve:
     # a build asks for the same thread several times
     return thread.solved_curve()
+
+
+@lru_cache(maxsize=16)
+def _rounding_of(thread: WormThread, land: float, radius: float, convex: int) -> Rounding:
+    # of both flanks, and for every face width and addendum that is tried
+    return thread.solved_rounding(land, radius, convex)
 
 
 def _at_radius(surface: Helicoid, radius: float, start: float) -> float:

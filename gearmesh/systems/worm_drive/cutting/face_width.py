@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, ParamSpec
 import numpy as np
 
 from gearmesh.design.keys import given_or
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.worm_drive.build import (
     ADDENDUM_SHARES,
     prove_wheel_of,
     refuse_tools,
-    root_rounding,
     usual_addendum,
     wheel_tooth,
+    worm_member,
 )
 from gearmesh.systems.worm_drive.cutting.root import open_root
 from gearmesh.systems.worm_drive.design import ADDENDUM
@@ -64,6 +64,8 @@ def derived_values(design: WormDriveDesign) -> dict[str, float]:
         shares = _narrow_shares(own, usual) if narrow else _sound_shares(own, given_or(wheel.face_width, usual))
         if (share := next(shares, None)) is not None:
             return {**root, "wheel.addendum": own.wheel.addendum, "wheel.face_width": share * usual}
+        if addendum == 1.0 and not narrow and not _has_worm(design):
+            break
     return {**root, "wheel.addendum": usual_addendum(design), "wheel.face_width": usual}
 
 
@@ -75,13 +77,21 @@ def _tries(open_width: bool, open_tip: bool) -> Iterator[tuple[float, bool]]:
 
 
 def _refused_by_tools(design: WormDriveDesign, usual: float) -> bool:
-    """Whether a hob is none, or no flank of the worm is left, which are refused by their own keys."""
+    """Whether a hob is none, which is refused by its own keys."""
     try:
         refuse_tools(design.fill({"wheel.face_width": usual}).in_mm())
-        root_rounding(design.in_mm(), 1)
     except DesignError:
         return True
     return False
+
+
+def _has_worm(design: WormDriveDesign) -> bool:
+    """Whether a worm can be built; where none can, that is refused by its own keys, whatever the wheel."""
+    try:
+        worm_member(design.in_mm())
+    except (DesignError, NoSolutionError):
+        return False
+    return True
 
 
 def _sound_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:

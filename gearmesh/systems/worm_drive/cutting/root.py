@@ -7,13 +7,12 @@ needs the root cylinder within R below that. The steeper the threads, the farthe
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.systems.worm_drive.build import root_rounding, worm_thread
+from gearmesh.systems.worm_drive.build import worm_thread
 from gearmesh.systems.worm_drive.design import DEDENDUM, ROUNDING
 
 if TYPE_CHECKING:
@@ -32,27 +31,36 @@ def open_root(design: WormDriveDesign) -> dict[str, float]:
     usual = {"worm.dedendum": DEDENDUM, "worm.root_rounding": ROUNDING}
     stated = math.isfinite(design.worm.dedendum)
     for dedendum in (DEDENDUM * (DEDENDUM_SHARES[:1] if stated else DEDENDUM_SHARES)).round(6).tolist():
-        own = design.fill({"worm.dedendum": dedendum})
-        if (rounding := next(_roundings(own), None)) is not None:
+        if (rounding := _rounding(design.fill({"worm.dedendum": dedendum}))) is not None:
             return {"worm.dedendum": dedendum, "worm.root_rounding": rounding}
     return usual
 
 
-def _roundings(design: WormDriveDesign) -> Iterator[float]:
-    """Coefficients of root roundings that suit a dedendum, the largest first: `ROUNDING`, or parts of it that leave those of both
-    flanks of a space side by side; of a stated one whether flanks reach it."""
+def _rounding(design: WormDriveDesign) -> float | None:
+    """Coefficient of the largest root rounding that suits a dedendum: `ROUNDING`, or a part of it that leaves those of both flanks
+    of a space side by side; a stated one where flanks reach it. None where there is none."""
+    stated, least = math.isfinite(design.worm.root_rounding), LEAST_LAND * design.axial_module
+    largest, *smaller = [design.worm.root_rounding] if stated else (ROUNDING * ROUNDING_SHARES).round(6).tolist()
+    land = _land(design, largest)
+    # smaller ones are reached even less, and the smallest leaves most land
+    if land is None or stated or land > least:
+        return None if land is None else largest
+    if (most := _land(design, smaller[-1])) is not None and most <= least:
+        return None
+    return next((rounding for rounding in smaller if (_land(design, rounding) or 0.0) > least), None)
+
+
+def _land(design: WormDriveDesign, rounding: float) -> float | None:
+    """Land (mm) that roundings of a coefficient leave between them at the narrowest; None where flanks do not reach them."""
     spec, m = design.worm, design.axial_module
+    root = 0.5 * design.reference_diameter - spec.dedendum * m
     # of threads that grow thicker along the axis spaces are narrowest at one end
     narrower = abs(spec.dual_lead) * (0.5 * spec.length + spec.run_out)
-    stated = math.isfinite(spec.root_rounding)
-    rounding: float
-    for rounding in [spec.root_rounding] if stated else (ROUNDING * ROUNDING_SHARES).round(6).tolist():
-        own = design.fill({"worm.root_rounding": rounding})
+    lands = []
+    for thread in dict.fromkeys(worm_thread(design, side) for side in (1, -1)):
         try:
-            sides = [(worm_thread(own, side).axial_pitch, root_rounding(own, side)) for side in (1, -1)]
+            # arcs end on the root under their centres
+            lands.append(0.5 * thread.axial_pitch - narrower + thread.root_rounding(root, rounding * m).arc.centre[1])
         except DesignError:
-            # smaller ones even less
-            return
-        # arcs end on the root under their centres
-        if stated or all(0.5 * pitch - narrower + own.arc.centre[1] > LEAST_LAND * m for pitch, own in sides):
-            yield rounding
+            return None
+    return min(lands)
