@@ -23,8 +23,7 @@ from tables import rewrite, table
 import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
 from gearmesh.fe import ccx
-from gearmesh.fe.gear_model import GearModel, Request, gear_model
-from gearmesh.fe.model import STIFFNESS_RATIO
+from gearmesh.fe.gear_model import GearModel, Request, contact_stiffness, gear_model
 from gearmesh.fe.placing import PlacedPair, place
 from gearmesh.fe.results import NodalSolution, contact_figures, largest_principal
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
@@ -193,11 +192,11 @@ def away_from_ends(pair: GearPair, places: Array) -> NDArray[np.bool_]:
 def by_loaded(case: Case, pair: GearPair, at: list[PlacedPair], bodies: tuple[HeldTeeth, HeldTeeth]) -> list[Figures]:
     """What gearmesh.loaded finds at all positions."""
     found = loaded_mesh(pair, np.array([each.turns[0] for each in at]), np.array([1e3 * case.torque]), bodies)
-    return [_figures(case, pair, found, k) for k in range(len(at))]
+    return [_figures(case, pair, found, k, contact_stiffness((STEEL, STEEL), at[k])) for k in range(len(at))]
 
 
-def _figures(case: Case, pair: GearPair, found: LoadedMesh, k: int) -> Figures:
-    """Of a mesh under one torque at position k."""
+def _figures(case: Case, pair: GearPair, found: LoadedMesh, k: int, stiffness: float) -> Figures:
+    """Of a mesh under one torque at position k; `stiffness` (MPa/mm) of the model's contact springs."""
     (load,) = found.loads
     own = np.flatnonzero((load.position == k) & (load.force > 0.0))
     beyond = [int(load.number[m]) for m in own if abs(load.number[m]) > case.teeth // 2]
@@ -205,7 +204,7 @@ def _figures(case: Case, pair: GearPair, found: LoadedMesh, k: int) -> Figures:
         raise SystemExit(f"tooth pairs {beyond} carry too: the model needs more than {case.teeth} teeth")
     grid = load.separation
     squares = (load.pressure[own] ** 2).sum(axis=(1, 2)) @ (grid.dx[own] * grid.dy[own])
-    springs = squares / (STIFFNESS_RATIO * STEEL.youngs_modulus * found.torque[0])
+    springs = squares / (stiffness * found.torque[0])
     (leading,) = own[load.number[own] == 0]
     inner = inside(grid.on, *beside(grid.on))[leading] & away_from_ends(pair, grid.places[0, leading])[:, None]
     return Figures(

@@ -15,8 +15,6 @@ from gearmesh.contact.hertz import Material
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
-#: linear pressure-overclosure: contact stiffness over Young's modulus, 1/mm; converges where harder springs do not
-STIFFNESS_RATIO = 50.0
 #: characters in a line of notes
 WIDTH = 76
 

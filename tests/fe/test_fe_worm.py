@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from oracles.fe_cases import worm_pair
 
+import gearmesh as gm
 from gearmesh.answers.bodies.finite_elements import FiniteElements
 from gearmesh.fe.placing import major_axis, minor_axis
 from gearmesh.kernel.motion.rigid import Rigid
@@ -57,9 +58,11 @@ def test_stations_of_both_flanks_lie_over_each_other_under_load(keys: dict[str, 
 
 @pytest.mark.sweep
 @needs_ccx
-def test_pressure_in_the_middle_is_that_of_hertz() -> None:
-    """Where stations of worm and wheel do not lie over each other it is 2.3 to 3.4 times as large. At one end of the ellipse, where
-    lines are coarser, it is still too large, which is reported."""
+def test_pressure_in_the_middle_is_that_of_the_loaded_contact() -> None:
+    """Under 39 Nm on three pairs the leading one has nearly as much force as here; by Hertz the pressure is 4 % higher. Contact
+    springs that are harder than facets fit touch on 78 % of the ellipse and are pressed 11 % harder; where stations of worm and
+    wheel do not lie over each other it is 2.3 to 3.4 times as much. At one end, where lines are coarser, it is still too large,
+    which is reported."""
     problem = worm_pair()
     solved = problem.solve()
     wanted, (contact,) = problem.figures, problem.model.contacts
@@ -70,9 +73,12 @@ def test_pressure_in_the_middle_is_that_of_hertz() -> None:
     inside = np.unique(problem.model.mesh.face_corners(contact.slave)[away < 0.3])
     assert len(inside) > 10
     pressure = solved.solution.pressure[inside]
-    assert pressure.mean() == pytest.approx(wanted["hertz_p0_mpa"], rel=0.08)
-    assert pressure.max() < 1.12 * wanted["hertz_p0_mpa"]
+    (loaded,) = gm.build(problem.design).loaded_contact([39.0], [0.0]).rows
+    (leading,) = (own for own in loaded.tooth_pairs if own.pair == 0)
+    of_force = leading.peak_pressure * (wanted["normal_force_n"] / leading.force) ** (1 / 3)
+    assert of_force == pytest.approx(wanted["hertz_p0_mpa"], rel=0.04)
+    assert pressure.max() == pytest.approx(of_force, rel=0.06)
     area = np.pi * wanted["hertz_a_mm"] * wanted["hertz_b_mm"]
-    assert 0.75 * area < solved.figures["contact_area_mm2"] < area
+    assert 0.85 * area < solved.figures["contact_area_mm2"] < area
     assert solved.solution.pressure[nodes].max() > pressure.max()
     assert solved.reserve == "unresolved: at the rim of the ellipse, where lines are coarser"
