@@ -27,6 +27,9 @@ SHORTEST = 10.0
 CORNER = 0.7
 #: what a way along the normal counts for in an ellipse, as a part of one along the major axis
 OUT_OF_PLANE = 0.25
+#: rounds in which the end of a ray on the flank is found, to a millionth of it, and the parts into which each one divides what is
+#: left: quarters, for a projection costs much and a point of it little
+ROUNDS, PARTS = 10, 4
 
 
 def ellipses_on_surface(
@@ -209,7 +212,9 @@ def _index_in(lattice: Array, known: NDArray[np.bool_], places: Array) -> Array:
 
 def _last_inside(place: Callable[[Array, NDArray[np.intp]], Array], inside: Array, outside: Array) -> Array:
     """Parameter (K,) up to which `place` is finite, between one where it is and one where it is not: bisection."""
-    return last_true(lambda x, index: np.isfinite(place(x, index)[..., 0]), inside, outside, rounds=24)[0]
+    return last_true(
+        lambda x, index: np.isfinite(place(x, index)[..., 0]), inside, outside, rounds=ROUNDS, split=PARTS
+    )[0]
 
 
 def _refine(values: Array, between: int) -> Array:

@@ -356,7 +356,7 @@ def tooth_view(gears: GearPair, name: str) -> ToothView:
 def _fine_and_rest(body: Member, *, lean: bool) -> tuple[TriangleMesh, TriangleMesh]:
     """The tooth on +x finely meshed, and the gear without it, coarsely."""
     fine = teeth_mesh(tessellate(body.tooth, FINE, lean=lean), body.name, np.array([0]))
-    rough = tessellate(body.tooth, COARSE)
+    rough = tessellate(body.tooth, COARSE, lean=lean)
     whole = gear_solid(replace(body, features=BodyFeatures()), COARSE, rough)
     rest = replace(
         whole,
