@@ -180,12 +180,20 @@ class MeshCurve:
         steep = np.minimum(np.abs(slope[:-1]), np.abs(slope[1:])) > LEVEL
         k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & steep)
         if k.size:
-            root = bracketed_root(lambda at, _: self.of_pair.at(at)[1], phi1[k], phi1[k + 1], tolerance=1e-9)
+            # the root is one of the places that were asked: where it is solved for, its advance is known with its slope
+            known_there = dict[float, float]()
+
+            def slope_at(at: Array, _: NDArray[np.intp]) -> Array:
+                own, slopes = self.of_pair.at(at)
+                known_there.update(zip(at.tolist(), own.tolist(), strict=True))
+                return slopes
+
+            root = bracketed_root(slope_at, phi1[k], phi1[k + 1], tolerance=1e-9)
             # where the slope jumps there is a corner, and it is found all the same
             there = np.isfinite(root.values)
             level, k = root.values[there], k[there]
             phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))
-            advance = np.concatenate((advance, self.of_pair.at(level)[0]))
+            advance = np.concatenate((advance, [known_there[at] for at in level.tolist()]))
         summits = self._summits(phi1, advance, slope, end)
         if summits:
             at, k = (np.array(column) for column in zip(*summits, strict=True))
