@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.design.keys import Table
-from gearmesh.design.shown import nearest, shown_key, value_text
+from gearmesh.design.shown import LIKE, nearest, shown_key, value_text
 from gearmesh.errors import DesignError, shown_value
 
 if TYPE_CHECKING:
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 #: The error a person should mend first comes first.
 _ORDER = {"extra_forbidden": 0, "missing": 1}
+#: likeness of a misspelt key in one table and a key of another that is meant; letters with which a key may begin to stand for it
+MUCH_ALIKE, LEAST_BEGINNING = 0.8, 4
 
 
 def explain(error: ValidationError, design: type[Table], units: str) -> DesignError:
@@ -81,12 +83,15 @@ def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Tab
     # the name of a key of another table, but of none within one
     if everywhere.get(name, "..").count(".") <= 1:
         return f"did you mean {everywhere[name]}?"
-    here = nearest(name, table.model_fields)
+    begins = (key for key in table.model_fields if len(name) >= LEAST_BEGINNING and key.startswith(name))
+    here = nearest(name, table.model_fields) or next(begins, None)
     if here is not None:
         return f"did you mean {'.'.join([*path, here])}?"
-    # what is near the top of the file first
+    # what is near the top of the file first; whoever names a table means one of its keys, unless that of another is much alike
+    likeness = MUCH_ALIKE if path else LIKE
     for deepest in (1, max(dotted.count(".") for dotted in everywhere.values())):
-        elsewhere = nearest(name, [leaf for leaf, dotted in everywhere.items() if dotted.count(".") <= deepest])
+        some = [leaf for leaf, dotted in everywhere.items() if dotted.count(".") <= deepest]
+        elsewhere = nearest(name, some, likeness)
         if elsewhere is not None:
             return f"did you mean {everywhere[elsewhere]}?"
     return "known here: " + ", ".join(table.names())

@@ -285,6 +285,21 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
         "shaft_angle: the cone and helix angles of the members give it",
     ),
     ("strange key", set_in(BEVELOID, "gear.qqqq", 3), "gear.qqqq: unknown key; known here: teeth, bore, tip_chamfer"),
+    (
+        "beginning of a key",
+        set_in(BEVELOID, "gear.material.young", 3),
+        "gear.material.young: unknown key; did you mean gear.material.youngs_modulus?",
+    ),
+    (
+        "unlike all in its table",
+        set_in(BEVELOID, "fe.profile_elements", 3),
+        "fe.profile_elements: unknown key; known here: ",
+    ),
+    (
+        "misspelt, of another table",
+        set_in(BEVELOID, "gear.diametral_pich", 20),
+        "gear.diametral_pich: unknown key; did you mean diametral_pitch?",
+    ),
     ("key of two lines", set_in(BEVELOID, "gear.a\nb", 3), 'gear."a\\nb": unknown key; known here: teeth'),
     ("text for number", set_in(BEVELOID, "module", "five"), 'module = "five": must be a length in mm from'),
     ("nan", set_in(BEVELOID, "gear.helix_angle", math.nan), "gear.helix_angle = NaN: must be an angle in deg from -88"),
