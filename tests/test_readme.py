@@ -60,7 +60,8 @@ def refusal(command: str) -> str:
     try:
         values = COMMANDS[name].make_context(name, list(words)).params if words else {}
     except Exception as error:  # the parser's own errors, wherever typer keeps them
-        return str(error)
+        # files of readers' own are not here, as those of other programs that `convert` reads
+        return "" if str(error).endswith("cannot be read: No such file or directory") else str(error)
     design = values.get("design_file")
     if design is not None:
         gm.load(ROOT / design, values.get("settings") or [])
