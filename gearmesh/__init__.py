@@ -154,9 +154,9 @@ if TYPE_CHECKING:
     from gearmesh.design.modifications import EndRelief, Modifications, ProfileRelief, TriangularRelief
     from gearmesh.design.topography_file import TopographyGrid
     from gearmesh.drawing.drawing import WorkshopDrawing
-    from gearmesh.drawing.outline import Outline
+    from gearmesh.drawing.outline import Outline, ToothRow
     from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
-    from gearmesh.fe.results import ContactFigures
+    from gearmesh.fe.results import ContactFigures, ContactTotal, NodalSolution, ReferenceNode
     from gearmesh.figures import Entry, Figure, Figures, Summary
     from gearmesh.kernel.motion.joint import Joint, MotionUnits
     from gearmesh.kernel.motion.rigid import Rigid
@@ -260,12 +260,15 @@ if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import HobTable, WheelTable, WormDriveAssembly, WormDriveDesign, WormTable
     from gearmesh.teeth.blank.body import Body, Disc, PlaneFace, TurnedStep
     from gearmesh.teeth.blank.end_edge import EndChamfer
-    from gearmesh.teeth.blank.features import Boss, Drilling, Opening, Slot
-    from gearmesh.teeth.blank.halves import AxialGap, HalfGear
+    from gearmesh.teeth.blank.features import BodyFeatures, Boss, Drilling, HoleRow, Opening, Pattern, Slot, Spokes
+    from gearmesh.teeth.blank.halves import AxialGap, HalfGear, Rows
+    from gearmesh.teeth.blank.tip_edge import TipEdge
     from gearmesh.teeth.end_strip import EndStrip, SharpOutline, StripPiece
+    from gearmesh.teeth.flank_frame import FlankFrame
     from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
     from gearmesh.teeth.limits import LostFlank, MemberLimits, SideLimits
     from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
+    from gearmesh.teeth.micro_geometry.index_angles import IndexAngles
     from gearmesh.teeth.mount import Mount
     from gearmesh.teeth.region import Region, Side
     from gearmesh.teeth.section import Ends, Grid, Link, Sections
@@ -296,6 +299,7 @@ __all__ = [
     "BeveloidMember",
     "BladeTable",
     "Body",
+    "BodyFeatures",
     "BoltHoles",
     "BoltRow",
     "BoreSteps",
@@ -327,6 +331,7 @@ __all__ = [
     "ContactFigures",
     "ContactPath",
     "ContactTable",
+    "ContactTotal",
     "Contacts",
     "Contour",
     "CorrectedSettingFigures",
@@ -384,6 +389,7 @@ __all__ = [
     "FiniteElements",
     "Fit",
     "FlankContact",
+    "FlankFrame",
     "FlankInspectionFigures",
     "FlankOrderFigures",
     "FlankTopography",
@@ -403,9 +409,11 @@ __all__ = [
     "HertzFigures",
     "Hob",
     "HobTable",
+    "HoleRow",
     "Holes",
     "Hub",
     "HypoidDesign",
+    "IndexAngles",
     "Inspection",
     "InspectionFigures",
     "Interference",
@@ -455,6 +463,7 @@ __all__ = [
     "NamedFace",
     "NearestPlace",
     "NoSolutionError",
+    "NodalSolution",
     "NovikovDesign",
     "NovikovGear",
     "Occurrence",
@@ -472,6 +481,7 @@ __all__ = [
     "PartAssembly",
     "PathAngles",
     "PathHertz",
+    "Pattern",
     "PatternCheck",
     "PatternShift",
     "Phi1",
@@ -497,6 +507,7 @@ __all__ = [
     "RackDesign",
     "RackMeasured",
     "RackTable",
+    "ReferenceNode",
     "Region",
     "RejectedFigures",
     "RejectedSet",
@@ -514,6 +525,7 @@ __all__ = [
     "RollRow",
     "RollTest",
     "RootStress",
+    "Rows",
     "RunTime",
     "SecondOrder",
     "Section",
@@ -552,6 +564,7 @@ __all__ = [
     "SpiralBevelContact",
     "SpiralBevelDesign",
     "SpokeTable",
+    "Spokes",
     "StripPiece",
     "Study",
     "StudySummary",
@@ -563,12 +576,14 @@ __all__ = [
     "ThicknessAllowance",
     "TightMesh",
     "TipCorner",
+    "TipEdge",
     "ToolPart",
     "ToolPathAnswer",
     "ToolPathFigures",
     "Tooth",
     "ToothPairFigures",
     "ToothPairPosition",
+    "ToothRow",
     "ToothSide",
     "TopographyFigures",
     "TopographyGrid",
@@ -839,14 +854,22 @@ _HOMES = {
     ),
     "gearmesh.design.topography_file": ("TopographyGrid",),
     "gearmesh.drawing.drawing": ("WorkshopDrawing",),
-    "gearmesh.drawing.outline": ("Outline",),
+    "gearmesh.drawing.outline": (
+        "Outline",
+        "ToothRow",
+    ),
     "gearmesh.errors": (
         "DesignError",
         "GearmeshError",
         "NoSolutionError",
         "OutputError",
     ),
-    "gearmesh.fe.results": ("ContactFigures",),
+    "gearmesh.fe.results": (
+        "ContactFigures",
+        "ContactTotal",
+        "NodalSolution",
+        "ReferenceNode",
+    ),
     "gearmesh.figures": (
         "Entry",
         "Figure",
@@ -1034,20 +1057,27 @@ _HOMES = {
     ),
     "gearmesh.teeth.blank.end_edge": ("EndChamfer",),
     "gearmesh.teeth.blank.features": (
+        "BodyFeatures",
         "Boss",
         "Drilling",
+        "HoleRow",
         "Opening",
+        "Pattern",
         "Slot",
+        "Spokes",
     ),
     "gearmesh.teeth.blank.halves": (
         "AxialGap",
         "HalfGear",
+        "Rows",
     ),
+    "gearmesh.teeth.blank.tip_edge": ("TipEdge",),
     "gearmesh.teeth.end_strip": (
         "EndStrip",
         "SharpOutline",
         "StripPiece",
     ),
+    "gearmesh.teeth.flank_frame": ("FlankFrame",),
     "gearmesh.teeth.gear_train": (
         "GearPair",
         "GearTrain",
@@ -1059,6 +1089,7 @@ _HOMES = {
         "SideLimits",
     ),
     "gearmesh.teeth.micro_geometry.deviations": ("DeviationGrid",),
+    "gearmesh.teeth.micro_geometry.index_angles": ("IndexAngles",),
     "gearmesh.teeth.mount": ("Mount",),
     "gearmesh.teeth.region": (
         "Region",

@@ -118,7 +118,7 @@ def bending(quick: bool) -> Iterator[Row]:
     for order, sizes in THREE_TEETH.items():
         for cells in sizes[: 1 if quick else None]:
             problem = spur_slice(cells, order, teeth=3)
-            at = problem.built.at
+            at = problem._built.at
             seconds, solution = timed(problem.model)
             found = fillet_stress(problem.model.mesh, solution, "pinion_fillet_right_2")
             wanted = iso_root_stress(at.force, float(np.hypot(*at.frame.point(at.path.point[0])[:2])))

@@ -222,7 +222,7 @@ class RexsExport(Result):
     """
 
     design: Design
-    model: RexsModel
+    _model: RexsModel
     stage: str
     own_keys: tuple[str, ...]
     warnings: tuple[str, ...] = ()
@@ -234,9 +234,7 @@ class RexsExport(Result):
 
     @property
     def headline(self) -> str:
-        return (
-            f"{self.stage}: {len(self.model.components)} components, {len(self.own_keys)} keys without a REXS attribute"
-        )
+        return f"{self.stage}: {len(self._model.components)} components, {len(self.own_keys)} keys without a REXS attribute"
 
     @property
     def listings(self) -> list[Listing]:
@@ -253,7 +251,7 @@ class RexsExport(Result):
         from gearmesh.io.atomic import whole_file
 
         with whole_file(target) as file:
-            file.write_bytes(rexs_bytes(self.model, target))
+            file.write_bytes(rexs_bytes(self._model, target))
 
 
 def rexs_of(pinned: Pinned, folder: Path, loaded: LoadedContact | None = None) -> RexsExport:

@@ -25,7 +25,7 @@ class WorkshopDrawing:
     """A workshop drawing of one member: views with dimensions, table of gear data, title block."""
 
     member: str
-    page: Page
+    _page: Page
 
     def __repr__(self) -> str:
         return f"<Drawing: {self.member}, {self.sheet} at {self.scale}>"
@@ -33,17 +33,17 @@ class WorkshopDrawing:
     @property
     def sheet(self) -> str:
         """Size of the paper, "A4" or "A3"."""
-        return self.page.paper.name
+        return self._page.paper.name
 
     @property
     def scale(self) -> str:
         """As "1:2"."""
-        return scale_name(self.page.scale)
+        return scale_name(self._page.scale)
 
     @property
     def texts(self) -> tuple[str, ...]:
         """All that is written on it."""
-        return tuple(letters.text for letters in self.page.canvas.letters if letters.text)
+        return tuple(letters.text for letters in self._page.canvas.letters if letters.text)
 
     def save(self, path: str | PathLike[str]) -> Path:
         """Write a .pdf, .svg or .png file, whole or not at all, with the same bytes every time.
@@ -71,7 +71,7 @@ class WorkshopDrawing:
         target = Path(path)
         if target.suffix.lower() not in SUFFIXES:
             raise OutputError("cannot write", target, reason=f"its suffix must be one of {', '.join(SUFFIXES)}")
-        save_figure(paint(self.page), target)
+        save_figure(paint(self._page), target)
         return target
 
     def _repr_png_(self) -> bytes:

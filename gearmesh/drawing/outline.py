@@ -32,7 +32,25 @@ class ToothRow:
         return np.concatenate((tip, root[::-1]))
 
     def on_ends(self, radii: tuple[float, float]) -> Array:
-        """Points (2, 2) on the end faces at toe and heel at so large radii."""
+        """Points on the end faces, at radii of the tooth.
+
+        Parameters
+        ----------
+        radii : tuple of two float
+            Of the points at toe and heel, mm.
+
+        Returns
+        -------
+        numpy.ndarray of float (2, 2)
+            z and radius of the points at toe and heel, mm.
+
+        Examples
+        --------
+        >>> tip, root = (np.array([[-5.0, rho], [5.0, rho]]) for rho in (20.0, 15.5))
+        >>> row = gm.ToothRow(tip, root, (tip, root))
+        >>> row.on_ends((18.0, 18.0))[:, 1].round(9).tolist()
+        [18.0, 18.0]
+        """
         ends = []
         for end, radius in zip((0, -1), radii, strict=True):
             tip, root = self.tip[end], self.root[end]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.fe.decks.inp import reference_nodes, write_calculix
 from gearmesh.fe.model import Model, RigidTie
-from gearmesh.fe.results import ContactTotal, NodalSolution, Reference
+from gearmesh.fe.results import ContactTotal, NodalSolution, ReferenceNode
 from gearmesh.kernel.numeric.algebra import Array
 
 #: environment variable that names the program where `ccx` is not on the PATH
@@ -202,10 +202,10 @@ def _frd(file: Path) -> dict[str, tuple[NDArray[np.int64], Array]]:
     return blocks
 
 
-def _references(model: Model, totals: str) -> dict[str, Reference]:
+def _references(model: Model, totals: str) -> dict[str, ReferenceNode]:
     numbers = reference_nodes(model)
     return {
-        tie.node_set: Reference(
+        tie.node_set: ReferenceNode(
             displacement=_node(totals, "displacements", reference),
             rotation=_node(totals, "displacements", rotation),
             force=_node(totals, "forces", reference),

@@ -16,7 +16,7 @@ from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 
 @dataclass(frozen=True)
-class Reference:
+class ReferenceNode:
     """State of the reference node of a rigid tie: mm, rad, N, N mm, (3,) each; forces are those that hold or load it."""
 
     displacement: Array
@@ -46,7 +46,7 @@ class NodalSolution:
     displacement: Array
     stress: Array
     pressure: Array
-    references: dict[str, Reference]
+    references: dict[str, ReferenceNode]
     contacts: tuple[ContactTotal, ...]
     iterations: int
 

@@ -83,7 +83,7 @@ class Study(Result):
     columns: dict[str, list[Any]]
     nominal: Summary
     limits: tuple[Limit, ...]
-    work: StudyWork
+    _work: StudyWork
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -93,7 +93,7 @@ class Study(Result):
     @property
     def figures(self) -> tuple[str, ...]:
         """Names of the figures recorded."""
-        return self.work.names
+        return self._work.names
 
     @property
     def rows(self) -> dict[str, Array]:
@@ -196,7 +196,7 @@ class Study(Result):
         return StudySummary(
             headline=self.headline,
             plan={"rows": len(self.plan), **self.plan.about},
-            torque=list(self.work.torque) or None,
+            torque=list(self._work.torque) or None,
             nominal=self.nominal,
             percentiles={
                 name: dict(zip(map(str, PERCENTILES), percentiles(self.numbers(name)), strict=True))
@@ -256,7 +256,7 @@ class Study(Result):
         >>> len(gears.study({"assembly.dx": "0:0.1:2"}, record="path", workers=1).assemblies())
         2
         """
-        return assembly_contacts(self.work, self.plan.rows(0, len(self.plan)))
+        return assembly_contacts(self._work, self.plan.rows(0, len(self.plan)))
 
 
 def _ranking(shares: Sequence[VarianceShare]) -> str:

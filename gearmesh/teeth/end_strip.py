@@ -172,7 +172,7 @@ class StripPiece:
     """
 
     region: Region
-    arc: _SharpPiece | None
+    _arc: _SharpPiece | None
     link: Link
     inner: tuple[float, float]
     outer: tuple[float, float]
@@ -198,11 +198,11 @@ class StripPiece:
         >>> strip.pieces[0].edge(np.array([0.0, 1.0])).shape
         (2, 2)
         """
-        if self.arc is None:
+        if self._arc is None:
             assert self.round is not None
             return np.broadcast_to(self.round[0], (sigma.size, 2))
-        first, last = self.arc.span
-        return self.arc.at(first + sigma * (last - first))[0]
+        first, last = self._arc.span
+        return self._arc.at(first + sigma * (last - first))[0]
 
 
 class SharpOutline:
@@ -409,9 +409,9 @@ def _outer(piece: StripPiece, sigma: Array) -> Array:
         return centre - radius * components(np.cos(angle), np.sin(angle))
     if piece.point is not None:
         return np.broadcast_to(piece.point, (sigma.size, 2))
-    assert piece.arc is not None
+    assert piece._arc is not None
     first, last = piece.outer
-    return piece.arc.parallel(first + sigma * (last - first))
+    return piece._arc.parallel(first + sigma * (last - first))
 
 
 def _seams(link: Link) -> tuple[float, ...]:

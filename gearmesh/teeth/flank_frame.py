@@ -45,7 +45,30 @@ class FlankFrame:
 
     @staticmethod
     def of(member: Member, side: Side) -> FlankFrame:
-        """The frame of a member's flank, from its middle to heel and tip. Raises TrimError where the flank cannot be trimmed."""
+        """The frame of a member's flank, counted from its middle to heel and tip.
+
+        Parameters
+        ----------
+        member : Member
+            Whose flank is meant.
+        side : Side
+            The flank.
+
+        Returns
+        -------
+        FlankFrame
+            Of length along the face and height.
+
+        Raises
+        ------
+        NoSolutionError
+            Where the flank cannot be trimmed.
+
+        Examples
+        --------
+        >>> gm.FlankFrame.of(gears.members["pinion"], gm.Side.RIGHT).extent[:, 0].round(3).tolist()
+        [-5.0, 5.0]
+        """
         tooth = member.tooth
         levels = (tooth.blank.axial, tooth.blank.across)
         steps, ends, thirds = np.linspace(0.0, 1.0, EDGE), [0.0, 1.0], [0.0, 0.5, 1.0]
@@ -94,11 +117,47 @@ class FlankFrame:
         return bool(marks["heel"][0] < marks["toe"][0]), bool(marks["tip"][1] < marks["root"][1])
 
     def places(self, points: Array) -> Array:
-        """Length and height (..., 2), mm, of points (..., 3), the member's own frame, mm."""
+        """Length and height of points of the flank.
+
+        Parameters
+        ----------
+        points : numpy.ndarray of float (..., 3)
+            In the member's own frame, mm.
+
+        Returns
+        -------
+        numpy.ndarray of float (..., 2)
+            Length along the face and height, mm.
+
+        Examples
+        --------
+        >>> frame = gm.FlankFrame.of(gears.members["pinion"], gm.Side.RIGHT)
+        >>> frame.places(np.zeros((4, 3))).shape
+        (4, 2)
+        """
         return np.asarray(self.signs * (_values(self.levels, points) - self.zero))
 
     def directions(self, points: Array, vectors: Array) -> Array:
-        """Vectors (..., 3) at points (..., 3) in length and height, (..., 2)."""
+        """Vectors at points of the flank, in length and height.
+
+        Parameters
+        ----------
+        points : numpy.ndarray of float (..., 3)
+            In the member's own frame, mm.
+        vectors : numpy.ndarray of float (..., 3)
+            In the same frame.
+
+        Returns
+        -------
+        numpy.ndarray of float (..., 2)
+            Their parts along the face and up the flank, in the unit of the vectors.
+
+        Examples
+        --------
+        >>> frame = gm.FlankFrame.of(gears.members["pinion"], gm.Side.RIGHT)
+        >>> frame.directions(np.array([18.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])).round(9).tolist()
+        [1.0, 0.0]
+        """
         parts = [dot(level.gradient(points), vectors) for level in self.levels]
         return np.asarray(self.signs * np.stack(parts, axis=-1))
 

@@ -313,4 +313,4 @@ class DrawnLink:
         points = sections.of(self.side).edge
         assert points is not None
         way = _rows(s) if self.side is Side.RIGHT else 1.0 - _rows(s)
-        return Grid(*self.edge.section_curve(points, self.axial, way))
+        return Grid(*self.edge._section_curve(points, self.axial, way))

@@ -909,7 +909,7 @@ class Tooth:
             land = np.full_like(stations, side.tip_corner.end)
             tip_point = along(side.tip_corner.surface, land, stations, self.blank.axial)[1].r
         if self.tip_edge is not None:
-            tip, edge = self.tip_edge.between(side.flank, self.blank, which.sign, (form_point_flank, tip), stations)
+            tip, edge = self.tip_edge._between(side.flank, self.blank, which.sign, (form_point_flank, tip), stations)
             tip_point = edge[1]
         return Ends(form_point_flank, form_point_fillet, tip, tip_corner, self.joint.angle(tip_point), root_angle, edge)
 

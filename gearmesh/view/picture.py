@@ -23,11 +23,11 @@ LOADED_VIEWS = ("loaded", "loaded_flank", "loaded_te", "loaded_share", "loaded_s
 class Picture:
     """A picture of gears; drawing needs off-screen OpenGL."""
 
-    scene: Scene
+    _scene: Scene
 
     def __repr__(self) -> str:
-        width, height = self.scene.size
-        return f"<Picture: {self.scene.title}, {width} x {height}>"
+        width, height = self._scene.size
+        return f"<Picture: {self._scene.title}, {width} x {height}>"
 
     def save(self, path: str | PathLike[str]) -> Path:
         """Draw into a .png file, whole or not at all.
@@ -61,7 +61,7 @@ class Picture:
         missing = missing_opengl_message()
         if missing:
             raise OutputError(reason=missing)
-        render(self.scene, target)
+        render(self._scene, target)
         return target
 
     def _repr_png_(self) -> bytes:
@@ -120,10 +120,10 @@ class Diagram:
 class Animation:
     """Gears that roll through one pitch, over and over; drawing needs off-screen OpenGL."""
 
-    scenes: tuple[Scene, ...]
+    _scenes: tuple[Scene, ...]
 
     def __repr__(self) -> str:
-        return f"<Animation: {self.scenes[0].title}, {len(self.scenes)} pictures>"
+        return f"<Animation: {self._scenes[0].title}, {len(self._scenes)} pictures>"
 
     def save(self, path: str | PathLike[str]) -> Path:
         """Draw into a .gif file, whole or not at all.
@@ -150,7 +150,7 @@ class Animation:
         """
         from gearmesh.view.mesh_section import write_animation
 
-        write_animation(Path(path), list(self.scenes))
+        write_animation(Path(path), list(self._scenes))
         return Path(path)
 
     def __dir__(self) -> list[Any]:

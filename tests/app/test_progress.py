@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 from oracles.built import pair_of
+from oracles.command_line import run
 from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
@@ -56,6 +58,27 @@ def test_search_for_the_contact_of_a_bevel_pair_says_how_far_it_is() -> None:
     assert told == sorted(told)
     # of the first flank, of both
     assert 0.0 < told[0] < 0.5 < told[-2] < told[-1] == 1.0
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("words", "stage"),
+    [
+        (("size", "--ratio", "2", "--center-distance", "90", "--module", "2.5"), "sizes"),
+        (("limits", SAMPLES / "spur.toml"), "limits"),
+        (("pin", SAMPLES / "spur.toml", "-o", "pinned.toml"), "pin"),
+        (("grid", SAMPLES / "spur.toml", "--member", "gear", "-o", "grid.csv"), "measuring grid"),
+        (("solid", SAMPLES / "spur.toml", "--member", "gear", "-o", "gear.svg"), "solid of the gear"),
+    ],
+)
+def test_stages_are_lines_in_a_pipe_however_short_they_are(
+    words: tuple[str | Path, ...], stage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What may take long says so always: no clock decides what is printed."""
+    monkeypatch.chdir(tmp_path)
+    status, _, err = run(*words)
+    lines = err.splitlines()
+    assert (status, lines[0], lines.count(lines[0])) == (0, f"gearmesh: {stage}", 1)
 
 
 def test_compliances_end_where_nobody_waits_for_them(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -58,25 +58,25 @@ def drawing(case: str) -> WorkshopDrawing:
 def test_texts_say_what_the_gear_is_and_none_lies_on_another(case: str) -> None:
     made = drawing(case)
     assert set(made.texts) >= CASES[case][-1]
-    left, low, right, high = made.page.paper.frame
-    boxes = [letters.box for letters in made.page.canvas.letters if letters.text]
+    left, low, right, high = made._page.paper.frame
+    boxes = [letters.box for letters in made._page.canvas.letters if letters.text]
     assert len(boxes) > 40
     for box in boxes:
         assert left <= box.left < box.right <= right
         assert low <= box.low < box.high <= high
     assert not [pair for pair in itertools.combinations(boxes, 2) if pair[0].overlaps(pair[1], 0.0)]
-    for stroke in made.page.canvas.strokes:
+    for stroke in made._page.canvas.strokes:
         assert np.all(stroke.points >= np.array([left, low]) - 1e-9)
         assert np.all(stroke.points <= np.array([right, high]) + 1e-9)
-    assert made.page.scale in SCALES
+    assert made._page.scale in SCALES
 
 
 def test_lines_are_to_scale_and_hatching_is_where_material_is() -> None:
     made = drawing("double helical")
-    scale = made.page.scale
+    scale = made._page.scale
     # end view: all teeth, as far from its centre as the tip; 23 of them
     outline = [
-        stroke.points for stroke in made.page.canvas.strokes if stroke.pen is Pen.OUTLINE and len(stroke.points) > 60
+        stroke.points for stroke in made._page.canvas.strokes if stroke.pen is Pen.OUTLINE and len(stroke.points) > 60
     ]
     teeth = [points for points in outline if len(points) < 150]
     assert len(teeth) == 23
@@ -84,7 +84,7 @@ def test_lines_are_to_scale_and_hatching_is_where_material_is() -> None:
     centre = 0.5 * (every.min(axis=0) + every.max(axis=0))
     assert np.linalg.norm(every - centre, axis=-1).max() == pytest.approx(0.5 * 112.1964 * scale, abs=0.2)
     # lines so far apart cover the section: two strips of 72 mm from the bore to root or gap, less the keyway
-    lengths = [np.linalg.norm(np.diff(s.points, axis=0)) for s in made.page.canvas.strokes if s.pen is Pen.HATCHING]
+    lengths = [np.linalg.norm(np.diff(s.points, axis=0)) for s in made._page.canvas.strokes if s.pen is Pen.HATCHING]
     root, gap = 0.5 * 94.1964, 0.5 * (94.1964 - 2.0)
     section = 2.0 * (60.0 * (root - 20.0) + 12.0 * (gap - 20.0)) - 72.0 * 3.3
     assert HATCH * sum(lengths) / scale**2 == pytest.approx(section, rel=0.01)
@@ -153,7 +153,7 @@ def test_chamfers_of_end_faces_are_drawn_and_said() -> None:
     assert row.tip == pytest.approx(sharp.tip, abs=1e-12)
     drawn = [made.drawing("pinion") for made in (gears, plain)]
     assert "2 mm x 30° / sharp" in drawn[0].texts
-    lines = [sum(stroke.pen is Pen.OUTLINE for stroke in made.page.canvas.strokes) for made in drawn]
+    lines = [sum(stroke.pen is Pen.OUTLINE for stroke in made._page.canvas.strokes) for made in drawn]
     # the side of the toe is what is seen
     assert lines[0] == lines[1] + 24
 

@@ -129,7 +129,7 @@ def test_several_positions_are_a_folder_with_a_script(tmp_path: Path) -> None:
 def test_default_models_resolve_the_contact_pressure(sample: str) -> None:
     """Counted on the mesh: rows of flank faces that the contact ellipse covers, at the station of its middle."""
     built = model_of(load(SAMPLES / f"{sample}.toml"))
-    figures, at = built.figures, built.built.at
+    figures, at = built.figures, built._built.at
     assert built.coarse == ""
     assert not any("resolve" in line for line in built.warnings)
     assert figures["elements"] < 150_000
@@ -169,7 +169,7 @@ def test_unresolved_pressures_are_said_in_their_line(monkeypatch: pytest.MonkeyP
         line = next(row for row in str(solved).splitlines() if row.startswith("max_pressure_mpa"))
         assert ("(unresolved:" in line) is ("(unresolved:" in solved.headline) is bool(words)
         assert words in solved.headline
-        title = pressure_scene(built.model, solution, built.built.at, note=solved.reserve).title
+        title = pressure_scene(built.model, solution, built._built.at, note=solved.reserve).title
         assert title.endswith(" MPa" if not words else f" MPa ({solved.reserve})")
 
 
@@ -247,7 +247,7 @@ def pretended(built: FiniteElements, pressed: int = 1) -> tuple[NodalSolution, A
     """A solution with a pressure on a slave flank, the leading one's or that of another contact, and a tension that grows with the
     station; its place.
     """
-    model, at = built.model, built.built.at
+    model, at = built.model, built._built.at
     mesh, place = model.mesh, at.frame.point(at.path.point[0])
     if pressed != 1:
         place = mesh.nodes[mesh.face_nodes(model.contacts[pressed].slave)].mean(axis=0)
@@ -266,7 +266,7 @@ def test_pictures_show_what_was_solved() -> None:
     design = load(CROSSED, ["fe.teeth=3", "fe.ellipse=3", *COARSE[1::2]])
     built = model_of(design)
     solution, place = pretended(built)
-    scene = pressure_scene(built.model, solution, built.built.at, (800, 600))
+    scene = pressure_scene(built.model, solution, built._built.at, (800, 600))
     (value_map,) = scene.maps
     assert value_map.limit == pytest.approx(1000.0, rel=1e-2)
     assert np.linalg.norm(value_map.points - place, axis=-1).max() < 3.0
@@ -274,7 +274,7 @@ def test_pictures_show_what_was_solved() -> None:
     darkest = 255 * np.array(matplotlib.colormaps[COLOUR_MAP](1.0)[:3])
     assert np.abs(pixel(image, scene.camera, place) - darkest).max() < 25
 
-    scene = stress_scene(built.model, solution, built.built.at, (800, 600))
+    scene = stress_scene(built.model, solution, built._built.at, (800, 600))
     (value_map,) = scene.maps
     # the gear is askew: its fillets reach higher than the pinion's
     fillets = [name for name in built.model.mesh.face_sets if name.startswith("gear_fillet")]

@@ -32,7 +32,7 @@ def test_beveloid_pressure_against_hertz(monkeypatch: pytest.MonkeyPatch) -> Non
     # fewer elements away from the contact: half the time, the same peak to 1.5 %
     monkeypatch.setattr(hexmesh, "GROWTH", 0.7)
     problem = crossed_beveloids(ellipse=3)
-    wanted, at = problem.figures, problem.built.at
+    wanted, at = problem.figures, problem._built.at
     solved = problem.solve()
     found, (contact,) = solved.figures, solved.contacts
     assert found["max_pressure_mpa"] == pytest.approx(wanted["hertz_p0_mpa"], rel=0.1)
@@ -77,7 +77,7 @@ def test_fillet_stress_converges() -> None:
 def test_root_stress_against_iso_6336() -> None:
     """Three teeth on their rim, loaded at the pitch point: maximum within 5 % of form and stress correction factor."""
     problem = spur_slice(8, order=2, teeth=3)
-    model, at = problem.model, problem.built.at
+    model, at = problem.model, problem._built.at
     stress = fillet_stress(model.mesh, ccx.solve(model), "pinion_fillet_right_2")
     radius = float(np.hypot(*at.frame.point(at.path.point[0])[:2]))
     assert stress.largest == pytest.approx(iso_root_stress(at.force, radius), rel=0.05)
@@ -97,7 +97,7 @@ def test_ellipse_is_pressed_as_by_hertz() -> None:
     """Forces on second-order faces of an ellipse: second moments a^2 / 5 and b^2 / 5 of a semi-ellipsoid."""
     keys = ["fe.order=2", "fe.teeth=1", "fe.ellipse=4", "fe.torque=50"]
     problem = model_of(load(SAMPLES / "beveloid_crossed.toml", keys), 0.0, ("pinion",))
-    (load_case,), at = problem.model.forces, problem.built.at
+    (load_case,), at = problem.model.forces, problem._built.at
     offset = problem.model.mesh.nodes[load_case.nodes] - at.frame.point(at.path.point[0])
     normal = at.frame.vector(at.path.normal[0])
     share = load_case.forces @ normal / (load_case.forces.sum(axis=0) @ normal)

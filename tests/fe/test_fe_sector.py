@@ -44,8 +44,8 @@ def sector_of(gears: gm.Gears, pitches: int = PITCHES) -> FiniteElements:
 
 def whole_of(gears: gm.Gears, sector: FiniteElements) -> Model:
     """The whole gear of the same elements, at its place, with the sector's forces on every sector."""
-    member, at, own = gears.members["gear"], sector.built.at, sector.model
-    request = replace(sector.request, sector=None, teeth=None)
+    member, at, own = gears.members["gear"], sector._built.at, sector.model
+    request = replace(sector._request, sector=None, teeth=None)
     place = at.frame @ member.mount.at(at.turns[1])
     mesh = join({"gear": held_mesh(member, request, plain_grid(request.cells)).move(place)})
     forces = np.zeros_like(mesh.nodes)

@@ -21,10 +21,10 @@ needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get inst
 def corners(problem: FiniteElements, name: str, turn: float) -> Array:
     """Corners (F, 4, 2) of the faces of a contact surface after the worm's turn (rad, from where flanks touch unloaded), along the
     ellipse and across it, over its semi-axes."""
-    at, mesh = problem.built.at, problem.model.mesh
+    at, mesh = problem._built.at, problem.model.mesh
     points = mesh.nodes[mesh.face_corners(name)]
     if name.startswith("worm"):
-        points = Rigid.about_z(turn - np.sign(at.arm) * problem.built.preload).point(points)
+        points = Rigid.about_z(turn - np.sign(at.arm) * problem._built.preload).point(points)
     away = at.frame.inverse.point(points) - at.path.point[0]
     return np.stack((away @ major_axis(at.path) / at.semi_major, away @ minor_axis(at.path) / at.semi_minor), axis=-1)
 
@@ -44,7 +44,7 @@ def crossings(faces: Array) -> Array:
 def test_stations_of_both_flanks_lie_over_each_other_under_load(keys: dict[str, Any]) -> None:
     """To a tenth of an element, in the middle to a fiftieth; where flanks touch unloaded they are a third of one apart."""
     problem = worm_pair(**keys)
-    at, (contact,) = problem.built.at, problem.model.contacts
+    at, (contact,) = problem._built.at, problem.model.contacts
     wheel = crossings(corners(problem, contact.master, 0.0))
     apart = []
     for turn in (at.turn, 0.0):
@@ -68,7 +68,7 @@ def test_pressure_in_the_middle_is_that_of_the_loaded_contact() -> None:
     wanted, (contact,) = problem.figures, problem.model.contacts
     nodes = problem.model.mesh.face_nodes(contact.slave)
     away = np.linalg.norm(
-        corners(problem, contact.slave, np.sign(problem.built.at.arm) * problem.built.preload), axis=-1
+        corners(problem, contact.slave, np.sign(problem._built.at.arm) * problem._built.preload), axis=-1
     )
     inside = np.unique(problem.model.mesh.face_corners(contact.slave)[away < 0.3])
     assert len(inside) > 10

@@ -97,7 +97,7 @@ def test_fine_lines_near_an_edge_leave_the_others_in_place() -> None:
     gears = gm.build(load(SAMPLES / "beveloid_parallel.toml", ["fe.ellipse=8", "fe.teeth=1"]))
     built = gears.finite_elements(phi1=6.0)
     assert built.figures["min_scaled_jacobian"] > 0.2
-    focus = focus_on(built.pair, "pinion", built.built.at)
+    focus = focus_on(built.pair, "pinion", built._built.at)
     assert focus.s + focus.slope * (0.0 - focus.t) > 1.0
 
 

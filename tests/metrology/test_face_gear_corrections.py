@@ -136,7 +136,7 @@ def test_a_setting_of_the_worm_that_was_off_comes_back(tmp_path: Path) -> None:
     assert max(np.abs(left.values).max() for left in made.residual.values()) < 5e-5
     made = corrected(path, design, {"worm_angle": SECONDS}, settings=list(CHANGES))
     for side, left in made.residual.items():
-        assert np.abs(made.flanks.grids[side].values).max() > 1e-5
+        assert np.abs(made._flanks.grids[side].values).max() > 1e-5
         assert np.abs(left.values).max() < 1e-8
 
 
@@ -149,7 +149,7 @@ def test_noise_moves_settings_by_what_is_stated(tmp_path: Path) -> None:
     cut = gear(made.new_design)
     for side, left in made.residual.items():
         moved = along_normals(cut, side, gear(design)).values
-        assert np.sqrt(np.mean((moved + made.flanks.grids[side].values) ** 2)) < 6e-4
+        assert np.sqrt(np.mean((moved + made._flanks.grids[side].values) ** 2)) < 6e-4
         assert np.sqrt(np.mean(left.values**2)) < 6e-4
     named = corrected(tmp_path / "gear.csv", design, off, noise=5e-4, settings=list(off))
     for setting, change, spread in zip(

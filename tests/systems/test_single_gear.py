@@ -121,7 +121,7 @@ def compare_models(alone: gm.Gears, pair: gm.Gears, member: str, keys: dict[str,
     keys = {"fe.flank": 5, "fe.fillet": 4, "fe.thickness": 2, "fe.face": 6, **keys}
     own = gm.build(alone.design.with_values(keys)).finite_elements()
     other = gm.build(pair.design.with_values({**keys, "fe.spacing": "even"})).finite_elements(members=[member])
-    at, mesh, theirs = other.built.at, own.model.mesh, other.model.mesh
+    at, mesh, theirs = other._built.at, own.model.mesh, other.model.mesh
     placed = at.frame @ pair.members[member].mount.at(at.turns[other.pair.index(member)])
     np.testing.assert_allclose(mesh.nodes, placed.inverse.point(theirs.nodes), rtol=0.0, atol=1e-12)
     assert np.array_equal(mesh.elements, theirs.elements)

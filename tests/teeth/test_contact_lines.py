@@ -134,7 +134,7 @@ def test_worms_touch_along_one_line_over_the_roll() -> None:
 
 def test_the_picture_shows_the_lines_and_refuses_what_does_not_roll() -> None:
     helical = gm.build(gm.load(SAMPLES / "helical.toml"))
-    scene = helical.picture("contact_lines").scene
+    scene = helical.picture("contact_lines")._scene
     assert scene.title.endswith("pinion and its rack cutter, right flank: lines of contact")
     labels = [curve.label for curve in scene.curves if curve.label]
     assert len(labels) == 6

@@ -23,7 +23,7 @@ SAMPLES = Path(__file__).parents[2] / "samples"
 @pytest.mark.parametrize("sample", ["rack", "spiral_bevel_basic"])
 def test_the_flank_fills_the_picture(sample: str) -> None:
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml"))
-    scene = gears.picture("contact", size=(800, 600)).scene
+    scene = gears.picture("contact", size=(800, 600))._scene
     camera, side = scene.camera, Side(gears.pairs[0].flanks[0])
     grid = gears.members["pinion"].tooth.flank_grid(side, np.linspace(0.0, 1.0, 33), np.linspace(0.0, 1.0, 33)).points
     # area-weighted mean normal, by differences of exact points
@@ -51,7 +51,7 @@ def test_all_that_touches_is_seen_and_no_word_lies_on_it(sample: str, monkeypatc
     monkeypatch.setattr(pictures, "FINE", 0.1)
     monkeypatch.setattr(pictures, "COARSE", 0.1)
     gears, size = gm.build(gm.load(SAMPLES / f"{sample}.toml")), (800, 600)
-    scene = gears.picture("contact", size=size).scene
+    scene = gears.picture("contact", size=size)._scene
     drawn = [(curve.label, curve.points[np.isfinite(curve.points[:, 0])]) for curve in scene.curves]
     if sample == "internal":
         assert {label for label, _ in drawn} == {"contact lines", ""}
@@ -75,7 +75,7 @@ def test_a_word_for_an_end_beyond_the_picture_is_below_the_root(monkeypatch: pyt
     monkeypatch.setattr(pictures, "FINE", 0.1)
     monkeypatch.setattr(pictures, "COARSE", 0.1)
     gears, size = gm.build(gm.load(SAMPLES / "face_gear.toml")), (800, 600)
-    scene = gears.picture("contact", size=size).scene
+    scene = gears.picture("contact", size=size)._scene
     grid = gears.members["pinion"].tooth.flank_grid(gears.pairs[0].flanks[0], [0.0], np.linspace(0.0, 1.0, 9)).points
     root = scene.camera.pixels(grid, size)[..., 1].max()
     ends = {word.text: scene.camera.pixels(word.point, size)[:2] for word in scene.words if word.beyond}

@@ -73,7 +73,7 @@ def test_sections_of_a_set_name_their_mesh_and_have_no_facets(monkeypatch: pytes
 
     monkeypatch.setattr(reports_pictures, "_meshes", meshes)
     gears = gm.build(gm.load(SAMPLES / "planetary.toml", ["mesh.tolerance=0.05"]))
-    scene = gears.picture("section", pair="planet_1-ring", size=(1600, 1200)).scene
+    scene = gears.picture("section", pair="planet_1-ring", size=(1600, 1200))._scene
     assert scene.title.endswith("section of the mesh planet_1-ring")
     assert asked[0] < 0.5 * scene.camera.height / 1200
 
@@ -83,9 +83,9 @@ def test_an_animation_moves_and_is_the_same_twice(tmp_path: Path) -> None:
     from PIL import Image
 
     rolling = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml", ["mesh.tolerance=0.05"])).animation(size=(160, 120))
-    assert len(rolling.scenes) == 24
+    assert len(rolling._scenes) == 24
     for name in ("a.gif", "b.gif"):
-        write_animation(tmp_path / name, list(rolling.scenes[::12]))
+        write_animation(tmp_path / name, list(rolling._scenes[::12]))
     assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
     with Image.open(tmp_path / "a.gif") as image:
         assert (image.n_frames, image.size) == (2, (160, 120))

@@ -60,8 +60,8 @@ class FiniteElements(FiniteElementModel):
 
     measured: ModelFigures
     pair: GearPair
-    request: Request
-    built: GearModel
+    _request: Request
+    _built: GearModel
 
     @property
     def coarse(self) -> str:
@@ -128,7 +128,7 @@ class FiniteElementSolution(Result):
         if self.problem.coarse:
             return f"unresolved: {self.problem.coarse}"
         peaks = [pair.peak_pressure for pair in self._tooth_pairs]
-        if self.problem.request.even or np.argmax(peaks) == _leading(self.problem):
+        if self.problem._request.even or np.argmax(peaks) == _leading(self.problem):
             return "unresolved: at the rim of the ellipse, where lines are coarser"
         return "unresolved: not on the leading tooth pair, where the mesh is fine"
 
@@ -426,11 +426,11 @@ def _solve(problem: FiniteElements, progress: Callable[[float, str], None] | Non
 
     started = time.perf_counter()
     solution = ccx.solve(problem.model, progress)
-    back = problem.built.at.frame.inverse
+    back = problem._built.at.frame.inverse
     contacts = contact_figures(problem.model, solution)
     figures = SolutionFigures(
         contact=_contact_figures(problem, solution, contacts, back) if contacts else None,
-        fillets={name: _fillet(problem.model, solution, name, back) for name in problem.request.members},
+        fillets={name: _fillet(problem.model, solution, name, back) for name in problem._request.members},
         iterations=solution.iterations,
         seconds=time.perf_counter() - started,
     )
@@ -443,8 +443,8 @@ def _contact_figures(
     reference = solution.references[f"{problem.pair.pinion.name}_held"]
     worst = int(np.argmax([contact.peak_pressure for contact in contacts]))
     # the pair at the middle, round which the lines are fine; evenly spaced ones are alike everywhere
-    leading = worst if problem.request.even else _leading(problem)
-    sense = np.sign(problem.built.at.arm)
+    leading = worst if problem._request.even else _leading(problem)
+    sense = np.sign(problem._built.at.arm)
     highest = back.point(contacts[worst].place).tolist()
     return SolvedContact(
         max_pressure=contacts[worst].peak_pressure,
@@ -453,14 +453,14 @@ def _contact_figures(
         pressure_centre=back.point(contacts[worst].centre).tolist(),
         contact_area=float(sum(contact.area for contact in contacts)),
         torque=1e-3 * float(sense * reference.moment[2]),
-        rotation=(problem.built.preload + float(sense * reference.rotation[2])) / ARCSEC,
+        rotation=(problem._built.preload + float(sense * reference.rotation[2])) / ARCSEC,
         tooth_pairs=[_pair_figures(contact) for contact in contacts],
     )
 
 
 def _at_rim(problem: FiniteElements, place: list[float]) -> bool:
     """Whether a place (mm, fixed frame) is where the pressure on an ellipse ends, and no peak of it; of lines and edges never."""
-    at = problem.built.at
+    at = problem._built.at
     if np.isnan(at.pressure) or at.path.lines[0] is not None:
         return False
     away = np.array(place) - at.path.point[0]
@@ -469,7 +469,7 @@ def _at_rim(problem: FiniteElements, place: list[float]) -> bool:
 
 def _leading(problem: FiniteElements) -> int:
     """Which of the model's contacts is that of the leading tooth pair: the one nearest to the place of contact."""
-    mesh, place = problem.model.mesh, problem.built.at.frame.point(problem.built.at.path.point[0])
+    mesh, place = problem.model.mesh, problem._built.at.frame.point(problem._built.at.path.point[0])
     away = [
         np.linalg.norm(mesh.nodes[mesh.face_nodes(contact.slave)] - place, axis=-1).min()
         for contact in problem.model.contacts

@@ -125,7 +125,7 @@ class Correction(Result):
     train: GearTrain
     member: str
     settings: tuple[MovableSetting, ...]
-    flanks: CutFlanks
+    _flanks: CutFlanks
     sensitivity: Array
     solution: SettingChanges
     rotation: float | None
@@ -192,7 +192,7 @@ class Correction(Result):
     @cached_property
     def new_design(self) -> Design:
         """The design with the corrected settings, all others stated. Its own flanks have the opposite of the deviations."""
-        return self.flanks.design.with_values(self.flanks.values(self.settings, self.solution.changes.tolist()))
+        return self._flanks.design.with_values(self._flanks.values(self.settings, self.solution.changes.tolist()))
 
     @property
     def warnings(self) -> list[str]:
@@ -210,7 +210,7 @@ class Correction(Result):
     @cached_property
     def figures(self) -> CorrectionFigures:
         """All of it; the contact is solved for it."""
-        flanks = {side: self.flanks.grids[side] for side in self.residual}
+        flanks = {side: self._flanks.grids[side] for side in self.residual}
         return CorrectionFigures(
             member=self.member,
             settings=self._settings,
@@ -229,7 +229,7 @@ class Correction(Result):
     @property
     def headline(self) -> str:
         parts = [
-            f"{side} {UM * _rms(self.flanks.grids[side].values):.3g} -> {UM * _rms(own.values):.3g} um"
+            f"{side} {UM * _rms(self._flanks.grids[side].values):.3g} -> {UM * _rms(own.values):.3g} um"
             for side, own in self.residual.items()
         ]
         return f"{self.member}: {len(self.settings)} settings; root mean square {', '.join(parts)}"
@@ -284,15 +284,17 @@ class Correction(Result):
     @property
     def _settings(self) -> list[CorrectedSettingFigures]:
         rows = zip(self.settings, self.solution.changes.tolist(), self.solution.uncertainties.tolist(), strict=False)
-        values = [(s, self.flanks.value(s), change, spread) for s, change, spread in rows]
-        return [CorrectedSettingFigures(s.name, v, v + c, c, spread, self.flanks.unit(s)) for s, v, c, spread in values]
+        values = [(s, self._flanks.value(s), change, spread) for s, change, spread in rows]
+        return [
+            CorrectedSettingFigures(s.name, v, v + c, c, spread, self._flanks.unit(s)) for s, v, c, spread in values
+        ]
 
     @property
     def _effects(self) -> list[EffectFigures]:
         made = []
         for setting, column in zip(self.settings, self.sensitivity.T, strict=True):
-            by = self.flanks.stated_change(setting)
-            for side, moves in _by_side(self.flanks.grids, by * column).items():
+            by = self._flanks.stated_change(setting)
+            for side, moves in _by_side(self._flanks.grids, by * column).items():
                 if not moves.values.any():
                     continue
                 order = second_order(*flank_coordinates(moves.points), moves.values)

@@ -16,6 +16,7 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.progress import in_turn
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, sum_of_shifts
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
@@ -72,7 +73,7 @@ def candidates(wanted: Wanted) -> list[Candidate]:
     Raises DesignError, naming the key and what is allowed, where there is none.
     """
     pairs, refusal = [], None
-    for keys in _designs(wanted):
+    for keys in in_turn(_designs(wanted)):
         try:
             pairs.append(_judge(keys))
         except DesignError as failure:

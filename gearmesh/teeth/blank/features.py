@@ -274,7 +274,24 @@ class BodyFeatures:
         return replace(self, keyway=None, holes=None, bolts=None, spokes=None, row=None)
 
     def without(self, pattern: Pattern) -> BodyFeatures:
-        """The same but for one of the patterns."""
+        """The same but for one of the patterns.
+
+        Parameters
+        ----------
+        pattern : Pattern
+            One of `patterns`.
+
+        Returns
+        -------
+        BodyFeatures
+            What is left.
+
+        Examples
+        --------
+        >>> holes = gm.Drilling(count=4, diameter=3.0, circle=20.0)
+        >>> gm.BodyFeatures(holes=holes).without(holes).is_cut
+        False
+        """
         return replace(
             self,
             holes=None if self.holes is pattern else self.holes,
@@ -304,13 +321,48 @@ class BodyFeatures:
         return any(steps) or self.bolts is not None or self.spokes is not None
 
     def turn(self, plain: Body) -> Body:
-        """A body with hubs, shafts and steps of the bore, or of the outside of a ring."""
+        """A body with hubs, shafts and steps of the bore, or of the outside of a ring.
+
+        Parameters
+        ----------
+        plain : Body
+            The body without them.
+
+        Returns
+        -------
+        Body
+            With them.
+
+        Examples
+        --------
+        >>> body = gears.members["pinion"].tooth.blank.body
+        >>> gm.BodyFeatures().turn(body).profile == body.profile
+        True
+        """
         hubs = [() if boss is None else (boss.step,) for boss in (self.toe_hub, self.hub)]
         body = plain.with_steps((*hubs[0], *self.toe_shaft), (*hubs[1], *self.heel_shaft))
         return body.with_stepped_bore(self.toe_bore, self.heel_bore)
 
     def openings(self, body: Body, flat_ends: bool) -> tuple[Opening, ...]:
-        """Where they are cut out of a turned body, as `Body.levels`."""
+        """Where they are cut out of a turned body.
+
+        Parameters
+        ----------
+        body : Body
+            The turned body.
+        flat_ends : bool
+            Whether its end faces are planes, as `Body.levels` has it.
+
+        Returns
+        -------
+        tuple of Opening
+            One for each opening.
+
+        Examples
+        --------
+        >>> gm.BodyFeatures().openings(gears.members["pinion"].tooth.blank.body, True)
+        ()
+        """
         made: list[Opening] = []
         for pattern in self.patterns:
             low, high = body.levels(pattern.reach, flat_ends, pattern.depth)

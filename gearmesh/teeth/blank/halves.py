@@ -120,16 +120,84 @@ class Rows(Protocol):
         """Symbol and name of the face width of a row [ISO 21771]."""
 
     def body(self, own: Body) -> Body:
-        """The gear body under all rows, `own` being that of the tooth."""
+        """The gear body under all rows.
+
+        Parameters
+        ----------
+        own : Body
+            That under the tooth as it is.
+
+        Returns
+        -------
+        Body
+            That of the whole member.
+
+        Examples
+        --------
+        >>> member = gears.members["pinion"]
+        >>> member.rows.body(member.tooth.blank.body) is member.tooth.blank.body
+        True
+        """
 
     def extent(self, own: tuple[float, float]) -> tuple[float, float]:
-        """First and last station of the whole, `own` being those of the tooth."""
+        """Where the whole member begins and ends.
+
+        Parameters
+        ----------
+        own : tuple of two float
+            First and last station of the tooth as it is, mm.
+
+        Returns
+        -------
+        tuple of two float
+            Those of the whole, mm.
+
+        Examples
+        --------
+        >>> gears.members["pinion"].rows.extent((-5.0, 5.0))
+        (-5.0, 5.0)
+        """
 
     def station(self, z: float) -> float:
-        """Where (z) the tooth has the section that the whole has at z, outside of gaps."""
+        """Where the tooth as it is has the section that the whole has, outside of gaps.
+
+        Parameters
+        ----------
+        z : float
+            Of the section of the whole, mm.
+
+        Returns
+        -------
+        float
+            z of the tooth's section, mm.
+
+        Examples
+        --------
+        >>> gears.members["pinion"].rows.station(2.0)
+        2.0
+        """
 
     def volume(self, row: float, own: Body) -> float:
-        """Volume of the whole, of that of the tooth's row on its own body."""
+        """Volume of the whole member.
+
+        Parameters
+        ----------
+        row : float
+            Volume of the row of the tooth as it is, on its own body, mm3.
+        own : Body
+            That body.
+
+        Returns
+        -------
+        float
+            Volume, mm3.
+
+        Examples
+        --------
+        >>> member = gears.members["pinion"]
+        >>> member.rows.volume(100.0, member.tooth.blank.body)
+        100.0
+        """
 
 
 @dataclass(frozen=True)

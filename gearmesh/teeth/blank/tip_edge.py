@@ -42,7 +42,7 @@ class TipEdge:
     rounded: bool = False
     joint: Joint = REVOLUTE
 
-    def between(
+    def _between(
         self, flank: Surface, blank: Blank, sign: int, ends: tuple[Array, Array], stations: Array
     ) -> tuple[Array, EdgePoints]:
         """Flank parameter (T,) where the broken edge begins, and its points at stations (T,).
@@ -75,7 +75,7 @@ class TipEdge:
         on_land = plane.beside(centre, height) if self.rounded else plane.beside(corner, height, sign * self.size)
         return roots.values, (on_flank, plane.lift(on_land, on_flank, about), plane.lift(centre, on_flank, about))
 
-    def section_curve(self, edge: EdgePoints, axial: Level, s: Array) -> tuple[Array, Array]:
+    def _section_curve(self, edge: EdgePoints, axial: Level, s: Array) -> tuple[Array, Array]:
         """Points and unit normals (S, T, 3), which lie in the stations, from the flank (s = 0) to the land (s = 1), s (S, 1)."""
         plane = Development(axial, self.joint)
         about = plane.about(edge[0])

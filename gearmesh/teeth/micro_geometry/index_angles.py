@@ -22,7 +22,23 @@ class IndexAngles:
 
     @staticmethod
     def of_sides(angles: Mapping[Side, Array]) -> IndexAngles:
-        """Of angles (N,), rad, by sides."""
+        """Index deviations from the angles of each side.
+
+        Parameters
+        ----------
+        angles : mapping of Side to numpy.ndarray (N,)
+            By how much flanks are ahead of their places, rad, one a tooth.
+
+        Returns
+        -------
+        IndexAngles
+            Of these sides.
+
+        Examples
+        --------
+        >>> gm.IndexAngles.of_sides({gm.Side.RIGHT: np.array([0.0, 1e-4])}).uneven
+        True
+        """
         return IndexAngles(**{str(side): tuple(np.asarray(own, dtype=float).tolist()) for side, own in angles.items()})
 
     @property
@@ -31,7 +47,24 @@ class IndexAngles:
         return any(np.ptp(own) > 0.0 for own in (self.right, self.left) if own)
 
     def check(self, name: str, teeth: int) -> None:
-        """Raise DesignError where the member of that name has another number of teeth."""
+        """See that there is one deviation a tooth.
+
+        Parameters
+        ----------
+        name : str
+            The member's, which the refusal names.
+        teeth : int
+            Its number of teeth.
+
+        Raises
+        ------
+        DesignError
+            For another number of deviations.
+
+        Examples
+        --------
+        >>> gm.IndexAngles().check("pinion", 18)
+        """
         for own in (self.right, self.left):
             if own and len(own) != teeth:
                 raise DesignError(
@@ -39,7 +72,25 @@ class IndexAngles:
                 )
 
     def of(self, side: Side, teeth: int) -> Array:
-        """Those of the flanks of a side (teeth,), rad; 0 without deviations."""
+        """Index deviations of the flanks of a side.
+
+        Parameters
+        ----------
+        side : Side
+            The side.
+        teeth : int
+            Number of teeth N.
+
+        Returns
+        -------
+        numpy.ndarray of float (N,)
+            Angles, rad; 0 without deviations.
+
+        Examples
+        --------
+        >>> gears.members["pinion"].index.of(gm.Side.LEFT, 3).tolist()
+        [0.0, 0.0, 0.0]
+        """
         own = self.right if side is Side.RIGHT else self.left
         return np.array(own) if own else np.zeros(teeth)
 

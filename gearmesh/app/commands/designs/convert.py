@@ -10,6 +10,7 @@ import typer
 from gearmesh.app.options import Json, Set, load_gears, present
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
+from gearmesh.progress import tell
 
 
 def convert(
@@ -80,6 +81,7 @@ def convert(
         raise ArgumentError("stage", stage, reason="is for REXS files; a design is of one stage")
     gears = load_gears(source, changes)
     with working("conversion"):
+        tell(0.0)
         model = gears.rexs(output.parent, torque=torque)
     model.save(output)
     write_text(json_file, model.json)

@@ -9,6 +9,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, warn, working
+from gearmesh.progress import tell
 
 
 def drawing(
@@ -28,6 +29,7 @@ def drawing(
     refuse_unwritable(output)
     gears = load_gears(design_file, settings)
     with working(f"drawing of the {member}"):
+        tell(0.0)
         page = gears.drawing(member)
         page.save(output)
     print(f"{output}: {page.sheet} at {page.scale}")

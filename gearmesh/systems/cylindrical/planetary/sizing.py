@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gearmesh.errors import DesignError
+from gearmesh.progress import in_turn
 from gearmesh.systems.cylindrical.cutting.cutter import trimming_warnings
 from gearmesh.systems.cylindrical.design import PROFILES, RIM
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, sum_of_shifts
@@ -160,7 +161,7 @@ def search_sets(wanted: WantedSet) -> SetSearch:
     Raises DesignError, naming the key and what was rejected, where there is none.
     """
     candidates, rejections = [], []
-    for trial in _trials(wanted):
+    for trial in in_turn(_trials(wanted)):
         try:
             candidates.append(_judge(wanted, trial))
         except _Rejection as rejection:
