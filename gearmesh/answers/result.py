@@ -207,5 +207,5 @@ def _entries(table: Figures | Mapping[str, Content]) -> Iterator[tuple[str, Any,
 
 
 def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
-    """Rows with the same keys as columns."""
-    return {key: [row[key] for row in rows] for key in rows[0]} if rows else {}
+    """Rows as columns; None where one has not the key of another, as a rack has no diameters."""
+    return {key: [row.get(key) for row in rows] for key in dict.fromkeys(key for row in rows for key in row)}

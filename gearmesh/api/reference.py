@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import re
 from dataclasses import dataclass
 
 import gearmesh.answers
 import gearmesh.study
 import gearmesh.systems
 from gearmesh.answers.tables import Listing
-from gearmesh.figures import Figure, Figures
+from gearmesh.figures import MEMBER, Figure, Figures
 
 #: packages whose modules declare figures
 PACKAGES = (gearmesh.answers, gearmesh.systems, gearmesh.study)
+#: where a column says which of three coordinates it is
+COORDINATE = re.compile(r"_[xyz](?=_mm$|$)")
 #: columns of the reference
 COLUMNS = ("key", "unit", "symbol", "meaning")
 
@@ -74,4 +77,13 @@ def _first_line(kind: type[Figures]) -> str:
 
 def _figures_with(kind: type[Figures], word: str) -> tuple[Figure, ...]:
     """Its own figures whose key contains a word; those that consist of figures of another kind are listed there."""
-    return tuple(known for known in kind.declared_figures() if known.key and word in known.key)
+    return tuple(known for known in kind.declared_figures() if known.key and _is_meant(known, word))
+
+
+def _is_meant(known: Figure, word: str) -> bool:
+    """Whether a word is part of the key of a figure, or a column of it: after what it is of, with the name of a member, with one
+    of three coordinates, or as travel of a rack."""
+    keys = [known.key, *([known.in_um().key] if known.unit == "arcsec" else [])]
+    column = COORDINATE.sub("", word) if known.vector else word
+    patterns = [re.escape(key).replace(re.escape(MEMBER), r"\w+") for key in keys if key != MEMBER]
+    return word in known.key or any(re.search(rf"(^|_){pattern}$", column) for pattern in patterns)

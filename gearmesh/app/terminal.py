@@ -106,11 +106,11 @@ def working(what: str) -> Iterator[Progress]:
                 stage = doing
                 print(f"gearmesh: {doing}", file=sys.stderr)
 
-        def begun(fraction: float) -> None:
+        def first_line(fraction: float) -> None:
             if not stage:
                 line(fraction, what)
 
-        with listening(begun):
+        with listening(first_line):
             yield line
         return
     from rich.console import Console

@@ -173,7 +173,7 @@ def formula(symbol: str) -> str:
     """A symbol of the sheet, as alpha_n, as mathtext: with Greek letters, and below the line what is after the first _."""
     words = []
     for word in symbol.split():
-        letter, *below = (GREEK_NAME.sub(lambda found: GREEK[found[0]], part) for part in word.split("_"))
+        letter, *below = (GREEK_NAME.sub(lambda match: GREEK[match[0]], part) for part in word.split("_"))
         words.append(letter + (f"_{{{''.join(below)}}}" if below else ""))
     return rf"$\mathregular{{{SPACE_IN_FORMULA.join(words)}}}$" if words else ""
 

@@ -50,3 +50,19 @@ def test_what_contact_and_solids_tell_stands_in_the_reference() -> None:
     for figures in (gears.contact().document()["summary"], gears.solid("pinion", 0.05).figures):
         assert len(figures) > 5
         assert set(figures) <= known
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("column", "key"),
+    [
+        ("ellipse_a_mm", "a_mm"),
+        ("curvature_gear_k1_per_mm", "k1_per_mm"),
+        ("ellipse_major_axis_x", "major_axis"),
+        ("tip_clearance_rack_mm", f"tip_clearance_{MEMBER}_mm"),
+        ("te_peak_to_peak_um", "te_peak_to_peak_arcsec"),
+    ],
+)
+def test_columns_of_tables_are_found_as_the_figures_that_they_are(column: str, key: str) -> None:
+    assert [figure.key for group in figure_groups(column) for figure in group.figures].count(key) >= 1
+    assert len([figure for group in figure_groups(column) for figure in group.figures]) < 8

@@ -16,6 +16,7 @@ from oracles.command_line import messages, refused, run
 from oracles.places import SAMPLES
 from scipy.optimize import brentq
 
+import gearmesh as gm
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.limiting_line import limiting_line, singular_at, zeros
 from gearmesh.kernel.motion.rolling import RackRoll
@@ -346,3 +347,13 @@ def test_the_command_refuses() -> None:
     assert status == 0
     assert "pointed" in said
     assert "the limits shown are for the design without pinion.addendum" in said
+
+
+@pytest.mark.quick
+def test_limits_of_a_rack_and_its_pinion_are_columns_of_one_table() -> None:
+    """A rack has heights where a gear has diameters: what a member has not is None."""
+    found = gm.build(gm.load(SAMPLES / "rack.toml")).limits().to_dict()
+    assert len({len(column) for column in found.values()}) == 1
+    diameters = dict(zip(found["member"], found["flank_from_diameter_mm"], strict=True))
+    assert diameters["rack"] is None
+    assert diameters["pinion"] > 0.0
