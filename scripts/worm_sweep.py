@@ -7,11 +7,11 @@ Seeded drives of all five flank forms in turn: 1 to 6 threads, wheels of 20 to 8
 pressure angle 15 to 25 deg, both hands, shaft angle 90 deg or (a quarter of them) 75 to 105, profile shift -0.5 to 0.75, hobs of
 the worm's size or 2 to 20 % larger. Of each drive: undercut by `limits`; both solids at 20 um proved; one flank in contact, right
 of even seeds, with all that interferes, beside the other flank too; where flanks touch, a transmission error below 1e-9 rad of
-those that are uniform (hob of the worm's size, and any hob of a ZI worm); and meshes of the flanks rolled against each other at one
-position: where they are ahead of the solver, teeth go through each other that the solver does not know of. A refusal must name a
-key that the design sets. Prints a line for every drive that is not plain and two tables; with --write those of the README of worm
-drives become them. With --keep drives are kept in a file as they are tried, and those in it are not tried again. Exit 1 if a
-solid is no solid, a refusal names no key that is set, or interference is not reported.
+those that are uniform (hob of the worm's size, and any hob of a ZI worm; where flanks cross that is reported); and meshes of the
+flanks rolled against each other at one position: where they are ahead of the solver, teeth go through each other that the solver
+does not know of. A refusal must name a key that the design sets. Prints a line for every drive that is not plain and two tables;
+with --write those of the README of worm drives become them. With --keep drives are kept in a file as they are tried, and those in
+it are not tried again. Exit 1 if a solid is no solid, a refusal names no key that is set, or interference is not reported.
 
 Answers would take four times as long: they have solids of their own for the roll test, and what would free a pair that jams.
 """
@@ -36,6 +36,7 @@ from gearmesh.answers.check import RollRow, roll_test
 from gearmesh.answers.contact.fit import fitted_cycle
 from gearmesh.contact.engagement.cycle import engagement_range
 from gearmesh.contact.engagement.engagement import whole_engagement
+from gearmesh.contact.first_touch.crossing import crossing_over_a_pitch
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.mesh.solid import prove
 from gearmesh.systems import worm_drive
@@ -52,7 +53,7 @@ FORMS = ("ZA", "ZN", "ZI", "ZK", "ZC")
 README = Path(str(worm_drive.__file__)).with_name("README.md")
 #: faults that the program does not report, and what it does report
 FAULTS = ("wrong key", "no solid", "bad solids", "no answer", "silent interference", "transmission error")
-REPORTED = ("undercut", "interference", "contact ratio below 1", "no contact")
+REPORTED = ("undercut", "interference", "crossing flanks", "contact ratio below 1", "no contact")
 COLUMNS = {name: name for name in ("form", "drives", "refused", "in contact", *REPORTED, "plain", *FAULTS)}
 REFUSED = {name: name for name in ("refused for", "drives", "keys that are named", "an example")}
 
@@ -164,6 +165,9 @@ def look_at_flank(drive: Tried, gears: gm.Gears, flank: str) -> None:
     path = gears.contact(np.degrees(np.linspace(*ends, POSITIONS)), cycle=False).path
     uniform = "hob" not in gears.design.model_fields_set or drive.form == "ZI"
     flanks = np.isin(path.kind, ("point", "line"))
+    if not flanks.any() and crossing_over_a_pitch(followed.pair.parts[0], followed.phi1, pair.pitch):
+        drive.reported["crossing flanks"] = flank
+        uniform = False
     if uniform and "undercut" not in drive.reported and not (flanks.any() and np.ptp(path.te[flanks]) < UNIFORM):
         drive.faults["transmission error"] = f"{flank}, flanks in contact"
     for verdict in roll_test(pair, path, 1, ROLLED).verdicts:

@@ -164,7 +164,7 @@ CHANGES: tuple[Change, ...] = (
         ("worm_drive",),
         "hob.pitch_height",
         "0: hobs had the worm's normal module on their reference cylinder",
-        "the pitch point's, x2 of axes at right angles",
+        "the pitch point's, x2 of axes at right angles; of lead angles above 20 deg at least 0",
         "wheels with a profile shift that a larger hob cuts were not uniform, and jammed",
     ),
     Change(

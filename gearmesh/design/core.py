@@ -723,6 +723,22 @@ class Design(Table):
         return html_table(self.name or kind.about, ("key", "value", "unit"), rows)
 
     @property
+    def keeps_from_crossing(self) -> str:
+        """What keeps flanks apart that cross where they are tangent, in words for a warning; empty where nothing of the kind does.
+
+        Returns
+        -------
+        str
+            Keys, and which way they are to be changed.
+
+        Examples
+        --------
+        >>> design.keeps_from_crossing
+        ''
+        """
+        return ""
+
+    @property
     def complete(self) -> bool:
         """Whether every default is filled in."""
         plain = self.plain()

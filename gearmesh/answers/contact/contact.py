@@ -46,6 +46,7 @@ from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.engagement.pitch_turns import whole_turns
 from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
 from gearmesh.contact.engagement.turns import FullTurns
+from gearmesh.contact.first_touch.crossing import crossing_over_a_pitch
 from gearmesh.contact.fit.fit import Fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, solver_pair
 from gearmesh.contact.path import ContactPath
@@ -451,7 +452,7 @@ def contact_of(
             *warnings,
             *((UNMET,) if cycle and fits is None else fit_warnings(pair, fits) if fits is not None else ()),
             *_contact_warnings(pair, path),
-            *_break_warnings(pair, whole),
+            *_break_warnings(pair, whole, design.keeps_from_crossing),
         ),
         whole,
         hertz,
@@ -516,8 +517,8 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
     return warnings
 
 
-def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
-    """Where the transmission error is discontinuous, one line each."""
+def _break_warnings(pair: GearPair, cycle: Cycle | None, keeps_from_crossing: str) -> list[str]:
+    """Where the transmission error is discontinuous, one line each; what `keeps_from_crossing` flanks that do."""
     warnings, (rad, unit) = [], pair.output.reading.error
     total = total_ratio(pair, cycle) if cycle is not None and cycle.contact_ratio < 1.0 else math.inf
     if cycle is not None and total < 1.0:
@@ -526,10 +527,7 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
             "contact; higher teeth, less undercut (which `limits` shows), a wider face or less crowning increase it"
         )
     if cycle is not None and math.isnan(cycle.contact_ratio) and not math.isnan(cycle.peak_to_peak):
-        warnings.append(
-            "edge contact alone: at no position do the flanks touch inside both; crowning, or smaller errors of assembly, bring "
-            "the contact there"
-        )
+        warnings.append(_edge_contact(pair, cycle, keeps_from_crossing))
     for place in cycle.breaks if cycle else ():
         what = "begins" if place.beginning else "ends"
         size, why = "before that of the next pair begins", ""
@@ -542,6 +540,17 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
             f"{what} {size}; there is edge contact there{why}"
         )
     return warnings
+
+
+def _edge_contact(pair: GearPair, cycle: Cycle, keeps_from_crossing: str) -> str:
+    """Why there is edge contact alone, and what helps: against flanks that cross, of some tooth pair at every position of a pitch,
+    neither crowning nor a mounting does."""
+    where = "edge contact alone: at no position do the flanks touch inside both; "
+    if cycle.curve is not None and keeps_from_crossing:
+        engagement = cycle.curve.engagement
+        if crossing_over_a_pitch(engagement.pair.parts[0], engagement.phi1, pair.pitch):
+            return f"{where}where they are tangent they cross, and are inside each other towards the edges; {keeps_from_crossing}"
+    return f"{where}crowning, or smaller errors of assembly, bring the contact there"
 
 
 def total_ratio(pair: GearPair, cycle: Cycle) -> float:

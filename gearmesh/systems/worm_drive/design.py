@@ -43,6 +43,10 @@ ADDENDUM, DEDENDUM = 1.0, 1.0 + CLEARANCE
 #: largest part of the way from the reference cylinder to the base cylinder of an involute worm at which threads of hob and worm are
 #: tangent
 ON_FLANK = 0.8
+#: lead angle (rad) of steeper threads, which are tangent at the reference cylinders where the pitch point is below: nearer to the
+#: axis their flanks cross. Of 14 random drives with such a pitch point 9 of at most 16 deg are as good or better with it, 5 from
+#: 22 deg on are worse
+STEEP = math.radians(20.0)
 
 
 class ThreadCount(Table):
@@ -257,7 +261,7 @@ class HobTable(Table):
             "height over the reference cylinders of hob and worm at which both have the same normal pitch and thickness",
             low=-LARGEST_SHIFT,
             high=LARGEST_SHIFT,
-            default="that of the pitch point, x2 of axes at right angles, within the flanks; 0 with hob.swivel_angle",
+            default="the pitch point's, x2 of axes at right angles, on the flanks, at least 0 above 20 deg lead; 0 with a swivel",
         ),
     ] = DERIVED
     center_distance: Annotated[
@@ -432,6 +436,26 @@ class WormDriveDesign(Design):
     def _tip_diameter(self, shift: float) -> float:
         return self.wheel_reference_diameter + 2.0 * (self.wheel.addendum + shift) * self.axial_module
 
+    @property
+    def keeps_from_crossing(self) -> str:
+        """Of wheels that a larger hob has cut: steep threads cross them, however they are mounted.
+
+        Returns
+        -------
+        str
+            Empty with a hob of the worm's size.
+
+        Examples
+        --------
+        >>> gm.load("samples/worm_drive_zk_oversize.toml").keeps_from_crossing[:14]
+        "the worm's own"
+        """
+        if self.wheel.form == "helical" or not self.hob.reference_diameter > self.reference_diameter * (
+            1.0 + SAME_LENGTH
+        ):
+            return ""
+        return "the worm's own hob (hob.reference_diameter left out), or a smaller lead angle of the worm, keeps them apart"
+
     def derived_values(self) -> dict[str, float]:
         """What the file leaves out [DIN 3975], but for face width, addendum and rounding (`face_width.derived_values`).
 
@@ -476,7 +500,7 @@ class WormDriveDesign(Design):
 
         On the common perpendicular r from the worm's axis, where it moves over the wheel along its own thread: with the worm's
         screw parameter P and K = m z2 / 2, (a - r) (r cos(psi) - P sin(psi)) = K r, psi = 90 deg - Sigma. Where flanks end
-        sooner, of steep threads near the base cylinder of the involute worm of these angles, it is as far as they go.
+        sooner, near the base cylinder of the involute worm of these angles, it is as far as they go; of steep threads at least 0.
 
         Parameters
         ----------
@@ -486,7 +510,8 @@ class WormDriveDesign(Design):
         Returns
         -------
         float
-            x2 where axes are at right angles, at most an addendum either way; 0 where there is no such point.
+            x2 where axes are at right angles, at most an addendum either way; 0 where there is no such point, and below it from
+            a lead angle of 20 deg on.
 
         Examples
         --------
@@ -502,7 +527,8 @@ class WormDriveDesign(Design):
             return 0.0
         over_base = 0.5 * self.reference_diameter * (1.0 - math.cos(transverse_angle)) / m
         height = (middle + math.sqrt(square) - 0.5 * self.reference_diameter) / m
-        return min(max(height, -ADDENDUM, -ON_FLANK * over_base), ADDENDUM)
+        lowest = 0.0 if self.lead_angle > STEEP else max(-ADDENDUM, -ON_FLANK * over_base)
+        return min(max(height, lowest), ADDENDUM)
 
     def usual_cutting(self, distance: float, height: float) -> tuple[float, float]:
         """Centre distance, in the design's units, and swivel angle, deg, of a hob whose thread is tangent to the worm's.

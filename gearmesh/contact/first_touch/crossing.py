@@ -1,0 +1,48 @@
+"""Flanks that cross where they are tangent: places of contact by all equations but that the bodies are on either side.
+
+The rotation at which a point of the pinion meets the gear is stationary there, and greatest of what is near in one direction alone,
+least in the other: elsewhere, up to the edges, flanks are ahead, and edges touch whatever the mountings are.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.conditions.meshing import Conditions
+from gearmesh.contact.conditions.refinement import EDGE_SLACK, Trial, shape, solve
+from gearmesh.contact.first_touch.field import INTERIOR, advances
+from gearmesh.contact.pair import Pair
+from gearmesh.kernel.numeric.algebra import Array, dot
+
+#: positions of an engagement at which flanks are asked whether they cross
+POSITIONS = 33
+#: nodes of the pinion's flank between two from which tangency is solved for
+EVERY = 2
+
+
+def crossing(pair: Pair, phi1: Array) -> NDArray[np.bool_]:
+    """Whether the flanks of one part of a pair are tangent inside both and cross there, at rotations phi1 (N,), rad."""
+    nodes = pair.pinion.grid[::EVERY, ::EVERY].reshape(-1, 2)
+    jet = pair.pinion.surface.jet(nodes[:, 0], nodes[:, 1])
+    crossed = np.zeros(len(phi1), dtype=bool)
+    with np.errstate(all="ignore"):
+        field = advances(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
+        position, k = np.nonzero(np.isfinite(field.advance) & (field.beyond <= 0.0).all(axis=0))
+        on_gear = pair.gear.heights.parameters_at(field.rho[position, k], field.z[position, k])
+        phi2 = pair.drive * field.advance[position, k] + pair.ratio * phi1[position]
+        start = np.column_stack((nodes[k], on_gear, phi2))
+        trial = Trial.of(position, start, np.full((len(position), 2), INTERIOR))
+        solve(pair, phi1, trial)
+        found = np.flatnonzero((trial.beyond <= EDGE_SLACK).all(axis=1) & ~trial.line)
+        touch = Conditions(pair.flanks, phi1, pair.length).touch(trial.x[found], position[found])
+        facing = dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
+        crossed[position[found[shape(pair, touch)[1] & facing]]] = True
+    return crossed
+
+
+def crossing_over_a_pitch(pair: Pair, phi1: Array, pitch: float) -> bool:
+    """Whether flanks that are engaged over rotations phi1 (N,), rad, cross where they are tangent over more than a pitch (rad) of
+    the pinion: of some tooth pair at every position."""
+    phi1 = np.linspace(phi1[0], phi1[-1], POSITIONS)
+    return bool(crossing(pair, phi1).mean() * np.ptp(phi1) > pitch)
