@@ -34,10 +34,10 @@ def crossing(pair: Pair, phi1: Array) -> NDArray[np.bool_]:
         start = np.column_stack((nodes[k], on_gear, phi2))
         trial = Trial.of(position, start, np.full((len(position), 2), INTERIOR))
         solve(pair, phi1, trial)
-        found = np.flatnonzero((trial.beyond <= EDGE_SLACK).all(axis=1) & ~trial.line)
-        touch = Conditions(pair.flanks, phi1, pair.length).touch(trial.x[found], position[found])
+        tangent = np.flatnonzero((trial.beyond <= EDGE_SLACK).all(axis=1) & ~trial.line)
+        touch = Conditions(pair.flanks, phi1, pair.length).touch(trial.x[tangent], position[tangent])
         facing = dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
-        crossed[position[found[shape(pair, touch)[1] & facing]]] = True
+        crossed[position[tangent[shape(pair, touch)[1] & facing]]] = True
     return crossed
 
 
