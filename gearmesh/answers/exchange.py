@@ -15,6 +15,7 @@ from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.answers.pinned import Pinned, leaves_of
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
+from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design, RexsSource
 from gearmesh.design.files import anchor, counted_from, every_key, stated_text
 from gearmesh.errors import ArgumentError, DesignError, FileError
@@ -226,6 +227,7 @@ class RexsExport(Result):
     stage: str
     own_keys: tuple[str, ...]
     warnings: tuple[str, ...] = ()
+    model = Deprecated("_model", "0.18.0", "save() writes it")
 
     @property
     def suffixes(self) -> tuple[str, ...]:
