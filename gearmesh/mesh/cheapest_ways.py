@@ -31,7 +31,7 @@ MOST_PLACES = 2_000_000
 
 
 @dataclass(frozen=True)
-class Table:
+class NodePairs:
     """Which nodes of one chain may be joined with each of the other (A,): from `low` up to `high` (A,), neither of which falls.
 
     A way begins at one of the two `starts` and stops at one of the two `ends` (2, 2), rows and columns, both of the same sum.
@@ -48,7 +48,7 @@ class Table:
     @staticmethod
     def of(
         t: Array, other: Array, apart: float, starts: Sequence[Sequence[int]], ends: Sequence[Sequence[int]]
-    ) -> Table | None:
+    ) -> NodePairs | None:
         """Of nodes at t (A,) and (B,) along the strip, those up to `apart` and some cells from each other, of few nodes
         all of them; None where they are too many."""
         low, high = np.zeros(t.size, dtype=np.int64), np.full(t.size, other.size)
@@ -61,7 +61,7 @@ class Table:
         rows, sums = np.arange(t.size), np.arange(sum(starts[0]), sum(ends[0]) + 1)
         first = np.searchsorted(high + rows, sums, side="right")
         beyond = np.searchsorted(low + rows, sums, side="right")
-        return Table(low, high, np.array(starts), np.array(ends), first, int((beyond - first).max()))
+        return NodePairs(low, high, np.array(starts), np.array(ends), first, int((beyond - first).max()))
 
     @property
     def begin(self) -> int:
@@ -80,7 +80,7 @@ class Table:
         return pairs
 
 
-def together(tables: Sequence[Table]) -> Iterator[list[int]]:
+def together(tables: Sequence[NodePairs]) -> Iterator[list[int]]:
     """The numbers of tables that `cheapest` takes at once, long ones beside long ones."""
     some, width = list[int](), 0
     for n in sorted(range(len(tables)), key=lambda n: -tables[n].first.size):
@@ -93,7 +93,7 @@ def together(tables: Sequence[Table]) -> Iterator[list[int]]:
         yield some
 
 
-def cheapest(costs: Array, tables: Sequence[Table]) -> list[tuple[int, NDArray[np.bool_]]]:
+def cheapest(costs: Array, tables: Sequence[NodePairs]) -> list[tuple[int, NDArray[np.bool_]]]:
     """Of each table of costs, all in one after the other and row by row (K,), the way with the least sum, 2 start + end,
     and its steps, True along the first chain."""
     every, sizes = np.arange(len(tables)), np.array([table.first.size for table in tables])

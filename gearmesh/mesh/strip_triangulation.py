@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.cheapest_ways import Table, cheapest, together
+from gearmesh.mesh.cheapest_ways import NodePairs, cheapest, together
 
 Index = NDArray[np.int64]
 #: distance (M,), mm, of the middles of edges (M, 2) from the surface
@@ -141,7 +141,7 @@ class StripTriangulation:
         of the diagonals' misses, to the fourth power, is the least that there is; nodes are at `t` (N,).
 
         By dynamic programming over all pairs of nodes [Fuchs, Kedem & Uselton, Comm. ACM 20 (1977) 693], in long strips over those
-        that are near; where they are too many the strip stays (`Table`).
+        that are near; where they are too many the strip stays (`NodePairs`).
         """
         steps, chains = np.split(self.steps, np.searchsorted(self.strip, np.arange(1, len(self.start)))), self._chains
         places, strip = self.diagonals()
@@ -201,14 +201,14 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
     return corners
 
 
-def _around(strip: Strip, t: Array, apart: float) -> tuple[tuple[Index, Index], Table | None]:
+def _around(strip: Strip, t: Array, apart: float) -> tuple[tuple[Index, Index], NodePairs | None]:
     """The nodes of a strip at its toe, on its left line and at its heel, those at toe, on the right line and at heel, and the
     table of their pairs, in which chains of all CORNERS begin and end: from left, from right; to right, to left."""
     left, right, toe, heel = strip
     a, b = np.concatenate((toe[::-1], left, heel)), np.concatenate((toe, right, heel[::-1]))
     starts = [[toe.size + 1, 0], [0, toe.size + 1]]
     ends = [[a.size - 1, toe.size + right.size - 2], [toe.size + left.size - 2, b.size - 1]]
-    return (a, b), Table.of(t[a], t[b], apart, starts, ends)
+    return (a, b), NodePairs.of(t[a], t[b], apart, starts, ends)
 
 
 def _chains(strip: Strip, from_left: bool, to_right: bool) -> Chains:
