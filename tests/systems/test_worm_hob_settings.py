@@ -316,3 +316,15 @@ def test_a_stated_swivel_keeps_a_hob_of_the_worms_normal_module() -> None:
     stated = parse(larger_hob(3, 0.5, hob={"swivel_angle": usual.hob.swivel_angle, "pitch_height": 0.5}))
     assert isinstance(stated, WormDriveDesign)
     assert hob_thread(stated) == hob_thread(usual)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("values", [{"hob.reference_diameter": 72.0}, {"hob.threads": 3, "hob.reference_diameter": 90.0}])
+@pytest.mark.parametrize("nominal", [[], ["hob.reference_diameter=66", "center_distance=126.5"]])
+def test_another_hob_has_its_own_setting(values: dict[str, float], nominal: list[str]) -> None:
+    """In a row of a study as in a file; a swivel that is stated stays."""
+    file = SAMPLES / "worm_drive.toml"
+    row = gm.load(file, nominal).with_values(values)
+    stated = [f"{key}={value}" for key, value in values.items()]
+    assert row.hob == gm.load(file, [*nominal, *stated]).hob
+    assert gm.load(file, ["hob.swivel_angle=-0.5"]).with_values(values).hob.swivel_angle == -0.5

@@ -47,6 +47,9 @@ ON_FLANK = 0.8
 #: axis their flanks cross. Of 14 random drives with such a pitch point 9 of at most 16 deg are as good or better with it, 5 from
 #: 22 deg on are worse
 STEEP = math.radians(20.0)
+#: keys that say which hob it is, and what of its setting follows from them
+HOBS = {"hob.reference_diameter", "hob.threads", "hob.pitch_height"}
+OF_HOB = HOBS | {"hob.center_distance", "hob.swivel_angle"}
 
 
 class ThreadCount(Table):
@@ -435,6 +438,10 @@ class WormDriveDesign(Design):
 
     def _tip_diameter(self, shift: float) -> float:
         return self.wheel_reference_diameter + 2.0 * (self.wheel.addendum + shift) * self.axial_module
+
+    def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:
+        # another hob is set up by its own diameter
+        return super().stays(dotted, values) and not (dotted in OF_HOB and HOBS & values.keys())
 
     @property
     def keeps_from_crossing(self) -> str:
