@@ -10,7 +10,6 @@ from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn
 from gearmesh.cad.suffixes import AXIAL, DXF, SECTIONS, STEP
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.lengths import in_mm
-from gearmesh.progress import tell
 
 if TYPE_CHECKING:
     from gearmesh import Gears
@@ -103,11 +102,14 @@ class PartFile:
         """Make a member, or all, write the file, and print the figures."""
         tolerance, z, away = self._lengths()
         every = member in (BOTH, ALL)
+        if not every:
+            gears.member(member)
         of = "space" if self.space else "flanks" if self.flank_only else "solid"
+        if self.suffix in SECTIONS:
+            of = "section"
         with working("solids" if every else f"{of} of the {member}"):
             made: Cad | Section | Solid | Solids
             if self.suffix in SECTIONS:
-                tell(0.0)
                 made = gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away)
             elif self.suffix in STEP:
                 made = gears.cad(

@@ -22,6 +22,7 @@ from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.progress import tell
 from gearmesh.teeth.end_strip import EndStrip, StripPiece
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLETS, Region
@@ -91,6 +92,7 @@ def member_section(member: Member, z: float, tolerance: float) -> MemberSection:
         raise ArgumentError(
             "section", z, unit="mm", must_be=f"within the face of the {member.name}, from {low:g} to {high:g} mm"
         )
+    tell(0.0)
     z = min(max(z, low), high)
     if member.tooth.joint.travel is not None:
         bar, deviation = _bar(member, z, tolerance)

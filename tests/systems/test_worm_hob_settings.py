@@ -319,7 +319,9 @@ def test_a_stated_swivel_keeps_a_hob_of_the_worms_normal_module() -> None:
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("values", [{"hob.reference_diameter": 72.0}, {"hob.threads": 3, "hob.reference_diameter": 90.0}])
+@pytest.mark.parametrize(
+    "values", [{"hob.reference_diameter": 72.0}, {"hob.threads": 3, "hob.reference_diameter": 90.0}]
+)
 @pytest.mark.parametrize("nominal", [[], ["hob.reference_diameter=66", "center_distance=126.5"]])
 def test_another_hob_has_its_own_setting(values: dict[str, float], nominal: list[str]) -> None:
     """In a row of a study as in a file; a swivel that is stated stays."""

@@ -17,6 +17,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid, thickness_angle
 from gearmesh.metrology.flanks.point_file import point_text
+from gearmesh.progress import tell
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
@@ -46,6 +47,7 @@ def measuring_grid_of(
         raise ArgumentError("ball", ball, unit="mm", allowed="a diameter above 0")
     sides = tuple(Side) if flank == BOTH else (Side(flank),)
     fillets = {"flank": (False,), "fillet": (True,), "all": (False, True)}[surface]
+    tell(0.0)
     grids = tuple(MeasuringGrid.of(member, side, shape, margins, fillet=fillet) for side in sides for fillet in fillets)
     return MeasuringGrids(design, member, grids, None if ball is None else 0.5 * ball)
 

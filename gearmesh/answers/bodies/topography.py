@@ -15,6 +15,7 @@ from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, topography_text
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.progress import tell
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.modification import Modification
 from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
@@ -48,6 +49,7 @@ def flank_topography(design: Design, member: Member, flank: str, tolerance: floa
             reason="this flank has no modification",
             allowed=f"a flank with {member.name}.modifications or {member.name}.modifications_{flank}",
         )
+    tell(0.0)
     grid, missed = topography_of(amount, tolerance)
     return FlankTopography(
         design, member.name, Side(flank), TopographyGrid(grid.lengths, grid.positions, grid.amounts), missed

@@ -26,6 +26,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.plane.curves import PlaneCurve, PlaneLine
 from gearmesh.kernel.surface.levels import LandLevel
+from gearmesh.progress import tell
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections, TurnedLink
@@ -105,6 +106,7 @@ def axial_section(member: Member, tolerance: float) -> MemberSection:
             reason=f"the teeth of the {member.name} are no threads, which a plane through the axis cuts across",
             allowed="a worm, or z along the axis",
         )
+    tell(0.0)
     low, high = sorted(tooth.blank.extent)
     contours, deviation = [], 0.0
     for angle in (0.0, np.pi):

@@ -28,6 +28,7 @@ def drawing(
     refuse_suffix(output, ".pdf", ".svg", ".png")
     refuse_unwritable(output)
     gears = load_gears(design_file, settings)
+    gears.member(member)
     with working(f"drawing of the {member}"):
         tell(0.0)
         page = gears.drawing(member)

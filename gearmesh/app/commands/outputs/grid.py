@@ -9,7 +9,6 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.progress import tell
 
 
 def grid(
@@ -67,7 +66,6 @@ def grid(
         refuse_unwritable(file)
     gears = load_gears(design_file, settings)
     with working("measuring grid"):
-        tell(0.0)
         points = gears.measuring_grid(member, flank, grid=shape, margins=margins, surface=surface, ball=ball)
     if output is not None:
         points.save(output)

@@ -9,7 +9,6 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working, write_text
-from gearmesh.progress import tell
 
 
 def topography(
@@ -42,7 +41,6 @@ def topography(
     tolerance = tolerance_in_mm(tol)
     gears = load_gears(design_file, settings)
     with working("topography"):
-        tell(0.0)
         grid = gears.topography(member, flank, tolerance)
     if output is not None:
         grid.save(output)
