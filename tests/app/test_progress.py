@@ -68,7 +68,7 @@ def test_search_for_the_contact_of_a_bevel_pair_says_how_far_it_is() -> None:
         (("limits", SAMPLES / "spur.toml"), "limits"),
         (("pin", SAMPLES / "spur.toml", "-o", "pinned.toml"), "pin"),
         (("grid", SAMPLES / "spur.toml", "--member", "gear", "-o", "grid.csv"), "measuring grid"),
-        (("solid", SAMPLES / "spur.toml", "--member", "gear", "-o", "gear.svg"), "solid of the gear"),
+        (("solid", SAMPLES / "spur.toml", "--member", "gear", "-o", "gear.svg"), "section of the gear"),
     ],
 )
 def test_stages_are_lines_in_a_pipe_however_short_they_are(
