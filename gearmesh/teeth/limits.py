@@ -405,7 +405,9 @@ def land_of_width(
         jacobian[:, 3, :2], jacobian[:, 3, 2:] = by_right, by_left
         return f, jacobian
 
-    solution = newton.solve(residual, start, tolerance=TOLERANCE)
+    # trial steps may reach the axis, where there is no arc: the solver halves them
+    with np.errstate(all="ignore"):
+        solution = newton.solve(residual, start, tolerance=TOLERANCE)
     sound = solution.converged.copy()
     for at_start, at_end in zip(_jets(flanks, start), _jets(flanks, solution.values), strict=True):
         # not past a singular point, of the tool itself neither

@@ -330,3 +330,14 @@ def test_another_hob_has_its_own_setting(values: dict[str, float], nominal: list
     stated = [f"{key}={value}" for key, value in values.items()]
     assert row.hob == gm.load(file, [*nominal, *stated]).hob
     assert gm.load(file, ["hob.swivel_angle=-0.5"]).with_values(values).hob.swivel_angle == -0.5
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("angle", [75.0, 90.0, 101.24])
+def test_hobs_of_unshifted_wheels_are_tangent_on_the_reference_cylinders(angle: float) -> None:
+    """Exactly, whatever a processor rounds: the default is written into pinned files."""
+    worm, wheel, hob = {"threads": 4, "quotient": 12.03}, {"teeth": 41}, {"reference_diameter": 51.676}
+    drive = {"kind": "worm_drive", "module": 3.689, "worm": worm, "wheel": wheel, "hob": hob, "shaft_angle": angle}
+    made = gm.parse(drive)
+    assert isinstance(made, WormDriveDesign)
+    assert made.hob.pitch_height == 0.0

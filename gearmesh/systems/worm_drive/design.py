@@ -535,7 +535,8 @@ class WormDriveDesign(Design):
         over_base = 0.5 * self.reference_diameter * (1.0 - math.cos(transverse_angle)) / m
         height = (middle + math.sqrt(square) - 0.5 * self.reference_diameter) / m
         lowest = 0.0 if self.lead_angle > STEEP else max(-ADDENDUM, -ON_FLANK * over_base)
-        return min(max(height, lowest), ADDENDUM)
+        # of an unshifted wheel rounding is left
+        return 0.0 if abs(height) < SAME_SHIFT else min(max(height, lowest), ADDENDUM)
 
     def usual_cutting(self, distance: float, height: float) -> tuple[float, float]:
         """Centre distance, in the design's units, and swivel angle, deg, of a hob whose thread is tangent to the worm's.
