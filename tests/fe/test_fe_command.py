@@ -23,7 +23,7 @@ from scipy.special import ellipk
 from gearmesh.answers.bodies.finite_elements import FiniteElements
 from gearmesh.fe.gear_model import OVER
 from gearmesh.fe.placing import major_axis, minor_axis
-from gearmesh.fe.results import ContactTotal, NodalSolution, Reference
+from gearmesh.fe.results import ContactTotal, NodalSolution, ReferenceNode
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.designs import load
 from gearmesh.view.load.fe_views import STRESS_SHARE, pressure_scene, stress_scene
@@ -256,7 +256,7 @@ def pretended(built: FiniteElements, pressed: int = 1) -> tuple[NodalSolution, A
     pressure = np.where(flank, 1000.0 * np.sqrt(np.maximum(1.0 - (apart / 1.5) ** 2, 0.0)), 0.0)
     stress = np.zeros((len(mesh.nodes), 6))
     stress[:, 2] = 10.0 + mesh.nodes[:, 2]
-    held = {"pinion_held": Reference(*np.zeros((4, 3)))}
+    held = {"pinion_held": ReferenceNode(*np.zeros((4, 3)))}
     totals = tuple(ContactTotal(np.zeros(3), np.zeros(3), 1.0) for _ in model.contacts)
     return NodalSolution(np.zeros_like(mesh.nodes), stress, pressure, held, totals, 1), place
 
