@@ -17,6 +17,7 @@ from gearmesh.api.design_schema import design_schema
 from gearmesh.api.reference import figure_groups
 from gearmesh.api.report_schema import report_schema
 from gearmesh.app import cli
+from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 
 #: pages of public names: file, title, what is on it, and its names; kinds of design have a page of their keys instead
@@ -172,7 +173,7 @@ def own_members(owner: type) -> list[str]:
         if kind.__module__.startswith("gearmesh."):
             for name, member in vars(kind).items():
                 shown = inspect.isroutine(member) or isinstance(member, property | cached_property | classmethod)
-                if shown and not name.startswith("_") and name not in hidden:
+                if shown and not isinstance(member, Deprecated) and not name.startswith("_") and name not in hidden:
                     names.setdefault(name)
     return [name for name in names if inspect.getdoc(getattr(owner, name))]
 
