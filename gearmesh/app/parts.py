@@ -102,8 +102,6 @@ class PartFile:
         """Make a member, or all, write the file, and print the figures."""
         tolerance, z, away = self._lengths()
         every = member in (BOTH, ALL)
-        if not every:
-            gears.member(member)
         of = "space" if self.space else "flanks" if self.flank_only else "solid"
         if self.suffix in SECTIONS:
             of = "section"

@@ -342,7 +342,7 @@ def test_worm_of_a_design_is_lean() -> None:
 def test_worm_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "worm.stl"
     status, found, err = _run(capsys, "-o", file, "--tol", "0.1mm", "--set", "worm.bore=60")
-    assert (status, err, found["watertight"]) == (0, "", "true")
+    assert (status, err, found["watertight"]) == (0, "gearmesh: solid of the worm\n", "true")
     assert float(found["max_deviation_um"]) <= 100.0
     assert file.stat().st_size == 84 + 50 * int(found["triangles"])
     needed, least = float(found["needed_length_mm"]), float(found["least_pitch_radius_mm"])
