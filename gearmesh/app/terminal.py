@@ -93,10 +93,10 @@ def output_folder(path: Path) -> Iterator[None]:
 
 
 @contextmanager
-def working(what: str) -> Iterator[Progress]:
+def working(what: str, *, at_once: bool = False) -> Iterator[Progress]:
     """A progress bar on a terminal, with the time that it took and, once the progress is known, that which remains; until then the
     bar pulses. Elsewhere one line per stage. What the work itself tells on its way counts where the command tells nothing: then
-    `what` is the stage, of work that tells anything, which no clock decides."""
+    `what` is the stage, of work that tells anything, which no clock decides, or of any work `at_once`."""
     if not sys.stderr.isatty():
         stage = ""
 
@@ -110,6 +110,8 @@ def working(what: str) -> Iterator[Progress]:
             if not stage:
                 line(fraction, what)
 
+        if at_once:
+            first_line(0.0)
         with listening(first_line):
             yield line
         return

@@ -135,9 +135,8 @@ def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "g
     placed = {
         name: mesh.move(at.frame @ pair.members[name].mount.at(turns[pair.index(name)])) for name, mesh in own.items()
     }
-    sense = float(np.sign(at.arm))
     if both:
-        placed[pair.pinion.name] = placed[pair.pinion.name].move(Rigid.about_z(sense * preload))
+        placed[pair.pinion.name] = placed[pair.pinion.name].move(Rigid.about_z(at.sense * preload))
     mesh = join(placed)
     materials = dict(zip(pair.members, request.materials, strict=True))
     model = Model(title, mesh, {name: materials[name] for name in request.members})
@@ -154,11 +153,11 @@ def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "g
 
 def _in_contact(model: Model, pair: GearPair, request: Request, at: PlacedPair) -> Model:
     """The gear held, the pinion's rim rigid and turned, the facing flanks of teeth in contact."""
-    turned, sense = f"{pair.pinion.name}_held", float(np.sign(at.arm))
+    turned = f"{pair.pinion.name}_held"
     if request.rotation is None:
-        tie = RigidTie(turned, np.zeros(3), load=(0.0,) * 5 + (sense * request.torque,))
+        tie = RigidTie(turned, np.zeros(3), load=(0.0,) * 5 + (at.sense * request.torque,))
     else:
-        tie = RigidTie(turned, np.zeros(3), motion=(0.0,) * 5 + (sense * request.rotation,))
+        tie = RigidTie(turned, np.zeros(3), motion=(0.0,) * 5 + (at.sense * request.rotation,))
     stiffness = contact_stiffness(request.materials, at)
     contacts = tuple(ContactPair(*names, stiffness, request.friction) for names in facing(model.mesh, pair))
     return replace(model, supports=(Support(f"{pair.gear.name}_held"),), ties=(tie,), contacts=contacts)

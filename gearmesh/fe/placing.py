@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,6 +52,11 @@ class PlacedPair:
     approach: float
     arm: float
     frame: Rigid
+
+    @property
+    def sense(self) -> float:
+        """Sense, 1 or -1, in which the torque that drives turns the pinion about z of the model's frame."""
+        return math.copysign(1.0, self.arm)
 
     @property
     def turn(self) -> float:

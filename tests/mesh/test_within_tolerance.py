@@ -14,7 +14,7 @@ import gearmesh as gm
 from gearmesh.check import deviation
 from gearmesh.check.deviation import deviations
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth.region import FLANKS
+from gearmesh.teeth.region import FLANKS, Region
 
 #: triangles of a tooth that any of the corpus takes at most
 MOST = 100_000
@@ -65,3 +65,19 @@ def test_what_the_mesher_says_is_what_is_measured(tolerance: float) -> None:
     found = deviations(mesh)
     for patch in mesh.patches:
         assert found[patch.region].largest < 1.005 * patch.deviation
+
+
+@pytest.mark.sweep
+def test_chords_of_end_faces_keep_the_tolerance_beside_their_middles() -> None:
+    """Where a thread runs out the section curve is bent most at one end of a chord that grew by merging."""
+    tolerance = 5e-3
+    tooth = gm.build(gm.load(SAMPLES / "worm_drive_zk_oversize.toml")).members["worm"].tooth
+    patch = tessellate(tooth, tolerance, (Region.FILLET_RIGHT,)).patches[0]
+    for end in (0.0, 1.0):
+        line = patch.nodes.end(end)
+        s, points = patch.nodes.s[line], patch.points[line]
+        fine = s[:-1, None] + np.diff(s)[:, None] * np.linspace(0.0, 1.0, 41)
+        curve = tooth.grid(patch.region, fine.ravel(), tooth.sections([end])).points[:, 0].reshape(*fine.shape, 3)
+        along = np.diff(points, axis=0)[:, None]
+        off = np.linalg.norm(np.cross(curve - points[:-1, None], along), axis=-1) / np.linalg.norm(along, axis=-1)
+        assert off.max() <= tolerance

@@ -15,7 +15,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.mesh.links.collapse import edges_of
 from gearmesh.mesh.links.forms import Forms
 from gearmesh.mesh.links.lines import between, integral, nodes, rows, stations
-from gearmesh.mesh.links.measure import deviations_of, off_chords
+from gearmesh.mesh.links.measure import PLACES, deviations_of, off_chords
 from gearmesh.mesh.links.plan import LinkPlan
 from gearmesh.mesh.links.thinning import thin
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
@@ -234,12 +234,16 @@ def _outline_nodes(s: Array, count: Index, even: Array, density: tuple[Array, Ar
 
 
 def _off_curves(curve: SectionCurve, nodes: Sequence[Array]) -> list[Array]:
-    """Largest distances (N,), mm, of the chords between nodes s (N + 1,) of the section curves at toe and heel from
-    these, in their middles."""
-    fine = [np.interp(np.arange(2 * s.size - 1), 2 * np.arange(s.size), s) for s in nodes]
+    """Largest distances (N,), mm, of the chords between nodes s (N + 1,) of the section curves at toe and heel from these."""
+    fine = [np.append((s[:-1, None] + np.diff(s)[:, None] * np.append(0.0, PLACES)).ravel(), s[-1]) for s in nodes]
     t = np.repeat([0.0, 1.0], [s.size for s in fine])
     curves = np.split(curve(np.concatenate(fine), t), [fine[0].size])
-    return [off_chords(np.stack((points[:-2:2], points[2::2]), axis=1), points[1::2]) for points in curves]
+    parts = [points[:-1].reshape(-1, 1 + PLACES.size, 3) for points in curves]
+    ends = [
+        np.stack((part[:, 0], np.append(part[1:, 0], points[-1:], axis=0)), axis=1)
+        for part, points in zip(parts, curves, strict=True)
+    ]
+    return [off_chords(end, part[:, 1:]) for end, part in zip(ends, parts, strict=True)]
 
 
 def _form_point_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float:

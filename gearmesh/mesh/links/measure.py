@@ -10,6 +10,10 @@ from gearmesh.mesh.patch import LinkNodes
 
 Index = NDArray[np.int64]
 
+#: places along a chord at which its distance from its section curve is measured: where the curve is bent unevenly, as beside a
+#: form point, the middle is not the farthest
+PLACES = np.array([0.25, 0.5, 0.75])
+
 
 def deviations_of(
     nodes: LinkNodes, triangles: Index, edges: Index, sides: Index, crease: NDArray[np.bool_]
@@ -54,10 +58,11 @@ def peaks(sides: Array, centres: Array) -> Array:
 
 
 def off_chords(ends: Array, points: Array) -> Array:
-    """Distances (N,), mm, of points (N, 3) from the lines through ends (N, 2, 3)."""
-    chord, away = ends[:, 1] - ends[:, 0], points - ends[:, 0]
-    length = dot(chord, chord)
-    share = np.divide(dot(away, chord), length, out=np.zeros_like(length), where=length > 0.0)
-    off = away - share[..., None] * chord
-    size: Array = np.sqrt(dot(off, off))
+    """Largest distances (N,), mm, of points (N, K, 3) from the lines through ends (N, 2, 3)."""
+    chord, away = ends[:, 1] - ends[:, 0], points - ends[:, :1]
+    length = dot(chord, chord)[:, None]
+    along = dot(away, chord[:, None])
+    share = np.divide(along, length, out=np.zeros_like(along), where=length > 0.0)
+    off = away - share[..., None] * chord[:, None]
+    size: Array = np.sqrt(dot(off, off).max(axis=1, initial=0.0))
     return size

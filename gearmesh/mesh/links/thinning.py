@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, independent, within_link
-from gearmesh.mesh.links.measure import deviations_of, off_chords
+from gearmesh.mesh.links.measure import PLACES, deviations_of, off_chords
 from gearmesh.mesh.links.prediction import Prediction
 from gearmesh.mesh.links.relaxation import Patches, Patience, around, fourth, on_seams, relax_patches, turns
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
@@ -427,8 +427,12 @@ class Net:
         on, side = np.nonzero((t == after) & ((t == 0.0) | (t == 1.0)))
         if on.size:
             ends = np.stack((side, (side + 1) % 3), axis=1)
-            middles = self.place(s[on[:, None], ends].mean(axis=1), t[on, side]).points
-            np.maximum.at(off, on, off_chords(nodes.points[triangles[on[:, None], ends]], middles))
+            first, last = s[on[:, None], ends].T
+            along = first[:, None] + (last - first)[:, None] * PLACES
+            curve = self.place(along.ravel(), np.repeat(t[on, side], PLACES.size)).points
+            np.maximum.at(
+                off, on, off_chords(nodes.points[triangles[on[:, None], ends]], curve.reshape(*along.shape, 3))
+            )
         return off
 
     def _copy(self, which: Index) -> LinkNodes:

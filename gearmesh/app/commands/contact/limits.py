@@ -10,7 +10,6 @@ import gearmesh as gm
 from gearmesh.app.options import DesignFile, Json, Set
 from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError, DesignError
-from gearmesh.progress import tell
 
 #: normal modules; no tooth is wider at its tip
 _WIDEST = 3.0
@@ -32,8 +31,7 @@ def limits(
         raise ArgumentError("land", land, must_be=f"a number of modules from 0 to {_WIDEST:g}")
     refuse_unwritable(json_file)
     design = parse_as_stated(files.override(files.read(design_file), settings or []))
-    with working("limits"):
-        tell(0.0)
+    with working("limits", at_once=True):
         try:
             answer = gm.build(design).limits(land)
         except DesignError as refused:

@@ -10,7 +10,6 @@ import typer
 from gearmesh.app.options import Json, Set, load_gears, present
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
-from gearmesh.progress import tell
 
 
 def convert(
@@ -80,8 +79,7 @@ def convert(
     if stage is not None:
         raise ArgumentError("stage", stage, reason="is for REXS files; a design is of one stage")
     gears = load_gears(source, changes)
-    with working("conversion"):
-        tell(0.0)
+    with working("conversion", at_once=True):
         model = gears.rexs(output.parent, torque=torque)
     model.save(output)
     write_text(json_file, model.json)

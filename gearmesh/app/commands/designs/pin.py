@@ -12,7 +12,6 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.progress import tell
 
 
 def pin(
@@ -28,8 +27,7 @@ def pin(
     for file in (output, json_file):
         refuse_unwritable(file)
     gears = load_gears(design_file, settings)
-    with working("pin"):
-        tell(0.0)
+    with working("pin", at_once=True):
         pinned = gears.pin()
     pinned.save(output)
     write_text(json_file, pinned.json)

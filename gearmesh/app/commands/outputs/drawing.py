@@ -9,7 +9,6 @@ import typer
 
 from gearmesh.app.options import DesignFile, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, warn, working
-from gearmesh.progress import tell
 
 
 def drawing(
@@ -29,8 +28,7 @@ def drawing(
     refuse_unwritable(output)
     gears = load_gears(design_file, settings)
     gears.member(member)
-    with working(f"drawing of the {member}"):
-        tell(0.0)
+    with working(f"drawing of the {member}", at_once=True):
         page = gears.drawing(member)
         page.save(output)
     print(f"{output}: {page.sheet} at {page.scale}")
