@@ -189,6 +189,7 @@ def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
         ([], "--output: missing"),
         (["-o", "x.inp", "--teeth", "2"], "--teeth = 2: must be an odd number, or all"),
         (["-o", "x.inp", "--set", "fe.teeth=4"], "fe.teeth = 4: must be an odd number"),
+        (["-o", "x.inp", "--teeth", "99"], "fe.teeth = 99: must be an odd number up to 35, or 0 for all teeth"),
         (["-o", "x.inp", "--torque", "0"], "fe.torque = 0.0: must be a torque in Nm above 0"),
         (["-o", "x.inp", "--rotation", "2"], "--rotation = 2: must be above 0 and up to 1 deg"),
         (["-o", "x.inp", "--phi1", "inf"], "--phi1 = inf: must be a finite number of degrees"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.design.dotted import with_keys
 from gearmesh.kernel.envelope.limiting_line import area_density
+from gearmesh.kernel.numeric.effort import Effort, limit_effort
 from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.system import complete_design
 from gearmesh.systems.worm_drive.build import build, nominal_thread, wheel_hob
@@ -200,6 +202,23 @@ def test_a_tooth_by_adapted_defaults_reaches_its_tip_all_along_the_face() -> Non
     sections = gears.members["wheel"].tooth.sections(np.linspace(0.0, 1.0, 301))
     assert np.isfinite(sections.right.tip).all()
     assert gears.limits().members["wheel"].sides["right"].lost_share >= 0.0
+
+
+@pytest.mark.parametrize(
+    ("file", "changes", "most"),
+    [
+        (CORPUS / "refused_worm_drive_62.toml", [], 0.1),
+        pytest.param(SAMPLES / "worm_drive.toml", ["worm.threads=10"], 1.2, marks=pytest.mark.sweep),
+        pytest.param(SAMPLES / "worm_drive.toml", ["pressure_angle=5"], 2.5, marks=pytest.mark.sweep),
+    ],
+)
+def test_no_long_search_for_a_face_width(file: Path, changes: list[str], most: float) -> None:
+    """Ten to twenty times the effort, up to 60 s, when every width and tip was tried whose fillets overlap in the middle plane, and
+    ends of loops were looked for before the flanks had been found to be lost elsewhere."""
+    with limit_effort(Effort(most)):
+        own = complete_design(gm.load(file, changes, complete=False))
+    assert isinstance(own, WormDriveDesign)
+    assert own.wheel.face_width <= own.usual_face_width
 
 
 @pytest.mark.filterwarnings("error")

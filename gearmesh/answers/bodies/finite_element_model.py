@@ -162,14 +162,17 @@ class UnloadedFiniteElements(FiniteElementModel):
         raise self.train.needs_pair("solve", True)
 
 
-def mesh_request_of(design: Design, sector: int | None = None) -> MeshRequest:
-    """The mesh that a design's table fe defines, in contact or without, of some teeth or a `sector`.
+def mesh_request_of(design: Design, members: Iterable[Member], sector: int | None = None) -> MeshRequest:
+    """The mesh that a design's table fe defines, of some teeth or a `sector`; `members`: both in mesh, or one without a mating gear.
 
-    Raises DesignError for an even number of teeth.
+    Raises DesignError for an even number of teeth, and for more than any of them has.
     """
-    wanted = design.in_mm().fe
+    wanted, most = design.in_mm().fe, max(member.tooth.teeth for member in members)
     if wanted.teeth and wanted.teeth % 2 == 0:
         raise DesignError("fe.teeth", wanted.teeth, must_be="an odd number, or 0 for all teeth")
+    if wanted.teeth > most and design.sets("fe.teeth"):
+        odd = most - (most + 1) % 2
+        raise DesignError("fe.teeth", wanted.teeth, must_be=f"an odd number up to {odd}, or 0 for all teeth")
     return MeshRequest(
         teeth=wanted.teeth or None,
         cells=Cells(wanted.flank, wanted.fillet, wanted.thickness, wanted.rim_layers, wanted.face),
@@ -214,7 +217,7 @@ def unloaded_elements_of(
     material = Material(*design.elastic(member.name))
     if sector is not None:
         check_sector(member, sector)
-    request = mesh_request_of(design, sector)
+    request = mesh_request_of(design, [member], sector)
     missing = omissions([member], request.whole)
     model = unloaded_model(member, request, material, design.name or design.kind)
     model = replace(model, notes=(*missing, *rims_alone(model, [member], request.whole)))

@@ -217,10 +217,10 @@ def request_of(
 ) -> Request:
     """The model that a design's tables fe and material define; `rotation` (rad) of the pinion takes the place of the torque.
 
-    Raises DesignError for an even number of teeth, members that the pair has not, a coefficient of `friction` that is none and a
-    `sector` that there is not.
+    Raises DesignError for a number of teeth that is even or more than there are, members that the pair has not, a coefficient of
+    `friction` that is none and a `sector` that there is not.
     """
-    own, wanted = mesh_request_of(design, sector), design.in_mm().fe
+    own, wanted = mesh_request_of(design, pair.members.values(), sector), design.in_mm().fe
     unknown = next((name for name in members if name not in pair.members), None)
     if unknown is not None:
         raise ArgumentError("members", unknown, must_be=f"members of the pair {pair.name}")

@@ -187,9 +187,16 @@ def prove_wheel(tooth: Tooth) -> None:
     roll; beyond is another sheet of the envelope, which the hob generates from inside the wheel. Undercut may remove all of the
     flank before: its tip then lies beyond the singular points, turned inside out against mid face.
     """
-    tooth.prove()
-    # lands are least next to where the throat ends, between the stations of that
+    # the least work first, for most widths and tips that are tried for a steep thread fail at once; lands are least next to where
+    # the throat ends, between the stations of the whole proof
     tooth.prove_land(np.linspace(0.0, 1.0, LANDS))
+    _prove_generated(tooth)
+    tooth.prove()
+
+
+def _prove_generated(tooth: Tooth) -> None:
+    """Raise TrimError where a wheel's tooth cannot be trimmed at the ends and in the middle of the face, or none of its flank is
+    left there."""
     places, ends = np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0])
     for which in Side:
         generation = tooth.side(which).generation

@@ -38,8 +38,8 @@ P = ParamSpec("P")
 #: usual addendum
 SHARES = np.linspace(0.5, 1.0, 5)
 NARROW_SHARES, NARROW_ADDENDA = (0.5, 0.4, 0.3, 0.2), (1.0, 0.75, 0.5)
-#: stations of close looks
-CLOSE = 1025
+#: stations of close looks, and the middle plane
+CLOSE, MIDDLE = 1025, np.array([0.5])
 #: lead angle (rad) up to which the usual width is taken unseen: of 200 random drives the gentlest that it did not suit has 14 deg
 GENTLE = math.radians(10.0)
 
@@ -64,7 +64,7 @@ def derived_values(design: WormDriveDesign) -> dict[str, float]:
         shares = _narrow_shares(own, usual) if narrow else _sound_shares(own, given_or(wheel.face_width, usual))
         if (share := next(shares, None)) is not None:
             return {**root, "wheel.addendum": own.wheel.addendum, "wheel.face_width": share * usual}
-        if addendum == 1.0 and not narrow and not _has_worm(design):
+        if addendum == 1.0 and not narrow and not (_has_spaces(own, usual) and _has_worm(design)):
             break
     return {**root, "wheel.addendum": usual_addendum(design), "wheel.face_width": usual}
 
@@ -83,6 +83,16 @@ def _refused_by_tools(design: WormDriveDesign, usual: float) -> bool:
     except DesignError:
         return True
     return False
+
+
+def _has_spaces(design: WormDriveDesign, usual: float) -> bool:
+    """Whether the hob's tips leave spaces in the middle plane: where fillets overlap there, no addendum or width parts them."""
+    try:
+        tooth = wheel_tooth(_in_mm(design, usual))
+    except DesignError:
+        # of other widths there may be one
+        return True
+    return _succeeds(tooth.prove_root, MIDDLE)
 
 
 def _has_worm(design: WormDriveDesign) -> bool:
@@ -107,7 +117,7 @@ def _sound_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:
     if math.isfinite(design.wheel.face_width) or design.lead_angle <= GENTLE:
         return
     # the other side is the mirror image, or next to it
-    ends = {share: 0.5 + 0.5 * np.array([-share, share]) for share in SHARES.tolist()}
+    ends = {share: 0.5 + 0.5 * np.array([-share, share]) for share in SHARES[:-1].tolist()}
     whole = list(takewhile(lambda share: _succeeds(tooth.ends, Side.RIGHT, ends[share]), ends))
     yield from (share for share in whole[::-1] if _succeeds(prove, _in_mm(design, share * usual)))
 
