@@ -23,6 +23,8 @@ from gearmesh.teeth.limits import MemberLimits, SideLimits, member_limits
 
 #: decimals of the tables, mm
 DIGITS = 5
+#: headings of keys that have kept an older word
+HEADINGS = {"joint_depth_mm": "form point depth mm"}
 
 
 @dataclass(frozen=True)
@@ -259,7 +261,7 @@ def _rows(stations: Array, columns: Iterable[NDArray[Any]]) -> Iterator[list[Any
 
 
 def _heads(columns: Iterable[str]) -> list[str]:
-    return [key.replace("_", " ") for key in columns]
+    return [HEADINGS.get(key, key.replace("_", " ")) for key in columns]
 
 
 def _figures(member: Member, limits: MemberLimits) -> MemberLimitFigures:

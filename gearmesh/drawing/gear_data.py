@@ -33,6 +33,13 @@ ELSEWHERE = (
 UNITS = {"length": "mm", "angle": "deg", "coefficient": "m_n"}
 #: symbols of the deviations of the tip diameter
 TIP_DEVIATIONS = ("A_dae", "A_dai")
+#: what rows of the sheet that no standard has a symbol for are called there, and the words of those that have none of their own
+WORDS = frozenset(
+    ("fixed", "feed", "form", "gap", "hand", "interference", "taper", "tool", "trimming", "trochoid", "undercut")
+)
+NAMED = {"tool": "tool"}
+#: symbols as ISO 23509 prints them, letter and index, which the sheet has as one word
+LETTERS = re.compile(r"([Rbdhstx])([acefimnorstwxzFR]{1,3})")
 #: mm^3 in m^3
 CUBIC = 1e-9
 
@@ -45,7 +52,8 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
         name for pair in gears.pairs if member.name in pair.members for name in pair.members if name != member.name
     ]
     if own is None:
-        rows = [*_keys(design, member.name), *_everything(tables, member.name)]
+        keys = _keys(design, member.name)
+        rows = [*keys, *(row for row in _everything(tables, member.name) if row not in keys)]
     else:
         tolerances = own.tolerances if own.accuracy in design.model_fields_set else ()
         rows = _rows(tables, member.name, mates, own, tolerances)
@@ -190,4 +198,12 @@ def _row(symbol: str, words: str, unit: str, value: Any) -> DataRow:
         value = number(value, 1 if unit == "um" else 4)
     sign = {"-": "", "deg": "\N{DEGREE SIGN}", "um": "µm", "m_n": "m_n"}.get(unit, unit)
     text = f"{value}{'' if sign == chr(176) else ' '}{sign}".strip()
-    return DataRow(words.partition(";")[0], symbol, text)
+    return DataRow(NAMED.get(symbol, words.partition(";")[0]), drawn_symbol(symbol), text)
+
+
+def drawn_symbol(symbol: str) -> str:
+    """A symbol of the sheet as a drawing has it: that of the standard, d_ae for dae; none for words, as hand."""
+    if symbol in WORDS:
+        return ""
+    letters = LETTERS.fullmatch(symbol)
+    return "_".join(letters.groups()) if letters and symbol != "beta" else symbol

@@ -14,6 +14,7 @@ import gearmesh as gm
 from gearmesh.cad.section import member_section
 from gearmesh.drawing.canvas import HATCH, Box, Canvas, Pen
 from gearmesh.drawing.drawing import WorkshopDrawing
+from gearmesh.drawing.gear_data import drawn_symbol, facts_of
 from gearmesh.drawing.outline import bar_faces, outline_of
 from gearmesh.drawing.page import formula
 from gearmesh.drawing.paper import SCALES, scale_name
@@ -195,3 +196,30 @@ def test_chamfers_of_a_rack_are_drawn_in_both_views() -> None:
 )
 def test_symbols_have_greek_letters_and_subscripts(symbol: str, text: str) -> None:
     assert formula(symbol) == rf"$\mathregular{{{text}}}$"
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("symbol", "drawn"),
+    [
+        ("dae", "d_ae"),
+        ("Re", "R_e"),
+        ("tzF", "t_zF"),
+        ("txo", "t_xo"),
+        ("beta", "beta"),
+        ("rho", "rho"),
+        ("s_mn", "s_mn"),
+        ("hand", ""),
+    ],
+)
+def test_drawings_have_the_standard_s_symbols_and_none_for_words(symbol: str, drawn: str) -> None:
+    assert drawn_symbol(symbol) == drawn
+
+
+def test_what_a_design_and_its_sheet_both_say_is_drawn_once() -> None:
+    gears = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml"))
+    rows = facts_of(gears, gears.train.members["pinion"]).rows
+    assert len(rows) == len(set(rows))
+    assert [(row.words, row.symbol, row.value) for row in rows if row.value == "rack cutter"] == [
+        ("tool", "", "rack cutter")
+    ]

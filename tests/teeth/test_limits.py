@@ -309,6 +309,7 @@ def test_the_command_tells_what_is_undercut(tmp_path: Path) -> None:
     assert status == 0
     assert "Undercut of the pinion" in out
     assert "Pointing of the gear" in out
+    assert "form point depth mm" in out
     assert err.count("of the pinion is undercut from -15 to 15 mm (z)") == 2
     document = json.loads(file.read_text())
     pinion, gear = document["members"]["pinion"], document["members"]["gear"]
