@@ -163,7 +163,7 @@ class UnloadedFiniteElements(FiniteElementModel):
 
 
 def mesh_request_of(design: Design, members: Iterable[Member], sector: int | None = None) -> MeshRequest:
-    """The mesh that a design's table fe defines, of some teeth or a `sector`; `members`: both in mesh, or one without a mating gear.
+    """The mesh that a design's table fe defines, of some teeth or a `sector`, of both `members` or one without a mating gear.
 
     Raises DesignError for an even number of teeth, and for more than any of them has.
     """
