@@ -85,7 +85,7 @@ def test_flank_that_begins_beyond_the_tip_is_refused() -> None:
 def test_profile_shift_and_centre_distance_must_agree() -> None:
     with pytest.raises(
         DesignError,
-        match=r"wheel.profile_shift = 0.5 m_n: cannot be given together with center_distance = 125, which makes it 0",
+        match=r"wheel.profile_shift = 0.5 m_x: cannot be given together with center_distance = 125, which makes it 0",
     ):
         load(SAMPLE, ["wheel.profile_shift=0.5"])
     assert load(SAMPLE, ["wheel.profile_shift=0.5", "center_distance=127.5"]).wheel.profile_shift == 0.5

@@ -268,11 +268,17 @@ def test_a_hob_like_the_worm_makes_no_transmission_error(form: str) -> None:
         (["worm.form=ZK", "worm.disk_diameter=20"], "worm.disk_diameter = 20 mm: .* more than 22 mm"),
         (
             ["hob.threads=16"],
-            "hob.threads = 16: a hob of the reference diameter 60 mm has no lead angle then; .* at most 12",
+            "hob.threads = 16: allowed is at most 10, .*: a hob of the reference .* 60 mm has no lead angle with more than 12$",
         ),
         (["wheel.throat_radius=23"], "wheel.throat_radius = 23 mm: the throat is inside the worm's root; .* 24 mm"),
         (["worm.lead_angle=9"], "worm.reference_diameter = 60 mm: cannot be given together with lead_angle"),
-        (["wheel.outside_diameter=190"], "wheel.outside_diameter = 190 mm: .* more than 200 mm"),
+        (
+            ["wheel.outside_diameter=190"],
+            "wheel.outside_diameter = 190 mm: allowed is at least 195.1 mm, .* the throat, at 200 mm, and .* 250 mm$",
+        ),
+        (["wheel.face_width=100"], "wheel.face_width = 100 mm: allowed is at most 48.8 mm, .* end faces 72 mm apart$"),
+        (["worm.dual_lead=0.3"], "worm.dual_lead = 0.3: must be a number from -0.2 to 0.2"),
+        (["hob.addendum=4"], "hob.addendum = 4: must be a multiple of the axial module from 0 to 3"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(changes: list[str], message: str) -> None:

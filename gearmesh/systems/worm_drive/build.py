@@ -183,11 +183,10 @@ def _refuse_hob_threads(design: WormDriveDesign) -> None:
     module = worm.module * math.cos(worm.lead_angle_at(worm.radius + height))
     most = math.ceil(2.0 * (radius + height) / module) - 1
     if threads > most:
-        raise DesignError(
+        raise VagueError(
             "hob.threads",
             threads,
-            reason=f"a hob of the reference diameter {hob.reference_diameter:.6g} mm has no lead angle then",
-            allowed=f"at most {most}",
+            reason=f"a hob of the reference diameter {hob.reference_diameter:.6g} mm has no lead angle with more than {most}",
         )
     made = hob_thread(design)
     if not math.isfinite(made.half_thickness(radius) + made.half_thickness(radius + height)):

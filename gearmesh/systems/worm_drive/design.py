@@ -113,12 +113,12 @@ class WormTable(MemberBody, ThreadCount):
         ),
     ] = 0.0
     addendum: Annotated[
-        float, Key("coefficient", "tip above the reference cylinder", low=0, high=3, source="DIN 3975")
+        float, Key("axial coefficient", "tip above the reference cylinder", low=0, high=3, source="DIN 3975")
     ] = 1.0
     dedendum: Annotated[
         float,
         Key(
-            "coefficient",
+            "axial coefficient",
             "root below the reference cylinder",
             low=0,
             high=3,
@@ -129,7 +129,7 @@ class WormTable(MemberBody, ThreadCount):
     root_rounding: Annotated[
         float,
         Key(
-            "coefficient",
+            "axial coefficient",
             "rounding between flank and root cylinder, in the axial section",
             low=0,
             high=2,
@@ -138,12 +138,12 @@ class WormTable(MemberBody, ThreadCount):
     ] = DERIVED
     thickness: Annotated[
         float,
-        Key("coefficient", "axial thickness of the thread before backlash", low=0.2, high=3, default="pi / 2"),
+        Key("axial coefficient", "axial thickness of the thread before backlash", low=0.2, high=3, default="pi / 2"),
     ] = 0.5 * math.pi
     dual_lead: Annotated[
         float,
         Key(
-            "coefficient",
+            "number",
             "dual lead (duplex) e: leads p_z (1 + e) of right, p_z (1 - e) of left flanks; nominal thickness in the middle",
             low=-0.2,
             high=0.2,
@@ -193,7 +193,7 @@ class WheelTable(MemberTable):
     profile_shift: Annotated[
         float,
         Key(
-            "coefficient",
+            "axial coefficient",
             "profile shift x2",
             low=-LARGEST_SHIFT,
             high=LARGEST_SHIFT,
@@ -203,7 +203,7 @@ class WheelTable(MemberTable):
     addendum: Annotated[
         float,
         Key(
-            "coefficient",
+            "axial coefficient",
             "tip above the shifted reference circle in the middle plane",
             low=0,
             high=3,
@@ -252,15 +252,15 @@ class HobTable(Table):
     ] = DERIVED
     threads: Annotated[int | None, Key("count", "number of threads", low=1, high=20, default="the worm's")] = None
     addendum: Annotated[
-        float, Key("coefficient", "tip above its reference cylinder: generates the root", low=0, high=3)
+        float, Key("axial coefficient", "tip above its reference cylinder: generates the root", low=0, high=3)
     ] = 1.0 + CLEARANCE
     tip_radius: Annotated[
-        float, Key("coefficient", "tip rounding in the axial section: generates the fillet", low=0, high=2)
+        float, Key("axial coefficient", "tip rounding in the axial section: generates the fillet", low=0, high=2)
     ] = ROUNDING
     pitch_height: Annotated[
         float,
         Key(
-            "coefficient",
+            "axial coefficient",
             "height over the reference cylinders of hob and worm at which both have the same normal pitch and thickness",
             low=-LARGEST_SHIFT,
             high=LARGEST_SHIFT,

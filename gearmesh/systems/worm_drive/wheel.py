@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.helicoid import Helicoid
 from gearmesh.kernel.envelope.limiting_line import area_density
@@ -36,8 +36,8 @@ from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import Dimension, ToolDescription
 from gearmesh.tools.drawing import ThreadDrawing
 
-#: stations at which a wheel's land is tried
-LANDS = 65
+#: stations at which a wheel's land is tried, and both ends and the middle of the face
+LANDS, PLACES = 65, np.array([0.0, 0.5, 1.0])
 
 
 @dataclass(frozen=True)
@@ -170,12 +170,11 @@ class WormHob:
         """The root that the hob's tips leave on a face of +-`half` mm. Raises DesignError where they do not reach its ends."""
         r, a, narrower = self.tip_radius, self.distance, math.cos(self.tilt)
         if half * narrower >= r:
-            raise DesignError(
+            raise VagueError(
                 "wheel.face_width",
                 2.0 * half,
                 unit="mm",
-                reason="the hob does not reach the end faces",
-                allowed=f"less than {at_most(2.0 * r / narrower)} mm",
+                reason=f"the hob does not reach end faces {at_most(2.0 * r / narrower)} mm apart",
             )
         return Meridian(CircularMeridian((0.0, a), r) if self.tilt == 0.0 else CylinderMeridian(a, r, self.tilt))
 
@@ -189,7 +188,8 @@ def prove_wheel(tooth: Tooth) -> None:
     """
     # the least work first, for most widths and tips that are tried for a steep thread fail at once; lands are least next to where
     # the throat ends, between the stations of the whole proof
-    tooth.prove_land(np.linspace(0.0, 1.0, LANDS))
+    for stations in (len(PLACES), LANDS):
+        tooth.prove_land(np.linspace(0.0, 1.0, stations))
     _prove_generated(tooth)
     tooth.prove()
 
@@ -197,12 +197,12 @@ def prove_wheel(tooth: Tooth) -> None:
 def _prove_generated(tooth: Tooth) -> None:
     """Raise TrimError where a wheel's tooth cannot be trimmed at the ends and in the middle of the face, or none of its flank is
     left there."""
-    places, ends = np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0])
+    ends = np.array([0.0, 1.0])
     for which in Side:
         generation = tooth.side(which).generation
         assert generation is not None
         flank = generation[0]
-        p, v = np.moveaxis(tooth.flank_grid(which, ends, places).parameters, -1, 0)
+        p, v = np.moveaxis(tooth.flank_grid(which, ends, PLACES).parameters, -1, 0)
         away = flank.tool.jet(*flank.on_tool(p, v)).n[..., 0].min(axis=0)
         density = area_density(flank.jet(p[1], v[1]))
         for lost, why in (
@@ -210,7 +210,7 @@ def _prove_generated(tooth: Tooth) -> None:
             (density * density[1] <= 0.0, "the undercut removes all of the flank"),
         ):
             if lost.any():
-                raise TrimError("flank", float(places[int(np.argmax(lost))]), why)
+                raise TrimError("flank", float(PLACES[int(np.argmax(lost))]), why)
 
 
 @dataclass(frozen=True)
@@ -231,13 +231,12 @@ class Throat:
             return ConeLevel.of(self.outside)
         height = self.distance - self.outside
         if not 0.0 < height < self.radius:
-            raise DesignError(
+            raise VagueError(
                 "wheel.outside_diameter",
                 2.0 * self.outside,
                 unit="mm",
-                reason="the outside cylinder must lie between throat and the worm's axis",
-                allowed=f"more than {at_least(2.0 * (self.distance - self.radius))} mm and less than "
-                f"{at_most(2.0 * self.distance)} mm",
+                reason="the outside cylinder must lie between the throat, at "
+                f"{at_least(2.0 * (self.distance - self.radius))} mm, and the worm's axis, at {at_most(2.0 * self.distance)} mm",
             )
         if self.angle is not None:
             return self._tangents(self.angle, half)

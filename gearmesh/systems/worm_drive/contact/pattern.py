@@ -117,10 +117,12 @@ class _Flank:
         """The path of contact without errors. Raises DesignError where it is in lines."""
         path = contact_path(solver_pair(self.pair), self.pair.pitch * np.linspace(-1.0, 1.0, POSITIONS))
         if (path.kind == "line").any():
+            default = not self.design.sets("hob.reference_diameter")
             raise DesignError(
                 "hob.reference_diameter",
                 self.own.hob.reference_diameter,
                 unit="mm",
+                shown=f"{self.own.hob.reference_diameter:.6g} mm (the default, the worm's)" if default else None,
                 reason="the wheel touches the worm along lines over all of its face, there is no pattern to be placed",
                 allowed=f"more than {at_least(self.own.reference_diameter)} mm",
             )
