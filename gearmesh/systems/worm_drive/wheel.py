@@ -237,6 +237,7 @@ class Throat:
                 unit="mm",
                 reason="the outside cylinder must lie between the throat, at "
                 f"{at_least(2.0 * (self.distance - self.radius))} mm, and the worm's axis, at {at_most(2.0 * self.distance)} mm",
+                remedies={"wheel.outside_diameter": 1 if height > 0.0 else -1},
             )
         if self.angle is not None:
             return self._tangents(self.angle, half)
