@@ -171,6 +171,8 @@ if TYPE_CHECKING:
     from gearmesh.metrology.correction import SettingChanges
     from gearmesh.metrology.evaluation import EvaluatedTrace, TraceRange
     from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
+    from gearmesh.metrology.measured_teeth import FlankDeviations, MeasuredTeeth
+    from gearmesh.metrology.pitch import PitchDeviations
     from gearmesh.metrology.second_order import SecondOrder
     from gearmesh.metrology.tolerances import FigureClass, GearClass
     from gearmesh.reports.report import ReportPage
@@ -389,6 +391,7 @@ __all__ = [
     "FiniteElements",
     "Fit",
     "FlankContact",
+    "FlankDeviations",
     "FlankFrame",
     "FlankInspectionFigures",
     "FlankOrderFigures",
@@ -438,6 +441,7 @@ __all__ = [
     "LoadedTotals",
     "LostFlank",
     "MaterialTable",
+    "MeasuredTeeth",
     "MeasuredTrace",
     "MeasuringGrid",
     "MeasuringGridFigures",
@@ -488,6 +492,7 @@ __all__ = [
     "Picture",
     "PinionSide",
     "Pinned",
+    "PitchDeviations",
     "PitchFigures",
     "PlaceFigures",
     "Plan",
@@ -909,6 +914,11 @@ _HOMES = {
         "TraceRange",
     ),
     "gearmesh.metrology.flanks.measuring_grid": ("MeasuringGrid",),
+    "gearmesh.metrology.measured_teeth": (
+        "FlankDeviations",
+        "MeasuredTeeth",
+    ),
+    "gearmesh.metrology.pitch": ("PitchDeviations",),
     "gearmesh.metrology.second_order": ("SecondOrder",),
     "gearmesh.metrology.tolerances": (
         "FigureClass",

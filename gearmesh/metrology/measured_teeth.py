@@ -41,8 +41,25 @@ class FlankDeviations(Protocol):
         """First and last share of what was measured, from form point to tip and from toe to heel."""
 
     def at(self, s: Array, t: Array) -> Array:
-        """Deviations (...,), mm, at shares (...,) of the way from form point to tip and from toe to heel, of the nominal flank;
-        NaN where nothing was measured."""
+        """Deviations at places on the nominal flank.
+
+        Parameters
+        ----------
+        s, t : ndarray
+            Shares (...,) of the way from form point (0) to tip (1) and from toe (0) to heel (1).
+
+        Returns
+        -------
+        ndarray
+            Deviations (...,), mm, > 0 outside of the nominal material; NaN where nothing was measured.
+
+        Examples
+        --------
+        >>> pinion = gm.build(gm.load("samples/hypoid_measured.toml")).evaluate("pinion")
+        >>> deviations = pinion.measured.flanks[gm.Side.RIGHT]
+        >>> bool(np.abs(deviations.at(np.array(0.5), np.array(0.5))) < 0.1)
+        True
+        """
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,28 @@ class PitchDeviations:
 
     @staticmethod
     def of_index(values: ArrayLike) -> PitchDeviations:
-        """Of index deviations (N,), mm. Raises DesignError for other than finite numbers of two teeth or more."""
+        """Of index deviations.
+
+        Parameters
+        ----------
+        values : array_like
+            Index deviations (N,), mm, one for each tooth.
+
+        Returns
+        -------
+        PitchDeviations
+            With these.
+
+        Raises
+        ------
+        ArgumentError
+            Where they are other than finite numbers of two teeth or more.
+
+        Examples
+        --------
+        >>> round(gm.PitchDeviations.of_index([0.0, 0.004, 0.001]).cumulative, 6)
+        0.004
+        """
         index = np.asarray(values, dtype=float)
         if index.ndim != 1 or index.size < 2 or not np.isfinite(index).all():
             raise ArgumentError("pitch", str(index.shape), allowed="a finite number for each tooth, of two or more")
@@ -35,7 +56,28 @@ class PitchDeviations:
 
     @staticmethod
     def of_single(values: ArrayLike) -> PitchDeviations:
-        """Of single pitch deviations (N,), mm, that of tooth k from tooth k - 1 to it; once round they are 0 by their mean."""
+        """Of single pitch deviations, the mean of which is taken off, so that they are 0 once round.
+
+        Parameters
+        ----------
+        values : array_like
+            Single pitch deviations (N,), mm, number k from tooth k - 1 to tooth k.
+
+        Returns
+        -------
+        PitchDeviations
+            With the index deviations that they add up to.
+
+        Raises
+        ------
+        ArgumentError
+            Where they are other than finite numbers of two teeth or more.
+
+        Examples
+        --------
+        >>> round(gm.PitchDeviations.of_single([0.002, -0.001, -0.001]).single_pitch, 6)
+        0.002
+        """
         single = PitchDeviations.of_index(values).index
         return PitchDeviations(np.cumsum(single - single.mean()))
 
@@ -55,7 +97,23 @@ class PitchDeviations:
         return float(np.ptp(self.index))
 
     def sector(self, teeth: int) -> float:
-        """F_pk, the largest amount of the deviation over a number of pitches."""
+        """F_pk, the largest amount of the deviation over a number of pitches.
+
+        Parameters
+        ----------
+        teeth : int
+            Number k of pitches.
+
+        Returns
+        -------
+        float
+            mm.
+
+        Examples
+        --------
+        >>> round(gm.PitchDeviations.of_index([0.0, 0.004, 0.001, 0.0]).sector(2), 6)
+        0.004
+        """
         return float(np.abs(np.roll(self.index, -teeth) - self.index).max())
 
 

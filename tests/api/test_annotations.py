@@ -22,13 +22,16 @@ PUBLIC = {name: getattr(gm, name) for name in gm.__all__}
 OTHERS = ("build123d", "cadquery", "pyvista", "trimesh", "manifold3d")
 
 
-#: parts that do the work within answers and teeth, of which nobody asks yet: each is to be public, or its attribute private
+#: Classes without public names, and why they have none. Parts of a tooth, of its tool and of how it is inspected or read from other
+#: files (Blank, GeneratedSurface, InspectionBasis, Line, StageForm, ToolDescription) are what systems are made of: who adds one
+#: imports them from their modules (samples/guides/11-own-gear-system.md), and they may change in any version. What solvers and
+#: meshers go on working with (MeshCurve, Model, Pair, PathOrder, ToolPath) has its figures in the answers that hold it; public
+#: names for these would take nineteen more for what they consist of.
 WORKING = {
     "Blank",
     "GeneratedSurface",
     "InspectionBasis",
     "Line",
-    "MeasuredTeeth",
     "MeshCurve",
     "Model",
     "Pair",

@@ -132,6 +132,7 @@ DRAWN = ("Picture.save", "Animation.save", "Gears.animation", "Gears.report", "R
 #: examples that take more than a second or two
 SLOW = (
     *DRAWN,
+    "FlankDeviations.at",
     *("Gears.loaded_contact", "Correction.topography", "LoadedContact.share_at", "LoadedContact.csv"),
     *("Gears.to_build123d", "Cad.to_build123d", "Solid.to_build123d", "ToolPathAnswer.to_dict", "Gears.save_pictures"),
     *("Gears.check", "Gears.correct", "Gears.largest_errors", "Gears.toolpath", "SolvedGears.check_solved"),
