@@ -157,7 +157,9 @@ def _interruption() -> str:
         f" and {len(kept) - NAMED} more" if len(kept) > NAMED else ""
     )
     folder = kept[0].parent
-    where = f" in {folder}" if folder != Path() and all(path.parent == folder for path in kept) else ""
+    # some paths are as they were given, others what these lead to
+    in_one = len({os.path.realpath(path.parent) for path in kept}) == 1
+    where = f" in {folder}" if folder != Path() and in_one else ""
     return f"stopped: kept{where}, each of them whole: {names}"
 
 

@@ -1,8 +1,9 @@
 """Ctrl-C: a stop that no finaliser, callback or library may swallow.
 
 Python raises KeyboardInterrupt wherever it happens to be. In a finaliser, a weak reference's callback or a callback from C the
-exception is "unraisable": printed, dropped, and the work goes on. Some libraries clear exceptions, too. So a stop that was dropped
-is asked for anew, and one that was cleared is remembered.
+exception is "unraisable": printed, dropped, and the work goes on. Some libraries clear exceptions, too, or make others of them: a
+module in C that is stopped while it loads ends in ImportError, as if it were not installed. So a stop that was dropped is asked
+for anew, one that was cleared is remembered, and what fails after it is a stop.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ AGAIN = 0.01
 
 
 class Stopping:
-    """While it is entered: whether Ctrl-C was pressed, and KeyboardInterrupt raised again where it was dropped.
+    """While it is entered: whether Ctrl-C was pressed, and KeyboardInterrupt raised again where it was dropped, or another error.
 
     Does nothing in other threads than the main one, and where another handler than Python's own is installed.
     """
@@ -42,6 +43,8 @@ class Stopping:
         if self._unraisable_before is not None:
             sys.unraisablehook = self._unraisable_before
             signal.signal(signal.SIGINT, signal.default_int_handler)
+        if self.asked and isinstance(error, Exception):
+            raise KeyboardInterrupt from error
 
     def _stop(self, number: int, frame: FrameType | None) -> None:
         self.asked = True

@@ -104,7 +104,7 @@ def working(what: str, *, at_once: bool = False) -> Iterator[Progress]:
             nonlocal stage
             if doing != stage:
                 stage = doing
-                print(f"gearmesh: {doing}", file=sys.stderr)
+                sys.stderr.write(f"gearmesh: {doing}\n")
 
         def first_line(fraction: float) -> None:
             if not stage:

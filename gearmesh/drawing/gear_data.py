@@ -38,6 +38,8 @@ WORDS = frozenset(
     ("fixed", "feed", "form", "gap", "hand", "interference", "taper", "tool", "trimming", "trochoid", "undercut")
 )
 NAMED = {"tool": "tool"}
+#: tolerances of profile (a) and helix (b), of ISO 1328-1
+DEVIATION, TRACES = re.compile(r"([fF])_([fH]?)([ab])T"), {"a": "alpha", "b": "beta"}
 #: symbols as ISO 23509 prints them, letter and index, which the sheet has as one word
 LETTERS = re.compile(r"([Rbdhstx])([acefimnorstwxzFR]{1,3})")
 #: mm^3 in m^3
@@ -205,5 +207,8 @@ def drawn_symbol(symbol: str) -> str:
     """A symbol of the sheet as a drawing has it: that of the standard, d_ae for dae; none for words, as hand."""
     if symbol in WORDS:
         return ""
+    if deviation := DEVIATION.fullmatch(symbol):
+        size, kind, trace = deviation.groups()
+        return "_".join(part for part in (size, kind, TRACES[trace], "T") if part)
     letters = LETTERS.fullmatch(symbol)
     return "_".join(letters.groups()) if letters and symbol != "beta" else symbol

@@ -697,6 +697,13 @@ def test_interrupted_commands_say_what_is_kept(aborts: bool, tmp_path: Path, mon
     monkeypatch.setattr(cli, "_group", lambda names: stopped_after("a.csv", "b.stl"))
     assert refused("tca", status=130) == f"stopped: kept in {tmp_path}, each of them whole: a.csv, b.stl"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "b.stl"]
+    # as writers of several files name their own
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "out").mkdir()
+    monkeypatch.setattr(atomic, "_written", [])
+    monkeypatch.setattr(cli, "_group", lambda names: stopped_after("out/c.vtp"))
+    atomic.whole_text("out/first.json", "whole")
+    assert refused("tca", status=130) == "stopped: kept in out, each of them whole: first.json, c.vtp"
 
 
 #: work of a command in which Ctrl-C is pressed: it prints how far it came
@@ -720,6 +727,14 @@ except BaseException:
     pass
 print('went on')
 """,
+    # as modules in C do that are stopped while they load
+    "a module": """
+from gearmesh.errors import OutputError
+try:
+    press()
+except KeyboardInterrupt:
+    raise OutputError(reason='STEP needs OpenCASCADE') from None
+""",
 }
 
 
@@ -741,9 +756,9 @@ def test_a_stop_within_code_that_is_a_text_ends_in_the_status_of_a_stop(tmp_path
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize(("place", "goes_on"), [("a finaliser", ""), ("a library", "went on\n")])
+@pytest.mark.parametrize(("place", "goes_on"), [("a finaliser", ""), ("a library", "went on\n"), ("a module", "")])
 def test_a_stop_that_is_dropped_is_none_the_less_a_stop(place: str, goes_on: str) -> None:
-    """Ctrl-C where Python or a library drops it: raised again at once, or known at the end; never status 0."""
+    """Ctrl-C where Python or a library drops it or turns it into another error: raised again at once, or known at the end."""
     program = (
         "import os, signal, sys, time\n"
         "from types import SimpleNamespace\n"

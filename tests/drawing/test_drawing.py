@@ -210,6 +210,9 @@ def test_symbols_have_greek_letters_and_subscripts(symbol: str, text: str) -> No
         ("rho", "rho"),
         ("s_mn", "s_mn"),
         ("hand", ""),
+        ("f_HbT", "f_H_beta_T"),
+        ("F_aT", "F_alpha_T"),
+        ("f_pT", "f_pT"),
     ],
 )
 def test_drawings_have_the_standard_s_symbols_and_none_for_words(symbol: str, drawn: str) -> None:
