@@ -79,8 +79,9 @@ def _data(canvas: Canvas, facts: Facts, low: float, right: float, high: float) -
         canvas.line((left, y + 0.5 * ROW), (right, y + 0.5 * ROW), pen=Pen.THIN)
         canvas.text(_lettering(left + 1.0, y, row.words, COLUMNS[0] - 2.0, bold=row.heading))
         if not row.heading:
-            symbol = _lettering(first + 1.0, y, row.symbol, COLUMNS[1] - 2.0)
-            canvas.text(replace(symbol, symbol=True))
+            # as long as its letters are, not their names in ASCII
+            size = _lettering(first + 1.0, y, "".join(symbol_parts(row.symbol)), COLUMNS[1] - 2.0)
+            canvas.text(replace(size, text=row.symbol, symbol=True))
             canvas.text(
                 _lettering(
                     right - 1.0,
@@ -169,11 +170,16 @@ def paint(page: Page) -> Figure:
     return figure
 
 
+def symbol_parts(symbol: str) -> list[str]:
+    """What is between the _ of a symbol of the sheet, names of Greek letters as these."""
+    return [GREEK_NAME.sub(lambda match: GREEK[match[0]], part) for part in symbol.split("_")]
+
+
 def formula(symbol: str) -> str:
     """A symbol of the sheet, as alpha_n, as mathtext: with Greek letters, and below the line what is after the first _."""
     words = []
     for word in symbol.split():
-        letter, *below = (GREEK_NAME.sub(lambda match: GREEK[match[0]], part) for part in word.split("_"))
+        letter, *below = symbol_parts(word)
         words.append(letter + (f"_{{{''.join(below)}}}" if below else ""))
     return rf"$\mathregular{{{SPACE_IN_FORMULA.join(words)}}}$" if words else ""
 

@@ -16,7 +16,7 @@ from gearmesh.drawing.canvas import HATCH, Box, Canvas, Pen
 from gearmesh.drawing.drawing import WorkshopDrawing
 from gearmesh.drawing.gear_data import drawn_symbol, facts_of
 from gearmesh.drawing.outline import bar_faces, outline_of
-from gearmesh.drawing.page import formula
+from gearmesh.drawing.page import SMALL, formula
 from gearmesh.drawing.paper import SCALES, scale_name
 
 #: sample, changes, member, texts that must be there: key dimensions, hole pattern, tolerances, limits of the span
@@ -226,3 +226,9 @@ def test_what_a_design_and_its_sheet_both_say_is_drawn_once() -> None:
     assert [(row.words, row.symbol, row.value) for row in rows if row.value == "rack cutter"] == [
         ("tool", "", "rack cutter")
     ]
+
+
+def test_symbols_with_greek_letters_are_as_large_as_others() -> None:
+    """Their size is that of the letters, not of these letters' names."""
+    page = gm.build(gm.load(SAMPLES / "helical.toml", ["accuracy_class=7"])).drawing("pinion")._page
+    assert {one.height for one in page.canvas.letters if one.symbol} == {SMALL}
