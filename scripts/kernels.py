@@ -27,9 +27,12 @@ ROOT = Path(__file__).parents[1]
 CORES = {"Prescott": "Katmai", "Haswell": "Haswell", "SkylakeX": "SkylakeX"}
 #: numpy's own loops with nothing beyond its baseline
 PLAIN = "plain-numpy"
-#: prints the kernels that are used, and the features that numpy could go without
+#: prints the kernels that are used, and the features that numpy could go without; ends at once on a processor that cannot run
+#: them, at which OpenBLAS does not look
 ASK = """
 import numpy, scipy.linalg, threadpoolctl
+numpy.ones((64, 64)) @ numpy.ones((64, 64))
+scipy.linalg.solve(numpy.eye(64), numpy.ones(64))
 from numpy._core._multiarray_umath import __cpu_dispatch__ as names, __cpu_features__ as has
 print(*sorted({each.get("architecture", "") for each in threadpoolctl.threadpool_info()}), sep=",")
 print(*(name for name in names if has[name]))
@@ -40,8 +43,11 @@ EQUAL = 1e-6
 
 
 def answers(environment: dict[str, str]) -> tuple[set[str], str]:
-    """OpenBLAS's kernels in an environment, and numpy's features beyond its baseline that are used."""
-    found = subprocess.run([sys.executable, "-c", ASK], env=environment, capture_output=True, text=True, check=True)
+    """OpenBLAS's kernels in an environment, none where they do not run, and numpy's features beyond its baseline that are used."""
+    found = subprocess.run([sys.executable, "-c", ASK], env=environment, capture_output=True, text=True)
+    if found.returncode < 0:
+        return set(), ""
+    found.check_returncode()
     kernels, features = found.stdout.split("\n")[:2]
     return set(kernels.split(",")), features
 
