@@ -579,15 +579,18 @@ class Tooth:
         t = np.linspace(0.0, 1.0, PROOF_STATIONS)
         tips = self._tips(t)
         self._prove_land(t, tips)
-        looped = [which for which in Side if self._folds(self.side(which))]
+        looped = [self.breaks_of(which) for which in Side if self._folds(self.side(which))]
         if looped:
-            # ends of loops take a hundred times the work; between toe and heel, whose undercut is kept with that beside those
-            self.sections(t[1:-1])
-            breaks = [self.breaks_of(which) for which in looped]
-            beside = np.concatenate(breaks)[:, None] + np.array([-BESIDE, BESIDE])
+            beside = np.concatenate(looped)[:, None] + np.array([-BESIDE, BESIDE])
             t = np.append(t, np.clip(beside, 0.0, 1.0))
             tips = self._tips(t)
         self._sections(t, tips)
+
+    @property
+    def has_loops(self) -> bool:
+        """Whether a flank has a loop with two cusps before its form point, whose ends take `prove` a hundred times the work of a
+        section to find."""
+        return any(self._folds(self.side(which)) for which in Side)
 
     def prove_land(self, t: Array) -> None:
         """Trim the flanks at the tip alone, a fiftieth of the work.

@@ -54,6 +54,11 @@ class Undercut:
         return np.stack([np.interp(stations, self.stations[order], column[order]) for column in self.x.T], axis=-1)
 
 
+#: share of the nominal flank, or its inverse, at which the tip of steep flanks is no longer near its nominal place, from which on
+#: flanks are sampled
+FAR_TIP = 0.8
+
+
 def trim_tolerance(r: Array) -> float:
     """Largest residual (mm) of a trimming solve at points near r (..., 3)."""
     return max(TRIM_TOLERANCE, TRIM_ROUNDING * float(np.abs(r).max(initial=0.0)))
@@ -79,7 +84,6 @@ def form_point(
     p, q = np.full_like(stations, side.form_point[0]), np.full_like(stations, side.form_point[1])
     cut = cut_off(side, tip[1], stations, axial, JUST_BEGUN)
     if folds:
-        # beyond the tip, where the nominal one may lie, flanks may end or be turned inside out
         cut |= singular_stations(side, stations, axial, tip[0])
     undercut = Undercut(stations[cut], np.empty((0, 4)))
     if cut.any():
@@ -147,7 +151,12 @@ def singular_stations(side: ToothSide, stations: Array, axial: Level, tip: Array
     """Stations (T,) where the flank is turned inside out somewhere between tip and form point, against its sense near the tip, at
     the flank parameter `tip` (T,), or nominally."""
     share = np.linspace(1.0, 0.0, FOLD_SAMPLES + 1)[:-1, None]
-    p = side.form_point[0] + share * ((side.tip if tip is None else tip) - side.form_point[0])
+    reach = np.full_like(stations, side.tip - side.form_point[0])
+    if tip is not None:
+        true = (tip - side.form_point[0]) / reach
+        # beyond the tip, where the nominal one may lie, flanks may end or be turned inside out
+        share = np.minimum(share * np.where((true > FAR_TIP) & (true * FAR_TIP < 1.0), 1.0, true), true)
+    p = side.form_point[0] + share * reach
     curves = follow(side.flank, np.broadcast_to(p, (FOLD_SAMPLES, stations.size)), stations, axial)
     density = area_density(curves.jet)
     turned: NDArray[np.bool_] = (curves.converged & (density / density[0] < 0.0)).any(axis=0)

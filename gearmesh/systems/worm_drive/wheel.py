@@ -38,6 +38,8 @@ from gearmesh.tools.drawing import ThreadDrawing
 
 #: stations at which a wheel's land is tried, and both ends and the middle of the face
 LANDS, PLACES = 65, np.array([0.0, 0.5, 1.0])
+#: stations between toe and heel, whose undercut is kept with that beside the ends of loops
+BETWEEN = np.linspace(0.0, 1.0, 9)[1:-1]
 
 
 @dataclass(frozen=True)
@@ -191,6 +193,8 @@ def prove_wheel(tooth: Tooth) -> None:
     for stations in (len(PLACES), LANDS):
         tooth.prove_land(np.linspace(0.0, 1.0, stations))
     _prove_generated(tooth)
+    if tooth.has_loops:
+        tooth.sections(BETWEEN)
     tooth.prove()
 
 
