@@ -34,6 +34,8 @@ STEPS = (0.05, 0.25, 0.8)
 FIRST, THEN = 0.125, 0.5
 #: divisions of it at most, and significant digits of the bound
 DIVISIONS, DIGITS = 14, 4
+#: of one that no shorter number may take the place of, as many as messages show
+SHOWN_DIGITS = 7
 #: width of the interval, over the value, which is fine, which is where more than half of the effort is gone, and from which on the
 #: bound is only said to be about there
 FINE, FAIR, ROUGH = 1e-4, 1.5e-3, 5e-3
@@ -430,7 +432,8 @@ class _Trials(Generic[D]):
         short = _round(of.good, larger)
         # where no more can be tried it is rounded towards what is allowed all the same
         fits = short != of.good and (self.effort.spent or self._works(self._outcome(of.key, short, self.effort.left)))
-        return KeyBound(of.key, short if fits else of.good, of.bad, larger)
+        # what is shown of it is not to be beyond it
+        return KeyBound(of.key, short if fits else _round(of.good, larger, SHOWN_DIGITS), of.bad, larger)
 
     def _like(self, key: str, value: float) -> float:
         """A whole number where the key is one."""
@@ -454,12 +457,12 @@ def _movable(key: str, value: Any) -> bool:
     return number and not key.startswith(ASIDE)
 
 
-def _round(value: float, up: bool) -> float:
-    """A number with DIGITS significant digits, rounded up or down."""
-    if isinstance(value, int) or value == 0.0:
+def _round(value: float, up: bool, digits: int = DIGITS) -> float:
+    """A number with so many significant digits, rounded up or down."""
+    if isinstance(value, int) or value == 0.0 or float(f"{value:.{digits}g}") == value:
         return value
-    unit = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - DIGITS)
-    return float(f"{(math.ceil if up else math.floor)(value / unit) * unit:.{DIGITS}g}")
+    unit = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - digits)
+    return float(f"{(math.ceil if up else math.floor)(value / unit) * unit:.{digits}g}")
 
 
 def _unit(design: Design, dotted: str) -> str:
