@@ -51,8 +51,7 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
 
     To the accuracy of the flank's table (see `heights`), mostly some 0.1 um; where the gear's flank begins near its base circle
     a node may be 1.15 um too far advanced (`beveloid_parallel`), and all distances count from the most advanced one. At surface
-    parameters `grid` (I, J, 2) of the pinion's
-    flank, by default those that the solver samples.
+    parameters `grid` (I, J, 2) of the pinion's flank, by default those that the solver samples.
     """
     pair = engagement.pair.parts[0]
     low, high = engagement.phi1[[0, -1]]
