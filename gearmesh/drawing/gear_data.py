@@ -22,6 +22,7 @@ from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.end_edge import SHARP
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import HEEL, TOE
+from gearmesh.teeth.tooth import Tooth
 
 #: keys that are said elsewhere on the sheet
 ELSEWHERE = (
@@ -70,12 +71,19 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
         reference=(float(ends[0]), float(ends[1])) if len(ends) == 2 and None not in ends else None,
         tip_deviations=(float(deviations[0]), float(deviations[1])) if None not in deviations else None,
         title=design.name or design.kind.replace("_", " "),
-        part=f"{member.name.replace('_', ' ')}, {member.tooth.teeth} teeth",
+        part=f"{member.name.replace('_', ' ')}, {_count(member.tooth)}",
         material=f"E {number(design.material.youngs_modulus / 1000.0)} GPa, {number(density)} kg/m\N{SUPERSCRIPT THREE}",
         mass=f"{number(density * CUBIC * exact_volume(member))} kg",
         version=f"gearmesh {__version__}",
         units="mm, deg",
     )
+
+
+def _count(tooth: Tooth) -> str:
+    """How many teeth there are, or threads."""
+    of = "tooth" if tooth.screw is None else "thread"
+    several = {"tooth": "teeth", "thread": "threads"}[of]
+    return f"{tooth.teeth} {of if tooth.teeth == 1 else several}"
 
 
 def _end_chamfers(member: Member) -> list[DataRow]:

@@ -45,7 +45,9 @@ CASES = {
         {"6 spokes, 22 wide, \u2300124.958 to \u2300196.625, R 3.583", "6 \u00d7 \u23007 on \u2300105"},
     ),
     "rack": ("rack", [], "rack", {"200", "24", "22"}),
-    "bevel": ("zerol", [], "pinion", {"(\u230060)", "\u230070.535", "26.5651\N{DEGREE SIGN}"}),
+    "worm": ("worm_drive", [], "worm", {"worm, 2 threads"}),
+    "single": ("worm_drive_dual_lead", [], "worm", {"worm, 1 thread"}),
+    "bevel": ("zerol", [], "pinion", {"pinion, 15 teeth", "(\u230060)", "\u230070.535", "26.5651\N{DEGREE SIGN}"}),
 }
 
 
@@ -54,7 +56,7 @@ def drawing(case: str) -> WorkshopDrawing:
     return gm.build(gm.load(SAMPLES / f"{sample}.toml", changes)).drawing(member)
 
 
-@pytest.mark.sweep_cases("keyed", "ring")
+@pytest.mark.sweep_cases("keyed", "ring", "single")
 @pytest.mark.parametrize("case", CASES)
 def test_texts_say_what_the_gear_is_and_none_lies_on_another(case: str) -> None:
     made = drawing(case)
