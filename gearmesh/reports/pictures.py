@@ -170,10 +170,10 @@ def _section(
 
 def _meshes(gears: SolvedGears, mesh: GearPair, tolerance: float | None = None) -> dict[str, TriangleMesh]:
     """Both members of a pair within a tolerance (mm), by default the design's, own frames."""
-    from gearmesh.answers.bodies.solid import member_solid
+    from gearmesh.answers.bodies.extract import Extract
 
-    within = gears.within(tolerance)
-    return {name: member_solid(gears.design, member, within).mesh for name, member in mesh.members.items()}
+    within, drawn = gears.within(tolerance), Extract(lean=False)
+    return {name: drawn.mesh(member, within).mesh for name, member in mesh.members.items()}
 
 
 def _figure(
