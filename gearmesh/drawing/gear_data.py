@@ -81,9 +81,8 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
 
 def _count(tooth: Tooth) -> str:
     """How many teeth there are, or threads."""
-    of = "tooth" if tooth.screw is None else "thread"
-    several = {"tooth": "teeth", "thread": "threads"}[of]
-    return f"{tooth.teeth} {of if tooth.teeth == 1 else several}"
+    one, several = ("tooth", "teeth") if tooth.screw is None else ("thread", "threads")
+    return f"{tooth.teeth} {one if tooth.teeth == 1 else several}"
 
 
 def _end_chamfers(member: Member) -> list[DataRow]:

@@ -56,14 +56,14 @@ class Proof:
         return self.status == "NoError" and self.watertight and self.euler == 2 - 2 * self.genus and self.volume > 0.0
 
 
-def gear_solid(member: Member, tolerance: float, *tooth_meshes: ToothMesh) -> TriangleMesh:
+def gear_solid(member: Member, tolerance: float, *tooth_meshes: ToothMesh, lean: bool = True) -> TriangleMesh:
     """The whole member as a closed mesh within `tolerance` (mm) of its exact surfaces, in its own frame.
 
-    `tooth_meshes` of its different teeth, with lines at common stations, save meshing them again. Raises TrimError for teeth that
-    cannot be trimmed.
+    `tooth_meshes` of its different teeth, with lines at common stations, save meshing them again; `lean` is that of `tessellate`.
+    Raises TrimError for teeth that cannot be trimmed.
     """
     kinds = member.different_teeth
-    tooth_meshes = tooth_meshes or tessellate_alike(kinds, tolerance)
+    tooth_meshes = tooth_meshes or tessellate_alike(kinds, tolerance, lean=lean)
     if len(tooth_meshes) != len(kinds):
         raise ValueError(f"{len(kinds)} different teeth need as many meshes, not {len(tooth_meshes)}")
     if member.tooth.joint.travel is not None:

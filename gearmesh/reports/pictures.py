@@ -170,10 +170,11 @@ def _section(
 
 def _meshes(gears: SolvedGears, mesh: GearPair, tolerance: float | None = None) -> dict[str, TriangleMesh]:
     """Both members of a pair within a tolerance (mm), by default the design's, own frames."""
-    from gearmesh.answers.bodies.extract import Extract
+    from gearmesh.mesh.solid import gear_solid
+    from gearmesh.teeth.micro_geometry.placed_teeth import placed_teeth
 
-    within, drawn = gears.within(tolerance), Extract(lean=False)
-    return {name: drawn.mesh(member, within).mesh for name, member in mesh.members.items()}
+    within = gears.within(tolerance)
+    return {name: gear_solid(placed_teeth(member), within, lean=False) for name, member in mesh.members.items()}
 
 
 def _figure(

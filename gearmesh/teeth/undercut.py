@@ -154,8 +154,9 @@ def singular_stations(side: ToothSide, stations: Array, axial: Level, tip: Array
     reach = np.full_like(stations, side.tip - side.form_point[0])
     if tip is not None:
         true = (tip - side.form_point[0]) / reach
+        near_by = (true > FAR_TIP) & (true * FAR_TIP < 1.0)
         # beyond the tip, where the nominal one may lie, flanks may end or be turned inside out
-        share = np.minimum(share * np.where((true > FAR_TIP) & (true * FAR_TIP < 1.0), 1.0, true), true)
+        share = np.minimum(share * np.where(near_by, 1.0, true), true)
     p = side.form_point[0] + share * reach
     curves = follow(side.flank, np.broadcast_to(p, (FOLD_SAMPLES, stations.size)), stations, axial)
     density = area_density(curves.jet)

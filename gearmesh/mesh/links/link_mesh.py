@@ -235,15 +235,13 @@ def _outline_nodes(s: Array, count: Index, even: Array, density: tuple[Array, Ar
 
 def _off_curves(curve: SectionCurve, nodes: Sequence[Array]) -> list[Array]:
     """Largest distances (N,), mm, of the chords between nodes s (N + 1,) of the section curves at toe and heel from these."""
+    step = 1 + PLACES.size
     fine = [np.append((s[:-1, None] + np.diff(s)[:, None] * np.append(0.0, PLACES)).ravel(), s[-1]) for s in nodes]
     t = np.repeat([0.0, 1.0], [s.size for s in fine])
     curves = np.split(curve(np.concatenate(fine), t), [fine[0].size])
-    parts = [points[:-1].reshape(-1, 1 + PLACES.size, 3) for points in curves]
-    ends = [
-        np.stack((part[:, 0], np.append(part[1:, 0], points[-1:], axis=0)), axis=1)
-        for part, points in zip(parts, curves, strict=True)
-    ]
-    return [off_chords(end, part[:, 1:]) for end, part in zip(ends, parts, strict=True)]
+    chords = [np.stack((points[:-1:step], points[step::step]), axis=1) for points in curves]
+    inner = [points[:-1].reshape(-1, step, 3)[:, 1:] for points in curves]
+    return [off_chords(*both) for both in zip(chords, inner, strict=True)]
 
 
 def _form_point_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float:

@@ -31,7 +31,7 @@ from gearmesh.kernel.surface.surface import Jet, PlacedSurface, Surface
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.worm_drive.thread import LAND, Rounding, WormThread
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import Dimension, ToolDescription
 from gearmesh.tools.drawing import ThreadDrawing
@@ -39,7 +39,7 @@ from gearmesh.tools.drawing import ThreadDrawing
 #: stations at which a wheel's land is tried, and both ends and the middle of the face
 LANDS, PLACES = 65, np.array([0.0, 0.5, 1.0])
 #: stations between toe and heel, whose undercut is kept with that beside the ends of loops
-BETWEEN = np.linspace(0.0, 1.0, 9)[1:-1]
+BETWEEN = np.linspace(0.0, 1.0, PROOF_STATIONS)[1:-1]
 
 
 @dataclass(frozen=True)
