@@ -159,14 +159,16 @@ if TYPE_CHECKING:
     from gearmesh.fe.results import ContactFigures, ContactTotal, NodalSolution, ReferenceNode
     from gearmesh.figures import Entry, Figure, Figures, Summary
     from gearmesh.kernel.motion.joint import Joint, MotionUnits
+    from gearmesh.kernel.motion.motion import MachineAxis
     from gearmesh.kernel.motion.rigid import Rigid
     from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
-    from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface, Level
-    from gearmesh.kernel.surface.surface import Jet, Surface
+    from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface, LandLevel, LandSurface, Level
+    from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, Surface
     from gearmesh.loaded.mounts import FlexibleMount
     from gearmesh.loaded.root_stress import RootStress
     from gearmesh.loaded.separation import Separation
     from gearmesh.loaded.sharing import LoadedMesh, PairLoad
+    from gearmesh.mesh.hexahedra.hexes import HexMesh
     from gearmesh.mesh.triangles import TriangleMesh
     from gearmesh.metrology.correction import SettingChanges
     from gearmesh.metrology.evaluation import EvaluatedTrace, TraceRange
@@ -260,6 +262,7 @@ if TYPE_CHECKING:
         system,
     )
     from gearmesh.systems.worm_drive.design import HobTable, WheelTable, WormDriveAssembly, WormDriveDesign, WormTable
+    from gearmesh.teeth.blank.blank import Blank
     from gearmesh.teeth.blank.body import Body, Disc, PlaneFace, TurnedStep
     from gearmesh.teeth.blank.end_edge import EndChamfer
     from gearmesh.teeth.blank.features import BodyFeatures, Boss, Drilling, HoleRow, Opening, Pattern, Slot, Spokes
@@ -276,7 +279,9 @@ if TYPE_CHECKING:
     from gearmesh.teeth.section import Ends, Grid, Link, Sections
     from gearmesh.teeth.tooth import Tooth
     from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
-    from gearmesh.tools.rack import Parabola
+    from gearmesh.toolpath.motion import ToolMotion
+    from gearmesh.toolpath.toolpath import PathOrder
+    from gearmesh.tools.rack import Parabola, RackLine
     from gearmesh.view.picture import Animation, Diagram, Picture
 
 #: said here alone: pyproject.toml has it from here
@@ -300,6 +305,7 @@ __all__ = [
     "BeveloidDesign",
     "BeveloidMember",
     "BladeTable",
+    "Blank",
     "Body",
     "BodyFeatures",
     "BoltHoles",
@@ -406,10 +412,12 @@ __all__ = [
     "GearTrain",
     "GearmeshError",
     "Gears",
+    "GeneratedSurface",
     "Grid",
     "HalfAxes",
     "HalfGear",
     "HertzFigures",
+    "HexMesh",
     "Hob",
     "HobTable",
     "HoleRow",
@@ -426,6 +434,8 @@ __all__ = [
     "KeyLine",
     "KeyRange",
     "Keyway",
+    "LandLevel",
+    "LandSurface",
     "LargestErrors",
     "LargestFigures",
     "Level",
@@ -440,6 +450,7 @@ __all__ = [
     "LoadedPosition",
     "LoadedTotals",
     "LostFlank",
+    "MachineAxis",
     "MaterialTable",
     "MeasuredTeeth",
     "MeasuredTrace",
@@ -485,6 +496,7 @@ __all__ = [
     "PartAssembly",
     "PathAngles",
     "PathHertz",
+    "PathOrder",
     "Pattern",
     "PatternCheck",
     "PatternShift",
@@ -510,6 +522,7 @@ __all__ = [
     "PrognosisFigures",
     "RackAssembly",
     "RackDesign",
+    "RackLine",
     "RackMeasured",
     "RackTable",
     "ReferenceNode",
@@ -582,6 +595,7 @@ __all__ = [
     "TightMesh",
     "TipCorner",
     "TipEdge",
+    "ToolMotion",
     "ToolPart",
     "ToolPathAnswer",
     "ToolPathFigures",
@@ -885,6 +899,7 @@ _HOMES = {
         "Joint",
         "MotionUnits",
     ),
+    "gearmesh.kernel.motion.motion": ("MachineAxis",),
     "gearmesh.kernel.motion.rigid": ("Rigid",),
     "gearmesh.kernel.plane.curves": (
         "PlaneArc",
@@ -894,9 +909,12 @@ _HOMES = {
     "gearmesh.kernel.surface.levels": (
         "ConeLevel",
         "ConeSurface",
+        "LandLevel",
+        "LandSurface",
         "Level",
     ),
     "gearmesh.kernel.surface.surface": (
+        "GeneratedSurface",
         "Jet",
         "Surface",
     ),
@@ -907,6 +925,7 @@ _HOMES = {
         "LoadedMesh",
         "PairLoad",
     ),
+    "gearmesh.mesh.hexahedra.hexes": ("HexMesh",),
     "gearmesh.mesh.triangles": ("TriangleMesh",),
     "gearmesh.metrology.correction": ("SettingChanges",),
     "gearmesh.metrology.evaluation": (
@@ -1059,6 +1078,7 @@ _HOMES = {
         "WormDriveDesign",
         "WormTable",
     ),
+    "gearmesh.teeth.blank.blank": ("Blank",),
     "gearmesh.teeth.blank.body": (
         "Body",
         "Disc",
@@ -1117,7 +1137,12 @@ _HOMES = {
         "TipCorner",
         "ToothSide",
     ),
-    "gearmesh.tools.rack": ("Parabola",),
+    "gearmesh.toolpath.motion": ("ToolMotion",),
+    "gearmesh.toolpath.toolpath": ("PathOrder",),
+    "gearmesh.tools.rack": (
+        "Parabola",
+        "RackLine",
+    ),
     "gearmesh.view.picture": (
         "Animation",
         "Diagram",

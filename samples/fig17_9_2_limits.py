@@ -21,11 +21,11 @@ from gearmesh.kernel.envelope.limiting_line import limiting_line
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.teeth.limits import land_of_width
-from gearmesh.tools.rack import Line, Parabola, RackSurface
+from gearmesh.tools.rack import Parabola, RackLine, RackSurface
 from gearmesh.view.diagrams.plots import plot_curves
 
 MODULE, ALPHA, BETA, PARABOLA, LAND = 1.0, np.radians(25.0), np.radians(20.0), 0.016739, 0.3
-LINE = Line(ALPHA, MODULE, 0.25 * np.pi * MODULE)
+LINE = RackLine(ALPHA, MODULE, 0.25 * np.pi * MODULE)
 #: of the prolonged rack, in modules over the pitch plane
 HIGH, LOW = 1.0, -8.0
 TEETH = range(10, 41)

@@ -92,7 +92,7 @@ def against_hertz(problem: FiniteElements, order: int, cells: int) -> Row:
     found, hertz = solved.figures, problem.figures
     area = np.pi * hertz["hertz_a_mm"] * hertz["hertz_b_mm"]
     return {
-        **size_of(problem.model, order, cells, found["solver_seconds"]),
+        **size_of(problem._model, order, cells, found["solver_seconds"]),
         "p0 MPa": found["max_pressure_mpa"],
         "error": found["max_pressure_mpa"] / hertz["hertz_p0_mpa"] - 1.0,
         "area error": found["contact_area_mm2"] / area - 1.0,
@@ -109,7 +109,7 @@ def bending(quick: bool) -> Iterator[Row]:
     for order in NAMES:
         stresses: list[float] = []
         for cells in FILLET[: 3 if quick else None]:
-            model = spur_slice(cells, order, rim=3.0).model
+            model = spur_slice(cells, order, rim=3.0)._model
             seconds, solution = timed(model)
             found = fillet_stress(model.mesh, solution, "pinion_fillet_right_1")
             stresses.append(found.at_place)
@@ -119,11 +119,11 @@ def bending(quick: bool) -> Iterator[Row]:
         for cells in sizes[: 1 if quick else None]:
             problem = spur_slice(cells, order, teeth=3)
             at = problem._built.at
-            seconds, solution = timed(problem.model)
-            found = fillet_stress(problem.model.mesh, solution, "pinion_fillet_right_2")
+            seconds, solution = timed(problem._model)
+            found = fillet_stress(problem.mesh, solution, "pinion_fillet_right_2")
             wanted = iso_root_stress(at.force, float(np.hypot(*at.frame.point(at.path.point[0])[:2])))
             figures = {"largest MPa": found.largest, "over ISO": found.largest / wanted - 1.0}
-            yield {**size_of(problem.model, order, cells, seconds), "teeth": 3, **figures}
+            yield {**size_of(problem._model, order, cells, seconds), "teeth": 3, **figures}
 
 
 def timed(model: Any) -> tuple[float, Any]:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from gearmesh.teeth.tooth import Tooth
 
 D = TypeVar("D", bound="Design")
+#: what is made for designs of one class is for those of its subclasses, too
+ForD = TypeVar("ForD", bound="Design", contravariant=True)
 T = TypeVar("T")
 
 #: pinion rotations (P,), rad -> transmission error (P,), rad, relative to that at 0
@@ -118,7 +120,7 @@ class PatternCheck(Generic[D]):
 
 
 @dataclass(frozen=True)
-class Displacements(Generic[D]):
+class Displacements(Generic[ForD]):
     """Errors of assembly that move the members of a pair and leave their teeth as they are.
 
     `keys`: those of the table `assembly`. `bases` gives, for a design in mm in which they are all 0, its gear set and M values
@@ -126,7 +128,7 @@ class Displacements(Generic[D]):
     """
 
     keys: tuple[str, ...]
-    bases: Callable[[D, GearTrain, Mapping[str, Array]], tuple[Rigid, Rigid]]
+    bases: Callable[[ForD, GearTrain, Mapping[str, Array]], tuple[Rigid, Rigid]]
 
 
 @dataclass(frozen=True)

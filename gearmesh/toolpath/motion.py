@@ -71,7 +71,27 @@ class ToolMotion:
         return float(way[~self.rapid[1:]].sum())
 
     def move(self, place: Rigid, space: int) -> ToolMotion:
-        """The same in another space of the member."""
+        """The same in another space of the member.
+
+        Parameters
+        ----------
+        place : Rigid
+            From this space to the other one.
+        space : int
+            Number of the other one.
+
+        Returns
+        -------
+        ToolMotion
+
+        Examples
+        --------
+        >>> motion = gears.toolpath("pinion", "ball:1mm", "20um", spaces=0).motion
+        >>> tooth = gears.members["pinion"].tooth
+        >>> turn = tooth.joint.to(tooth.pitch_angle)
+        >>> set(motion.move(turn, 1).space.tolist())
+        {1}
+        """
         return replace(
             self,
             tips=place.point(self.tips).round(DECIMALS),

@@ -48,12 +48,6 @@ class PathOrder:
     lead: float | None = None
     tilt: float | None = None
 
-    @property
-    def budget(self) -> Budget:
-        """What passes and chords may leave."""
-        chord = CHORD * self.scallop if self.chord is None else self.chord
-        return Budget((1.0 - KEPT) * self.scallop - chord, chord)
-
 
 @dataclass(frozen=True)
 class ToolPath:
@@ -82,7 +76,7 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
     _refuse_number(space, order.spaces)
     space.refuse_threads()
     walls = choose_walls(space, order.flank, order.surfaces)
-    denser, budget, corners = np.ones(len(space.walls)), order.budget, inner_corners(space, walls)
+    denser, budget, corners = np.ones(len(space.walls)), budget_of(order), inner_corners(space, walls)
     largest = largest_ball(space, walls, order.stock, corners, budget.scallop)
     refuse_too_large(ball, largest, order.stock)
     tell(0.15)
@@ -125,6 +119,12 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
         clearance,
         budget.chord,
     )
+
+
+def budget_of(order: PathOrder) -> Budget:
+    """What passes and chords may leave."""
+    chord = CHORD * order.scallop if order.chord is None else order.chord
+    return Budget((1.0 - KEPT) * order.scallop - chord, chord)
 
 
 def _factors(space: CutSpace, left: Left, scallop: float) -> Array:

@@ -32,7 +32,7 @@ from gearmesh.kernel.surface.surface import Jet
 from gearmesh.tools.description import Dimension, HeightZero, ToolDescription
 from gearmesh.tools.drawing import TurnedDrawing
 from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import Arc, Line, ProfilePieces
+from gearmesh.tools.rack import Arc, ProfilePieces, RackLine
 
 OUTSIDE, INSIDE = 1, -1
 #: length (mm) that the parameter of a sharp edge counts as, beside a toprem
@@ -115,10 +115,10 @@ class Blade:
         return ToolDescription("head cutter", TurnedDrawing(), dimensions, self.flank, self.tip, self.edge_radius, zero)
 
     @cached_property
-    def flank(self) -> Line | Arc:
+    def flank(self) -> RackLine | Arc:
         """Profile of the cutting edge."""
         if self.blade_radius == 0.0:
-            return Line(self.blade_angle, 0.0, -self.side * self.tip_radius)
+            return RackLine(self.blade_angle, 0.0, -self.side * self.tip_radius)
         radius = self.blade_radius
         centre_x = self.height + radius * np.sin(self.blade_angle)
         # through (0, +-tip_radius): centre - radius n, n = (sin p, -cos p)
@@ -126,13 +126,13 @@ class Blade:
         return Arc((float(centre_x), float(centre_y)), -radius)
 
     @cached_property
-    def _last(self) -> Line | Arc:
+    def _last(self) -> RackLine | Arc:
         """Profile next to the rounding: of the toprem, or the cutting edge itself."""
         if self.toprem is None:
             return self.flank
         point, _, normal, _ = self.flank.section(np.array(self.at_height(self.toprem.height)))
         if self.toprem.kinked:
-            return Line(self.toprem.angle, 0.0, float(point[0] * np.tan(self.toprem.angle) - point[1]))
+            return RackLine(self.toprem.angle, 0.0, float(point[0] * np.tan(self.toprem.angle) - point[1]))
         centre = point - self.toprem.radius * normal
         return Arc((float(centre[0]), float(centre[1])), self.toprem.radius)
 
@@ -140,7 +140,7 @@ class Blade:
     def _touch(self) -> tuple[float, float]:
         """Profile parameter of what the rounding touches, and angle (rad) of the rounding, where it does; NaN if nowhere."""
         last, edge = self._last, self.edge_radius
-        if isinstance(last, Line):
+        if isinstance(last, RackLine):
             return last.at_height(edge * (1.0 - np.sin(last.alpha))), last.alpha
         # the rounding's centre, its radius over the tip plane, is the two radii from the arc's
         angle = float(np.arcsin((edge - last.centre[0]) / (edge + last.radius)))
@@ -173,7 +173,7 @@ class Blade:
         """Parameter of the toprem's own profile at the cutting edge."""
         assert self.toprem is not None
         height = self.toprem.height
-        return self._last.at_height(height) if isinstance(self._last, Line) else self.angle_at(height)
+        return self._last.at_height(height) if isinstance(self._last, RackLine) else self.angle_at(height)
 
     @cached_property
     def _knots(self) -> tuple[float, float, float]:
@@ -201,11 +201,11 @@ class Blade:
 
     def angle_at(self, height: float) -> float:
         """Angle (rad) between cutting edge and cutter axis at a height (mm) over the tip plane."""
-        return self.blade_angle if isinstance(self.flank, Line) else self.at_height(height)
+        return self.blade_angle if isinstance(self.flank, RackLine) else self.at_height(height)
 
     def at_height(self, height: float) -> float:
         """Profile parameter of the cutting edge at a height (mm) over the tip plane."""
-        if isinstance(self.flank, Line):
+        if isinstance(self.flank, RackLine):
             return self.flank.at_height(height)
         return float(np.arcsin((self.flank.centre[0] - height) / self.blade_radius))
 

@@ -32,7 +32,7 @@ HEIGHT_STEPS = 8
 
 
 @dataclass(frozen=True)
-class Line:
+class RackLine:
     """Straight flank [LT02 1]: x = p cos(alpha) - a, y = p sin(alpha) - a tan(alpha) - b; alpha in rad, lengths in mm.
 
     `shift` displaces the line along x (profile shift).
@@ -51,7 +51,7 @@ class Line:
         return points, along, normals, np.zeros_like(points)
 
     @property
-    def line(self) -> Line:
+    def line(self) -> RackLine:
         """Itself: a parabola that does not leave its tangent."""
         return self
 
@@ -60,7 +60,24 @@ class Line:
         return 0.0
 
     def at_height(self, x: float) -> float:
-        """p of the point at height x (mm)."""
+        """Parameter of the point at a height.
+
+        Parameters
+        ----------
+        x : float
+            mm.
+
+        Returns
+        -------
+        float
+            p, mm.
+
+        Examples
+        --------
+        >>> line = gm.RackLine(np.radians(20.0), 0.0, 3.0)
+        >>> round(float(line.section(np.array(line.at_height(1.5)))[0][0]), 9)
+        1.5
+        """
         p: float = (x + self.a - self.shift) / np.cos(self.alpha)
         return p
 
@@ -72,7 +89,7 @@ class Parabola:
     `coefficient` in 1/mm: > 0 takes material off the blank's tooth on either side of the vertex, < 0 leaves more.
     """
 
-    line: Line
+    line: RackLine
     coefficient: float
     vertex: float
 
@@ -100,8 +117,7 @@ class Parabola:
 
         Examples
         --------
-        >>> from gearmesh.tools.rack import Line
-        >>> parabola = gm.Parabola(Line(np.radians(20.0), 0.0, 3.0), 0.001, 0.0)
+        >>> parabola = gm.Parabola(gm.RackLine(np.radians(20.0), 0.0, 3.0), 0.001, 0.0)
         >>> p = parabola.at_height(1.5)
         >>> round(float(parabola.section(np.array(p))[0][0]), 9)
         1.5

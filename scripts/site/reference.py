@@ -37,7 +37,7 @@ PYTHON = (
         "bodies",
         "Solids, sections, drawings, tool paths",
         "",
-        ("Solid", "Solids", "Cad", "Section", "WorkshopDrawing", "ToolPathAnswer"),
+        ("Solid", "Solids", "Cad", "Section", "WorkshopDrawing", "ToolPathAnswer", "ToolMotion"),
     ),
     (
         "finite_elements",
@@ -49,6 +49,7 @@ PYTHON = (
             "FiniteElementDecks",
             "FiniteElementSolution",
             "UnloadedFiniteElements",
+            "HexMesh",
         ),
     ),
     (
@@ -67,6 +68,7 @@ PYTHON = (
             *("Tooth", "ToothSide", "Side", "Region", "Sections", "Ends", "Link", "Grid"),
             *("EndChamfer", "EndStrip", "StripPiece", "SharpOutline"),
             *("Body", "Disc", "TurnedStep", "PlaneFace", "Slot", "Boss", "Drilling", "Opening", "Outline"),
+            "Blank",
         ),
     ),
     (
@@ -80,8 +82,9 @@ PYTHON = (
         "Surfaces, curves and motions",
         "Geometry within teeth, bodies, sections and meshes.",
         (
-            *("Surface", "Jet", "Level", "ConeLevel", "ConeSurface", "TriangleMesh", "Part"),
-            *("PlaneCurve", "PlaneLine", "PlaneArc", "Contour", "Parabola", "ArcRack"),
+            *("Surface", "GeneratedSurface", "Jet", "Level", "LandLevel", "LandSurface", "ConeLevel", "ConeSurface"),
+            *("TriangleMesh", "Part"),
+            *("PlaneCurve", "PlaneLine", "PlaneArc", "Contour", "RackLine", "Parabola", "ArcRack"),
             *("Rigid", "Joint", "MotionUnits"),
         ),
     ),

@@ -22,24 +22,12 @@ PUBLIC = {name: getattr(gm, name) for name in gm.__all__}
 OTHERS = ("build123d", "cadquery", "pyvista", "trimesh", "manifold3d")
 
 
-#: Classes without public names, and why they have none. Parts of a tooth, of its tool and of how it is inspected or read from other
-#: files (Blank, GeneratedSurface, InspectionBasis, Line, StageForm, ToolDescription) are what systems are made of: who adds one
-#: imports them from their modules (samples/guides/11-own-gear-system.md), and they may change in any version. What solvers and
-#: meshers go on working with (MeshCurve, Model, Pair, PathOrder, ToolPath) has its figures in the answers that hold it; public
-#: names for these would take nineteen more for what they consist of.
-WORKING = {
-    "Blank",
-    "GeneratedSurface",
-    "InspectionBasis",
-    "Line",
-    "MeshCurve",
-    "Model",
-    "Pair",
-    "PathOrder",
-    "StageForm",
-    "ToolDescription",
-    "ToolPath",
-}
+#: Classes without public names, and why they have none. How a gear is inspected or read from other files, and what a tool says of
+#: itself (InspectionBasis, StageForm, ToolDescription), is what systems are made of: who adds one imports them from their modules
+#: (samples/guides/11-own-gear-system.md), and they may change in any version. What the contact solver goes on working with
+#: (MeshCurve, Pair) has its figures in the answers that hold it, and what it gives back, rotation by rotation, `Engagement`; public
+#: names for both would take eight more for what they consist of.
+WORKING = {"InspectionBasis", "MeshCurve", "Pair", "StageForm", "ToolDescription"}
 
 
 class Absent:

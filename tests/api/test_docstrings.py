@@ -143,6 +143,7 @@ SLOW = (
         "FiniteElementModel.save",
         "FiniteElementModel.to_pyvista",
     ),
+    *("HexMesh.face_corners", "HexMesh.face_outlines", "HexMesh.face_nodes", "HexMesh.move", "ToolMotion.move"),
 )
 #: which base of Gears has a method is nothing that a list says
 EXAMPLES = [pytest.param(name, marks=pytest.mark.sweep if name.endswith(SLOW) else ()) for name in FUNCTIONS]

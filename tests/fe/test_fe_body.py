@@ -118,12 +118,12 @@ def test_a_web_twists_as_by_the_closed_form() -> None:
     gears = built({"kind": "cylindrical", "module": 2, "helix_angle": 15, "fe": fe, "gear": WEB})
     problem = gears.finite_elements(sector=1)
     assert problem.warnings == ()
-    mesh, moment = problem.model.mesh, 40_000.0
+    mesh, moment = problem.mesh, 40_000.0
     nodes = mesh.node_sets["gear_land"]
     x, y = mesh.nodes[nodes, :2].T
     arm = np.hypot(x, y)
     forces = np.stack((-y, x, 0.0 * x), axis=-1) / arm[:, None] * (moment / WEB["teeth"] / len(nodes) / arm)[:, None]
-    solution = ccx.solve(replace(problem.model, forces=(NodeForces(nodes, forces),)))
+    solution = ccx.solve(replace(problem._model, forces=(NodeForces(nodes, forces),)))
     twist = _twist(mesh.nodes, solution.displacement)
     rho = np.hypot(mesh.nodes[:, 0], mesh.nodes[:, 1])
     # off the ends of the web by its thickness

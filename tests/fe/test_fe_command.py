@@ -134,8 +134,8 @@ def test_default_models_resolve_the_contact_pressure(sample: str) -> None:
     assert not any("resolve" in line for line in built.warnings)
     assert figures["elements"] < 150_000
     assert figures["elements_to_resolve"] is None
-    mesh, place = built.model.mesh, at.frame.point(at.path.point[0])
-    for contact in (built.model.contacts[1].slave, built.model.contacts[1].master):
+    mesh, place = built.mesh, at.frame.point(at.path.point[0])
+    for contact in (built._model.contacts[1].slave, built._model.contacts[1].master):
         offset = mesh.nodes[mesh.face_corners(contact)].mean(axis=1) - place
         along, across = (offset @ at.frame.vector(axis(at.path)) for axis in (major_axis, minor_axis))
         inside = (along / at.semi_major) ** 2 + (across / at.semi_minor) ** 2 < 1.0
@@ -169,7 +169,7 @@ def test_unresolved_pressures_are_said_in_their_line(monkeypatch: pytest.MonkeyP
         line = next(row for row in str(solved).splitlines() if row.startswith("max_pressure_mpa"))
         assert ("(unresolved:" in line) is ("(unresolved:" in solved.headline) is bool(words)
         assert words in solved.headline
-        title = pressure_scene(built.model, solution, built._built.at, note=solved.reserve).title
+        title = pressure_scene(built._model, solution, built._built.at, note=solved.reserve).title
         assert title.endswith(" MPa" if not words else f" MPa ({solved.reserve})")
 
 
@@ -248,7 +248,7 @@ def pretended(built: FiniteElements, pressed: int = 1) -> tuple[NodalSolution, A
     """A solution with a pressure on a slave flank, the leading one's or that of another contact, and a tension that grows with the
     station; its place.
     """
-    model, at = built.model, built._built.at
+    model, at = built._model, built._built.at
     mesh, place = model.mesh, at.frame.point(at.path.point[0])
     if pressed != 1:
         place = mesh.nodes[mesh.face_nodes(model.contacts[pressed].slave)].mean(axis=0)
@@ -267,7 +267,7 @@ def test_pictures_show_what_was_solved() -> None:
     design = load(CROSSED, ["fe.teeth=3", "fe.ellipse=3", *COARSE[1::2]])
     built = model_of(design)
     solution, place = pretended(built)
-    scene = pressure_scene(built.model, solution, built._built.at, (800, 600))
+    scene = pressure_scene(built._model, solution, built._built.at, (800, 600))
     (value_map,) = scene.maps
     assert value_map.limit == pytest.approx(1000.0, rel=1e-2)
     assert np.linalg.norm(value_map.points - place, axis=-1).max() < 3.0
@@ -275,15 +275,15 @@ def test_pictures_show_what_was_solved() -> None:
     darkest = 255 * np.array(matplotlib.colormaps[COLOUR_MAP](1.0)[:3])
     assert np.abs(pixel(image, scene.camera, place) - darkest).max() < 25
 
-    scene = stress_scene(built.model, solution, built._built.at, (800, 600))
+    scene = stress_scene(built._model, solution, built._built.at, (800, 600))
     (value_map,) = scene.maps
     # the gear is askew: its fillets reach higher than the pinion's
-    fillets = [name for name in built.model.mesh.face_sets if name.startswith("gear_fillet")]
-    worst = 10.0 + max(built.model.mesh.nodes[built.model.mesh.face_corners(name), 2].max() for name in fillets)
+    fillets = [name for name in built.mesh.face_sets if name.startswith("gear_fillet")]
+    worst = 10.0 + max(built.mesh.nodes[built.mesh.face_corners(name), 2].max() for name in fillets)
     assert worst > 18.0
     assert value_map.limit == pytest.approx(STRESS_SHARE * worst, rel=1e-9)
     assert f"{worst:.0f} MPa" in scene.title
-    heel = built.model.mesh.nodes[built.model.mesh.face_corners("pinion_heel")].mean(axis=1)
+    heel = built.mesh.nodes[built.mesh.face_corners("pinion_heel")].mean(axis=1)
     image = render(scene)
     expected = 255 * np.array(matplotlib.colormaps[COLOUR_MAP](17.0 / value_map.limit)[:3])
     seen = [np.abs(pixel(image, scene.camera, point) - expected).max() < 12 for point in heel]

@@ -61,7 +61,7 @@ def test_fillet_stress_converges() -> None:
     """C3D20R of size h, h/2, h/4: second order or better at a fixed place and in the maximum, the load always the same."""
     found, forces = [], []
     for cells in (4, 8, 16):
-        model = spur_slice(cells, order=2, rim=3.0).model
+        model = spur_slice(cells, order=2, rim=3.0)._model
         stress = fillet_stress(model.mesh, ccx.solve(model), "pinion_fillet_right_1")
         found.append((stress.at_place, stress.largest))
         forces.append(model.forces[0].forces.sum(axis=0))
@@ -77,7 +77,7 @@ def test_fillet_stress_converges() -> None:
 def test_root_stress_against_iso_6336() -> None:
     """Three teeth on their rim, loaded at the pitch point: maximum within 5 % of form and stress correction factor."""
     problem = spur_slice(8, order=2, teeth=3)
-    model, at = problem.model, problem._built.at
+    model, at = problem._model, problem._built.at
     stress = fillet_stress(model.mesh, ccx.solve(model), "pinion_fillet_right_2")
     radius = float(np.hypot(*at.frame.point(at.path.point[0])[:2]))
     assert stress.largest == pytest.approx(iso_root_stress(at.force, radius), rel=0.05)
@@ -86,7 +86,7 @@ def test_root_stress_against_iso_6336() -> None:
 def test_line_of_contact_is_pressed_evenly() -> None:
     """Forces on second-order faces: along a line of 28 mm their second moment is L^2 / 12 exactly, as of an even load."""
     design = load(SAMPLES / "spur.toml", ["fe.order=2", "fe.teeth=1", "fe.face=6"])
-    model = model_of(design, 0.0, ("pinion",)).model
+    model = model_of(design, 0.0, ("pinion",))._model
     (load_case,) = model.forces
     z, share = model.mesh.nodes[load_case.nodes, 2], load_case.forces[:, 1] / load_case.forces[:, 1].sum()
     assert share @ z == pytest.approx(0.0, abs=1e-6)
@@ -97,8 +97,8 @@ def test_ellipse_is_pressed_as_by_hertz() -> None:
     """Forces on second-order faces of an ellipse: second moments a^2 / 5 and b^2 / 5 of a semi-ellipsoid."""
     keys = ["fe.order=2", "fe.teeth=1", "fe.ellipse=4", "fe.torque=50"]
     problem = model_of(load(SAMPLES / "beveloid_crossed.toml", keys), 0.0, ("pinion",))
-    (load_case,), at = problem.model.forces, problem._built.at
-    offset = problem.model.mesh.nodes[load_case.nodes] - at.frame.point(at.path.point[0])
+    (load_case,), at = problem._model.forces, problem._built.at
+    offset = problem.mesh.nodes[load_case.nodes] - at.frame.point(at.path.point[0])
     normal = at.frame.vector(at.path.normal[0])
     share = load_case.forces @ normal / (load_case.forces.sum(axis=0) @ normal)
     for axis, half in ((at.path.major[0], at.semi_major), (at.path.minor[0], at.semi_minor)):

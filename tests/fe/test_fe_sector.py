@@ -44,7 +44,7 @@ def sector_of(gears: gm.Gears, pitches: int = PITCHES) -> FiniteElements:
 
 def whole_of(gears: gm.Gears, sector: FiniteElements) -> Model:
     """The whole gear of the same elements, at its place, with the sector's forces on every sector."""
-    member, at, own = gears.members["gear"], sector._built.at, sector.model
+    member, at, own = gears.members["gear"], sector._built.at, sector._model
     request = replace(sector._request, sector=None, teeth=None)
     place = at.frame @ member.mount.at(at.turns[1])
     mesh = join({"gear": held_mesh(member, request, plain_grid(request.cells)).move(place)})
@@ -73,7 +73,7 @@ def same_nodes(nodes: np.ndarray, places: np.ndarray) -> np.ndarray:
 def test_a_sector_bends_as_the_whole_gear() -> None:
     gears = pair()
     sector = sector_of(gears)
-    whole, own = whole_of(gears, sector), sector.model
+    whole, own = whole_of(gears, sector), sector._model
     one, every = ccx.solve(own), ccx.solve(whole)
     nodes = same_nodes(whole.mesh.nodes, own.mesh.nodes)
     largest = np.abs(every.displacement).max()
@@ -90,7 +90,7 @@ def test_a_sector_bends_as_the_whole_gear() -> None:
 @pytest.mark.parametrize("order", [1, 2])
 def test_nodes_of_the_cuts_are_pairs_and_named_in_the_deck(tmp_path: Path, order: int) -> None:
     model = sector_of(pair(order))
-    symmetry, mesh = model.model.cyclic, model.model.mesh
+    symmetry, mesh = model._model.cyclic, model.mesh
     assert symmetry is not None
     assert (symmetry.sectors, model.figures["sectors"]) == (4, 4)
     axis = symmetry.axis[1] - symmetry.axis[0]

@@ -21,7 +21,7 @@ needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get inst
 def corners(problem: FiniteElements, name: str, turn: float) -> Array:
     """Corners (F, 4, 2) of the faces of a contact surface after the worm's turn (rad, from where flanks touch unloaded), along the
     ellipse and across it, over its semi-axes."""
-    at, mesh = problem._built.at, problem.model.mesh
+    at, mesh = problem._built.at, problem.mesh
     points = mesh.nodes[mesh.face_corners(name)]
     if name.startswith("worm"):
         points = Rigid.about_z(turn - np.sign(at.arm) * problem._built.preload).point(points)
@@ -44,7 +44,7 @@ def crossings(faces: Array) -> Array:
 def test_stations_of_both_flanks_lie_over_each_other_under_load(keys: dict[str, Any]) -> None:
     """To a tenth of an element, in the middle to a fiftieth; where flanks touch unloaded they are a third of one apart."""
     problem = worm_pair(**keys)
-    at, (contact,) = problem._built.at, problem.model.contacts
+    at, (contact,) = problem._built.at, problem._model.contacts
     wheel = crossings(corners(problem, contact.master, 0.0))
     apart = []
     for turn in (at.turn, 0.0):
@@ -65,12 +65,12 @@ def test_pressure_in_the_middle_is_that_of_the_loaded_contact() -> None:
     which is reported."""
     problem = worm_pair()
     solved = problem.solve()
-    wanted, (contact,) = problem.figures, problem.model.contacts
-    nodes = problem.model.mesh.face_nodes(contact.slave)
+    wanted, (contact,) = problem.figures, problem._model.contacts
+    nodes = problem.mesh.face_nodes(contact.slave)
     away = np.linalg.norm(
         corners(problem, contact.slave, np.sign(problem._built.at.arm) * problem._built.preload), axis=-1
     )
-    inside = np.unique(problem.model.mesh.face_corners(contact.slave)[away < 0.3])
+    inside = np.unique(problem.mesh.face_corners(contact.slave)[away < 0.3])
     assert len(inside) > 10
     pressure = solved.solution.pressure[inside]
     (loaded,) = gm.build(problem.design).loaded_contact([39.0], [0.0]).rows

@@ -34,7 +34,7 @@ for suffix in io.formats():
     io.write(scene["pinion"], "pinion" + suffix)
     if suffix in io.formats(several=True):
         io.write_scene(scene, "both" + suffix)
-model = gears.finite_elements().model
+model = gears.finite_elements()._model
 for name, entry in formats().items():
     write_model(model, name + entry.suffix, name)
 """

@@ -23,7 +23,7 @@ from gearmesh.kernel.surface.surface import Jet
 from gearmesh.systems.designs import load
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Region, Side
-from gearmesh.tools.rack import Arc, Line, RackSurface
+from gearmesh.tools.rack import Arc, RackLine, RackSurface
 
 RADIUS = 60.0
 ALPHA = np.radians(20.0)
@@ -31,7 +31,7 @@ U, V = np.meshgrid(np.linspace(3.0, 9.0, 5), np.linspace(-8.0, 8.0, 5))
 
 
 def rack(helix: float = 0.26, cone: float = 0.35, side: int = 1) -> RackSurface:
-    return RackSurface(Line(ALPHA, 5.0, 1.25 * np.pi), helix, cone, side)
+    return RackSurface(RackLine(ALPHA, 5.0, 1.25 * np.pi), helix, cone, side)
 
 
 #: nothing of the contact is left to be searched for
@@ -229,7 +229,7 @@ def test_envelopes_nest() -> None:
     # and the same points, turned, as the rack generates: pinion and gear touch where both touch the rack
     phi = pinion.parameter(u, v)
     np.testing.assert_allclose(gear.parameter(u, v), phi, rtol=0, atol=1e-9)
-    direct = Envelope(RackSurface(Line(ALPHA, 5.0, 1.25 * np.pi), 0.0, 0.0), RackRoll(r2)).jet(
+    direct = Envelope(RackSurface(RackLine(ALPHA, 5.0, 1.25 * np.pi), 0.0, 0.0), RackRoll(r2)).jet(
         10.0 / np.cos(ALPHA) - u, v
     )
     np.testing.assert_allclose(

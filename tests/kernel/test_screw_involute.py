@@ -15,7 +15,7 @@ from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.kernel.surface.twisted import Twisted
 from gearmesh.teeth.micro_geometry.screw_involute import AmountJet, ScrewInvolute
-from gearmesh.tools.rack import Line, RackSurface
+from gearmesh.tools.rack import RackLine, RackSurface
 
 pytestmark = pytest.mark.quick
 
@@ -93,7 +93,7 @@ class _Scaled:
 def test_is_what_a_rack_generates(helix: float, side: int) -> None:
     """Points, normals and their changes, at the base circle and below it, against the envelope of the rack."""
     alpha, radius, module = np.radians(20.0), 30.0, 3.0
-    rolled = Envelope(RackSurface(Line(alpha, module, 2.2, 0.4), helix, 0.0, side), RackRoll(radius))
+    rolled = Envelope(RackSurface(RackLine(alpha, module, 2.2, 0.4), helix, 0.0, side), RackRoll(radius))
     p, u = (each.ravel() for each in np.meshgrid(np.linspace(-6.0, 9.0, 7), [-8.0, 0.0, 5.0]))
     there = rolled.jet(p, u)
     length = ScrewInvolute.roll_length(there)

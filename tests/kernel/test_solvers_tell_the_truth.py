@@ -39,7 +39,7 @@ from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank, gear_s
 from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.limits import land_of_width
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.tools.rack import Arc, Line, Parabola, RackSurface
+from gearmesh.tools.rack import Arc, Parabola, RackLine, RackSurface
 from gearmesh.tools.worm import Worm
 
 Index = NDArray[np.intp]
@@ -206,7 +206,7 @@ def test_newton(unknowns: int, rcond: float | None) -> None:
 
 def random_rack(rng: np.random.Generator) -> RackSurface:
     alpha, size = rng.uniform(0.2, 0.5), rng.uniform(0.5, 8.0)
-    line = Line(alpha, 1.25 * size, 0.8 * size)
+    line = RackLine(alpha, 1.25 * size, 0.8 * size)
     profile = [
         line,
         Parabola(line, rng.normal() * 0.01 / size, size),
@@ -292,7 +292,7 @@ def test_two_equations_of_meshing() -> None:
         module, teeth = rng.uniform(1.0, 6.0), int(rng.integers(8, 60))
         alpha = rng.uniform(0.25, 0.45)
         rack = RackSurface(
-            Line(alpha, module, 0.25 * np.pi * module), rng.uniform(-0.5, 0.5), 0.0, int(rng.choice([-1, 1]))
+            RackLine(alpha, module, 0.25 * np.pi * module), rng.uniform(-0.5, 0.5), 0.0, int(rng.choice([-1, 1]))
         )
         worm = Worm(
             rng.uniform(5.0, 30.0) * module,
@@ -482,7 +482,7 @@ def test_roundings_of_cutters() -> None:
 
     for _ in range(100):
         module = rng.uniform(0.5, 8.0)
-        line = Line(rng.uniform(0.2, 0.5), module, 0.25 * np.pi * module)
+        line = RackLine(rng.uniform(0.2, 0.5), module, 0.25 * np.pi * module)
         flank = line if rng.random() < 0.5 else Parabola(line, rng.normal() * 0.02 / module, module)
         spec, heights = Spec(), Heights(module, -1.25 * module)
         spec.tool_tip_radius = rng.uniform(0.0, 0.6)

@@ -84,7 +84,7 @@ ONE_OF_A_KIND = (
 )
 def test_every_element_is_well_shaped(sample: str, shape: str) -> None:
     built = model_of(load(SAMPLES / f"{sample}.toml", SHAPES[shape]))
-    mesh = built.model.mesh
+    mesh = built.mesh
     assert volumes(mesh.nodes, mesh.elements).min() > 0.0
     quality = scaled_jacobian(mesh.nodes, mesh.elements).min()
     assert quality > 0.2
@@ -115,7 +115,7 @@ def test_of_pairs_that_are_ahead_alike_the_one_asked_for_leads() -> None:
 def test_default_model_is_the_size_of_the_published_one() -> None:
     """[LF04] 17.10: three pairs of teeth, 71,460 elements with 87,360 nodes."""
     built = model_of(load(SAMPLES / "spiral_bevel_basic.toml", []))
-    mesh = built.model.mesh
+    mesh = built.mesh
     assert len(mesh.elements) == pytest.approx(71_460, rel=0.02)
     assert len(mesh.nodes) == pytest.approx(87_360, rel=0.02)
     # and follows the ellipse: enough for its pressure, where even spacing has less than one element

@@ -74,12 +74,12 @@ def inspected(hand: str, helix: float, alpha: float) -> tuple[Inspection, float,
 def test_a_gear_cut_with_a_larger_helix_angle_has_a_positive_helix_slope(hand: str) -> None:
     """A turn of w per mm more along the axis is r_b w b on the tangent to the base cylinder, on both flanks."""
     answer, rate, _ = inspected(hand, 0.01, 0.0)
-    base = answer.basis.involute.base  # type: ignore[union-attr]
+    base = answer._basis.involute.base  # type: ignore[union-attr]
     for flank in answer.figures.flanks.values():
         assert flank.helix.slope_deviation == pytest.approx(1e3 * abs(rate) * base * 40.0, rel=2e-3)
     # at the radius of the middle of the flank
     rho = np.hypot(*answer.maps[Side.LEFT].points[6, 12, :2])
-    nominal = answer.basis.involute.helix  # type: ignore[union-attr]
+    nominal = answer._basis.involute.helix  # type: ignore[union-attr]
     lead = np.tan(nominal) / (12.5 * 5.0 / np.cos(nominal))
     larger = abs(np.arctan(rho * (lead + rate))) - abs(np.arctan(rho * lead))
     for flank in answer.figures.flanks.values():
@@ -91,8 +91,8 @@ def test_a_gear_cut_with_a_larger_helix_angle_has_a_positive_helix_slope(hand: s
 def test_a_gear_cut_with_a_larger_pressure_angle_has_a_negative_profile_slope() -> None:
     """Of roll lengths L on another base circle, at the same radii: L dr_b / r_b less from one end to the other."""
     answer, _, base_change = inspected("right", 0.0, 0.02)
-    base = answer.basis.involute.base  # type: ignore[union-attr]
-    first, last = answer.basis.involute.profile.slope  # type: ignore[union-attr]
+    base = answer._basis.involute.base  # type: ignore[union-attr]
+    first, last = answer._basis.involute.profile.slope  # type: ignore[union-attr]
     for flank in answer.figures.flanks.values():
         # a smaller base circle: at radius rho the string lies along another tangent, by d(inv) rho cos(alpha) = L dr_b / r_b
         assert flank.profile.slope_deviation == pytest.approx(1e3 * base_change / base * (last - first), rel=1e-2)
@@ -126,7 +126,7 @@ def test_files_are_evaluated(tmp_path: Path) -> None:
     )
     assert status == 0
     document = json.loads(out)
-    involute = inspect(gears.design, gears.train, "pinion", MeasuredTeeth()).basis.involute  # type: ignore[union-attr]
+    involute = inspect(gears.design, gears.train, "pinion", MeasuredTeeth())._basis.involute  # type: ignore[union-attr]
     for side in Side:
         rise = document["flanks"][side]["helix"]["slope_deviation_um"]
         wanted = 8.0 / np.cos(involute.base_helix) * helix_sign(side.sign, involute.helix)  # type: ignore[union-attr]
@@ -164,7 +164,7 @@ def test_classes_of_a_bevel_pinion_and_its_chart(tmp_path: Path) -> None:
     assert order.thickness_deviation == pytest.approx(4.0)
     assert max(abs(order.spiral_angle_error), abs(order.pressure_angle_error), abs(order.twist)) < 1e-9
     classes = {own.symbol: own for own in answer.figures.classes}
-    limits = answer.basis.sizes  # type: ignore[union-attr]
+    limits = answer._basis.sizes  # type: ignore[union-attr]
     for symbol, value in (("F_p", 1e3 * np.ptp(5e-3 * wave)), ("F_r", 15.0)):
         assert classes[symbol].deviation == pytest.approx(value)
         own = classes[symbol].tolerance_class
@@ -190,7 +190,7 @@ def test_unmeasured_ends_are_reported_and_figures_beyond_the_class_too() -> None
     answer = inspect(gears.design, gears.train, "pinion", MeasuredTeeth({Side.LEFT: bent}))
     (warning,) = answer.warnings
     assert warning.startswith("the profile trace of the left flank was measured over")
-    involute = answer.basis.involute  # type: ignore[union-attr]
+    involute = answer._basis.involute  # type: ignore[union-attr]
     # 20 um along the normal, over the face; in the transverse plane
     assert answer.deviations["f_Hb"] == pytest.approx(
         20.0 / np.cos(involute.base_helix) * (1 if involute.helix > 0 else -1)

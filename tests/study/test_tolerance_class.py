@@ -59,7 +59,7 @@ def test_the_ends_of_what_is_drawn_are_the_tolerances(sample: str, member: str) 
         assert spread.parameters[:2] == (0.0, pytest.approx(high / 3.0))
         assert low == -high
         modified = built_sample(sample, f"{key}={high}").train.members[member]
-        basis = inspect(gears.design, gears.train, member, MeasuredTeeth()).basis
+        basis = inspect(gears.design, gears.train, member, MeasuredTeeth())._basis
         assert basis is not None
         assert basis.involute is not None
         removed = RemovedAmounts(nominal, modified, side, basis.involute.base_helix)

@@ -187,7 +187,7 @@ def test_solid_contact_cad_and_elements_have_the_edge(case: str, size: float) ->
     assert all(what.startswith("fit") for what in wrong) if case == "notch" else not wrong
     assert check.solids["pinion"].figures["max_deviation_um"] <= 4.0 * size
     assert contact_flank(gears.members["pinion"], Side.RIGHT).smooth == frozenset()
-    model = gears.finite_elements().model.mesh
+    model = gears.finite_elements().mesh
     assert scaled_jacobian(model.nodes, model.elements).min() > 0.3
     member = gears.members["pinion"]
     assert volume(solid_part(member, spline_tooth(member.tooth))) == pytest.approx(exact_volume(member), rel=1e-6)

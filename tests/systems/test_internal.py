@@ -50,11 +50,11 @@ def test_contact_ratio_by_the_closed_form_and_rolled_flanks_agree() -> None:
 @pytest.mark.sweep
 def test_rim_of_finite_elements_lies_outside_the_teeth() -> None:
     model = internal_gears().finite_elements()
-    mesh = model.model.mesh
+    mesh = model.mesh
     assert scaled_jacobian(mesh.nodes, mesh.elements).min() > 0.4
     gears = internal_gears()
     ring = gears.finite_elements(members=["ring"])
-    found = {name: ring.model.mesh.nodes[ring.model.mesh.node_sets[f"ring_{name}"]] for name in ("rim", "land", "root")}
+    found = {name: ring.mesh.nodes[ring.mesh.node_sets[f"ring_{name}"]] for name in ("rim", "land", "root")}
     # the model's frame is the pinion's; the ring's axis stands beside it
     apart = np.array([-0.5 * MODULE * (RING - PINION), 0.0])
     rho = {name: np.hypot(*(points[:, :2] - apart).T) for name, points in found.items()}

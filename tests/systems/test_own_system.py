@@ -26,7 +26,7 @@ from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.tools.rack import Arc, Line, RackSurface
+from gearmesh.tools.rack import Arc, RackLine, RackSurface
 
 ALPHA, ADDENDUM, DEDENDUM = np.radians(20.0), 1.0, 1.25
 
@@ -49,7 +49,7 @@ class SharpRackDesign(gm.Design):
 
 def member(name: str, spec: MemberTable, module: float) -> Member:
     radius, half = 0.5 * spec.teeth * module, 0.5 * spec.face_width
-    line = Line(ALPHA, module, 0.25 * np.pi * module)
+    line = RackLine(ALPHA, module, 0.25 * np.pi * module)
     form_point, tip = line.at_height(-DEDENDUM * module), line.at_height(ADDENDUM * module)
     edge = Arc(tuple(line.section(np.array(form_point))[0]), 0.0)
 

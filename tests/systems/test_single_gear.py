@@ -121,7 +121,7 @@ def compare_models(alone: gm.Gears, pair: gm.Gears, member: str, keys: dict[str,
     keys = {"fe.flank": 5, "fe.fillet": 4, "fe.thickness": 2, "fe.face": 6, **keys}
     own = gm.build(alone.design.with_values(keys)).finite_elements()
     other = gm.build(pair.design.with_values({**keys, "fe.spacing": "even"})).finite_elements(members=[member])
-    at, mesh, theirs = other._built.at, own.model.mesh, other.model.mesh
+    at, mesh, theirs = other._built.at, own.mesh, other.mesh
     placed = at.frame @ pair.members[member].mount.at(at.turns[other.pair.index(member)])
     np.testing.assert_allclose(mesh.nodes, placed.inverse.point(theirs.nodes), rtol=0.0, atol=1e-12)
     assert np.array_equal(mesh.elements, theirs.elements)
@@ -129,9 +129,9 @@ def compare_models(alone: gm.Gears, pair: gm.Gears, member: str, keys: dict[str,
         sets, wanted = getattr(mesh, kind), getattr(theirs, kind)
         assert list(sets) == list(wanted)
         assert all(np.array_equal(sets[key], wanted[key]) for key in sets)
-    assert own.model.supports == other.model.supports
-    assert own.model.materials == other.model.materials
-    assert not own.model.forces
+    assert own._model.supports == other._model.supports
+    assert own._model.materials == other._model.materials
+    assert not own._model.forces
 
 
 def test_finite_elements_fill_the_solid() -> None:
@@ -140,7 +140,7 @@ def test_finite_elements_fill_the_solid() -> None:
     coarse = {"teeth": 0, "rim": 7.75, "flank": 4, "fillet": 4, "thickness": 2, "rim_layers": 2, "face": 2}
     gears = gm.build(gm.parse({"kind": "cylindrical", "module": 1, "gear": gear, "fe": coarse}))
     model = gears.finite_elements()
-    assert "gear_bore" in model.model.mesh.node_sets
+    assert "gear_bore" in model.mesh.node_sets
     assert model.figures["volume_mm3"] == pytest.approx(gears.members["gear"].plain_volume(), rel=1e-4)
 
 

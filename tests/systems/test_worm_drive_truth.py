@@ -26,7 +26,7 @@ from gearmesh.systems.system import complete_design
 from gearmesh.systems.worm_drive.build import build, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.thread import WormThread
 from gearmesh.teeth.region import Side
-from gearmesh.tools.rack import Line, RackSurface
+from gearmesh.tools.rack import RackLine, RackSurface
 
 FORMS = ("ZA", "ZN", "ZI", "ZK", "ZC")
 OVERSIZED = "hob.reference_diameter=63"
@@ -95,7 +95,9 @@ def test_zi_is_a_helical_gear(hand: int) -> None:
     """The transverse section is that of a gear of z1 teeth, helix angle 90 deg - gamma, which a rack generates."""
     thread = worm_thread(drive("worm.form=ZI", f"worm.right_hand={'true' if hand > 0 else 'false'}"))
     normal = thread.module * np.cos(thread.lead_angle)
-    rack = RackSurface(Line(thread.angle, 0.0, 0.25 * np.pi * normal), hand * (0.5 * np.pi - thread.lead_angle), 0.0)
+    rack = RackSurface(
+        RackLine(thread.angle, 0.0, 0.25 * np.pi * normal), hand * (0.5 * np.pi - thread.lead_angle), 0.0
+    )
     u, p = np.meshgrid(np.linspace(-3.0, 3.0, 7), np.linspace(-2.0, 2.0, 5))
     r = Envelope(rack, RackRoll(thread.radius)).jet(p, u).r
     rho = np.hypot(r[..., 0], r[..., 1])

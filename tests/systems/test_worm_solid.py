@@ -37,7 +37,7 @@ from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import ToolDescription
-from gearmesh.tools.rack import Line, Parabola, RackSurface
+from gearmesh.tools.rack import Parabola, RackLine, RackSurface
 from gearmesh.tools.worm import Worm
 
 MODULE, ADDENDUM, DEDENDUM = 4.0, 4.0, 5.0
@@ -46,7 +46,7 @@ NOVIKOV = SAMPLES / "novikov.toml"
 
 def racks(tip_radius: float = 0.3, angles: tuple[float, float] = (25.0, 20.0)) -> tuple[RackTooth, RackTooth]:
     """Right and left side of a space with parabolic flanks of different pressure angles (deg)."""
-    lines = [Line(float(np.radians(angle)), MODULE, 0.25 * np.pi * MODULE) for angle in angles]
+    lines = [RackLine(float(np.radians(angle)), MODULE, 0.25 * np.pi * MODULE) for angle in angles]
     right, left = (Parabola(line, 0.008, line.at_height(0.0)) for line in lines)
     spec = SimpleNamespace(tool_tip_radius=tip_radius, dedendum=DEDENDUM / MODULE)
     return round_tips("pinion", spec, MODULE, (right, left), Heights(ADDENDUM, -DEDENDUM))

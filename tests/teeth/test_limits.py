@@ -26,11 +26,11 @@ from gearmesh.systems.face_gear.build import shaped_gear
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.limits import fewest_teeth, member_limits, pitch_height, pointed_station, undercut_station
-from gearmesh.tools.rack import Line, Parabola, RackSurface
+from gearmesh.tools.rack import Parabola, RackLine, RackSurface
 from gearmesh.tools.worm import Worm
 
 ALPHA = np.radians(20.0)
-LINE = Line(ALPHA, 1.0, 0.25 * np.pi)
+LINE = RackLine(ALPHA, 1.0, 0.25 * np.pi)
 
 
 @cache
@@ -38,7 +38,7 @@ def member(sample: str, name: str = "pinion", *settings: str) -> Member:
     return pair_of(load(SAMPLES / f"{sample}.toml", list(settings))).members[name]
 
 
-def rack_flank(radius: float, helix: float, profile: Line | Parabola = LINE) -> Envelope:
+def rack_flank(radius: float, helix: float, profile: RackLine | Parabola = LINE) -> Envelope:
     return Envelope(RackSurface(profile, helix, 0.0), RackRoll(radius))
 
 
@@ -123,7 +123,7 @@ def by_differences(surface: Any, p: Array, v: Array, h: float = 1e-4) -> Array:
 @pytest.mark.parametrize("plunge", [0.0, 2e-4])
 def test_worms_and_racks_have_their_limits_in_common(plunge: float) -> None:
     worm = Worm(radius=98.0, threads=1, teeth=17, module=5.08, helix=0.35)
-    line = Line(np.radians(25.0), 5.08, 0.25 * np.pi * 5.08)
+    line = RackLine(np.radians(25.0), 5.08, 0.25 * np.pi * 5.08)
     rack = RackSurface(Parabola(line, 0.016739, line.at_height(0.0)), 0.35, 0.0)
     span, feeds = (line.at_height(2.0), line.at_height(-5.0)), np.linspace(-30.0, 30.0, 4)
     by_rack = limiting_line(Envelope(rack, RackRoll(worm.gear_radius)), span, np.zeros(1), 17)

@@ -49,7 +49,7 @@ def test_the_file_leaves_no_more_than_asked_and_gouges_nothing(case: str, tmp_pa
     make, member, tool, scallop, how = CASES[case]
     answer = make().toolpath(member, tool, scallop, **how)
     file = answer.save(tmp_path / "path.cls")
-    space, random = answer.path.space, np.random.default_rng(7)
+    space, random = answer._path.space, np.random.default_rng(7)
     cut = choose_walls(space, answer.order.flank, answer.order.surfaces)
     sections = space.tooth.sections(np.sort(random.random(25)))
     highest = 0.0
@@ -86,8 +86,8 @@ def test_ball_and_shank_stay_out_of_the_whole_solid(name: str, member: str, tool
     way = points - (tips + radius * axes)[cuts][:, None]
     up = np.einsum("nkj,nj->nk", way, axes[cuts])
     away = np.sqrt(np.maximum((way**2).sum(axis=-1) - up**2, 0.0)) - radius
-    shank = away[(up > 0.02 * radius) & (up < answer.path.ball.length)]
-    assert shank.min(initial=np.inf) > 0.9 * answer.path.clearance
+    shank = away[(up > 0.02 * radius) & (up < answer._path.ball.length)]
+    assert shank.min(initial=np.inf) > 0.9 * answer._path.clearance
 
 
 @pytest.mark.quick

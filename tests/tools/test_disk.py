@@ -24,11 +24,11 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.designs import load
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import Arc, Line, Parabola, RackSurface
+from gearmesh.tools.rack import Arc, Parabola, RackLine, RackSurface
 from gearmesh.tools.worm import Worm
 
 ALPHA, MODULE, TEETH = np.radians(20.0), 4.0, 21
-LINE = Line(ALPHA, MODULE, 0.25 * np.pi * MODULE)
+LINE = RackLine(ALPHA, MODULE, 0.25 * np.pi * MODULE)
 PLUNGE = 2e-4
 
 
@@ -244,7 +244,7 @@ def test_disk_and_worm_crown_almost_the_same(table: tuple[Pair, RackSurface, flo
 @pytest.mark.quick
 def test_past_a_limiting_line_the_disk_goes_on_from_the_sound_flank() -> None:
     """There it would touch the tooth in two places: the one that it goes on to runs off with the line of action."""
-    line = Line(np.radians(19.859), 9.387, 0.5 * np.pi * 9.387 / 2.7693)
+    line = RackLine(np.radians(19.859), 9.387, 0.5 * np.pi * 9.387 / 2.7693)
     flank = Parabola(line, 0.030295, line.at_height(0.0))
     disk = Disk(187.74, 34, 9.387, np.radians(30.965))
     p = np.linspace(20.0, 4.7, 60)

@@ -19,7 +19,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot, rotation_about
 from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import Arc, Line, Parabola, RackSurface
+from gearmesh.tools.rack import Arc, Parabola, RackLine, RackSurface
 from gearmesh.tools.worm import Worm
 
 pytestmark = pytest.mark.quick
@@ -29,7 +29,7 @@ U, S = np.meshgrid(np.linspace(1.5, 7.5, 5), np.linspace(-20.0, 20.0, 7), indexi
 
 
 def rack(helix: float, side: int = 1, profile: Profile | None = None) -> RackSurface:
-    return RackSurface(profile or Line(ALPHA, MODULE, 0.25 * np.pi * MODULE), helix, 0.0, side)
+    return RackSurface(profile or RackLine(ALPHA, MODULE, 0.25 * np.pi * MODULE), helix, 0.0, side)
 
 
 def worm(helix: float, hand: int = 1, threads: int = 1, radius: float = 60.0) -> Worm:
@@ -159,7 +159,7 @@ def test_no_solution_is_said() -> None:
 
 def test_parabola_against_its_equation() -> None:
     """Height over the tangent, unit normal across the tangent, and dn/dp by difference quotients."""
-    line, coefficient, vertex = Line(ALPHA, MODULE, 5.0), 0.0167, 4.2
+    line, coefficient, vertex = RackLine(ALPHA, MODULE, 5.0), 0.0167, 4.2
     curve, p = Parabola(line, coefficient, vertex), np.linspace(0.0, 9.0, 7)
     points, tangents, normals, turned = curve.section(p)
     straight, _, outwards, _ = line.section(p)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gearmesh.tools.rack import Arc, Line
+from gearmesh.tools.rack import Arc, RackLine
 from gearmesh.tools.worm_threads import DiskLine
 
 #: angles (rad) about the disk's axis that are looked at, and by how much (rad) a place may differ
@@ -37,7 +37,7 @@ def test_a_disk_touches_where_it_passes_along_the_thread(*, arc: bool) -> None:
         screw, radius = 0.5 * rng.integers(1, 7), rng.uniform(3.0, 10.0)
         angle, b = np.radians(rng.uniform(15.0, 25.0)), rng.uniform(-0.9, -0.6)
         centre = (6.0 * np.sin(angle), -b - 6.0 * np.cos(angle))
-        profile = Arc(centre, -6.0) if arc else Line(angle, 0.0, b)
+        profile = Arc(centre, -6.0) if arc else RackLine(angle, 0.0, b)
         disk = DiskLine(
             profile, radius, screw, np.arctan(screw / radius), 0.5 * np.pi, radius - 1.2 + rng.uniform(12.0, 40.0)
         )
@@ -61,7 +61,7 @@ def test_a_disk_touches_where_it_passes_along_the_thread(*, arc: bool) -> None:
 
 
 def test_derivatives_along_the_line_of_a_disk_are_those_of_its_points() -> None:
-    disk = DiskLine(Line(0.35, 0.0, -0.7), 5.0, 1.5, np.arctan(0.3), 0.5 * np.pi, 24.0)
+    disk = DiskLine(RackLine(0.35, 0.0, -0.7), 5.0, 1.5, np.arctan(0.3), 0.5 * np.pi, 24.0)
     p, step = np.linspace(-0.8, 0.8, 5), 1e-5
     at, before, after = (disk.at(p + change) for change in (0.0, -step, step))
     assert np.abs((after.c - before.c) / (2.0 * step) - at.c_p).max() < 1e-8
@@ -69,7 +69,7 @@ def test_derivatives_along_the_line_of_a_disk_are_those_of_its_points() -> None:
 
 
 def test_a_disk_touches_nowhere_beyond_the_end_of_its_profile_that_a_steep_thread_leaves() -> None:
-    disk = DiskLine(Line(0.35, 0.0, -0.7), 3.0, 3.0, np.arctan(1.0), 0.5 * np.pi, 31.8)
+    disk = DiskLine(RackLine(0.35, 0.0, -0.7), 3.0, 3.0, np.arctan(1.0), 0.5 * np.pi, 31.8)
     p = np.array([-1.0, 1.0, 3.0, 10.0, 20.0])
     section, across = disk.profile.section(p), np.array([0.0, -np.sin(disk.tilt), np.cos(disk.tilt)])
     starts = np.array([3.0, 0.0, disk.middle]) + _outward(section[0]) - section[0][:, 1:] * across

@@ -14,6 +14,7 @@ from gearmesh.answers.bodies.model_figures import CyclicFigures, MeshFigures, Un
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.contact.hertz import Material
+from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.fe.gear_model import MeshRequest, check_sector, unloaded_model
@@ -37,13 +38,19 @@ LEAST_JACOBIAN = 0.2
 class FiniteElementModel(Result):
     """A model, ready to be written, and its figures as they are reported.
 
-    `model`: mesh with sets, materials, supports, contacts, loads.
+    It has materials, supports, contacts and loads beside its mesh; files have all of it.
     """
 
     design: Design
-    model: Model
+    _model: Model
     measured: MeshFigures
     warnings: tuple[str, ...]
+    model = Deprecated("_model", "0.19.0", "`mesh` has nodes, elements and sets, and save() writes all of it")
+
+    @property
+    def mesh(self) -> HexMesh:
+        """Nodes (mm), hexahedra and their sets."""
+        return self._model.mesh
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -64,8 +71,8 @@ class FiniteElementModel(Result):
     @property
     def cyclic(self) -> tuple[CyclicFigures, ...]:
         """Those of the sector that it is, if it is one."""
-        symmetry = self.model.cyclic
-        return () if symmetry is None else (CyclicFigures.of(symmetry, self.model.mesh),)
+        symmetry = self._model.cyclic
+        return () if symmetry is None else (CyclicFigures.of(symmetry, self.mesh),)
 
     @property
     def listings(self) -> list[Listing]:
@@ -110,7 +117,7 @@ class FiniteElementModel(Result):
             return super().save(target, timing=timing)
         from gearmesh.fe.decks import write_model
 
-        write_model(self.model, target, program)
+        write_model(self._model, target, program)
         return target
 
     def to_pyvista(self) -> pyvista.UnstructuredGrid:
@@ -128,7 +135,7 @@ class FiniteElementModel(Result):
         """
         import pyvista
 
-        mesh = self.model.mesh
+        mesh = self.mesh
         kind = pyvista.CellType.QUADRATIC_HEXAHEDRON if mesh.second_order else pyvista.CellType.HEXAHEDRON
         return pyvista.UnstructuredGrid({kind: mesh.elements}, mesh.nodes)
 

@@ -64,7 +64,7 @@ class FiniteElements(FiniteElementModel):
     _request: Request
     _built: GearModel
     request = Deprecated("_request", "0.18.0", "design.fe has what was asked for")
-    built = Deprecated("_built", "0.18.0", "`model` and `figures` have what was made")
+    built = Deprecated("_built", "0.18.0", "`mesh` and `figures` have what was made")
 
     @property
     def coarse(self) -> str:
@@ -428,12 +428,12 @@ def _solve(problem: FiniteElements, progress: Callable[[float, str], None] | Non
     from gearmesh.fe import ccx
 
     started = time.perf_counter()
-    solution = ccx.solve(problem.model, progress)
+    solution = ccx.solve(problem._model, progress)
     back = problem._built.at.frame.inverse
-    contacts = contact_figures(problem.model, solution)
+    contacts = contact_figures(problem._model, solution)
     figures = SolutionFigures(
         contact=_contact_figures(problem, solution, contacts, back) if contacts else None,
-        fillets={name: _fillet(problem.model, solution, name, back) for name in problem._request.members},
+        fillets={name: _fillet(problem._model, solution, name, back) for name in problem._request.members},
         iterations=solution.iterations,
         seconds=time.perf_counter() - started,
     )
@@ -472,10 +472,10 @@ def _at_rim(problem: FiniteElements, place: list[float]) -> bool:
 
 def _leading(problem: FiniteElements) -> int:
     """Which of the model's contacts is that of the leading tooth pair: the one nearest to the place of contact."""
-    mesh, place = problem.model.mesh, problem._built.at.frame.point(problem._built.at.path.point[0])
+    mesh, place = problem.mesh, problem._built.at.frame.point(problem._built.at.path.point[0])
     away = [
         np.linalg.norm(mesh.nodes[mesh.face_nodes(contact.slave)] - place, axis=-1).min()
-        for contact in problem.model.contacts
+        for contact in problem._model.contacts
     ]
     return int(np.argmin(away))
 

@@ -13,13 +13,14 @@ import numpy as np
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing, figures
+from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.lengths import Length, in_mm
 from gearmesh.toolpath.ball import BallCutter
-from gearmesh.toolpath.motion import ONE_WAY, ZIGZAG
-from gearmesh.toolpath.toolpath import PathOrder, ToolPath, tool_path
+from gearmesh.toolpath.motion import ONE_WAY, ZIGZAG, ToolMotion
+from gearmesh.toolpath.toolpath import PathOrder, ToolPath, budget_of, tool_path
 
 #: what may be asked for
 FLANKS, SURFACES, FEEDS = ("right", "left", "both"), ("all", "flanks"), (ZIGZAG, ONE_WAY)
@@ -85,14 +86,20 @@ class ToolPathFigures(Figures):
 class ToolPathAnswer(Result):
     """Passes of a ball-end cutter through spaces of a member, in its own frame (mm), and what they leave.
 
-    `path` has the arrays: `path.passes` of one space, `path.whole` all positions; `feed` is in mm/min.
+    `motion` has the positions as arrays; `order` is what was asked for; `feed` is in mm/min.
     """
 
     design: Design
     member: str
-    path: ToolPath
+    _path: ToolPath
     order: PathOrder
     feed: float = FEED
+    path = Deprecated("_path", "0.19.0", "`motion` has the positions, `measured` what was proved of them")
+
+    @property
+    def motion(self) -> ToolMotion:
+        """All positions of the tool, through all spaces that are cut."""
+        return self._path.whole
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -102,7 +109,7 @@ class ToolPathAnswer(Result):
     @property
     def measured(self) -> ToolPathFigures:
         """All figures."""
-        path, left, budget = self.path, self.path.left, self.order.budget
+        path, left, budget = self._path, self._path.left, budget_of(self.order)
         step_over, um = path.passes.step_over, 1e3
         tilt, lead = (np.degrees(angle) for angle in (path.axes.tilt, path.axes.lead))
         angles = PathAngles(*(float(f(angle)) + 0.0 for angle in (tilt, lead) for f in (np.min, np.max)))
@@ -133,8 +140,8 @@ class ToolPathAnswer(Result):
 
     @property
     def _surfaces(self) -> list[SurfaceLeft]:
-        left, passes = self.path.left, self.path.passes
-        count = {wall.region: int((passes.wall == k).sum()) for k, wall in enumerate(self.path.space.walls)}
+        left, passes = self._path.left, self._path.passes
+        count = {wall.region: int((passes.wall == k).sum()) for k, wall in enumerate(self._path.space.walls)}
         return [
             SurfaceLeft(str(region), count[region], 1e3 * largest, 1e3 * left.least[region])
             for region, largest in left.largest.items()
@@ -173,7 +180,7 @@ class ToolPathAnswer(Result):
         >>> len(path.to_dict()["x"]) > 100
         True
         """
-        motion = self.path.whole
+        motion = self.motion
         numbers = [motion.space + 1, motion.number + 1, motion.rapid]
         vectors = np.concatenate((motion.tips, motion.axes, motion.contacts), axis=1).T
         return {name: column.tolist() for name, column in zip(COLUMNS, (*numbers, *vectors), strict=True)}
@@ -186,7 +193,7 @@ class ToolPathAnswer(Result):
         from gearmesh.toolpath.cls import cls_text
 
         title = f"{self.design.name or self.design.kind} {self.member}".upper()
-        whole_text(target, cls_text(title, self._notes, self.path.whole, self.path.ball, self.feed))
+        whole_text(target, cls_text(title, self._notes, self.motion, self._path.ball, self.feed))
 
     @property
     def _notes(self) -> list[str]:
@@ -209,7 +216,7 @@ class ToolPathAnswer(Result):
     def _write_vtp(self, target: Path) -> None:
         from gearmesh.io.meshes.vtk import write_polylines
 
-        motion = self.path.whole
+        motion = self.motion
         steps = np.diff(motion.rapid.astype(int)) != 0
         lines = np.split(np.arange(len(motion.tips)), np.flatnonzero(steps | (np.diff(motion.number) != 0)) + 1)
         data = {"tip": motion.tips, "axis": motion.axes, "contact": motion.contacts}

@@ -19,6 +19,7 @@ from gearmesh.answers.inspection.figures import (
 from gearmesh.answers.inspection.flank_map import DeviationMap, MeasuredTrace, helix_trace, profile_trace
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing, round_to
+from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Summary, flat
@@ -36,14 +37,15 @@ DIGITS = 2
 
 @dataclass(frozen=True, repr=False)
 class Inspection(Result):
-    """What was `measured` of a nominal member of a design; `basis`: what it is inspected by, None without tolerances; `notes` of
-    the measurement."""
+    """What was `measured` of a nominal member of a design, against the tolerances of its class where it has any; `notes` of the
+    measurement."""
 
     design: Design
     member: Member
     measured: MeasuredTeeth
-    basis: InspectionBasis | None
+    _basis: InspectionBasis | None
     notes: tuple[str, ...] = ()
+    basis = Deprecated("_basis", "0.19.0", "`gear_class` and tolerance() have what follows from it")
 
     @cached_property
     def maps(self) -> dict[Side, DeviationMap]:
@@ -67,7 +69,7 @@ class Inspection(Result):
     def _traces(
         self, trace: Callable[[Tooth, Side, FlankDeviations, InvoluteFlank], MeasuredTrace]
     ) -> dict[Side, MeasuredTrace]:
-        involute = None if self.basis is None else self.basis.involute
+        involute = None if self._basis is None else self._basis.involute
         if involute is None:
             return {}
         return {side: trace(self.member.tooth, side, own, involute) for side, own in self._flanks}
@@ -87,7 +89,7 @@ class Inspection(Result):
     @property
     def _ball(self) -> BallInSpace | None:
         known = all(side in self.measured.pitch for side in Side)
-        return self.basis.ball if self.basis is not None and known else None
+        return self._basis.ball if self._basis is not None and known else None
 
     @cached_property
     def deviations(self) -> dict[str, float]:
@@ -113,7 +115,7 @@ class Inspection(Result):
     @cached_property
     def gear_class(self) -> GearClass | None:
         """The classes of all figures; None without tolerances, and beyond their range."""
-        return None if self.basis is None else class_of(self.basis.sizes, self.deviations)
+        return None if self._basis is None else class_of(self._basis.sizes, self.deviations)
 
     def tolerance(self, symbol: str) -> float | None:
         r"""The tolerance of a deviation in the class that is asked for.
@@ -135,9 +137,9 @@ class Inspection(Result):
         >>> gears.evaluate("pinion", pitch="pitch.csv").tolerance("F_p") is None
         False
         """
-        if self.basis is None:
+        if self._basis is None:
             return None
-        return (self.basis.sizes.tolerances(self.basis.asked) or {}).get(f"{symbol}T")
+        return (self._basis.sizes.tolerances(self._basis.asked) or {}).get(f"{symbol}T")
 
     @property
     def headline(self) -> str:
@@ -146,21 +148,23 @@ class Inspection(Result):
             return f"{self.member.name}: measured deviations, none of which has a tolerance"
         limits = ", ".join(classes.limiting)
         if classes.overall is None:
-            return f"{self.member.name}: coarser than class {classes_end(self.basis)} [{classes.standard}], by {limits}"
+            return (
+                f"{self.member.name}: coarser than class {classes_end(self._basis)} [{classes.standard}], by {limits}"
+            )
         return f"{self.member.name}: class {classes.overall} [{classes.standard}], limited by {limits}"
 
     @property
     def complaints(self) -> list[str]:
         """Figures that are beyond the class that the design asks for."""
         classes = self.gear_class
-        if classes is None or self.basis is None:
+        if classes is None or self._basis is None:
             return []
         lines = []
         for own in classes.deciding:
             limit = self.tolerance(own.symbol)
-            if limit is not None and (own.tolerance_class is None or own.tolerance_class > self.basis.asked):
+            if limit is not None and (own.tolerance_class is None or own.tolerance_class > self._basis.asked):
                 lines.append(
-                    f"{own.symbol} ({own.name}) is {own.deviation:.4g} um; class {self.basis.asked} allows {limit:g} um"
+                    f"{own.symbol} ({own.name}) is {own.deviation:.4g} um; class {self._basis.asked} allows {limit:g} um"
                 )
         return lines
 
@@ -179,7 +183,7 @@ class Inspection(Result):
     @cached_property
     def figures(self) -> InspectionFigures:
         """All of it."""
-        classes, basis = self.gear_class, self.basis
+        classes, basis = self.gear_class, self._basis
         runout, eccentricity = (None if x is None else UM * x for x in (self.runout, self.eccentricity))
         return InspectionFigures(
             member=self.member.name,

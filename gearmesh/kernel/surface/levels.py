@@ -87,7 +87,26 @@ class LandSurface(Surface, Protocol):
     """The surface of a land or root; its first parameter is the angle along which teeth follow each other."""
 
     def meeting(self, axial: Level, stations: Array) -> Array:
-        """Second parameter (...,) near the station coordinates `stations` (...,), mm."""
+        """Second parameter near places along the face.
+
+        Parameters
+        ----------
+        axial : Level
+            The coordinate along the face.
+        stations : ndarray
+            Its values (...,), mm.
+
+        Returns
+        -------
+        ndarray
+            (...,), in the surface's own unit.
+
+        Examples
+        --------
+        >>> blank = gears.members["pinion"].tooth.blank
+        >>> blank.tip.surface.meeting(blank.axial, np.array([0.0, 1.0])).tolist()
+        [0.0, 1.0]
+        """
 
     @property
     def cone(self) -> ConeLevel | None:
@@ -102,16 +121,82 @@ class LandLevel(Level, Protocol):
         """The surface g = 0."""
 
     def corners(self, axial: Level) -> tuple[float, ...]:
-        """Station coordinates (mm) of the corners of its meridian, ascending."""
+        """Corners of its meridian.
+
+        Parameters
+        ----------
+        axial : Level
+            The coordinate along the face.
+
+        Returns
+        -------
+        tuple of float
+            Values of that coordinate, mm, ascending.
+
+        Examples
+        --------
+        >>> blank = gears.members["pinion"].tooth.blank
+        >>> blank.tip.corners(blank.axial)
+        ()
+        """
 
     def at(self, z: float | Array) -> Array:
-        """Its distance (...,), mm, from the axis, or from a rack's reference plane, at z (...,), where it has one."""
+        """Its distance from the axis, or from a rack's reference plane.
+
+        Parameters
+        ----------
+        z : float or ndarray
+            (...,), mm, along the axis.
+
+        Returns
+        -------
+        ndarray
+            (...,), mm.
+
+        Examples
+        --------
+        >>> float(gears.members["pinion"].tooth.blank.tip.at(0.0))
+        20.0
+        """
 
     def across(self, axial: Level) -> Level:
-        """The coordinate (mm) at right angles to that of the stations."""
+        """The coordinate at right angles to that along the face.
+
+        Parameters
+        ----------
+        axial : Level
+            The coordinate along the face.
+
+        Returns
+        -------
+        Level
+            mm, across it.
+
+        Examples
+        --------
+        >>> blank = gears.members["pinion"].tooth.blank
+        >>> across = blank.tip.across(blank.axial)
+        >>> across.gradient(np.array([19.0, 0.0, 0.0])).tolist()
+        [1.0, 0.0, 0.0]
+        """
 
     def parallel(self, distance: float) -> LandLevel:
-        """The level whose surface is so far (mm) from this one's, positive out of the body."""
+        """The level of the parallel surface.
+
+        Parameters
+        ----------
+        distance : float
+            mm, positive out of the body.
+
+        Returns
+        -------
+        LandLevel
+
+        Examples
+        --------
+        >>> float(gears.members["pinion"].tooth.blank.tip.parallel(0.5).at(0.0))
+        20.5
+        """
 
 
 @dataclass(frozen=True)

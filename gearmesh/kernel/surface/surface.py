@@ -167,19 +167,116 @@ class GeneratedSurface(Surface, Protocol):
         """Number of the motion's parameters."""
 
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
-        """Parameters (...,) of the tool's surface that generates the points u, v (...,)."""
+        """Where on the tool its points are generated.
+
+        Parameters
+        ----------
+        u : ndarray
+            First parameter, (...,).
+        v : ndarray
+            Second parameter, (...,).
+
+        Returns
+        -------
+        tuple of ndarray
+            Both parameters of the tool's surface, (...,) each.
+
+        Examples
+        --------
+        >>> flank, fillet = gears.members["pinion"].tooth.right.generation
+        >>> p, s = flank.on_tool(np.array([0.1]), np.array([0.0]))
+        >>> p.shape
+        (1,)
+        """
 
     def generating(self, u: Array, v: Array) -> tuple[Array, ...]:
-        """The motion's parameters, (...,) each, while the tool generates the points u, v (...,)."""
+        """Where in the motion its points are generated.
+
+        Parameters
+        ----------
+        u : ndarray
+            First parameter, (...,).
+        v : ndarray
+            Second parameter, (...,).
+
+        Returns
+        -------
+        tuple of ndarray
+            The motion's parameters, (...,) each: none, roll (rad), or roll and feed (mm).
+
+        Examples
+        --------
+        >>> flank, fillet = gears.members["pinion"].tooth.right.generation
+        >>> (roll,) = flank.generating(np.array([0.1]), np.array([0.0]))
+        >>> roll.shape
+        (1,)
+        """
 
     def tool_to_blank(self, *motion: Array) -> Rigid:
-        """The tool's frame over the blank's at parameters of the motion."""
+        """The tool's frame over the blank's.
+
+        Parameters
+        ----------
+        motion : ndarray
+            Parameters of the motion, (...,) each, as `generating` has them.
+
+        Returns
+        -------
+        Rigid
+            It takes the tool to the blank.
+
+        Examples
+        --------
+        >>> flank, fillet = gears.members["pinion"].tooth.right.generation
+        >>> u, v = np.array([0.1]), np.array([0.0])
+        >>> tool = flank.tool.jet(*flank.on_tool(u, v)).r
+        >>> made = flank.tool_to_blank(*flank.generating(u, v)).point(tool)
+        >>> bool(np.abs(made - flank.jet(u, v).r).max() < 1e-9)
+        True
+        """
 
     def axes(self, *motion: Array) -> tuple[MachineAxis, ...]:
-        """Axes of the machine, in the blank's frame, at one place of the motion."""
+        """Axes of the machine, in the blank's frame.
+
+        Parameters
+        ----------
+        motion : ndarray
+            Parameters of one place of the motion.
+
+        Returns
+        -------
+        tuple of MachineAxis
+            Beside those of blank and tool.
+
+        Examples
+        --------
+        >>> flank, fillet = gears.members["pinion"].tooth.right.generation
+        >>> [axis.name for axis in flank.axes(np.array(0.0))]
+        []
+        """
 
     def progress(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
-        """What tells the lines along which the tool touches, (...,), rad or mm, and its partials: the roll, or else the feed."""
+        """What tells the lines along which the tool touches: the roll, or else the feed.
+
+        Parameters
+        ----------
+        u : ndarray
+            First parameter, (...,).
+        v : ndarray
+            Second parameter, (...,).
+
+        Returns
+        -------
+        tuple of ndarray
+            Its value, rad or mm, and its partials, (...,) each.
+
+        Examples
+        --------
+        >>> flank, fillet = gears.members["pinion"].tooth.right.generation
+        >>> roll, by_u, by_v = flank.progress(np.array([0.1]), np.array([0.0]))
+        >>> roll.shape
+        (1,)
+        """
 
 
 @dataclass(frozen=True)

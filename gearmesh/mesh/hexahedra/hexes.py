@@ -35,16 +35,51 @@ class HexMesh:
 
     @property
     def second_order(self) -> bool:
+        """Whether elements have mid-side nodes."""
         has_middles: bool = self.elements.shape[1] == 20
         return has_middles
 
     def face_corners(self, name: str) -> NDArray[np.int64]:
-        """Corner nodes (K, 4) of a face set, counterclockwise seen from outside the element."""
+        """Corner nodes of the faces of a set.
+
+        Parameters
+        ----------
+        name : str
+            Of the face set.
+
+        Returns
+        -------
+        ndarray of int
+            Nodes (K, 4), counterclockwise seen from outside the element.
+
+        Examples
+        --------
+        >>> mesh = gears.finite_elements().mesh
+        >>> corners = mesh.face_corners("pinion_toe")
+        >>> bool(np.ptp(mesh.nodes[corners][..., 2]) < 1e-9)
+        True
+        """
         element, face = self.face_sets[name].T
         return np.take_along_axis(self.elements[element], np.array(HEX_FACES)[face][:, ::-1], axis=1)
 
     def face_outlines(self, name: str) -> NDArray[np.int64]:
-        """Nodes (K, 4 or 8) of a face set, counterclockwise seen from outside: corners, mid-side nodes between them."""
+        """Nodes along the outlines of the faces of a set.
+
+        Parameters
+        ----------
+        name : str
+            Of the face set.
+
+        Returns
+        -------
+        ndarray of int
+            Nodes (K, 4 or 8), counterclockwise seen from outside: corners, mid-side nodes between them.
+
+        Examples
+        --------
+        >>> gears.finite_elements().mesh.face_outlines("pinion_toe").shape[1]
+        4
+        """
         corners = np.array(HEX_FACES)[:, ::-1]
         if not self.second_order:
             return self.face_corners(name)
@@ -56,11 +91,45 @@ class HexMesh:
         return np.take_along_axis(self.elements[element], np.array(outlines)[face], axis=1)
 
     def face_nodes(self, name: str) -> NDArray[np.int64]:
-        """All nodes (K,) of a face set, rising."""
+        """All nodes of the faces of a set.
+
+        Parameters
+        ----------
+        name : str
+            Of the face set.
+
+        Returns
+        -------
+        ndarray of int
+            Nodes (K,), rising, each once.
+
+        Examples
+        --------
+        >>> mesh = gears.finite_elements().mesh
+        >>> mesh.face_nodes("pinion_toe").size < mesh.face_corners("pinion_toe").size
+        True
+        """
         return np.unique(self.face_outlines(name))
 
     def move(self, transform: Rigid) -> HexMesh:
-        """The same mesh in another frame."""
+        """The same mesh in another frame.
+
+        Parameters
+        ----------
+        transform : Rigid
+            From this frame to the other one.
+
+        Returns
+        -------
+        HexMesh
+
+        Examples
+        --------
+        >>> mesh = gears.finite_elements().mesh
+        >>> moved = mesh.move(gm.Rigid(np.eye(3), np.array([0.0, 0.0, 3.0])))
+        >>> round(float((moved.nodes - mesh.nodes)[0, 2]), 9)
+        3.0
+        """
         return replace(self, nodes=transform.point(self.nodes))
 
 

@@ -31,7 +31,7 @@ from gearmesh.systems.system import Displacements
 from gearmesh.teeth.gear_train import GearPair, GearTrain, SourceParameters
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
-from gearmesh.tools.rack import Line
+from gearmesh.tools.rack import RackLine
 
 if TYPE_CHECKING:
     from gearmesh.systems.beveloid.design import BeveloidDesign, BeveloidMember
@@ -108,7 +108,7 @@ def _rack(
             reason=f"the root ({2 * (roll.radius + root_height / np.cos(roll.cone)):.6g} mm) must be smaller than the "
             f"tip ({2 * (roll.radius + tip_height / np.cos(roll.cone)):.6g} mm)",
         )
-    flank = Line(alpha, module, half_thickness, shift)
+    flank = RackLine(alpha, module, half_thickness, shift)
     return round_tips(name, spec, module, (flank, flank), Heights(tip_height, root_height))
 
 

@@ -48,7 +48,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import Line, RackSurface
+from gearmesh.tools.rack import RackLine, RackSurface
 from gearmesh.tools.shaper import Shaper
 from gearmesh.tools.shaper_worm import ShaperWorm
 
@@ -337,7 +337,7 @@ def _pinion(design: FaceGearDesign, place: float) -> Member:
     spec, m, alpha = design.pinion, design.given_module, float(np.radians(design.pressure_angle))
     shift = spec.profile_shift * m
     half_thickness = thin(0.25 * np.pi * m, design.backlash, 0.5, alpha)
-    flank = Line(alpha, m, half_thickness, shift)
+    flank = RackLine(alpha, m, half_thickness, shift)
     heights = Heights(shift + spec.addendum * m, shift - spec.dedendum * m)
     roll = Roll(0.5 * spec.teeth * m, 0.0, 0.0)
     base_radius = roll.radius * np.cos(alpha)

@@ -312,7 +312,7 @@ class ParabolicHelicalDesign(PairDesign):
         >>> len(gm.load("samples/novikov.toml").rack_flanks("pinion"))
         2
         """
-        from gearmesh.tools.rack import Line, Parabola
+        from gearmesh.tools.rack import Parabola, RackLine
 
         spec = self.pinion if name == "pinion" else self.gear
         sign = 1.0 if name == "pinion" else self.gear_parabola_sign
@@ -320,7 +320,7 @@ class ParabolicHelicalDesign(PairDesign):
         for angle in (self.pressure_angle, given_or(self.coast_pressure_angle, self.pressure_angle)):
             alpha = math.radians(angle)
             half = 0.5 * self.rack_space(name) - 0.25 * self.backlash / math.cos(alpha)
-            line = Line(alpha, self.given_module, half)
+            line = RackLine(alpha, self.given_module, half)
             flanks.append(Parabola(line, sign * spec.parabola, line.at_height(0.0)))
         return flanks[0], flanks[1]
 

@@ -16,7 +16,7 @@ from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
-from gearmesh.tools.rack import Line
+from gearmesh.tools.rack import RackLine
 
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
@@ -44,7 +44,7 @@ def _rack(design: WormDriveDesign, roll: Roll) -> tuple[RackTooth, RackTooth]:
     shift = design.center_distance - 0.5 * design.reference_diameter - roll.radius
     angle = math.radians(design.pressure_angle)
     half = 0.5 * (math.pi - design.worm.thickness) * module
-    flank = Line(angle, module, thin(half, design.backlash, 0.5 * (1.0 - design.backlash_share), angle), shift)
+    flank = RackLine(angle, module, thin(half, design.backlash, 0.5 * (1.0 - design.backlash_share), angle), shift)
     heights = Heights(0.5 * design.wheel.outside_diameter - roll.radius, shift - design.hob.addendum * m)
     tip = _CutterTip(design.hob.addendum * m / module, design.hob.tip_radius * m / module)
     try:

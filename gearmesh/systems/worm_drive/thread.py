@@ -19,7 +19,7 @@ from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.meridian import Values
 from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import Arc, Line
+from gearmesh.tools.rack import Arc, RackLine
 from gearmesh.tools.worm_threads import DiskLine, PlaneEdge, TransverseInvolute
 
 #: steps of Newton's method to a point of a profile, and the distance (mm) that counts as none
@@ -112,7 +112,7 @@ class WormThread:
         """The same, which a tool has to be moved for that leaves the thickness."""
         half = 0.5 * self.thickness
         if self.form is ThreadForm.ZA:
-            return PlaneEdge(Line(self.angle, 0.0, half), self.radius, self.screw)
+            return PlaneEdge(RackLine(self.angle, 0.0, half), self.radius, self.screw)
         if self.form is ThreadForm.ZI:
             angle = self._transverse_angle
             return TransverseInvolute(self.base_radius, self.screw, angle - math.tan(angle), half)
@@ -128,7 +128,7 @@ class WormThread:
 
     def _by_tool(self, b: float) -> GeneratingCurve:
         """The curve of ZN, ZK and ZC whose tool's profile is at y = -b (mm) on the reference cylinder."""
-        profile: Profile = Line(self.angle, 0.0, b)
+        profile: Profile = RackLine(self.angle, 0.0, b)
         middle = 0.0 if self.across_thread else 0.5 * self.axial_pitch
         if self.form is ThreadForm.ZN:
             return PlaneEdge(profile, self.radius, self.screw, self.lead_angle, middle)

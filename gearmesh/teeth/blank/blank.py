@@ -37,7 +37,24 @@ class Blank:
         return self if self.ends == SHARP else replace(self, extent=self.faces, ends=SHARP)
 
     def with_ends(self, ends: EndChamfers) -> Blank:
-        """The blank with chamfers at its end faces, which stay where they are."""
+        """The blank with chamfers at its end faces, which stay where they are.
+
+        Parameters
+        ----------
+        ends : tuple of EndChamfer or None
+            At toe and heel; None for a sharp edge.
+
+        Returns
+        -------
+        Blank
+
+        Examples
+        --------
+        >>> blank = gears.members["pinion"].tooth.blank
+        >>> broken = blank.with_ends((gm.EndChamfer(0.5, 0.5), None))
+        >>> round(broken.extent[0] - blank.extent[0], 9)
+        0.5
+        """
         (toe, heel), (first, last) = self.faces, (0.0 if end is None else end.depth for end in ends)
         extent = (toe + first, heel - last) if heel > toe else (toe - first, heel + last)
         return replace(self, extent=extent, ends=ends)

@@ -112,9 +112,9 @@ def solution_picture(solved: FiniteElementSolution) -> Diagram:
 
         if file.suffix.lower() != ".png":
             raise OutputError("cannot write", file, reason="its suffix must be .png")
-        scenes = [stress_scene(problem.model, solved.solution, problem._built.at)]
-        if problem.model.contacts:
-            scenes.insert(0, pressure_scene(problem.model, solved.solution, problem._built.at, note=solved.reserve))
+        scenes = [stress_scene(problem._model, solved.solution, problem._built.at)]
+        if problem._model.contacts:
+            scenes.insert(0, pressure_scene(problem._model, solved.solution, problem._built.at, note=solved.reserve))
         panels = [render(scene) for scene in scenes]
         with whole_file(file) as unfinished:
             imsave(unfinished, np.concatenate(panels, axis=1))

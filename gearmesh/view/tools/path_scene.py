@@ -32,7 +32,7 @@ LIFT = 2e-3
 
 def path_scene(answer: ToolPathAnswer, size: tuple[int, int] = (1600, 1200), title: str = "") -> Scene:
     """The gear with all passes of the space before the tooth on +x, and the cutter half way along one over a flank."""
-    path, passes = answer.path, answer.path.passes
+    path, passes = answer._path, answer._path.passes
     member = replace(path.space.member, features=BodyFeatures())
     gear = SceneBody(gear_solid(member, GEAR), Rigid.identity(), STEEL)
     station = passes.contacts.shape[1] // 2

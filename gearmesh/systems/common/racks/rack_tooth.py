@@ -14,7 +14,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import Arc, Line, Parabola, ProfilePieces
+from gearmesh.tools.rack import Arc, Parabola, ProfilePieces, RackLine
 
 #: distance (modules) from the tip plane of a rounding that touches it, before the last Newton step
 TOUCHING = 1e-12
@@ -76,7 +76,7 @@ class Heights:
 
 
 def round_tips(
-    name: str, spec: CutterTip, module: float, flanks: tuple[Line | Parabola, Line | Parabola], heights: Heights
+    name: str, spec: CutterTip, module: float, flanks: tuple[RackLine | Parabola, RackLine | Parabola], heights: Heights
 ) -> tuple[RackTooth, RackTooth]:
     """Both sides, (right, left), of a space whose cutter has its tip rounded by `spec.tool_tip_radius` normal modules.
 
@@ -101,7 +101,7 @@ def round_tips(
     return right, left
 
 
-def _check_bend(name: str, flanks: tuple[Line | Parabola, Line | Parabola], heights: Heights) -> None:
+def _check_bend(name: str, flanks: tuple[RackLine | Parabola, RackLine | Parabola], heights: Heights) -> None:
     """Refuse a parabola that bends back before the tip or the root, which is where c^2 = 4 a sin(alpha) x."""
     for flank in flanks:
         for x in (heights.tip, heights.root):
@@ -117,7 +117,9 @@ def _check_bend(name: str, flanks: tuple[Line | Parabola, Line | Parabola], heig
                 )
 
 
-def tip_land(flanks: tuple[Line | Parabola, Line | Parabola], radius: Array, root: float, module: float) -> Array:
+def tip_land(
+    flanks: tuple[RackLine | Parabola, RackLine | Parabola], radius: Array, root: float, module: float
+) -> Array:
     """Land (M,), mm, of a cutter's tip at the height `root` between roundings of `radius` (M,), mm.
 
     < 0 where they overlap, NaN where one touches its flank nowhere.
@@ -126,7 +128,9 @@ def tip_land(flanks: tuple[Line | Parabola, Line | Parabola], radius: Array, roo
     return np.pi * module + right + left
 
 
-def largest_rounding(flanks: tuple[Line | Parabola, Line | Parabola], root: float, module: float, most: float) -> float:
+def largest_rounding(
+    flanks: tuple[RackLine | Parabola, RackLine | Parabola], root: float, module: float, most: float
+) -> float:
     """Largest rounding (mm) of a cutter's tip at the height `root`, up to `most`; 0 where the tip is pointed without one."""
     ends = np.zeros(1), np.array([most])
     if tip_land(flanks, ends[1], root, module)[0] >= 0.0:
@@ -136,7 +140,7 @@ def largest_rounding(flanks: tuple[Line | Parabola, Line | Parabola], root: floa
 
 
 def _side(
-    name: str, spec: CutterTip, flank: Line | Parabola, radius: float, heights: Heights, module: float
+    name: str, spec: CutterTip, flank: RackLine | Parabola, radius: float, heights: Heights, module: float
 ) -> RackTooth:
     (touch,), (centre,), (angle,) = _touch(flank, np.array([radius]), heights.root, module)
     if flank.section(np.array(touch))[0][0] >= heights.tip:
@@ -158,7 +162,7 @@ def _side(
     )
 
 
-def _touch(flank: Line | Parabola, radius: Array, root: float, module: float) -> tuple[Array, Array, Array]:
+def _touch(flank: RackLine | Parabola, radius: Array, root: float, module: float) -> tuple[Array, Array, Array]:
     """Flank parameters (M,) where circles of `radius` (M,) standing on the tip plane touch, centres (M, 2), normals' angles.
 
     NaN where there is no such circle.

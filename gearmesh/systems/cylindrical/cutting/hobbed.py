@@ -36,7 +36,7 @@ from gearmesh.systems.common.racks.rack_tooth import Heights, RackTipCorner, Rac
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.undercut import intersection
 from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import Arc, Line, ProfilePieces, RackSurface, RolledArc
+from gearmesh.tools.rack import Arc, ProfilePieces, RackLine, RackSurface, RolledArc
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalMember, Hob
@@ -58,10 +58,10 @@ class ToothCut:
     tip: float
 
 
-def flank_line(own: Toothing, outwards: float = 0.0) -> Line:
+def flank_line(own: Toothing, outwards: float = 0.0) -> RackLine:
     """The rack's flank that generates a member's, or a line `outwards` of it (mm, normal to it)."""
     half = 0.25 * math.pi * own.module + 0.5 * own.allowance
-    return Line(own.alpha, own.module, half + outwards / math.cos(own.alpha), own.shift * own.module)
+    return RackLine(own.alpha, own.module, half + outwards / math.cos(own.alpha), own.shift * own.module)
 
 
 def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Heights) -> tuple[RackTooth, RackTooth]:
@@ -107,7 +107,7 @@ class _Hobbing:
     heights: Heights
     rack: RackTooth
 
-    def tip_parts(self, flank: Line) -> list[ToothCut]:
+    def tip_parts(self, flank: RackLine) -> list[ToothCut]:
         """The tip rounding and the line from the protuberance to the hob's `flank`, as far as their curves bound the tooth."""
         hob, own, arc = self.hob, self.own, self.rack.rounding
         rounding = ToothCut(RolledArc(arc), ROOT, RolledArc.parameter(own.alpha))
@@ -126,7 +126,7 @@ class _Hobbing:
             ends = own.alpha - math.acos(1.0 + hob.protuberance / arc.radius)
             return [replace(rounding, tip=RolledArc.parameter(ends))]
         (x, y), _, _, _ = arc.section(np.array(angle))
-        ramp = Line(angle, 0.0, -float(y), float(x))
+        ramp = RackLine(angle, 0.0, -float(y), float(x))
         away = np.array([x, y]) - flank.section(np.array(flank.at_height(float(x))))[0]
         _, _, normal, _ = flank.section(np.array(0.0))
         length = -float(away @ normal) / math.sin(own.alpha - angle)
@@ -148,7 +148,7 @@ class _Hobbing:
             return [rounding]
         return self._cross([rounding], [ToothCut(ramp, begins, length)]) or [rounding]
 
-    def hob_parts(self, flank: Line) -> list[ToothCut]:
+    def hob_parts(self, flank: RackLine) -> list[ToothCut]:
         """The parts that bound the tooth as the hob, whose `flank` it is, leaves it."""
         whole = self._sound(flank)
         parts = self.tip_parts(flank)
@@ -157,11 +157,11 @@ class _Hobbing:
             return [*parts, replace(whole, root=touch)]
         return self._cross(parts, [whole]) or self._none_left()
 
-    def relieve(self, parts: list[ToothCut], flank: Line) -> list[ToothCut]:
+    def relieve(self, parts: list[ToothCut], flank: RackLine) -> list[ToothCut]:
         """The `parts` of the hob and the `flank` that they undercut."""
         return self._cross(parts, [self._sound(flank)]) or self._none_left()
 
-    def notch(self, parts: list[ToothCut], flank: Line) -> list[ToothCut]:
+    def notch(self, parts: list[ToothCut], flank: RackLine) -> list[ToothCut]:
         """The `parts` of the hob and those of a finishing tool with a sharp tip, its `flank` last."""
         own, diameter = self.own, self.hob.finishing_diameter
         assert diameter is not None
@@ -179,14 +179,14 @@ class _Hobbing:
         edge = flank.at_height(height)
         (x, y), _, _, _ = flank.section(np.array(edge))
         # the tip plane is a line whose normal is x, from the middle of the tool's tooth on
-        plane = ToothCut(Line(0.5 * math.pi, 0.0, 0.0, float(x)), -0.5 * math.pi * own.module, float(y))
+        plane = ToothCut(RackLine(0.5 * math.pi, 0.0, 0.0, float(x)), -0.5 * math.pi * own.module, float(y))
         tip = ToothCut(RolledArc(Arc((float(x), float(y)), 0.0)), ROOT, RolledArc.parameter(own.alpha))
         crossed = self._cross(parts, [plane, tip, replace(self._sound(flank), root=edge)])
         if crossed is None:
             raise VagueError(key, diameter, unit="mm", reason="the finishing tool's tip cuts the root", allowed="more")
         return crossed
 
-    def chamfer(self, flank: Line, begins: float) -> RackTipCorner:
+    def chamfer(self, flank: RackLine, begins: float) -> RackTipCorner:
         """The line that cuts a chamfer from a diameter of the `flank` on, which has its form point at `begins`."""
         hob, own, diameter = self.hob, self.own, self.hob.chamfer_diameter
         assert diameter is not None
@@ -212,7 +212,7 @@ class _Hobbing:
         height = self._height(angle, radius)
         aside = -height / math.tan(self._transverse(angle))
         turn = own.half_angle(radius) + math.atan2(aside, own.radius + height)
-        line = Line(angle, 0.0, (own.radius * turn - aside) * math.cos(own.beta), height)
+        line = RackLine(angle, 0.0, (own.radius * turn - aside) * math.cos(own.beta), height)
         end = (self._height(angle, tip) - height) / math.cos(angle)
         if self._section_curve(ToothCut(line, 0.0, end))[2][0, 1] >= 0.0:
             raise VagueError(
@@ -233,7 +233,7 @@ class _Hobbing:
             allowed="less",
         )
 
-    def _sound(self, flank: Line) -> ToothCut:
+    def _sound(self, flank: RackLine) -> ToothCut:
         """The part of a flank whose curve is sound and ends at the blank's tip."""
         lowest = max(self._singular_height(flank), self.heights.root)
         return ToothCut(flank, flank.at_height(lowest), flank.at_height(self._tip_height(flank)))
@@ -241,7 +241,7 @@ class _Hobbing:
     def _transverse(self, angle: float) -> float:
         return math.atan(math.tan(angle) / math.cos(self.own.beta))
 
-    def _singular_height(self, line: Line) -> float:
+    def _singular_height(self, line: RackLine) -> float:
         """Height x of a line's point that generates the foot of its involute; what is below is inside out."""
         return -self.own.radius * math.sin(self._transverse(line.alpha)) ** 2
 
@@ -257,7 +257,7 @@ class _Hobbing:
         length = self.own.radius * math.sin(slope) + height / math.sin(slope)
         return math.hypot(self.own.radius * math.cos(slope), length)
 
-    def _tip_height(self, flank: Line) -> float:
+    def _tip_height(self, flank: RackLine) -> float:
         return self._height(flank.alpha, self.own.radius + self.heights.tip)
 
     # ------------------------------------------------------------ curves

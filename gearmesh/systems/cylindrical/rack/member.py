@@ -40,7 +40,7 @@ from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import HeightZero, ToolDescription
-from gearmesh.tools.rack import Line, RackSurface
+from gearmesh.tools.rack import RackLine, RackSurface
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.rack.design import BoltRow, RackTable
@@ -182,7 +182,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
     """
     m, helix = pinion.module, -pinion.beta
     heights = Heights(spec.addendum * m, -spec.dedendum * m)
-    line = Line(pinion.alpha, m, 0.25 * math.pi * m + 0.5 * spec.allowance)
+    line = RackLine(pinion.alpha, m, 0.25 * math.pi * m + 0.5 * spec.allowance)
     right, left = (
         _side(rack, helix, side)
         for rack, side in zip(round_tips(name, spec, m, (line, line), heights), (1, -1), strict=True)

@@ -18,12 +18,12 @@ from gearmesh.kernel.surface.strip import Strip
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
-from gearmesh.tools.rack import Line
+from gearmesh.tools.rack import RackLine
 
 #: stations at which the ends of the fillets are looked at
 STATIONS = 9
 #: the tip plane: a blade that lies in it, its parameter the cutter's radius
-TIP_PLANE = Line(0.5 * np.pi, 0.0, 0.0)
+TIP_PLANE = RackLine(0.5 * np.pi, 0.0, 0.0)
 
 
 def root_cone(name: str, sides: dict[Side, Generated], axial: Level, extent: tuple[float, float]) -> ConeLevel:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.system import Displacements
 
 if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.design import BevelDesign
     from gearmesh.teeth.gear_train import GearTrain
     from gearmesh.teeth.mount import Mount
 
@@ -33,8 +34,8 @@ def displaced_bases(mounts: tuple[Mount, Mount], errors: Mapping[str, Array]) ->
     return Rigid(still, pinion.translation + moved), Rigid(opened, np.zeros(3)) @ gear @ along
 
 
-def _bases(design: Any, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+def _bases(design: BevelDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     return displaced_bases(train.pairs[0].mounts, errors)
 
 
-DISPLACEMENTS: Displacements[Any] = Displacements(("dA", "dG", "dV", "d_delta"), _bases)
+DISPLACEMENTS: Displacements[BevelDesign] = Displacements(("dA", "dG", "dV", "d_delta"), _bases)
