@@ -130,12 +130,12 @@ class GearSet:
 
     @property
     def title(self) -> str:
-        """Name of the design, by which pictures are called, or its kind."""
-        return self.design.name or self.design.kind
+        """What heads pages and pictures: the title of the design."""
+        return self.design.title
 
     def __repr__(self) -> str:
         members = ", ".join(f"{name} {member.tooth.teeth}" for name, member in self.members.items())
-        return f"<Gears: {self.title}, teeth {members}>"
+        return f"<Gears: {self.design.name or self.design.kind_in_words}, teeth {members}>"
 
     def _repr_html_(self) -> str:
         """The members as a short table, for notebooks."""

@@ -624,6 +624,8 @@ class Design(Table):
 
     #: One line about the kind.
     about: ClassVar[str] = ""
+    #: What such gears are called at the head of pages; the kind in words where nothing is said.
+    called: ClassVar[str] = ""
     #: The kind itself; it need not be given where the class is named.
     own_kind: ClassVar[str] = ""
     #: What a new file of the kind begins with: a value for everything that is required.
@@ -683,6 +685,44 @@ class Design(Table):
             raise explain(error, own, "inch" if mm_per_unit == MM_PER["inch"] else "mm") from None
 
     @property
+    def title(self) -> str:
+        """What heads pages, sheets, drawings and files: the design's name; without one what the gears are, their numbers of teeth
+        and their size, as in "Worm drive 2/38, m_x = 5 mm"."""
+        if self.name:
+            return self.name
+        teeth = self._tooth_numbers
+        count = f" {'/'.join(map(str, teeth))}" if len(teeth) > 1 else "".join(f", {one} teeth" for one in teeth)
+        return f"{self.kind_in_words}{count}{self._size}"
+
+    @property
+    def kind_in_words(self) -> str:
+        """What such gears are called."""
+        return self.called or self.kind.replace("_", " ").capitalize()
+
+    @property
+    def _tooth_numbers(self) -> tuple[int, ...]:
+        """Teeth, or threads, of the members, those of the pinion first."""
+        tables = (getattr(self, name) for name in type(self).model_fields)
+        return tuple(
+            getattr(table, "threads", 0) or getattr(table, "teeth", 0)
+            for table in tables
+            if isinstance(table, MemberBody)
+        )
+
+    @property
+    def _size_symbols(self) -> Mapping[str, str]:
+        """Symbols of the keys by which the size may be given."""
+        return {"module": "m_n", "diametral_pitch": "P_n"}
+
+    @property
+    def _size(self) -> str:
+        """The size, by the key that gives it."""
+        for key, symbol in self._size_symbols.items():
+            if (value := getattr(self, key)) is not None:
+                return f", {symbol} = {value:g} {'per inch' if key.endswith('pitch') else self.units}"
+        return ""
+
+    @property
     def changed_keys(self) -> tuple[str, ...]:
         """Dotted keys whose values were put in anew, over those of a file or of another design."""
         return self._changed.keys
@@ -720,7 +760,7 @@ class Design(Table):
             (dotted, value_text(value), "" if (key := kind.key_at(dotted)) is None else key.unit_in(self.units))
             for dotted, value in self.own()
         ]
-        return html_table(self.name or kind.about, ("key", "value", "unit"), rows)
+        return html_table(self.title, ("key", "value", "unit"), rows)
 
     @property
     def keeps_from_crossing(self) -> str:

@@ -70,7 +70,7 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
         tip=None if own is None else _value(tables, own.tip, member.name),
         reference=(float(ends[0]), float(ends[1])) if len(ends) == 2 and None not in ends else None,
         tip_deviations=(float(deviations[0]), float(deviations[1])) if None not in deviations else None,
-        title=design.name or design.kind.replace("_", " "),
+        title=design.title,
         part=f"{member.name.replace('_', ' ')}, {_count(member.tooth)}",
         material=f"E {number(design.material.youngs_modulus / 1000.0)} GPa, {number(density)} kg/m\N{SUPERSCRIPT THREE}",
         mass=f"{number(density * CUBIC * exact_volume(member))} kg",

@@ -150,7 +150,7 @@ def report_page(
     warnings = tuple(dict.fromkeys(lines))
     teeth = ", ".join(f"{name} {member.tooth.teeth}" for name, member in gears.members.items())
     summary = "; ".join(
-        [f"{gears.design.kind}, teeth: {teeth}", *(contact.headline for contact in [*contacts.values()][:1])]
+        [f"{gears.design.kind_in_words}, teeth: {teeth}", *(contact.headline for contact in [*contacts.values()][:1])]
     )
     card = Card(
         tuple(mesh_card(contact, loads[k].contact if k in loads else None) for k, contact in contacts.items()),

@@ -38,7 +38,7 @@ MANY = 20
 
 def study_pictures(study: Study, folder: Path) -> list[Path]:
     """Responses, sensitivities of two keys or more, histograms of many rows, the matrix of patterns of small grids."""
-    name = study.design.name or study.design.kind
+    name = study.design.title
     figures = [_figure(study, name_of_figure) for name_of_figure in study.plotted_figures]
     numeric = {key: study.numbers(key) for key in study.plan.keys}
     keys = [(_label(study, key), values) for key, values in numeric.items() if np.isfinite(values).all()]

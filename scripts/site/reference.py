@@ -126,7 +126,7 @@ INTERNAL = {
     "BacklashCurve": {"of"},
 }
 #: members of a design that people use; what else it has is how files are read
-OF_DESIGNS = ("resolve", "in_mm", "given_module", "mm_per_unit", "key_lines", "key_groups")
+OF_DESIGNS = ("title", "kind_in_words", "resolve", "in_mm", "given_module", "mm_per_unit", "key_lines", "key_groups")
 
 
 def write(source: Path) -> None:

@@ -312,7 +312,7 @@ def test_pictures_are_drawn_when_saved(view: str, gears: gm.Gears, tmp_path: Pat
 
 @pytest.mark.quick
 def test_gears_say_what_they_are(gears: gm.Gears) -> None:
-    assert repr(gears) == "<Gears: beveloid, teeth pinion 20, gear 31>"
+    assert repr(gears) == "<Gears: Beveloid gears, teeth pinion 20, gear 31>"
     assert not [name for name in dir(gears) if name.startswith("_")]
     for wrong in (lambda: gears.solid("wheel"), lambda: gears.picture(member="wheel"), lambda: gears.picture("inside")):
         with pytest.raises(gm.DesignError, match=r" = (wheel|inside): must be one of "):

@@ -102,7 +102,7 @@ class Cad(Result):
     def description(self) -> str:
         """The header of a STEP file."""
         largest = max(part.max_deviation for part in self.measured.values())
-        return f"{self.design.name or self.design.kind}, tooth surfaces within {largest:.3g} um of the exact ones"
+        return f"{self.design.title}, tooth surfaces within {largest:.3g} um of the exact ones"
 
     @property
     def listings(self) -> list[Listing]:

@@ -226,7 +226,7 @@ def unloaded_elements_of(
         check_sector(member, sector)
     request = mesh_request_of(design, [member], sector)
     missing = omissions([member], request.whole)
-    model = unloaded_model(member, request, material, design.name or design.kind)
+    model = unloaded_model(member, request, material, design.title)
     model = replace(model, notes=(*missing, *rims_alone(model, [member], request.whole)))
     measured = mesh_figures(model.mesh)
     model_figures = UnloadedModelFigures(**vars(measured), seconds=time.perf_counter() - started)

@@ -338,11 +338,11 @@ def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
     """The model of a placed pair, without warnings."""
     started = time.perf_counter()
     with part(0.0, 0.5 if request.resolved else 0.9):
-        built, needed = gear_model(pair, request, at, design.name or design.kind), None
+        built, needed = gear_model(pair, request, at, design.title), None
     if request.resolved and len(built.model.mesh.elements) > LARGEST_DEFAULT:
         needed, request = len(built.model.mesh.elements), replace(request, resolved=False)
         with part(0.5, 0.9):
-            built = gear_model(pair, request, at, design.name or design.kind)
+            built = gear_model(pair, request, at, design.title)
     figures = ModelFigures(
         **vars(mesh_figures(built.model.mesh)),
         phi1=float(np.degrees(at.turns[0])),

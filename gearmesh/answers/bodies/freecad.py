@@ -36,7 +36,7 @@ def macro(design: Design, data: Mapping[str, Any], text: str, folder: Path, tole
     """
     setup = {
         "python": sys.executable,
-        "title": design.name or design.kind,
+        "title": design.title,
         "tolerance": tolerance,
         "folder": str(folder),
         "keys": dict(_properties(design, data)),

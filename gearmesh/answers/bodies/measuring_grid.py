@@ -177,7 +177,7 @@ class MeasuringGrids(Result):
         of_all = self.measured
         first, last = end_names(self.member.tooth.blank.axial)
         lines = [
-            f"measuring grid of gearmesh {__version__}: {self.design.name or self.design.kind}, {self.member.name}",
+            f"measuring grid of gearmesh {__version__}: {self.design.title}, {self.member.name}",
             "frame: z is the gear's axis, x through the middle of a tooth at mid face; origin as in the design's drawings",
             f"datum: axis z; end faces of the body from z = {of_all.toe_end:.9g} mm (toe) to {of_all.heel_end:.9g} mm (heel)",
             f"rows from root to tip, columns from {first} to {last}; right flank: y < 0; normals point out of the material",

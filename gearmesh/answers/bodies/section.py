@@ -107,7 +107,7 @@ class Section(Result):
     def description(self) -> str:
         """The header of a file."""
         of = f"of the parallel at {self.offset:+g} mm to the exact section" if self.offset else "of the exact section"
-        return f"{self.design.name or self.design.kind}, {self.headline} {of}; mm"
+        return f"{self.design.title}, {self.headline} {of}; mm"
 
     @property
     def complaints(self) -> list[str]:

@@ -192,7 +192,7 @@ class ToolPathAnswer(Result):
         from gearmesh.io.atomic import whole_text
         from gearmesh.toolpath.cls import cls_text
 
-        title = f"{self.design.name or self.design.kind} {self.member}".upper()
+        title = f"{self.design.title} {self.member}".upper()
         whole_text(target, cls_text(title, self._notes, self.motion, self._path.ball, self.feed))
 
     @property

@@ -118,6 +118,7 @@ class BeveloidDesign(PairDesign):
         "gear": {"teeth": 45, "face_width": 20},
     }
     about: ClassVar[str] = KINDS["beveloid"].about
+    called: ClassVar[str] = "Beveloid gears"
     absent: ClassVar[Mapping[str, str]] = {
         "shaft_angle": "the cone and helix angles of the members give it; its data sheet (gearmesh describe DESIGN) has it",
     }

@@ -140,6 +140,7 @@ class CircularArcDesign(PairDesign):
         "gear": {"teeth": 60, "face_width": 60, "lead_angle": 75},
     }
     about: ClassVar[str] = KINDS["circular_arc"].about
+    called: ClassVar[str] = "Circular-arc gears"
 
     pressure_angle: Annotated[
         float, Key("angle", "nominal pressure angle theta0", low=5, high=60, source="[LT85] (32)")

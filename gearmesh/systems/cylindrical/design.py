@@ -455,6 +455,28 @@ class ToothingKeys(Design):
         ),
     ] = None
 
+    @property
+    def kind_in_words(self) -> str:
+        if self.called:
+            return self.called
+        inside = any(spec.internal for spec in self.specs.values())
+        return f"{'internal ' if inside else ''}{self._trace} gear{'s' if len(self.specs) > 1 else ''}".capitalize()
+
+    @property
+    def _trace(self) -> str:
+        """What teeth are called by their helix."""
+        return "helical" if self.helix_angle else "spur"
+
+    @property
+    def _size_symbols(self) -> Mapping[str, str]:
+        normal = "_n" if self.helix_angle else ""
+        return {
+            "module": f"m{normal}",
+            "diametral_pitch": f"P{normal}",
+            "transverse_module": "m_t",
+            "transverse_diametral_pitch": "P_t",
+        }
+
     @model_validator(mode="after")
     def _one_size(self) -> Self:
         sizes = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
@@ -617,6 +639,10 @@ class HalvesKeys(CylindricalKeys):
             if spec.gap_diameter is not None and self.gap == 0.0:
                 raise conflict(f"{name}.gap_diameter", spec.gap_diameter, reason="needs a gap above 0")
         return self
+
+    @property
+    def _trace(self) -> str:
+        return "double helical" if self.double_helical else super()._trace
 
     @property
     def double_helical(self) -> bool:

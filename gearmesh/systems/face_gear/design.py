@@ -236,6 +236,7 @@ class FaceGearDesign(PairDesign):
         "gear": {"teeth": 120},
     }
     about: ClassVar[str] = KINDS["face_gear"].about
+    called: ClassVar[str] = "Face gear pair"
 
     pressure_angle: Annotated[
         float, Key("angle", "pressure angle alpha_c of pinion and shaper", low=10, high=35, source="[LF04] 18.5")
@@ -257,6 +258,10 @@ class FaceGearDesign(PairDesign):
     worm: FaceGearWorm = FaceGearWorm()
     assembly: FaceGearAssembly = FaceGearAssembly()
     contact: FlankContact = FlankContact()
+
+    @property
+    def _size_symbols(self) -> Mapping[str, str]:
+        return {"module": "m", "diametral_pitch": "P"}
 
     @property
     def shaper_teeth(self) -> int:

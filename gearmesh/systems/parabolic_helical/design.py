@@ -400,6 +400,7 @@ class NovikovDesign(ParabolicHelicalDesign):
     }
     gear_parabola_sign: ClassVar[float] = -1.0
     about: ClassVar[str] = KINDS["novikov"].about
+    called: ClassVar[str] = "Novikov gears"
 
     gear: NovikovGear
 
@@ -421,5 +422,6 @@ class ModifiedInvoluteDesign(ParabolicHelicalDesign):
     own_kind: ClassVar[str] = "modified_involute"
     example: ClassVar[Mapping[str, Any]] = {**EXAMPLE, "gear": {"teeth": 77, "face_width": 90, "addendum": 0.6}}
     about: ClassVar[str] = KINDS["modified_involute"].about
+    called: ClassVar[str] = "Modified involute gears"
 
     gear: ModifiedInvoluteGear

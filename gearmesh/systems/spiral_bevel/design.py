@@ -531,6 +531,10 @@ class BevelDesign(PairDesign):
     assembly: BevelAssembly = BevelAssembly()
     contact: BevelContact = BevelContact()
 
+    @property
+    def _size_symbols(self) -> Mapping[str, str]:
+        return {"module": "m_et", "diametral_pitch": "P_et"}
+
 
 #: how the members are cut: each flank of the pinion by a machine of its own or both at once; the gear both at once, rolling or not
 PROCESSES = ("fixed_setting", "completing", "formate_fixed", "formate_completing")
@@ -942,6 +946,10 @@ class SpiralBevelDesign(FaceMilledDesign):
         float | None,
         Key("length", "cone distance of the mean point", low=0, above=True, default="outer less half the face width"),
     ] = None
+
+    @property
+    def kind_in_words(self) -> str:
+        return "Spiral bevel gears" if self.spiral_angle else "Bevel gears"
 
     @property
     def apex_base(self) -> float:

@@ -21,6 +21,7 @@ class HypoidDesign(FaceMilledDesign):
         "gear": {"teeth": 41},
     }
     about: ClassVar[str] = KINDS["hypoid"].about
+    called: ClassVar[str] = "Hypoid gears"
 
     offset: Annotated[
         float,

@@ -311,6 +311,7 @@ class WormDriveDesign(Design):
     own_kind: ClassVar[str] = "worm_drive"
     example: ClassVar[Mapping[str, Any]] = {"module": 4, "worm": {"threads": 2}, "wheel": {"teeth": 40}}
     about: ClassVar[str] = KINDS["worm_drive"].about
+    called: ClassVar[str] = "Worm drive"
 
     module_section: Annotated[
         str,
@@ -365,6 +366,11 @@ class WormDriveDesign(Design):
     @property
     def counted_teeth(self) -> int:
         return self.worm.threads
+
+    @property
+    def _size_symbols(self) -> Mapping[str, str]:
+        section = self.module_section[0].replace("a", "x")
+        return {"module": f"m_{section}", "diametral_pitch": f"P_{section}"}
 
     @property
     def normal_module(self) -> float:

@@ -117,7 +117,7 @@ def _torque_number(contact: LoadedContact, torque: float | None) -> int:
 
 
 def _title(contact: LoadedContact, what: str, note: str) -> str:
-    name = contact.design.name or contact.design.kind
+    name = contact.design.title
     return f"{name}{f', {note}' if note else ''}: {what}"
 
 

@@ -68,6 +68,7 @@ class PlanetaryDesign(HalvesKeys):
         "ring": {"teeth": 72, "face_width": 20},
     }
     about: ClassVar[str] = KINDS["planetary"].about
+    called: ClassVar[str] = "Planetary gear set"
 
     sun: CylindricalMember
     planet: CylindricalMember

@@ -177,6 +177,10 @@ class RackKeys(ToothingKeys):
         return self
 
     @property
+    def _tooth_numbers(self) -> tuple[int, ...]:
+        return (*super()._tooth_numbers, self.rack_teeth)
+
+    @property
     def pitch(self) -> float:
         """Transverse pitch, along the rack, in the design's units."""
         return math.pi * self.given_module / math.cos(math.radians(self.helix_angle))
@@ -207,6 +211,7 @@ class RackDesign(RackKeys):
         "rack": {"teeth": 40, "face_width": 20},
     }
     about: ClassVar[str] = KINDS["rack"].about
+    called: ClassVar[str] = "Pinion and rack"
 
     pinion: CylindricalMember
     accuracy_class: AccuracyClass = 6
@@ -237,6 +242,7 @@ class SingleRackDesign(RackKeys):
     )
     example: ClassVar[Mapping[str, Any]] = {"module": 2, "rack": {"teeth": 40, "face_width": 20}}
     about: ClassVar[str] = "a rack of finite length without a pinion, spur or helical [ISO 21771]"
+    called: ClassVar[str] = "Rack"
 
     hand: Annotated[
         str, Key("choice", "hand of the traces, as of a gear that they are on", choices=("right", "left"))

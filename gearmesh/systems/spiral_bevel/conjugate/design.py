@@ -45,6 +45,7 @@ class ConjugateDesign(BevelDesign):
         "gear": {"teeth": 40, "r_d": 76},
     }
     about: ClassVar[str] = KINDS["spiral_bevel_conjugate"].about
+    called: ClassVar[str] = "Conjugate spiral bevel gears"
 
     beta: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="[CR3553] 2.2")] = 35.0
     psi_c: Annotated[float, Key("angle", "blade angle", low=5, high=40, source="[CR3553] 2.2")] = 20.0
