@@ -74,8 +74,7 @@ class MeshCurve:
     @cached_property
     def of_pair(self) -> TransmissionAdvance:
         """The transmission advance of pair 0."""
-        ends = (self.surface.begin, self.surface.end) if self.contacts.line.any() else ()
-        return TransmissionAdvance(self.engagement, ends)
+        return TransmissionAdvance(self.engagement, (self.surface.begin, self.surface.end))
 
     def _table(self) -> tuple[Array, int]:
         """Advances (K, NODES + 1) of the tooth pairs at the nodes of one pitch, -inf where they do not touch; number of the

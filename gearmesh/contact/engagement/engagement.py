@@ -230,6 +230,36 @@ class Engagement:
         contacts.line[:] = True
         return contacts
 
+    def as_at(self, phi1: Array, node: NDArray[np.intp]) -> Contacts:
+        """Contacts of the kinds that nodes have at other rotations, whatever else is ahead there.
+
+        Parameters
+        ----------
+        phi1 : (M,)
+            rad.
+        node : (M,) of int
+            Numbers of nodes of the engagement, which touch on the flanks.
+
+        Returns
+        -------
+        Contacts
+            As of `at`; nothing where there is no contact of that kind on both flanks.
+
+        Examples
+        --------
+        >>> engagement = gears.contact().engagement
+        >>> middle = np.array([len(engagement.phi1) // 2])
+        >>> engagement.as_at(engagement.phi1[middle], middle).touching.tolist()
+        [True]
+        """
+        contacts, part = Contacts.nothing(len(phi1)), self.pair.parts[0]
+        trial = Trial.of(np.arange(len(phi1)), self._predict(phi1, node), self.contacts.edges[node])
+        trial.line = self.contacts.line[node]
+        solve(part, phi1, trial)
+        good = np.flatnonzero(trial.good)
+        trial.give(contacts, good, good, 0, advances_of(part, phi1, trial.x[good], good))
+        return contacts
+
     def _refine(
         self, phi1: Array, position: NDArray[np.intp], start: Array, node: NDArray[np.intp], contacts: Contacts
     ) -> None:

@@ -3,7 +3,8 @@ included.
 
 Four nodes and their slopes give a polynomial of degree 7 between the middle two. What its last node changes is the measure of its
 error; where that is too much, nodes are added. Where the kind of contact changes between nodes there is no polynomial: such places
-are solved for as they are asked for.
+are solved for as they are asked for. Where a point of contact passes from the flanks to an edge the place is known: two nodes, one of
+each kind, stand there, and either side has its polynomials.
 """
 
 from __future__ import annotations
@@ -23,16 +24,18 @@ from gearmesh.kernel.numeric.algebra import Array
 STENCIL = 4
 #: by how much (rad) the last node may change a polynomial that is used
 SURE = 1e-11
+#: by how much (rad/rad) slopes of two kinds of contact may differ where one passes into the other
+JOINED = 1e-8
 #: rounds in which nodes are added, and the parts of an interval between contacts of two kinds; of one where they are rough
 ROUNDS, PARTS, ROUGH_PARTS = 4, 8, 2
 
 
 class TransmissionAdvance:
     """The transmission advance of a tooth pair over the nominal ratio, rad, from its `engagement`; `ends`: phi1 (rad) between
-    which lines of contact do not change their kind, where that is known."""
+    which contact of the flanks does not change its kind, where that is known."""
 
     def __init__(self, engagement: Engagement, ends: Sequence[float] = ()) -> None:
-        self.engagement, self.pair = _with_ends(_refine(engagement), ends), engagement.pair
+        self.engagement, self.pair = _with_ends(_refine(_with_passages(engagement, ends)), ends), engagement.pair
         self.phi1, self.advance, self.slope, _ = _nodes(self.engagement)
         self._left, self._coefficients, self._sure = _polynomials(self.engagement)
 
@@ -98,7 +101,8 @@ def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool
     alike = _at_one_corner(engagement)
     inner = np.flatnonzero(alike[1:] & alike[:-1]) + 1
     before, after = phi1[inner] - phi1[inner - 1], phi1[inner + 1] - phi1[inner]
-    steps = np.diff(advance) / np.diff(phi1)
+    with np.errstate(all="ignore"):
+        steps = np.diff(advance) / np.diff(phi1)
     slope[inner] = (steps[inner - 1] * after + steps[inner] * before) / (before + after)
     for k in np.flatnonzero(alike):
         for node in (k, k + 1):
@@ -163,7 +167,7 @@ def _refine(engagement: Engagement) -> Engagement:
             plain = c.touching & engagement.followable
             followed = plain[1:] & plain[:-1]
             for which, parts in ((followed, PARTS), (touching & ~followed, ROUGH_PARTS)):
-                k = np.flatnonzero(which & ~smooth)
+                k = np.flatnonzero(which & ~smooth & (np.diff(phi1) > 0.0))
                 share = np.arange(1, parts) / parts
                 places.append((phi1[k, None] + share * (phi1[k + 1] - phi1[k])[:, None]).ravel())
         wanted = np.sort(np.concatenate(places))
@@ -171,6 +175,27 @@ def _refine(engagement: Engagement) -> Engagement:
             break
         engagement = _with_nodes(engagement, wanted, engagement.near(wanted))
     return engagement
+
+
+def _with_passages(engagement: Engagement, ends: Sequence[float]) -> Engagement:
+    """The engagement with two nodes where a point of contact passes from the flanks to an edge, or back: one for either kind, which
+    have the same advance and slope there."""
+    pair, phi1, c = engagement.pair, engagement.phi1, engagement.contacts
+    every = np.array([end for end in ends if phi1[0] < end < phi1[-1]])
+    left = np.searchsorted(phi1, every) - 1
+    on_edge = (c.edges[:, 0] >= 0) & (c.edges[:, 0] < CORNER) & (c.edges[:, 1] < 0)
+    known = c.touching & (c.part == 0) & ~c.line
+    passes = known[left] & known[left + 1] & (phi1[left + 1] > every)
+    passes &= ((c.edges[left, 0] < 0) & on_edge[left + 1]) | (on_edge[left] & (c.edges[left + 1, 0] < 0))
+    if not passes.any():
+        return engagement
+    node = (left[passes, None] + np.arange(2)).ravel()
+    there = np.repeat(every[passes], 2)
+    contacts = engagement.as_at(there, node)
+    advance, slope = (column.reshape(-1, 2) for column in _values(engagement, there, contacts))
+    alike = (np.abs(np.diff(advance)) < SURE) & (np.abs(np.diff(slope)) < JOINED)
+    own = np.flatnonzero(np.repeat(alike[:, 0], 2) & (contacts.edges == c.edges[node]).all(axis=1))
+    return _with_nodes(engagement, there[own], contacts.at(own)) if own.size else engagement
 
 
 def _with_ends(engagement: Engagement, ends: Sequence[float]) -> Engagement:
@@ -194,7 +219,7 @@ def _with_ends(engagement: Engagement, ends: Sequence[float]) -> Engagement:
 def _with_nodes(engagement: Engagement, phi1: Array, contacts: Contacts) -> Engagement:
     """An engagement with nodes added at phi1 (M,) with contacts (M,)."""
     every = np.concatenate((engagement.phi1, phi1))
-    order = np.argsort(every)
+    order = np.argsort(every, kind="stable")
     c = engagement.contacts
     merged = Contacts(
         *(np.concatenate((getattr(c, e.name), getattr(contacts, e.name)))[order] for e in fields(Contacts))
