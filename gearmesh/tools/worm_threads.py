@@ -59,11 +59,17 @@ class TransverseInvolute:
 
     def at(self, p: Array) -> Generatrix:
         p = np.asarray(p, dtype=float)
-        turn, r = self.angle + p, self.radius
-        c, s = np.cos(turn), np.sin(turn)
-        point = components(r * (c + p * s), r * (s - p * c), self.middle)
-        along, along_p = components(c, s, 0.0), components(-s, c, 0.0)
-        return swept(point, (along, along_p), (r * p)[..., None] * along, self.screw)
+        turn, r, screw = self.angle + p, self.radius, self.screw
+        c, s, p_r = np.cos(turn), np.sin(turn), r * p
+        # tangent x path = (c, s, 0) x (r e_s + p_r e_c + P e_z), whose length does not change along the involute
+        across = screw / np.hypot(screw, r)
+        s_n, c_n = across * s, across * c
+        return Generatrix(
+            components(r * c + p_r * s, r * s - p_r * c, self.middle),
+            components(s_n, -c_n, across * r / screw),
+            components(p_r * c, p_r * s, 0.0),
+            components(c_n, s_n, 0.0),
+        )
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@ included.
 
 Four nodes and their slopes give a polynomial of degree 7 between the middle two. What its last node changes is the measure of its
 error; where that is too much, nodes are added. Where the kind of contact changes between nodes there is no polynomial: such places
-are solved for as they are asked for. Where a point of contact passes from the flanks to an edge the place is known: two nodes, one of
-each kind, stand there, and either side has its polynomials.
+are solved for as they are asked for. Where a point of contact passes from the flanks to an edge the place is known: two nodes, one
+of each kind, stand there, and either side has its polynomials.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def _refine(engagement: Engagement) -> Engagement:
 def _with_passages(engagement: Engagement, ends: Sequence[float]) -> Engagement:
     """The engagement with two nodes where a point of contact passes from the flanks to an edge, or back: one for either kind, which
     have the same advance and slope there."""
-    pair, phi1, c = engagement.pair, engagement.phi1, engagement.contacts
+    phi1, c = engagement.phi1, engagement.contacts
     every = np.array([end for end in ends if phi1[0] < end < phi1[-1]])
     left = np.searchsorted(phi1, every) - 1
     on_edge = (c.edges[:, 0] >= 0) & (c.edges[:, 0] < CORNER) & (c.edges[:, 1] < 0)
