@@ -54,18 +54,16 @@ def under_torque(pair: Crowned) -> tuple[list[dict[str, Any]], np.ndarray, np.nd
     pitch = np.degrees(gears.pairs[0].pitch)
     found = gears.loaded_contact(pair.torques, pitch * np.arange(POSITIONS) / POSITIONS)
     shape = (len(pair.torques), POSITIONS)
-    te, unloaded = (
-        np.array([row[key] for row in found.rows]).reshape(shape) for key in ("te_arcsec", "unloaded_te_arcsec")
-    )
+    te, unloaded = (np.array(found.to_dict()[key]).reshape(shape) for key in ("te_arcsec", "unloaded_te_arcsec"))
     shift = POSITIONS // 2 - int(unloaded[0].argmax())
     te = np.roll(te - te.mean(axis=1, keepdims=True), shift, axis=1)
     rows = [
         {
             "pair": pair.name,
-            "torque": total["torque_nm"],
-            "peak_to_peak_arcsec": total["te_peak_to_peak_arcsec"],
+            "torque": total.torque,
+            "peak_to_peak_arcsec": total.te_peak_to_peak,
             "middle_arcsec": float(te[k, POSITIONS // 2]),
-            "pressure_mpa": total["max_pressure_mpa"],
+            "pressure_mpa": total.max_pressure,
         }
         for k, total in enumerate(found.totals)
     ]

@@ -110,6 +110,25 @@ def lift_grid(grid: Array, contact: MemberContact, lift: float) -> Array:
     return grid + lift * side[..., None] * normal
 
 
+def area_edges(grid: Array, level: Array) -> Array:
+    """Points (K, 3), cut off by NaN, of the border of a grid (I, J, 3) where `level` (I, J) is at most 1: there an area hides the
+    line between the flank and what is beside it."""
+    rows = [(grid[0], level[0]), (grid[-1], level[-1]), (grid[:, 0], level[:, 0]), (grid[:, -1], level[:, -1])]
+    return np.concatenate([part for points, own in rows for part in (_below(points, own), np.full((1, 3), np.nan))])
+
+
+def _below(points: Array, level: Array) -> Array:
+    """Points (N, 3) of a line where its level (N,) is at most 1, with those where it comes to 1; NaN elsewhere."""
+    inside = level <= 1.0
+    kept = np.where(inside[:, None], points, np.nan)
+    for k in np.flatnonzero(inside[1:] != inside[:-1]):
+        own, other = (k, k + 1) if inside[k] else (k + 1, k)
+        share = (1.0 - level[own]) / (level[other] - level[own])
+        if np.isfinite(share):
+            kept[other] = points[own] + share * (points[other] - points[own])
+    return kept
+
+
 def union_level(contact: MemberContact, grid: Array) -> Array:
     """Scaled distance (I, J) from points (I, J, 3) to the nearest ellipse centre: at most 1 inside any ellipse.
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 COMPOUND, PATTERN = "#8cc0ea", "#d3e5f5"
 #: rims of ellipses; contact lines; the path of contact; contact on an edge
 OUTLINE, LINES, PATH, EDGE = "#0b3c6f", "#0a5a9c", "#a50026", "#e07b00"
+#: lines between the surfaces of a body
+REGION_EDGE = "#5b6670"
 #: words and edges; what only accompanies; the ground of a flank in its plane; the grid of a plot
 INK, FAINT, GROUND, GRID_LINES = "#202830", "#9aa4ad", "#eef1f4", "#e6eaee"
 #: curves of a plot, in their order

@@ -15,6 +15,7 @@ from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import FLANKS
 from gearmesh.view.on_tooth import (
+    area_edges,
     closest_gap,
     contact_lines,
     ellipses_on_surface,
@@ -23,7 +24,7 @@ from gearmesh.view.on_tooth import (
     position_dots,
     union_level,
 )
-from gearmesh.view.palette import OUTLINE
+from gearmesh.view.palette import OUTLINE, REGION_EDGE
 from gearmesh.view.scene import (
     BLUE_STEEL,
     BRASS,
@@ -65,14 +66,15 @@ def pattern_scene(view: ToothView, contact: MemberContact, grid: Array, camera: 
 
     150 x 300 points draw the ends of slender ellipses smoothly. A pair in line contact shows its lines instead.
     """
-    lifted = lift_grid(grid, contact, view.lift)
-    area = PatternArea(lifted, union_level(contact, grid), "contact pattern: union of the ellipses")
+    lifted, level = lift_grid(grid, contact, view.lift), union_level(contact, grid)
+    area = PatternArea(lifted, level, "contact pattern: union of the ellipses")
+    border = (Curve(area_edges(lifted, level), colour=REGION_EDGE, width=1.0),) if len(contact.ellipses) else ()
     camera = camera or flank_camera(view, contact)
     return Scene(
         bodies=view.bodies,
         camera=camera,
         areas=(area,) if len(contact.ellipses) else (),
-        curves=contact_lines(view, contact, count=25) + path_on_surface(view, contact),
+        curves=border + contact_lines(view, contact, count=25) + path_on_surface(view, contact),
         words=edge_words(view, camera, contact),
         title=view.title,
         size=view.size,
@@ -92,17 +94,16 @@ def gap_scene(
     `grid` (I, J, 3) are points of its exact flank; every patch is one position's points (M, N, 3), own frame, and
     gaps (M, N) in mm, NaN where there is none. The path of contact is drawn from `contact`, the solver's result.
     """
-    gap = closest_gap(grid, patches)
-    value_map = ValueMap(
-        lift_grid(grid, contact, view.lift), 1e3 * gap, 1e3 * limit, "smallest gap in the roll test (µm)"
-    )
+    gap, lifted = closest_gap(grid, patches), lift_grid(grid, contact, view.lift)
+    value_map = ValueMap(lifted, 1e3 * gap, 1e3 * limit, "smallest gap in the roll test (µm)")
+    border = Curve(area_edges(lifted, gap / limit), colour=REGION_EDGE, width=1.0)
     seen = replace(view, size=beside_bar(view.size))
     camera = camera or flank_camera(seen, contact)
     return Scene(
         bodies=view.bodies,
         camera=camera,
         maps=(value_map,),
-        curves=path_on_surface(view, contact),
+        curves=(border, *path_on_surface(view, contact)),
         words=edge_words(seen, camera, contact),
         title=view.title,
         size=view.size,

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib
+import runpy
 import sys
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from oracles.places import ROOT
 
@@ -47,6 +49,17 @@ def test_growth_of_loaded_contact_is_measured_against_the_finest(monkeypatch: py
         text = (ROOT / name / "README.md").read_text(encoding="utf-8")
         lines = text.split(f"<!-- bench:{block} -->\n")[1].splitlines()
         assert lines[0] == f"| {' | '.join(columns.values())} |"
+
+
+@pytest.mark.sweep
+def test_the_sample_of_growing_torque_runs() -> None:
+    sample = runpy.run_path(str(ROOT / "samples" / "te_under_torque.py"))
+    pair = sample["Crowned"]("spur", "spur_relieved", (), (1.0, 20.0))
+    rows, te, phase = sample["under_torque"](pair)
+    assert [row["torque"] for row in rows] == [1.0, 20.0]
+    assert te.shape == (2, len(phase))
+    assert [row["peak_to_peak_arcsec"] for row in rows] == pytest.approx(np.ptp(te, axis=1).tolist())
+    assert rows[1]["pressure_mpa"] > rows[0]["pressure_mpa"] > 0.0
 
 
 def test_borders_need_no_more_edges_than_meshes_have_and_seams_suit_both_sides(monkeypatch: pytest.MonkeyPatch) -> None:

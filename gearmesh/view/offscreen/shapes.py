@@ -7,19 +7,20 @@ tear it.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.offscreen.drawing_process import PLAIN, Order, Primitive
-from gearmesh.view.palette import COLOUR_MAP, INK
+from gearmesh.view.palette import COLOUR_MAP, INK, REGION_EDGE
 from gearmesh.view.scene import Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
 
-_EDGE_COLOUR, _INSIDE = "#5b6670", "#f4f6f8"
+_INSIDE = "#f4f6f8"
 # Normals of one region that differ by more than this from their mean belong to a sharp edge inside the region.
 _SHARP = np.cos(np.radians(35.0))
 # Directions to the lights in camera axes (right, up, towards the viewer) and their strengths: no side stays black.
@@ -34,6 +35,8 @@ _LIGHTS = (
 _FLAT = 0.05
 #: a picture is drawn so many times its size each way: widths in its pixels are that much wider
 OVERSAMPLING = 2
+# cosine up to which a triangle is seen edge-on
+_EDGE_ON = 1e-6
 # what recedes faster is seen as a line
 _STEEPEST = 50.0
 # Layers of translucent bodies one behind the other: a ring has four.
@@ -42,6 +45,7 @@ _PEELS = 8
 
 def drawing_order(scene: Scene, size: tuple[int, int]) -> Order:
     """What is to be drawn of a scene for a picture of a `size` in pixels."""
+    scene = _from_camera(scene)
     camera = scene.camera
     viewer = Viewer(camera, camera.height / size[1])
     primitives = [one for body in scene.bodies for one in _body(body, viewer)]
@@ -63,6 +67,27 @@ def drawing_order(scene: Scene, size: tuple[int, int]) -> Order:
         ],
         peels=_PEELS if any(body.opacity < 1.0 for body in scene.bodies) else 0,
         primitives=primitives,
+    )
+
+
+def _from_camera(scene: Scene) -> Scene:
+    """The scene in the frame of its camera, from which it looks along -z at the origin.
+
+    Triangles go back by different amounts, which changes z alone there: corners that they share stay one point in a parallel
+    picture, to the bit, and no pixel between them is left open.
+    """
+    camera = scene.camera
+    place = Rigid(camera.axes, -camera.axes @ camera.focus)
+    return replace(
+        scene,
+        bodies=tuple(replace(body, own_to_scene=place @ body.own_to_scene) for body in scene.bodies),
+        areas=tuple(replace(area, points=place.point(area.points)) for area in scene.areas),
+        maps=tuple(replace(value_map, points=place.point(value_map.points)) for value_map in scene.maps),
+        curves=tuple(replace(curve, points=place.point(curve.points)) for curve in scene.curves),
+        dots=tuple(replace(dots, points=place.point(dots.points)) for dots in scene.dots),
+        camera=replace(
+            camera, position=np.array([0.0, 0.0, camera.distance]), focus=np.zeros(3), up=np.array([0.0, 1.0, 0.0])
+        ),
     )
 
 
@@ -90,9 +115,20 @@ class Viewer:
 
     def faces(self, corners: Array) -> NDArray[np.bool_]:
         """Which triangles (T, 3, 3) turn their outside to the viewer, (T,)."""
-        outward = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        return self.turned(corners) > _EDGE_ON
+
+    def edge_on(self, corners: Array) -> NDArray[np.bool_]:
+        """Which triangles (T, 3, 3) are seen as lines, (T,)."""
+        return np.abs(self.turned(corners)) <= _EDGE_ON
+
+    def turned(self, corners: Array, normals: Array | None = None) -> Array:
+        """Cosines (T,) of the angles between the outside of triangles (T, 3, 3), or normals (T, 3), and the way to the viewer."""
+        outward = normals
+        if outward is None:
+            outward = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         towards = self.camera.axes[2] if self.camera.parallel else self.camera.position - corners[:, 0]
-        return np.asarray(dot(outward, towards) > 0.0)
+        size = np.sqrt(dot(outward, outward) * dot(towards, towards))
+        return dot(outward, towards) / np.where(size > 0.0, size, 1.0)
 
     def front(self, pixels: float) -> tuple[list[float], list[float]]:
         """Point and direction of the plane before which nothing is shown of what was moved by so many pixels."""
@@ -165,6 +201,20 @@ def _primitive(points: Array, cells: NDArray[np.int64], colour: str, **others: A
 # --- bodies ---
 
 
+def _inside(
+    mesh: TriangleMesh, corners: Array, cells: NDArray[np.int64], colour: str, behind: float, viewer: Viewer
+) -> Iterator[Primitive]:
+    """The inside of a solid that is cut open, as flat as a section, `behind` by so many pixels: drawn before the lines on it."""
+    pixels = behind - 2.0
+    yield _primitive(viewer.move_back(corners.reshape(-1, 3), pixels), cells, colour, front=viewer.front(pixels))
+    # a face that is seen as a line has the material behind it on one side alone: lines farther away would stand beside it
+    ends = mesh.triangles[viewer.edge_on(corners)]
+    if len(ends):
+        sides = np.unique(np.sort(ends[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+        lines, width = viewer.move_back(mesh.vertices, behind), 1.0 * OVERSAMPLING
+        yield _primitive(lines, sides, colour, width=width, front=viewer.front(behind))
+
+
 def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
     mesh = body.mesh.move(body.own_to_scene)
     corners = mesh.corners()
@@ -172,20 +222,22 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
     colours = np.array([_rgb(body.paint.of(name)) for name in mesh.region_names], dtype=np.uint8)[mesh.regions]
     behind = 4.0 if body.yields else 0.0
     opened = body.yields and viewer.camera.front is not None
+    outer = cells
     if opened:
-        # Where a solid is cut open its inside is seen, as flat as a section: it is drawn before the lines on it.
-        pixels = behind - 2.0
-        inside = viewer.move_back(corners.reshape(-1, 3), pixels)
-        yield _primitive(inside, cells, body.section or _INSIDE, culled="front", front=viewer.front(pixels))
+        # exact normals have a word in it: facets seen nearly edge-on turn to and fro along a horizon, and would be a row of specks
+        turned = viewer.faces(corners) & (viewer.turned(corners, mesh.normals) > 0.0)
+        outer = cells[turned]
+        yield from _inside(mesh, corners, cells[~turned], body.section or _INSIDE, behind, viewer)
+    # sections have no lines that triangles must stay behind, and those that do would reach before the plane of the section
+    back = behind if body.section is not None else behind + viewer.slopes(corners)[:, None, None]
     yield _primitive(
-        viewer.move_back(corners, behind + viewer.slopes(corners)[:, None, None]).reshape(-1, 3),
-        cells,
+        viewer.move_back(corners, back).reshape(-1, 3),
+        outer,
         body.paint.colour,
         normals=_floats(corner_normals(mesh)),
-        colours=colours.tobytes(),
+        colours=(colours[turned] if opened else colours).tobytes(),
         lit=True,
         opacity=body.opacity,
-        culled="back" if opened else "",
         front=viewer.front(behind) if opened else None,
     )
     # lines on the far side would show through a section
@@ -193,7 +245,7 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
     if len(edges) and body.section is None:
         pixels, width = behind - 0.5, 1.0 * OVERSAMPLING
         lines, front = viewer.move_back(mesh.vertices, pixels), viewer.front(pixels) if opened else None
-        yield _primitive(lines, edges, _EDGE_COLOUR, width=width, front=front)
+        yield _primitive(lines, edges, REGION_EDGE, width=width, front=front)
 
 
 # --- what lies on them ---
