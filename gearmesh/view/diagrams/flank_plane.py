@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,10 @@ from gearmesh.view.scene import MemberContact, Project
 GRID = (121, 241)
 #: points of a line of contact from which the area that lines sweep is made
 LINE_POINTS = 41
-#: part of a line's length by which the ends of the next one are away at most, if nothing but flank lies between them
+#: part of a line's length by which the next one, if it is shorter, is away at most, if nothing but flank lies between them
 APART = 0.5
+#: part of either of two lines that is beside the other at least, if they bound one strip
+PARTNERS = 0.25
 
 
 @dataclass(frozen=True)
@@ -88,32 +91,52 @@ class FlankPlane:
 
 
 def strips(lines: Sequence[Array | None]) -> list[Array]:
-    """Strips of quadrilaterals (Q, 4, 2) between lines (K, 2) of neighbouring positions, None where there is none."""
-    swept, before, last = [], None, -2
-    share = np.linspace(0.0, 1.0, LINE_POINTS)
-    for k, line in enumerate(lines):
-        if line is None or len(line) < 2:
-            continue
-        here = _evenly(line, share)
-        if before is not None and last == k - 1:
-            if np.nansum((here - before) ** 2) > np.nansum((here[::-1] - before) ** 2):
-                here = here[::-1]
-            if (np.linalg.norm((here - before)[[0, -1]], axis=-1) > APART * np.linalg.norm(here[-1] - here[0])).any():
-                before, last = here, k
-                continue
-            quads = np.stack((before[:-1], before[1:], here[1:], here[:-1]), axis=1)
-            swept.append(quads[np.isfinite(quads).all(axis=(1, 2))])
-        before, last = here, k
-    return swept
+    """Strips of quadrilaterals (Q, 4, 2) between lines (K, 2) of neighbouring positions, None where there is none.
+
+    Lines have pieces, with NaN between them, which part, join and vanish from one position to the next.
+    """
+    pieces = [_pieces(line) for line in lines]
+    return [strip for before, here in pairwise(pieces) for strip in _between(before, here)]
 
 
-def _evenly(line: Array, share: Array) -> Array:
-    """Points (S, 2) at shares of the way along a line (K, 2); NaN in the gaps between its pieces."""
-    known = np.isfinite(line[:, 0])
-    points = line[known]
+def _pieces(line: Array | None) -> list[Array]:
+    """Evenly spaced points (LINE_POINTS, 2) of each piece of a line (K, 2)."""
+    known = np.zeros(0, dtype=np.intp) if line is None else np.flatnonzero(np.isfinite(line).all(axis=1))
+    runs = [run for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1) if len(run) > 1]
+    return [] if line is None else [_part(line[run], 0.0, 1.0) for run in runs]
+
+
+def _part(points: Array, first: float, last: float) -> Array:
+    """Evenly spaced points (LINE_POINTS, 2) of what is between two shares of the length of a line (K, 2)."""
     way = np.r_[0.0, np.linalg.norm(np.diff(points, axis=0), axis=-1).cumsum()]
-    places = share * way[-1]
-    evenly = np.stack([np.interp(places, way, column) for column in points.T], axis=-1)
-    for first in np.flatnonzero(np.diff(np.flatnonzero(known)) > 1):
-        evenly[(places > way[first]) & (places < way[first + 1])] = np.nan
-    return evenly
+    places = np.linspace(first, last, LINE_POINTS) * way[-1]
+    return np.stack([np.interp(places, way, column) for column in points.T], axis=-1)
+
+
+def _between(before: list[Array], here: list[Array]) -> Iterator[Array]:
+    """Strips (Q, 4, 2) between the pieces of two lines, each between what of them is beside the other."""
+    beside = {(i, j): (_share(a, b), _share(b, a)) for i, a in enumerate(before) for j, b in enumerate(here)}
+    beside = {pair: ways for pair, ways in beside.items() if max(float(np.ptp(way)) for way in ways) > PARTNERS}
+    for (i, j), (of_a, of_b) in beside.items():
+        with_a, with_b = ([w[k] for pair, w in beside.items() if pair[k] == (i, j)[k]] for k in (0, 1))
+        a, b = _part(before[i], *_outermost(of_a, with_a)), _part(here[j], *_outermost(of_b, with_b))
+        if ((a - b) ** 2).sum() > ((a - b[::-1]) ** 2).sum():
+            b = b[::-1]
+        # of a line that has grown short ends may be far from those of the one before, which it lies beside
+        short, long = sorted((a, b), key=lambda side: float(np.linalg.norm(side[-1] - side[0])))
+        away = np.linalg.norm(short[:, None] - long, axis=-1).min(axis=1)
+        if away.max() <= APART * np.linalg.norm(long[-1] - long[0]):
+            yield np.stack((a[:-1], a[1:], b[1:], b[:-1]), axis=1)
+
+
+def _share(line: Array, other: Array) -> Array:
+    """Between which shares (2,) of its way a line (K, 2) is beside another: where it is nearest to the other's ends."""
+    away = np.linalg.norm(line[:, None] - other[[0, -1]], axis=-1)
+    return np.sort(away.argmin(axis=0)) / (len(line) - 1.0)
+
+
+def _outermost(own: Array, every: list[Array]) -> tuple[float, float]:
+    """The shares (2,) `own` of a line that is beside several, up to its ends where no other is nearer to these."""
+    first = 0.0 if own[0] <= min(shares[0] for shares in every) else float(own[0])
+    last = 1.0 if own[1] >= max(shares[1] for shares in every) else float(own[1])
+    return first, last
