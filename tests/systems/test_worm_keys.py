@@ -168,3 +168,22 @@ def test_a_centre_distance_that_no_shift_makes_up_is_refused_by_its_name() -> No
             gm.DesignError, match=r"^center_distance = .*: makes wheel\.profile_shift -?2\.1; allowed is from"
         ):
             parse_as_stated(with_keys(BASE, [("center_distance", middle + 1.05 * side * m)]))
+
+
+def test_bounds_of_the_centre_distance_are_allowed() -> None:
+    """As the refusal prints them, of a module of which they have no end."""
+    odd = with_keys(BASE, [("module", 1.723), ("worm.quotient", 14.007)])
+    with pytest.raises(gm.DesignError, match="allowed is from") as refused:
+        parse_as_stated(with_keys(odd, [("center_distance", 1.0)]))
+    low, high = str(refused.value).partition("allowed is from ")[2].split(" to ")
+    for bound in (low, high):
+        assert abs(parse_as_stated(with_keys(odd, [("center_distance", float(bound))])).wheel.profile_shift) < 2.0  # type: ignore[attr-defined]
+
+
+@pytest.mark.sweep
+def test_a_backlash_that_leaves_no_thread_is_refused() -> None:
+    """Of several pitches, too, where flanks of other threads would stand in their places; and what is named is built."""
+    with pytest.raises(gm.DesignError, match=r"^backlash = 300 mm: .*leaves no") as refused:
+        gears_of({"backlash": 300.0})
+    bound = float(str(refused.value).partition("allowed is at most ")[2].removeprefix("about ").split()[0])
+    gears_of({"backlash": bound})

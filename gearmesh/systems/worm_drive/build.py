@@ -148,6 +148,7 @@ def refuse_tools(design: WormDriveDesign) -> None:
             allowed=f"at least {at_least(d1)} mm",
         )
     _refuse_hob_threads(design)
+    _refuse_backlash(design)
     depth = (spec.addendum + spec.dedendum) * m
     if spec.form in (ThreadForm.ZK, ThreadForm.ZC) and spec.disk_diameter <= 2.0 * depth:
         raise DesignError(
@@ -192,6 +193,18 @@ def _refuse_hob_threads(design: WormDriveDesign) -> None:
     if not math.isfinite(made.half_thickness(radius) + made.half_thickness(radius + height)):
         why = "worm or hob have no flanks at this height"
         raise DesignError("hob.pitch_height", hob.pitch_height, reason=why, allowed="nearer to 0")
+
+
+def _refuse_backlash(design: WormDriveDesign) -> None:
+    """Refuse a backlash for which nothing of the worm's threads would be left, or of the wheel's teeth."""
+    worm, hob = nominal_thread(design), hob_thread(design)
+    parts = (
+        ("thread of the worm", design.backlash_share, worm, worm.thickness),
+        ("tooth of the wheel", 1.0 - design.backlash_share, hob, hob.axial_pitch - hob.thickness),
+    )
+    for what, share, thread, thickness in parts:
+        if share * design.backlash >= thickness * math.cos(thread.lead_angle) * math.cos(thread.normal_angle):
+            raise VagueError("backlash", design.backlash, unit="mm", reason=f"leaves no {what}")
 
 
 def _refuse_unused(design: WormDriveDesign) -> None:

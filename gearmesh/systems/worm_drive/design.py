@@ -12,6 +12,7 @@ from gearmesh.design.core import Design, FlankContact, MemberBody, MemberTable, 
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.measured import WormDriveMeasured
 from gearmesh.design.runout import eccentricity, phase
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.standards.iso10828 import ThreadForm, lead_angle
 from gearmesh.systems.kinds import KINDS
 
@@ -607,9 +608,8 @@ class WormDriveDesign(Design):
             middle = self._zero_shift_distance
             if abs(distance - middle) > far * (1.0 + SAME_SHIFT):
                 reason = f"makes wheel.profile_shift {(distance - middle) / self.axial_module:.4g}"
-                raise conflict(
-                    "center_distance", distance, reason=reason, allowed=f"from {middle - far:.7g} to {middle + far:.7g}"
-                )
+                allowed = f"from {at_least(middle - far)} to {at_most(middle + far)}"
+                raise conflict("center_distance", distance, reason=reason, allowed=allowed)
         return self
 
     @property
