@@ -268,7 +268,8 @@ def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: 
             )
             for name in names
         ]
-        if gears.pinion.name in names:
+        # a picture of sliding is one of whichever member
+        if sliding or gears.pinion.name in names:
             panels.append(_field_panel(flanks_of_side, sliding))
         sides.append(panels)
     if not sides:

@@ -224,3 +224,20 @@ def test_figures_of_flanks_have_words_and_are_the_same_twice(sample: str, tmp_pa
         assert f"<!-- {word} -->".encode() in written[0]
     with pytest.raises(gm.OutputError, match=r"the suffix of a plot must be \.png, \.svg, \.pdf"):
         plot_flanks(tmp_path / "a.xls", rows, "")
+
+
+@pytest.mark.sweep
+def test_pictures_of_sliding_have_the_velocity_for_either_member() -> None:
+    """It is that of the pinion's flank over the gear's; the ease-off is a field of the pinion's flank alone."""
+    found = contact("spur")
+    shown = {
+        (name, sliding): [isinstance(panel, FieldPanel) for row in flank_rows(found, (name,), sliding) for panel in row]
+        for name in ("pinion", "gear")
+        for sliding in (False, True)
+    }
+    assert {key: sum(fields) for key, fields in shown.items()} == {
+        ("pinion", False): 2,
+        ("pinion", True): 2,
+        ("gear", False): 0,
+        ("gear", True): 2,
+    }
