@@ -990,19 +990,21 @@ class Tooth:
         return values[:, 0], jet_at(values)
 
     def _near_tip(self, side: ToothSide, stations: Array) -> Array:
-        """Flank parameters (T, 2) near where flanks that are steep along the face reach the tip first, from the form point on;
-        NaN where they do not."""
+        """Flank parameters (T, 2) near where flanks that are steep along the face reach the tip first, from the form point on, or
+        as far as they go before they turn back along the face; NaN where they do not."""
         share = np.linspace(0.0, FARTHEST_TIP, TIP_SAMPLES)[:, None]
         p = side.form_point[0] + share * (side.tip - side.form_point[0]) + np.zeros_like(stations)
         curves = follow(side.flank, p, stations, self.blank.axial)
         under: Array = np.where(curves.converged, self.blank.tip.value(curves.jet.r), np.nan)
         crossed: NDArray[np.bool_] = np.asarray(np.diff(under > 0.0, axis=0) & np.isfinite(under[:-1] + under[1:]))
-        k, of = crossed.argmax(axis=0), np.arange(stations.size)
+        ends_below: NDArray[np.bool_] = (under[:-1] < 0.0) & np.isnan(under[1:])
+        reaches = crossed.any(axis=0)
+        k, of = np.where(reaches, crossed.argmax(axis=0), ends_below.argmax(axis=0)), np.arange(stations.size)
         low_under, high_under = under[k, of], under[k + 1, of]
-        far = low_under / (low_under - high_under)
+        far = np.where(reaches, low_under / (low_under - high_under), 0.0)
         ends = ((x[k, of], x[k + 1, of]) for x in (p, curves.values))
-        start = np.stack([low + far * (high - low) for low, high in ends], axis=-1)
-        return np.where(np.asarray(crossed.any(axis=0))[:, None], start, np.nan)
+        start = np.stack([np.where(reaches, low + far * (high - low), low) for low, high in ends], axis=-1)
+        return np.where(np.asarray(reaches | ends_below.any(axis=0))[:, None], start, np.nan)
 
     def _tip_corner(self, side: ToothSide, tip_corner: TipCorner, stations: Array, t: Array) -> tuple[Array, Array]:
         """Parameters (T,) of flank and tip corner where they meet at each station."""

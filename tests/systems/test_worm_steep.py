@@ -45,6 +45,20 @@ def test_every_station_has_the_tip_next_to_its_neighbours(name: str) -> None:
     assert tips[k] == pytest.approx(low, abs=1e-9 * abs(side.tip - side.form_point[0]))
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        "land_worm_drive_53",
+        *(pytest.param(name, marks=pytest.mark.sweep) for name in ("land_worm_drive_132", "tip_worm_drive_167")),
+    ],
+)
+def test_teeth_are_sound_at_every_station(name: str) -> None:
+    """At 2,001 and where the throat ends, of wheels whose face width or addendum is left open."""
+    tooth = gm.build(gm.load(CORPUS / f"{name}.toml")).members["wheel"].tooth
+    corners = np.interp(tooth.blank.tip.corners(tooth.blank.axial), tooth.blank.extent, (0.0, 1.0))
+    tooth.prove_land(np.union1d(np.linspace(0.0, 1.0, 2001), corners))
+
+
 def test_a_face_width_that_is_left_open_is_no_reason_for_a_refusal() -> None:
     """What is left of DIN 3975's is sound, an eighth of it more is not; where that is, it stays."""
     steep = gm.load(CORPUS / "face_worm_drive_10.toml")

@@ -125,7 +125,10 @@ def build(design: WormDriveDesign) -> GearTrain:
 
 def _usual_width(design: WormDriveDesign) -> tuple[float, str]:
     """The face width of DIN 3975 and why the default may be another one."""
-    return design.usual_face_width, "the flanks of these steep threads end sooner towards one end of the face"
+    return (
+        design.usual_face_width,
+        "the flanks of these steep threads end sooner, or teeth are pointed, towards an end of the face",
+    )
 
 
 def usual_addendum(design: WormDriveDesign) -> float:

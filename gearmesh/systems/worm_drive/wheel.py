@@ -188,10 +188,11 @@ def prove_wheel(tooth: Tooth) -> None:
     roll; beyond is another sheet of the envelope, which the hob generates from inside the wheel. Undercut may remove all of the
     flank before: its tip then lies beyond the singular points, turned inside out against mid face.
     """
-    # the least work first, for most widths and tips that are tried for a steep thread fail at once; lands are least next to where
-    # the throat ends, between the stations of the whole proof
-    for stations in (len(PLACES), LANDS):
-        tooth.prove_land(np.linspace(0.0, 1.0, stations))
+    # the least work first, for most widths and tips that are tried for a steep thread fail at once; lands are least where the
+    # throat ends, between the stations of the whole proof
+    corners = np.interp(tooth.blank.tip.corners(tooth.blank.axial), tooth.blank.extent, (0.0, 1.0))
+    for stations in (PLACES, np.union1d(np.linspace(0.0, 1.0, LANDS), corners)):
+        tooth.prove_land(stations)
     _prove_generated(tooth)
     if tooth.has_loops:
         tooth.sections(BETWEEN)
