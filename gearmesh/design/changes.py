@@ -175,6 +175,22 @@ CHANGES: tuple[Change, ...] = (
         "gamma_w0 - gamma_w, at the height of the pitch point",
         "threads of worm and larger hob were not tangent where they work",
     ),
+    Change(
+        "0.17.0",
+        ("worm_drive",),
+        "wheel.face_width",
+        "DIN 3975's, or less where flanks end sooner or teeth are pointed, as the stations of a proof show",
+        "the same, as also the ends of the throat show, where lands are least, and flanks that turn back just above the tip",
+        "of steep threads a few were pointed there, and no fine mesh was found; some others were narrower than they need be",
+    ),
+    Change(
+        "0.17.0",
+        ("worm_drive",),
+        "wheel.addendum",
+        "1, or what the tooth has room for at the stations of a proof",
+        "the same, also where the throat ends",
+        "of steep threads a few were pointed there, and no fine mesh was found",
+    ),
 )
 
 
