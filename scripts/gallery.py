@@ -23,7 +23,7 @@ SAMPLES = ROOT / "samples"
 PICTURES = SAMPLES / "pictures"
 SIZE = (480, 360)
 GREYS, COLOURS = 160, 64
-#: greys of a drawing or diagram, which has lines alone, and of what fills a picture
+#: greys of a drawing or diagram, which has lines alone
 LINE_GREYS = 15
 #: saturation (0 to 255) from which a pixel is coloured, not grey
 COLOURED = 90
@@ -44,8 +44,6 @@ PAIRS = {
 }
 #: designs of which another member's tooth is shown than the first's
 MEMBERS = {"worm_drive": "wheel", "worm_drive_dual_lead": "wheel", "worm_drive_zk_oversize": "wheel"}
-#: teeth that fill their pictures: fewer greys do, and keep the gallery within its size
-FILLING = ("hypoid_high_ratio",)
 #: figures that are read, not only looked at
 LARGE = {"bevel_machine_frames": (800, 900), "te_under_torque": (880, 660)}
 #: designs whose flanks are shown in their planes, and how large
@@ -93,8 +91,7 @@ def rendered(name: str, sample: str, *options: str) -> Picture:
 
 def tooth(sample: str) -> Picture:
     """The first member's tooth of a sample, or that of `MEMBERS`, with its contact."""
-    drawn = rendered(sample, sample, *(("--member", MEMBERS[sample]) if sample in MEMBERS else ()))
-    return replace(drawn, greys=LINE_GREYS) if sample in FILLING else drawn
+    return rendered(sample, sample, *(("--member", MEMBERS[sample]) if sample in MEMBERS else ()))
 
 
 def pair(sample: str) -> Picture:
@@ -105,7 +102,8 @@ def pair(sample: str) -> Picture:
 def plane(sample: str) -> Picture:
     """The flanks of a sample in their planes, with the ease-off."""
     drawn = rendered(f"{sample}_flank", sample, "--view", "flank")
-    return replace(drawn, command=(*drawn.command, "--size", "{}x{}".format(*(2 * n for n in PLANE))), size=PLANE)
+    larger = (*drawn.command, "--size", "{}x{}".format(*(2 * n for n in PLANE)))
+    return replace(drawn, command=larger, size=PLANE, greys=LINE_GREYS)
 
 
 def tool(sample: str, member: str, view: str = "tool") -> Picture:
