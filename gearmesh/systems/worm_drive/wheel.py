@@ -176,7 +176,7 @@ class WormHob:
                 "wheel.face_width",
                 2.0 * half,
                 unit="mm",
-                reason=f"the hob does not reach end faces {at_most(2.0 * r / narrower)} mm apart",
+                reason=f"a hob of the tip diameter {2.0 * r:.6g} mm does not reach over so wide a face",
             )
         return Meridian(CircularMeridian((0.0, a), r) if self.tilt == 0.0 else CylinderMeridian(a, r, self.tilt))
 
