@@ -581,6 +581,9 @@ def test_describe_has_a_line_for_a_key_where_there_is_room(monkeypatch: pytest.M
     printed = run("describe", "hypoid")[1].splitlines()
     # titles and blank lines of groups
     assert len(printed) == sum(map(len, groups.values())) + 2 * len(groups) - 1
+    # in a pipe there always is
+    monkeypatch.delenv("COLUMNS")
+    assert run("describe", "hypoid")[1].splitlines() == printed
     monkeypatch.setenv("COLUMNS", "60")
     narrow = run("describe", "hypoid")[1].splitlines()
     assert max(map(len, narrow)) <= 60

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import textwrap
 from dataclasses import asdict
@@ -90,7 +91,7 @@ def describe(
     if what is None:
         show([_kinds()])
     else:
-        sys.stdout.write(_keys(what, get_terminal_size((WIDTH, 24)).columns))
+        sys.stdout.write(_keys(what, _width()))
 
 
 def _figures(word: str, json_file: str | None) -> None:
@@ -155,6 +156,13 @@ def _document(kind: str | None) -> str:
             "tables": groups,
         }
     )
+
+
+def _width() -> int:
+    """Characters in a line: those of the terminal or of COLUMNS; in a pipe each key has a line for itself."""
+    if sys.stdout.isatty() or "COLUMNS" in os.environ:
+        return get_terminal_size((WIDTH, 24)).columns
+    return sys.maxsize
 
 
 def _keys(kind: str, width: int) -> str:
