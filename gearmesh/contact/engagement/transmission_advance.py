@@ -26,6 +26,8 @@ STENCIL = 4
 SURE = 1e-11
 #: by how much (rad/rad) slopes of two kinds of contact may differ where one passes into the other
 JOINED = 1e-8
+#: part of the nodes' step by which a node is away from such a passage at least
+BESIDE = 0.1
 #: rounds in which nodes are added, and the parts of an interval between contacts of two kinds; of one where they are rough
 ROUNDS, PARTS, ROUGH_PARTS = 4, 8, 2
 
@@ -195,7 +197,13 @@ def _with_passages(engagement: Engagement, ends: Sequence[float]) -> Engagement:
     advance, slope = (column.reshape(-1, 2) for column in _values(engagement, there, contacts))
     alike = (np.abs(np.diff(advance)) < SURE) & (np.abs(np.diff(slope)) < JOINED)
     own = np.flatnonzero(np.repeat(alike[:, 0], 2) & (contacts.edges == c.edges[node]).all(axis=1))
-    return _with_nodes(engagement, there[own], contacts.at(own)) if own.size else engagement
+    if not own.size:
+        return engagement
+    # of nodes right beside a passage divided differences would be rounding
+    beside = node[own][np.abs(phi1[node] - there)[own] < BESIDE * engagement.step]
+    kept = np.setdiff1d(np.arange(len(phi1)), beside[(beside > 0) & (beside < len(phi1) - 1)])
+    fewer = Engagement(engagement.pair, phi1[kept], c.at(kept), engagement.flanks.at(kept), engagement.step)
+    return _with_nodes(fewer, there[own], contacts.at(own))
 
 
 def _with_ends(engagement: Engagement, ends: Sequence[float]) -> Engagement:
