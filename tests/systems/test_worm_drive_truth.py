@@ -263,6 +263,7 @@ def test_a_hob_like_the_worm_makes_no_transmission_error(form: str) -> None:
 # ---------------------------------------------------------------- what cannot be
 
 
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

@@ -74,9 +74,10 @@ class CircularMeridian:
 
     def at(self, a: Array) -> Values:
         away, sign = a - self.centre[0], 1.0 if self.above else -1.0
-        with np.errstate(invalid="ignore"):
+        # beside the arc there is none, at its ends it is upright
+        with np.errstate(invalid="ignore", divide="ignore"):
             height = np.sqrt(self.radius**2 - away**2)
-        return self.centre[1] + sign * height, -sign * away / height, -sign * self.radius**2 / height**3
+            return self.centre[1] + sign * height, -sign * away / height, -sign * self.radius**2 / height**3
 
 
 @dataclass(frozen=True)
