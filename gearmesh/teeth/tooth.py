@@ -972,11 +972,13 @@ class Tooth:
         odd = np.flatnonzero(~(converged & (share > 0.0) & (share < FARTHEST_TIP)))
         if odd.size:
             # steep flanks throw Newton's method far off, to other roots
-            first = newton.solve(
-                at_tip(odd, np.zeros(odd.size)), self._near_tip(side, stations[odd]), tolerance=tolerance
-            )
-            values[odd[first.converged]] = first.values[first.converged]
-            converged[odd] |= first.converged
+            near_tip = self._near_tip(side, stations[odd])
+            first = newton.solve(at_tip(odd, np.zeros(odd.size)), near_tip, tolerance=tolerance)
+            # from where a flank turns back it may lead to another sheet
+            apart = np.abs(first.values - near_tip)[:, 0] / abs(side.tip - side.form_point[0])
+            held = first.converged & (apart <= FARTHEST_TIP / (TIP_SAMPLES - 1))
+            values[odd[held]] = first.values[held]
+            converged[odd] |= held
         if not converged.all():
             lost = np.flatnonzero(~converged)
             x = start[lost]

@@ -118,7 +118,7 @@ def area_edges(grid: Array, level: Array) -> Array:
 
 
 def _below(points: Array, level: Array) -> Array:
-    """Points (N, 3) of a line where its level (N,) is at most 1, with those where it comes to 1; NaN elsewhere."""
+    """Points (N, 3) of a line where its level (N,) is at most 1, with those where it reaches 1; NaN elsewhere."""
     inside = level <= 1.0
     kept = np.where(inside[:, None], points, np.nan)
     for k in np.flatnonzero(inside[1:] != inside[:-1]):

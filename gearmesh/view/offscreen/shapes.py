@@ -115,13 +115,13 @@ class Viewer:
 
     def faces(self, corners: Array) -> NDArray[np.bool_]:
         """Which triangles (T, 3, 3) turn their outside to the viewer, (T,)."""
-        return self.turned(corners) > _EDGE_ON
+        return self.facing(corners) > _EDGE_ON
 
     def edge_on(self, corners: Array) -> NDArray[np.bool_]:
         """Which triangles (T, 3, 3) are seen as lines, (T,)."""
-        return np.abs(self.turned(corners)) <= _EDGE_ON
+        return np.abs(self.facing(corners)) <= _EDGE_ON
 
-    def turned(self, corners: Array, normals: Array | None = None) -> Array:
+    def facing(self, corners: Array, normals: Array | None = None) -> Array:
         """Cosines (T,) of the angles between the outside of triangles (T, 3, 3), or normals (T, 3), and the way to the viewer."""
         outward = normals
         if outward is None:
@@ -225,7 +225,7 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
     outer = cells
     if opened:
         # exact normals have a word in it: facets seen nearly edge-on turn to and fro along a horizon, and would be a row of specks
-        turned = viewer.faces(corners) & (viewer.turned(corners, mesh.normals) > 0.0)
+        turned = viewer.faces(corners) & (viewer.facing(corners, mesh.normals) > 0.0)
         outer = cells[turned]
         yield from _inside(mesh, corners, cells[~turned], body.section or _INSIDE, behind, viewer)
     # sections have no lines that triangles must stay behind, and those that do would reach before the plane of the section

@@ -112,6 +112,9 @@ def _sound_shares(design: WormDriveDesign, usual: float) -> Iterator[float]:
         tooth = wheel_tooth(wide := _in_mm(design, usual))
     except DesignError:
         return
+    # fillets that overlap in the middle plane do over any width
+    if not _succeeds(tooth.prove_root, MIDDLE):
+        return
     if _succeeds(prove, wide):
         yield 1.0
     if math.isfinite(design.wheel.face_width) or design.lead_angle <= GENTLE:
