@@ -180,8 +180,8 @@ CHANGES: tuple[Change, ...] = (
         ("worm_drive",),
         "wheel.face_width",
         "DIN 3975's, or less where flanks end sooner or teeth are pointed, as the stations of a proof show",
-        "the same, as also the ends of the throat show, where lands are least, and flanks that turn back just above the tip",
-        "of steep threads a few were pointed there, and no fine mesh was found; some others were narrower than they need be",
+        "the same, as also the ends of the throat show, where lands are least",
+        "of steep threads a few were pointed there, and no fine mesh was found",
     ),
     Change(
         "0.17.0",

@@ -972,13 +972,11 @@ class Tooth:
         odd = np.flatnonzero(~(converged & (share > 0.0) & (share < FARTHEST_TIP)))
         if odd.size:
             # steep flanks throw Newton's method far off, to other roots
-            near_tip = self._near_tip(side, stations[odd])
-            first = newton.solve(at_tip(odd, np.zeros(odd.size)), near_tip, tolerance=tolerance)
-            # from where a flank turns back it may lead to another sheet
-            apart = np.abs(first.values - near_tip)[:, 0] / abs(side.tip - side.form_point[0])
-            held = first.converged & (apart <= FARTHEST_TIP / (TIP_SAMPLES - 1))
-            values[odd[held]] = first.values[held]
-            converged[odd] |= held
+            first = newton.solve(
+                at_tip(odd, np.zeros(odd.size)), self._near_tip(side, stations[odd]), tolerance=tolerance
+            )
+            values[odd[first.converged]] = first.values[first.converged]
+            converged[odd] |= first.converged
         if not converged.all():
             lost = np.flatnonzero(~converged)
             x = start[lost]
@@ -992,21 +990,19 @@ class Tooth:
         return values[:, 0], jet_at(values)
 
     def _near_tip(self, side: ToothSide, stations: Array) -> Array:
-        """Flank parameters (T, 2) near where flanks that are steep along the face reach the tip first, from the form point on, or
-        as far as they go before they turn back along the face; NaN where they do not."""
+        """Flank parameters (T, 2) near where flanks that are steep along the face reach the tip first, from the form point on;
+        NaN where they do not."""
         share = np.linspace(0.0, FARTHEST_TIP, TIP_SAMPLES)[:, None]
         p = side.form_point[0] + share * (side.tip - side.form_point[0]) + np.zeros_like(stations)
         curves = follow(side.flank, p, stations, self.blank.axial)
         under: Array = np.where(curves.converged, self.blank.tip.value(curves.jet.r), np.nan)
         crossed: NDArray[np.bool_] = np.asarray(np.diff(under > 0.0, axis=0) & np.isfinite(under[:-1] + under[1:]))
-        ends_below: NDArray[np.bool_] = (under[:-1] < 0.0) & np.isnan(under[1:])
-        reaches = crossed.any(axis=0)
-        k, of = np.where(reaches, crossed.argmax(axis=0), ends_below.argmax(axis=0)), np.arange(stations.size)
+        k, of = crossed.argmax(axis=0), np.arange(stations.size)
         low_under, high_under = under[k, of], under[k + 1, of]
-        far = np.where(reaches, low_under / (low_under - high_under), 0.0)
+        far = low_under / (low_under - high_under)
         ends = ((x[k, of], x[k + 1, of]) for x in (p, curves.values))
-        start = np.stack([np.where(reaches, low + far * (high - low), low) for low, high in ends], axis=-1)
-        return np.where(np.asarray(reaches | ends_below.any(axis=0))[:, None], start, np.nan)
+        start = np.stack([low + far * (high - low) for low, high in ends], axis=-1)
+        return np.where(np.asarray(crossed.any(axis=0))[:, None], start, np.nan)
 
     def _tip_corner(self, side: ToothSide, tip_corner: TipCorner, stations: Array, t: Array) -> tuple[Array, Array]:
         """Parameters (T,) of flank and tip corner where they meet at each station."""
