@@ -153,6 +153,8 @@ def _kind(name: str) -> str:
 
 # --- cameras ---
 
+#: part of the length of a body along its axis by which it lies on one side of where axes cross
+ASIDE = 0.05
 #: how far aside and up, as parts of the way along the axis, a set of gears is looked at from
 SWUNG = 0.35
 #: cosine from which on an axis is upright
@@ -331,6 +333,14 @@ def _flank_points(view: ToothView) -> Array:
     return view.fine.only(*flanks).vertices if flanks else view.fine.vertices
 
 
+def _towards(axis: Array, points: Array) -> tuple[Array, bool]:
+    """An axis (3,) in the sense in which points (K, 3) lie along it, and whether they tell: their middle is beyond `ASIDE`."""
+    along = points @ axis
+    middle = 0.5 * float(along.min() + along.max())
+    tells = abs(middle) > ASIDE * float(np.ptp(along))
+    return (-axis if tells and middle < 0.0 else axis), tells
+
+
 def pair_camera(
     pair: GearPair,
     pinion: Array,
@@ -347,9 +357,12 @@ def pair_camera(
     apart = pinion.mean(axis=0) - gear.mean(axis=0)
     points = np.concatenate((pinion, gear))
     if pair.acute_angle > STEEP:
-        # both axes from where they cross to the bodies
-        first = first * np.sign(first @ (pinion.mean(axis=0) - pair.gear.mount.origin))
-        second = second * np.sign(second @ (gear.mean(axis=0) - pair.pinion.mount.origin))
+        # both axes from where they cross to the bodies; where a body lies on both sides of that, as a worm does, the pinion is in
+        # front: vertices alone would tell rounding
+        first, of_pinion = _towards(first, pinion - pair.gear.mount.origin)
+        second, _ = _towards(second, gear - pair.pinion.mount.origin)
+        if not of_pinion and cross(first, second) @ apart < 0.0:
+            first = -first
         side = unit(cross(first, second))
         whole = frame(0.9 * side - 0.6 * second - 0.5 * first, -second, points, size)
     else:
