@@ -190,8 +190,7 @@ def prove_wheel(tooth: Tooth) -> None:
     """
     # the least work first, for most widths and tips that are tried for a steep thread fail at once; lands are least where the
     # throat ends, between the stations of the whole proof
-    corners = np.interp(tooth.blank.tip.corners(tooth.blank.axial), tooth.blank.extent, (0.0, 1.0))
-    for stations in (PLACES, np.union1d(np.linspace(0.0, 1.0, LANDS), corners)):
+    for stations in (PLACES, np.union1d(np.linspace(0.0, 1.0, LANDS), tooth.face_breaks)):
         tooth.prove_land(stations)
     _prove_generated(tooth)
     if tooth.has_loops:
