@@ -285,7 +285,7 @@ if TYPE_CHECKING:
     from gearmesh.view.picture import Animation, Diagram, Picture
 
 #: said here alone: pyproject.toml has it from here
-__version__ = "0.17.0"
+__version__ = "0.18.0"
 
 __all__ = [
     "AmountColumns",
