@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass
 from enum import IntEnum
@@ -29,6 +29,10 @@ _NUMBER = re.compile(rf"(?P<bound>{'|'.join(_BOUNDS)})?(?<![\w.])(?P<figure>-?\d
 _LENGTHS = re.compile(
     rf"((?:{'|'.join(_BOUNDS)})?(?<![\w.])-?\d[\d.]*(?:e[-+]?\d+)?(?:(?: to | and | or |, )-?\d[\d.]*(?:e[-+]?\d+)?)*) mm(?![/\w^])"
 )
+#: least likeness of a misspelt word and the one that it stands for
+LIKE = 0.55
+#: the same of keys of figures, which are long and which people shorten
+SHORTENED = 0.2
 #: what figures are made of
 _FIGURES = str.maketrans("", "", "0123456789.-+")
 
@@ -178,6 +182,13 @@ def shown_value(value: Any, unit: str = "") -> str:
     return f"{text} {unit}".rstrip()
 
 
+def nearest(word: str, known: Iterable[str], likeness: float = LIKE) -> str | None:
+    """The known word that a misspelt one most likely stands for."""
+    import difflib
+
+    return next(iter(difflib.get_close_matches(word, list(known), n=1, cutoff=likeness)), None)
+
+
 def in_unit(line: str, unit: str, mm: float) -> str:
     """A message with its lengths, which are in mm, in another unit of so many mm; what may be at most or at least so much never
     becomes more or less than that."""
@@ -234,6 +245,18 @@ class OutputArgumentError(OutputError):
     """The same, of what an argument of a call names."""
 
     of_argument = True
+
+
+class UnknownFigureError(ArgumentError, KeyError):
+    """A figure that a result does not have, by its key."""
+
+    @classmethod
+    def among(cls, key: Any, known: Collection[str]) -> Self:
+        """The refusal of a key that is not one of `known`, with the one that is meant."""
+        begins = (name for name in known if isinstance(key, str) and key and name.startswith(key))
+        close = next(begins, None) or nearest(str(key), known, SHORTENED)
+        hint = f"did you mean {close}?" if close else f"there are {', '.join(known) or 'none'}"
+        return cls("key", key, reason=f"there is no figure of this name; {hint}")
 
 
 class NoSolutionError(GearmeshError):

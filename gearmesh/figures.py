@@ -16,6 +16,8 @@ from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cache
 from typing import Any, TypeAlias
 
+from gearmesh.errors import UnknownFigureError
+
 #: units, and how they stand at the end of a key
 UNITS = {
     "": "",
@@ -428,7 +430,35 @@ class Summary(Mapping[str, Any]):
         return Summary(entries)
 
     def __getitem__(self, key: str) -> Any:
-        return self._entries[key].value
+        try:
+            return self._entries[key].value
+        except KeyError:
+            raise UnknownFigureError.among(key, self._entries) from None
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._entries
+
+    def get(self, key: str, default: Any = None) -> Any:
+        """The value of a figure.
+
+        Parameters
+        ----------
+        key : str
+            As in JSON.
+        default : object
+            What counts where there is no such figure.
+
+        Returns
+        -------
+        object
+            The value, or `default`.
+
+        Examples
+        --------
+        >>> gears.contact().summary.get("no_such_figure", 0.0)
+        0.0
+        """
+        return self._entries[key].value if key in self._entries else default
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._entries)

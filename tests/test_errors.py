@@ -151,7 +151,7 @@ REFUSED: list[tuple[Callable[[gm.Gears], Any], str, Any, str, str]] = [
     (lambda g: g.compensate(), "kind", "cylindrical", "spiral_bevel", "has no"),
     (lambda g: g.vh(("V", "X")), "kind", "cylindrical", "spiral_bevel", "has no V-H check"),
     (lambda g: g.train.pair("sun-ring"), "pair", "sun-ring", "one of pinion-gear", ""),
-    (lambda g: gm.build("spur.toml"), "design", "spur.toml", "a design: load reads a file", ""),
+    (lambda g: gm.build("spur.toml"), "design", "spur.toml", "a Design", ""),
     (lambda g: gm.load(SAMPLES / "spur.toml", ["module"]), "overrides", None, "", "must look like dotted.key=value"),
     (lambda g: gm.load(SAMPLES / "spur.toml", ["pressure_angle=50"]), "pressure_angle", 50, "an angle in deg", ""),
     (lambda g: gm.load(SAMPLES / "spur.toml", ["modul=2"]), "modul", None, "", "unknown key; did you mean module?"),

@@ -15,6 +15,7 @@ from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.answers.pinned import Pinned, leaves_of
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
+from gearmesh.arguments import checks_arguments
 from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design, RexsSource
 from gearmesh.design.files import anchor, counted_from, every_key, stated_text
@@ -25,6 +26,7 @@ from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_form import StageForm
 from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.figures import Content, Figures, figure
+from gearmesh.numerals import parse_whole_number
 from gearmesh.systems.designs import parse_as_stated
 from gearmesh.systems.system import System, complete_design, kinds, system, system_of
 
@@ -123,6 +125,7 @@ class RexsReading(Result):
         return "".join(lines) + stated_text(self.keys, type(self.design), folder)
 
 
+@checks_arguments
 def load_rexs(file: str | os.PathLike[str], stage: str | None = None) -> RexsReading:
     """The design of a stage of a REXS file (.rexs, .rexsj, .rexsz; versions 1.0 to 1.7).
 
@@ -293,7 +296,7 @@ def _put_results(writer: StageWriter, stage: Component, loaded: LoadedContact) -
         for one in model.relations_of("stage", "stage", stage.id)
     )
     model.spectrum = model.spectrum or "1"
-    taken = max((int(one.id) for one in model.load_cases if one.id.isdigit()), default=0)
+    taken = max((parse_whole_number(one.id) or 0 for one in model.load_cases), default=0)
     for number, rows in enumerate(_by_torque(loaded.rows), start=taken + 1):
         own, te = Component(stage.id, stage.type), [row.te for row in rows]
         for name, value, unit in (

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearmesh.arguments import checks_methods
 from gearmesh.design.core import Design
 from gearmesh.design.shown import html_table
 from gearmesh.errors import ArgumentError, NoSolutionError
@@ -15,6 +16,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import Length, tolerance_in_mm
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.pickling import Picklable
 from gearmesh.systems import system as systems
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
@@ -73,7 +75,8 @@ class MembersAlone(Mapping[str, Member]):
         return len(self._parts)
 
 
-class GearSet:
+@checks_methods
+class GearSet(Picklable):
     """The gears of a design: exact teeth of all members, their mounting, and the pairs that mesh.
 
     Nothing is computed before it is asked for.

@@ -11,6 +11,7 @@ from gearmesh import __version__
 from gearmesh.answers.result import columns
 from gearmesh.answers.sizing import RANGES, DesignChoice, refuse_outside
 from gearmesh.answers.tables import Listing
+from gearmesh.arguments import checks_arguments
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.lengths import Length, in_mm
@@ -215,6 +216,7 @@ def _line(row: SetFigures) -> tuple[Any, ...]:
     )
 
 
+@checks_arguments
 def size_planetary(
     ratio: float,
     *,

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.answers.gearset import GearSet, number_list
+from gearmesh.arguments import checks_methods
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import Progress, silent
 from gearmesh.systems import system as systems
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from gearmesh.loaded.mounts import FlexibleMount
 
 
+@checks_methods
 class SolvedGears(GearSet):
     """The gears of a design, and what one answer about their contact needs another for."""
 

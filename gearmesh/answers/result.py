@@ -14,9 +14,10 @@ from gearmesh.answers.tables import Listing, align, as_html, json_text, plain
 from gearmesh.design.core import Design
 from gearmesh.errors import OutputError
 from gearmesh.figures import Content, Figures, Summary, as_rows, figure
+from gearmesh.pickling import Picklable
 
 
-class Result(ABC):
+class Result(Picklable, ABC):
     """An answer about gears.
 
     `print(x)` shows its tables, a notebook shows them as HTML, `x.to_dict()` gives columns of equal length (a table for

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from gearmesh import __version__
 from gearmesh.answers.result import Result, columns
 from gearmesh.answers.tables import Listing
+from gearmesh.arguments import checks_arguments
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, figure
@@ -218,6 +219,7 @@ class Sizing(DesignChoice):
         return tuple(candidate.keys for candidate in self.candidates)
 
 
+@checks_arguments
 def size(
     ratio: float,
     center_distance: Length,

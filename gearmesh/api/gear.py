@@ -6,14 +6,18 @@ from collections.abc import Sequence
 from typing import Any
 
 from gearmesh.api.gears import Gears, build
+from gearmesh.arguments import checks_arguments
 from gearmesh.design.keys import MM_PER
-from gearmesh.errors import ArgumentError
+from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.lengths import Length, in_mm
 
 #: face width, in normal modules, of a gear whose face width is not given
 WIDTH = 10.0
+#: tables of members in designs of one gear or of a pair
+MEMBERS = ("gear", "rack", "pinion")
 
 
+@checks_arguments
 def gear(
     teeth: int,
     *,
@@ -90,6 +94,11 @@ def gear_of(keys: dict[str, Any], settings: Sequence[str] = ()) -> Gears:
     from gearmesh.design.files import overridden_keys, override
     from gearmesh.systems.designs import parse_as_stated
 
+    table = next(name for name in MEMBERS if name in keys)
+    for key in overridden_keys(settings):
+        member, dot, rest = key.partition(".")
+        if member in MEMBERS and member != table:
+            raise DesignError(key, reason=f"there is only one member, {table}; did you mean {table}{dot}{rest}?")
     return build(parse_as_stated(override(keys, settings)).with_changed_keys(overridden_keys(settings)))
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from gearmesh.answers.bodies.questions import ModelledGears
 from gearmesh.answers.gearset import number_list
+from gearmesh.arguments import checks_arguments_with, checks_methods
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.lengths import Length
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from gearmesh.view.picture import Animation, Diagram, Picture
 
 
+@checks_methods
 class Gears(ModelledGears):
     """The gears of a design: exact teeth of all members, their mounting, and the pairs that mesh.
 
@@ -1015,6 +1017,7 @@ class Gears(ModelledGears):
         return run(self, Path(folder), self.within(tolerance), progress, timing, page, source, torque)
 
 
+@checks_arguments_with(design="gm.load reads a file, gm.parse a mapping")
 def build(design: Design, *, alone: bool = False) -> Gears:
     """The gears of a design.
 
@@ -1043,8 +1046,6 @@ def build(design: Design, *, alone: bool = False) -> Gears:
     >>> list(gm.build(design).members)
     ['pinion', 'gear']
     """
-    if not isinstance(design, Design):
-        raise ArgumentError("design", design, must_be="a design: load reads a file, parse a mapping")
     if alone:
         return Gears(design)
     whole = systems.complete_design(design)

@@ -135,7 +135,7 @@ def _no_command(name: str) -> str:
     """The refusal of a first argument that is no command, with the one that may be meant."""
     from pathlib import Path
 
-    from gearmesh.design.shown import nearest
+    from gearmesh.errors import nearest
 
     if Path(name).suffix in (".toml", ".json") or Path(name).is_file():
         return f"{name} is a design file, no command: gearmesh run {name} does the main job (see gearmesh --help)"

@@ -10,7 +10,10 @@ from typing import Any, get_args, get_type_hints
 from typer.models import OptionInfo
 
 from gearmesh.errors import ArgumentError, GearmeshError
+from gearmesh.numerals import parse_number, parse_whole_number, with_letters, with_point
 
+#: units of options by what usage calls their values
+UNITS = {"NM": "Nm", "RPM": "1/min", "DEG": "deg", "MMPM": "mm/min", "UM": "um", "P": "1/inch"}
 #: what parameters of commands are called in the calls that they are handed on to, where that differs
 CALLED = {"tolerance": "tol", "overrides": "settings", "folder": "output", "path": "output", "moved": "move"}
 
@@ -44,22 +47,24 @@ def number_options(command: Callable[..., Any]) -> dict[str, Any]:
             own = get_args(hint)[0]
             kinds = {kind for kind in (get_args(own) or (own,)) if kind is not type(None)}
             if kinds <= {int, float}:
-                about.parser = _reader(names[parameter], int if kinds == {int} else float, about.min, about.max)
+                unit = UNITS.get(str(about.metavar), "")
+                about.parser = _reader(names[parameter], int if kinds == {int} else float, about.min, about.max, unit)
     return hints
 
 
 def _reader(
-    option: str, kind: type[int] | type[float], low: float | None, high: float | None
+    option: str, kind: type[int] | type[float], low: float | None, high: float | None, unit: str
 ) -> Callable[[Any], float]:
     """What reads a number from the text of an option. Raises ArgumentError."""
     bounds = [f"{word} {bound:g}" for word, bound in (("from", low), ("up to", high)) if bound is not None]
     must_be = " ".join(("a whole number" if kind is int else "a number", *bounds))
+    bare = f"{must_be.replace('a ', 'a bare ', 1)}{unit and f' in {unit}'}, without letters behind it"
 
     def read(text: Any) -> float:
-        try:
-            value = kind(text)
-        except ValueError:
-            raise ArgumentError(option, text, must_be=must_be) from None
+        # a default is a number already
+        value = (parse_whole_number if kind is int else parse_number)(text) if isinstance(text, str) else text
+        if value is None:
+            raise ArgumentError(option, text, must_be=bare if with_letters(text) else must_be, remedy=with_point(text))
         if (low is not None and not value >= low) or (high is not None and not value <= high):
             raise ArgumentError(option, text, must_be=must_be)
         return value

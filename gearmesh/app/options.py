@@ -11,6 +11,7 @@ import typer
 import gearmesh as gm
 from gearmesh.app.terminal import working
 from gearmesh.errors import ArgumentError
+from gearmesh.numerals import parse_number, parse_numbers, parse_whole_number, with_letters, with_point
 
 if TYPE_CHECKING:
     from gearmesh import Design, Gears
@@ -45,6 +46,25 @@ Tolerance = Annotated[
         "--tol",
         metavar="LEN",
         help="Largest distance between mesh and exact surface: 10um, 0.01mm, 0.0004in; bare = mm.",
+    ),
+]
+Curves = Annotated[
+    str | None,
+    typer.Option(
+        "--curves",
+        metavar="splines|arcs|polyline",
+        help="What flanks and fillets of .dxf and .svg are drawn with; with arcs and polyline a .dxf has one closed polyline "
+        "for every contour. [default: splines]",
+    ),
+]
+Offset = Annotated[
+    str | None,
+    typer.Option(
+        "--offset",
+        metavar="LEN",
+        help="Move flanks, fillets, lands and roots along their normals, of .dxf and .svg the contours, positive away from the "
+        "gear's material: stock to grind, spark gap of an electrode (--space), 0.135mm; negative: clearance of printed "
+        "teeth. End faces and bore stay. Bare = mm. [default: 0]",
     ),
 ]
 Json = Annotated[str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON; - is standard output.")]
@@ -107,11 +127,13 @@ def refuse_speed(speed: float | None) -> None:
 def torques_in_nm(text: str) -> list[float]:
     """The torques of --torque. Raises DesignError for what are none."""
     try:
-        torques = [float(part) for part in text.split(",")]
+        torques = parse_numbers(text.split(","))
     except ValueError:
         torques = []
     if not torques or not all(0.0 < torque < math.inf for torque in torques):
-        raise ArgumentError("torque", text, must_be="finite numbers of Nm above 0, one or, with commas, several")
+        remedy = "write bare numbers, in Nm" if any(map(with_letters, text.split(","))) else ""
+        must_be = "finite numbers of Nm above 0, one or, with commas, several"
+        raise ArgumentError("torque", text, must_be=must_be, remedy=remedy)
     return torques
 
 
@@ -129,21 +151,29 @@ def positions_in_degrees(text: str | None) -> list[float] | None:
     if text is None:
         return None
     start, *more = text.split(":")
-    try:
-        ends = [float(start), *map(float, more[:1])]
-        count = int(more[1]) if more else 1
-    except (ValueError, IndexError):
-        ends, count = [], 0
-    wrong = len(more) not in (0, 2) or not ends or not all(map(math.isfinite, ends))
+    known = [parse_number(end) for end in (start, *more[:1])]
+    ends = [end for end in known if end is not None]
+    count = (parse_whole_number(more[1]) or 0) if len(more) == 2 else 1
+    wrong = len(more) not in (0, 2) or len(ends) < len(known)
     if wrong or (more and not (ends[0] < ends[1] and 2 <= count <= MOST_POSITIONS)):
         raise ArgumentError(
             "phi1",
             text,
             must_be="a finite number of degrees, or START:STOP:COUNT with STOP above START and COUNT from 2 to "
             f"{MOST_POSITIONS}",
+            remedy=_positions_remedy(text),
         )
     steps = max(count - 1, 1)
     return [(ends[0] * (steps - k) + ends[-1] * k) / steps for k in range(count)]
+
+
+def _positions_remedy(text: str) -> str:
+    """What to write instead of positions with commas, or with a unit."""
+    parts = text.split(",")
+    if len(parts) > 1 and all(parse_number(part) is not None for part in parts):
+        pointed = with_point(text)
+        return f"{pointed + ' or ' if pointed else 'write '}{parts[0]}:{parts[-1]}:{len(parts)}"
+    return "write a bare number, in deg" if with_letters(text) else ""
 
 
 def stem(path: Path) -> str:

@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass
 
 #: how a version looks, in a file as text
-_VERSION = re.compile(r"\d+\.\d+(\.\d+)?")
+_VERSION = re.compile(r"\d+\.\d+(\.\d+)?", re.ASCII)
 BEVEL = ("spiral_bevel", "hypoid")
 
 

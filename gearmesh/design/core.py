@@ -682,7 +682,7 @@ class Design(Table):
             own.__pydantic_validator__.validate_python(complete, self_instance=self, context=context)
             self._count_as_set(given)
         except ValidationError as error:
-            raise explain(error, own, "inch" if mm_per_unit == MM_PER["inch"] else "mm") from None
+            raise explain(error, own, "inch" if mm_per_unit == MM_PER["inch"] else "mm", keys) from None
 
     @property
     def title(self) -> str:

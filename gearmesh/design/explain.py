@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.design.keys import Table
-from gearmesh.design.shown import LIKE, nearest, shown_key, value_text
-from gearmesh.errors import DesignError, shown_value
+from gearmesh.design.shown import shown_key, value_text
+from gearmesh.errors import LIKE, DesignError, nearest, shown_value
+from gearmesh.numerals import with_point
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
@@ -19,13 +20,15 @@ _ORDER = {"extra_forbidden": 0, "missing": 1}
 MUCH_ALIKE, LEAST_BEGINNING = 0.8, 4
 
 
-def explain(error: ValidationError, design: type[Table], units: str) -> DesignError:
-    """The refusal of the first thing to mend, and how many more there are."""
+def explain(
+    error: ValidationError, design: type[Table], units: str, given: Collection[str] = frozenset()
+) -> DesignError:
+    """The refusal of the first thing to mend, and how many more there are; `given`: keys and tables at the top of the file."""
     details = sorted(error.errors(include_url=False), key=lambda e: (e["loc"] != ("units",), _ORDER.get(e["type"], 2)))
-    return _refusal(details[0], design, units, len(details) - 1)
+    return _refusal(details[0], design, units, len(details) - 1, given)
 
 
-def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int) -> DesignError:
+def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int, given: Collection[str]) -> DesignError:
     *tables, last = detail["loc"] or ("design",)
     if detail["type"] == "conflict":
         key, value, fields = (ctx := dict(detail["ctx"])).pop("key"), ctx.pop("value"), ctx
@@ -38,15 +41,16 @@ def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int) -
     table = _table(design, tables)
     key = design.name_in_texts(shown_key(detail["loc"]))
     if detail["type"] == "extra_forbidden":
-        return DesignError(key, reason=f"unknown key; {_suggestion(str(last), tables, table, design)}", more=more)
+        hint = _suggestion(str(last), tables, table, design, given)
+        return DesignError(key, reason=f"unknown key; {hint}", more=more)
     allowed = _allowed_values(table, str(last), units)
     if detail["type"] == "missing":
         return DesignError(key, reason="missing", must_be=allowed, more=more)
     own, value = table.key_of(str(last)), detail["input"]
     least = own.least(units) if own is not None and detail["type"] == "too_small" else ""
-    return DesignError(
-        key, value, shown=value_text(value), must_be=f"{allowed}{least}{_with_unit(table, str(last), value)}", more=more
-    )
+    must_be = f"{allowed}{least}{_with_unit(table, str(last), value)}"
+    remedy = with_point(value) if isinstance(value, str) and own is not None and own.is_numeric else ""
+    return DesignError(key, value, shown=value_text(value), must_be=must_be, remedy=remedy, more=more)
 
 
 def _table(design: type[Table], path: list[Any]) -> type[Table]:
@@ -75,10 +79,10 @@ def _with_unit(table: type[Table], name: str, value: Any) -> str:
     return key.with_unit if isinstance(value, str) and key is not None else ""
 
 
-def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Table]) -> str:
+def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Table], given: Collection[str]) -> str:
     keys = list(_dotted_keys(design))
-    # what must be given is meant rather than what may be
-    keys.sort(key=lambda dotted: _is_required(design, dotted))
+    # a table that the file has is meant rather than another, then what must be given rather than what may be
+    keys.sort(key=lambda dotted: (dotted.partition(".")[0] in given, _is_required(design, dotted)))
     everywhere = {dotted.rsplit(".", 1)[-1]: dotted for dotted in keys}
     # the name of a key of another table, but of none within one
     if everywhere.get(name, "..").count(".") <= 1:

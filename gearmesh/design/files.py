@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearmesh import __version__
+from gearmesh.arguments import checks_arguments
 from gearmesh.design.keys import Table
 from gearmesh.design.shown import value_text
 from gearmesh.errors import ArgumentError, FileError
@@ -92,6 +93,7 @@ def _value(text: str) -> Any:
     return parsed["value"] if len(parsed) == 1 else text
 
 
+@checks_arguments
 def toml(data: Mapping[str, Any]) -> str:
     """The TOML text of a plain table.
 

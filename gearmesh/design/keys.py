@@ -160,6 +160,11 @@ class Key:
         return f"{_NOUN[self.unit].format(units=units)} {limits}"
 
     @property
+    def is_numeric(self) -> bool:
+        """True where values are single numbers."""
+        return not self.most and self.unit not in ("choice", "text", "file", "flag", "stiffness")
+
+    @property
     def with_unit(self) -> str:
         """What the key accepts beside a number, in words."""
         return f", or a length with its unit, as {EXAMPLES}" if self.power == 1 else ""

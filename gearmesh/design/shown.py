@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import html
 import json
 from collections.abc import Iterable, Sequence
@@ -12,8 +11,6 @@ from gearmesh.errors import shown_value
 
 #: characters of a number beyond which nobody typed it
 TYPED = 14
-#: least likeness of a misspelt word and the one that it stands for
-LIKE = 0.55
 
 
 def value_text(value: Any, limit: int = 60) -> str:
@@ -31,11 +28,6 @@ def shown_key(parts: Iterable[Any]) -> str:
     """A dotted key, printable even if it is not a sensible one."""
     words = [str(part) for part in parts]
     return ".".join(word if word.isprintable() and len(word) <= 60 else value_text(word) for word in words)
-
-
-def nearest(word: str, known: Iterable[str], likeness: float = LIKE) -> str | None:
-    """The known word that a misspelt one most likely stands for."""
-    return next(iter(difflib.get_close_matches(word, list(known), n=1, cutoff=likeness)), None)
 
 
 def html_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

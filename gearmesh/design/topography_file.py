@@ -16,7 +16,7 @@ from gearmesh.design.keys import LONGEST
 from gearmesh.design.modifications import MOST
 from gearmesh.design.shown import value_text
 from gearmesh.errors import FileError
-from gearmesh.files.csv_table import csv_rows, csv_text
+from gearmesh.files.csv_table import cell_number, csv_rows, csv_text
 from gearmesh.files.reading import MIB, file_text
 
 ACROSS = ("roll_length_mm", "diameter_mm")
@@ -55,7 +55,7 @@ def read_topography(path: Path) -> TopographyGrid:
         )
     points: dict[tuple[float, float], float] = {}
     for number, row in lines:
-        across, z, amount = _numbers(row)
+        across, z, amount = _numbers(path, number, head, row)
         if not (0.0 <= across <= LONGEST and abs(z) <= LONGEST and abs(amount) <= 1e3 * MOST) or (across, z) in points:
             raise FileError(
                 path,
@@ -74,10 +74,9 @@ def read_topography(path: Path) -> TopographyGrid:
     return TopographyGrid(first, second, amounts, head[0] == ACROSS[1])
 
 
-def _numbers(row: list[str]) -> tuple[float, float, float]:
+def _numbers(path: Path, line: int, head: list[str], row: list[str]) -> tuple[float, float, float]:
     """The numbers of a line, none where it has not three."""
-    try:
-        across, z, amount = map(float, row)
-    except ValueError:
+    if len(row) != len(head):
         return math.nan, math.nan, math.nan
+    across, z, amount = (cell_number(path, line, name, cell) for name, cell in zip(head, row, strict=True))
     return across, z, amount

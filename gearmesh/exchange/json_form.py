@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from gearmesh.errors import FileError
 from gearmesh.exchange.model import Attribute, Component, ComponentReference, LoadCase, Relation, RexsModel, Text
 from gearmesh.files.reading import json_value
-
-#: texts of numbers
-_INTEGER = re.compile(r"[+-]?\d{1,18}")
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+from gearmesh.numerals import is_number, parse_whole_number
 
 
 def model_of_json(text: str, path: str) -> RexsModel:
@@ -137,7 +133,8 @@ def json_of(model: RexsModel) -> str:
 
 
 def _id(text: str) -> int | str:
-    return int(text) if _INTEGER.fullmatch(text) else text
+    number = parse_whole_number(text)
+    return text if number is None else number
 
 
 def _component(one: Component) -> dict[str, Any]:
@@ -164,7 +161,7 @@ def _value(text: Text, type: str) -> Any:
     if type.startswith(("integer", "reference_component")):
         return _id(text)
     if type.startswith("floating_point"):
-        return float(text) if _NUMBER.fullmatch(text) else text
+        return float(text) if is_number(text) else text
     return text.lower() == "true" if type.startswith("boolean") else text
 
 
@@ -177,15 +174,19 @@ def guessed_type(one: Attribute) -> str:
         end = (one.type or ("_matrix" if rows else "_array")) + end
     if one.code.startswith("int"):
         return "integer" + end
-    if one.code or (one.unit not in ("none", "") and all(_NUMBER.fullmatch(text) or not text for text in texts)):
+    if one.code or (one.unit not in ("none", "") and all(is_number(text) or not text for text in texts)):
         return "floating_point" + end
     if texts and all(text in ("true", "false") for text in texts):
         return "boolean" + end
     if not end and (one.id.startswith("reference_component") or one.id.endswith("_component_id")):
         return "reference_component"
-    if texts and all(_INTEGER.fullmatch(text) for text in texts) and one.id.startswith(("number_", "gear_shift")):
+    if (
+        texts
+        and all(parse_whole_number(text) is not None for text in texts)
+        and one.id.startswith(("number_", "gear_shift"))
+    ):
         return "integer" + end
-    if texts and all(_NUMBER.fullmatch(text) for text in texts):
+    if texts and all(map(is_number, texts)):
         return "floating_point" + end
     return "string" + end
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -11,6 +10,8 @@ from typing import Any
 from gearmesh.errors import FileError
 from gearmesh.exchange.model import OWN, Attribute, Component, RexsModel
 from gearmesh.exchange.units import factor
+from gearmesh.files.reading import json_value
+from gearmesh.numerals import parse_number
 
 #: ids of attributes with a position in space
 POSITION = ("reference_component_for_position", "support_vector", "u_axis_vector", "w_axis_vector")
@@ -58,12 +59,9 @@ class StageReader:
         return self._finite(component, one, one.text) * scale
 
     def _finite(self, component: Component, one: Attribute, text: Any) -> float:
-        try:
-            value = float(text)
-        except (TypeError, ValueError):
-            raise self.refusal(component, one.id, "not a number", text) from None
-        if not math.isfinite(value):
-            raise self.refusal(component, one.id, "not a finite number", text)
+        value = parse_number(text) if isinstance(text, str) else None
+        if value is None:
+            raise self.refusal(component, one.id, "not a number", text)
         return value
 
     def numbers(self, component: Component, id: str) -> list[float] | None:
@@ -98,8 +96,8 @@ class StageReader:
         for id in [id for id in component.attributes if id.startswith(OWN)]:
             text = self.text(component, id)
             try:
-                keys[id[len(OWN) :].replace("__", ".")] = json.loads(text or "null")
-            except (ValueError, RecursionError):
+                keys[id[len(OWN) :].replace("__", ".")] = json_value(text or "null", self.path)
+            except FileError:
                 raise self.refusal(component, id, "not a value of a design", text) from None
         return keys
 

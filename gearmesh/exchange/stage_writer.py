@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from gearmesh.exchange.model import OWN, Attribute, Component, ComponentReference, Relation, RexsModel
+from gearmesh.numerals import parse_whole_number
 
 
 @dataclass
@@ -34,7 +35,7 @@ class StageWriter:
 
     @staticmethod
     def _free(ids: list[str]) -> str:
-        return str(max((int(id) for id in ids if id.isdigit()), default=0) + 1)
+        return str(max((parse_whole_number(id) or 0 for id in ids), default=0) + 1)
 
     def relate(self, type: str, roles: Mapping[str, Component], order: str = "") -> None:
         """A relation, unless there is one of these components."""

@@ -4,42 +4,19 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
-from typing import Any
 
 from gearmesh.errors import FileError
 from gearmesh.exchange.model import Attribute, Component, ComponentReference, LoadCase, Relation, RexsModel, Text
+from gearmesh.files.xml_tree import xml_root
 
-#: levels of elements in elements
-DEEPEST = 32
 #: how the type of arrays of arrays ends
 ARRAYS = "_arrays"
-
-
-class _Builder(ET.TreeBuilder):
-    """Refuses what makes a small file large: document types with their entities, and elements nested without end."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.depth = 0
-
-    def doctype(self, name: str, pubid: str | None, system: str | None) -> None:
-        raise ValueError("has a document type; files with entities are not read")
-
-    def start(self, tag: Any, attrs: Any) -> Any:
-        self.depth += 1
-        if self.depth > DEEPEST:
-            raise ValueError("nested too deeply")
-        return super().start(tag, attrs)
-
-    def end(self, tag: Any) -> Any:
-        self.depth -= 1
-        return super().end(tag)
 
 
 def model_of_xml(content: bytes, path: str) -> RexsModel:
     """The model in an XML file, which came from `path`. Raises FileError in one line."""
     try:
-        root = ET.fromstring(content, ET.XMLParser(target=_Builder()))
+        root = xml_root(content)
     except ET.ParseError as failure:
         raise FileError(path, reason=f"not XML: {failure}") from None
     except (ValueError, LookupError) as failure:  # LookupError: an encoding that Python does not know

@@ -9,16 +9,20 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from gearmesh.errors import FileError
+from gearmesh.numerals import is_number, parse_number, with_point
+
+#: characters of a refused cell that messages show
+SHOWN = 40
 
 #: what makes a spreadsheet run a cell: also behind the blanks that it leaves out, and in the wide forms of East Asian keyboards
 _RUN = re.compile(r"'*[\s\0]*[=+\-@\uff1d\uff0b\uff0d\uff20]|'*[\t\r\n\0]")
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 
 def csv_text(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
@@ -29,6 +33,20 @@ def csv_text(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     writer.writerow(map(_write_cell, head))
     writer.writerows([_write_cell(value) for value in row] for row in rows)
     return "".join(lines)
+
+
+def cell_number(path: object, line: int, column: str, cell: str) -> float:
+    """The finite number in a cell. Raises FileError naming file, line, column and cell."""
+    value = parse_number(cell)
+    if value is None:
+        raise refused_cell(path, line, column, cell, "a finite number")
+    return value
+
+
+def refused_cell(path: object, line: int, column: str, cell: str, must_be: str) -> FileError:
+    """The refusal of a cell; `must_be`: what may be there."""
+    shown = json.dumps(cell if len(cell) <= SHOWN else f"{cell[:SHOWN]}...")
+    return FileError(str(path), reason=f"line {line}: {column} = {shown}: must be {must_be}", remedy=with_point(cell))
 
 
 class _Lines(list[str]):
@@ -55,10 +73,10 @@ def csv_rows(text: str, path: object) -> Iterator[tuple[int, list[str]]]:
 def _write_cell(value: Any) -> Any:
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return ""
-    if isinstance(value, str) and _RUN.match(value) and not _NUMBER.fullmatch(value):
+    if isinstance(value, str) and _RUN.match(value) and not is_number(value):
         return f"'{value}"
     return value
 
 
 def _read(cell: str) -> str:
-    return cell[1:] if cell.startswith("'") and _RUN.match(cell) and not _NUMBER.fullmatch(cell[1:]) else cell
+    return cell[1:] if cell.startswith("'") and _RUN.match(cell) and not is_number(cell[1:]) else cell

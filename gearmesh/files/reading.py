@@ -17,12 +17,15 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from gearmesh.errors import FileError, GearmeshError
+from gearmesh.files.toml_hints import toml_refusal
 
 PathLike = str | os.PathLike[str]
 
 MIB = 1 << 20
 #: what standard input is called where files are
 INPUT = "standard input (-)"
+#: characters of a key or a value that messages show
+SHOWN = 40
 #: levels of tables in tables; a key of n dots takes the TOML parser n^2 steps
 DEEPEST = 64
 
@@ -105,7 +108,8 @@ def toml_value(text: str, path: PathLike, error: type[GearmeshError] = FileError
     except RecursionError:
         raise error(path, reason="nested too deeply") from None
     except ValueError as failure:  # TOMLDecodeError, and numbers of more digits than Python reads
-        raise error(path, reason=" ".join(str(failure).split())) from None
+        reason, remedy = toml_refusal(text, failure)
+        raise error(path, reason=reason, remedy=remedy) from None
 
 
 def read_json(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> Any:
@@ -114,9 +118,20 @@ def read_json(path: PathLike, most: int, wanted: str = "file", error: type[Gearm
 
 
 def json_value(text: str, path: PathLike, error: type[GearmeshError] = FileError) -> Any:
-    """The value in a JSON text, which came from a file."""
+    """The value in a JSON text, which came from a file; a key that an object gives twice is refused."""
+
+    def table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        made = dict(pairs)
+        if len(made) < len(pairs):
+            names = [name for name, _ in pairs]
+            twice = next(name for name in names if names.count(name) > 1)
+            values = " and ".join(json.dumps(value)[:SHOWN] for name, value in pairs if name == twice)
+            raise error(path, reason=f"key {json.dumps(twice)[:SHOWN]} is given twice in one object: {values}")
+        return made
+
     try:
-        return json.loads(text)
+        # NaN and Infinity are no numbers of JSON: as texts they are refused where a number is wanted, with their key
+        return json.loads(text, object_pairs_hook=table, parse_constant=str)
     except json.JSONDecodeError as failure:
         raise error(path, reason=f"line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
     except RecursionError:

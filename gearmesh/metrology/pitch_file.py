@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.errors import FileError
-from gearmesh.files.csv_table import csv_rows
+from gearmesh.files.csv_table import cell_number, csv_rows, refused_cell
 from gearmesh.files.reading import MIB, file_text
 from gearmesh.metrology.pitch import MeasuredPitch, PitchDeviations
 from gearmesh.teeth.region import Side
@@ -34,14 +34,13 @@ def read_pitch(path: Path, teeth: int) -> MeasuredPitch:
         )
     values = np.full((teeth, len(columns)), np.nan)
     for number, row in lines:
-        try:
-            tooth, *um = (float(cell) for cell in row)
-        except ValueError:
-            tooth, um = np.nan, []
-        if len(um) != len(columns) or not np.isfinite(um).all() or tooth not in range(teeth):
+        if len(row) != len(head):
             raise FileError(
                 path, reason=f"line {number}: must be a tooth from 0 to {teeth - 1} and {len(columns)} numbers, um"
             )
+        tooth, *um = (cell_number(path, number, name, cell) for name, cell in zip(head, row, strict=True))
+        if tooth not in range(teeth):
+            raise refused_cell(path, number, TOOTH, row[0], f"a tooth from 0 to {teeth - 1}")
         if np.abs(um).max() > MOST:
             raise FileError(path, reason=f"line {number}: {max(um, key=abs):g} um, at most {MOST:g} in size")
         if np.isfinite(values[int(tooth)]).any():

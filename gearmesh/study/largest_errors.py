@@ -109,6 +109,8 @@ def largest_errors(
 ) -> LargestErrors:
     """As `Gears.largest_errors`."""
     reaches = dict(keys) if isinstance(keys, Mapping) else dict.fromkeys(keys, REACH)
+    if not criteria:
+        raise ArgumentError("criteria", [], must_be="one limit at least, as contact_ratio>1")
     named = tuple(limit_of(text, None) for text in criteria)
     looked = {key: _ends(design, key, reach) for key, reach in reaches.items()}
     work, nominal = work_and_nominal(design, (), pair, tuple(dict.fromkeys(limit.figure for limit in named)), torque)

@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 
 from gearmesh.design.core import Design
-from gearmesh.design.shown import nearest, shown_key, value_text
-from gearmesh.errors import ArgumentError, DesignError
+from gearmesh.design.shown import shown_key, value_text
+from gearmesh.errors import ArgumentError, DesignError, nearest
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import EXAMPLES, length
+from gearmesh.numerals import parse_number, parse_whole_number
 from gearmesh.study.spreads import WHOLE, Spread
 
 METHODS = ("lhs", "sobol", "random", "saltelli")
@@ -83,6 +84,9 @@ class Plan:
 
 def grid(lists: Mapping[str, Sequence[Value]]) -> Plan:
     """All combinations of lists of values."""
+    for key, values in lists.items():
+        if not len(values):
+            raise ArgumentError("vary", entry=key, reason="no values", must_be="one value at least")
     shape = tuple(len(values) for values in lists.values())
     count = int(np.prod([float(n) for n in shape]))
     _refuse_size("vary", count)
@@ -154,11 +158,10 @@ class KeyReader:
         """A number in the key's unit. Raises DesignError naming key, value and what is allowed."""
         unit = self._unit(key)
         if isinstance(value, str):
-            try:
-                parsed = float(value)
-            except ValueError:
-                of_length = length(value, self.design.units) if unit == "length" else None
-                parsed = np.nan if of_length is None else of_length
+            known = parse_number(value)
+            if known is None and unit == "length":
+                known = length(value, self.design.units)
+            parsed = np.nan if known is None else known
         else:
             # whole numbers beyond those of floats are none either
             number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < MOST_NUMBER
@@ -188,13 +191,14 @@ class KeyReader:
         low, *rest = text.split(":")
         if not rest:
             return [self.value(key, part.strip()) for part in text.split(",")]
-        if len(rest) != 2 or not rest[1].strip().isascii() or not rest[1].strip().isdigit() or int(rest[1]) < 2:
+        count = (parse_whole_number(rest[1]) or 0) if len(rest) == 2 else 0
+        if count < 2:
             raise ArgumentError(
                 "vary", text, entry=key, must_be="LOW:HIGH:COUNT with 2 values at least, or a list A,B,C"
             )
         first, last = self.ends(key, low, rest[0])
-        _refuse_size("vary", int(rest[1]))
-        steps = np.linspace(first, last, int(rest[1]))
+        _refuse_size("vary", count)
+        steps = np.linspace(first, last, count)
         return [self._whole_number(key, float(f"{value:.{DIGITS}g}") + 0.0) for value in steps.tolist()]
 
     def range(self, key: str, text: str) -> Spread:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gearmesh import figures
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.numerals import parse_number
 
 PERCENTILES = (1, 5, 50, 95, 99)
 #: R^2 from which on straight lines say which key matters most: what they leave is a tenth of the variance at most
@@ -77,11 +78,8 @@ def limit_of(text: str, names: Sequence[str] | None) -> Limit:
     """The limit of a text as "contact_ratio>1", on a figure of `names` if these are given. Raises DesignError naming what is
     allowed."""
     match = re.fullmatch(r"\s*(\w+)\s*([<>])\s*([-+.\deE]+)\s*", text, re.ASCII)
-    try:
-        value = float(match[3]) if match else np.nan
-    except ValueError:
-        value = np.nan
-    if match is None or not np.isfinite(value):
+    value = parse_number(match[3]) if match else None
+    if match is None or value is None:
         raise ArgumentError("limit", entry=text, reason="must look like contact_ratio>1 or te_peak_to_peak_arcsec<10")
     if names is not None and match[1] not in names:
         raise ArgumentError("limit", entry=text, reason=f"not recorded; the recorded figures are {', '.join(names)}")

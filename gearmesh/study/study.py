@@ -20,8 +20,7 @@ from gearmesh.answers.tables import Listing
 from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
-from gearmesh.design.shown import nearest
-from gearmesh.errors import ArgumentError, NoSolutionError, OutputError
+from gearmesh.errors import ArgumentError, NoSolutionError, OutputError, UnknownFigureError, nearest
 from gearmesh.figures import Content, Summary
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader, Plan, Value, grid, sample_plan
@@ -121,6 +120,8 @@ class Study(Result):
         >>> study.numbers("assembly.dx")
         array([0. , 0.1])
         """
+        if name not in self.columns:
+            raise UnknownFigureError.among(name, self.columns)
         return np.array([v if isinstance(v, int | float) else np.nan for v in self.columns[name]], dtype=float)
 
     @property

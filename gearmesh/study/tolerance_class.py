@@ -24,6 +24,7 @@ from gearmesh.design.core import Design
 from gearmesh.design.measured import MOST_SEED
 from gearmesh.errors import ArgumentError
 from gearmesh.metrology.measured_teeth import InspectionBasis, InvoluteFlank
+from gearmesh.numerals import parse_whole_number
 from gearmesh.study.rows.work import own_keys
 from gearmesh.study.spreads import WHOLE, Spread
 from gearmesh.systems import system as systems
@@ -77,10 +78,11 @@ def _basis(design: Design, train: GearTrain, member: Member) -> InspectionBasis:
 def _class(basis: InspectionBasis, text: Any) -> int:
     """The class that a text names."""
     finest, coarsest = basis.sizes.classes
-    number = str(text).strip()
-    if not (number.isascii() and number.isdigit() and finest <= int(number) <= coarsest):
-        raise ArgumentError("tolerance", number, entry=CLASS, must_be=f"a whole number from {finest} to {coarsest}")
-    return int(number)
+    number = parse_whole_number(str(text))
+    if number is None or not finest <= number <= coarsest:
+        must_be = f"a whole number from {finest} to {coarsest}"
+        raise ArgumentError("tolerance", str(text).strip(), entry=CLASS, must_be=must_be)
+    return number
 
 
 def _limits(member: Member, side: Side, basis: InspectionBasis, number: int) -> dict[str, float]:

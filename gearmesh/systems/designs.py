@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from gearmesh.arguments import checks_arguments, checks_arguments_with
 from gearmesh.design import files
 from gearmesh.design.core import Design
 from gearmesh.design.template import template
@@ -14,6 +15,7 @@ from gearmesh.errors import DesignError
 from gearmesh.systems.system import complete_design, design_class, kinds, one_of_kinds, system
 
 
+@checks_arguments_with(path="gm.parse makes a design of a mapping")
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complete: bool = True) -> Design:
     """The design in a TOML or JSON file. Names of other files in it are counted from its own folder.
 
@@ -49,6 +51,7 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complet
     return complete_design(design) if complete else design
 
 
+@checks_arguments_with(mapping="gm.load reads files")
 def parse(mapping: Mapping[str, Any]) -> Design:
     """The design in a plain mapping.
 
@@ -84,6 +87,7 @@ def parse_as_stated(mapping: Mapping[str, Any]) -> Design:
     return design
 
 
+@checks_arguments
 def new(kind: str) -> str:
     """A commented design file of a kind: what it needs with values to begin with, every other key with its default.
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
+from gearmesh.arguments import checks_arguments
 from gearmesh.errors import ArgumentError, DesignError, FileError, NoSolutionError
 from gearmesh.figures import Summary
 from gearmesh.systems.kinds import KINDS
@@ -214,6 +215,7 @@ _REGISTERED: dict[str, System[Any]] = {}
 OUTSIDE = "gearmesh.systems"
 
 
+@checks_arguments
 def register(system: System[Any]) -> None:
     """Make a gear system known under its kind, for `load`, `build` and all that follows.
 
@@ -276,7 +278,8 @@ def system(kind: Any) -> System[Any]:
             _REGISTERED.setdefault(registered.kind, registered)
     if isinstance(kind, str) and (kind in _REGISTERED or _registered_from_outside(kind)):
         return _REGISTERED[kind]
-    from gearmesh.design.shown import nearest, value_text
+    from gearmesh.design.shown import value_text
+    from gearmesh.errors import nearest
 
     close = nearest(kind, kinds()) if isinstance(kind, str) else None
     hint = f'; did you mean "{close}"?' if close else ""

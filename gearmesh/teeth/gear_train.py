@@ -654,6 +654,10 @@ class GearTrain:
         if not self.pairs:
             raise self._without_pair()
         if not isinstance(which, str):
+            if not 0 <= which < len(self.pairs):
+                numbers = "0" if len(self.pairs) == 1 else f"0 to {len(self.pairs) - 1}"
+                names = ", ".join(pair.name for pair in self.pairs)
+                raise ArgumentError("pair", which, must_be=f"{numbers}, or one of {names}")
             return self.pairs[which]
         for pair in self.pairs:
             if which in (f"{pair.pinion.name}-{pair.gear.name}", f"{pair.gear.name}-{pair.pinion.name}"):

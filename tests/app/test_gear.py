@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import subprocess
 import sys
 from pathlib import Path
@@ -95,3 +96,43 @@ def test_loads_no_more_than_a_solid_needs(tmp_path: Path) -> None:
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert run.stderr.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--set", "bore=5"], "bore: unknown key; did you mean gear.bore?"),
+        (["--set", "pinion.teeth=25"], "pinion.teeth: there is only one member, gear; did you mean gear.teeth?"),
+        (["--rack", "--set", "height=5"], "height: unknown key; did you mean rack.height?"),
+        (["--rack", "--set", "gear.teeth=4"], "gear.teeth: there is only one member, rack; did you mean rack.teeth?"),
+        (["--curves", "arcs"], "--curves = arcs: needs -o with the file of a mesh, a CAD solid or a section"),
+        (["--offset", "1um"], "--offset = 1um: needs -o with the file of a mesh, a CAD solid or a section"),
+    ],
+)
+def test_keys_of_the_only_member_are_suggested(
+    options: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*SPUR, *options]) == 2
+    assert capsys.readouterr().err == f"gearmesh: error: {message}\n"
+
+
+def test_the_example_of_its_help_works(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Figures of a public question: P 16, z 20, 14.5 deg, dedendum 1.157: d_a 34.925, d_f 28.0765 mm."""
+    with contextlib.suppress(SystemExit):
+        main(["gear", "--help"])
+    assert "pinion" not in capsys.readouterr().out
+    public = ["gear", "--diametral-pitch", "16", "--teeth", "20", "--pressure-angle", "14.5"]
+    assert main([*public, "--set", "gear.dedendum=1.157"]) == 0
+    printed = capsys.readouterr().out
+    assert "34.925" in printed
+    assert "28.0765" in printed
+    assert main([*public, "-o", str(tmp_path / "g.toml"), "--set", "gear.tip_chamfer=0.2"]) == 0
+
+
+def test_sections_take_curves_and_offset_as_solid_does(tmp_path: Path) -> None:
+    design, own, other = (tmp_path / name for name in ("g.toml", "a.dxf", "b.dxf"))
+    given, few = ["--curves", "polyline", "--offset", "-0.05mm", "--tol", "20um"], ["--module", "1", "--teeth", "12"]
+    assert main(["gear", *few, "-o", str(design)]) == 0
+    assert main(["gear", *few, *given, "-o", str(own)]) == 0
+    assert main(["solid", str(design), "--member", "gear", *given, "-o", str(other)]) == 0
+    assert own.read_bytes() == other.read_bytes()

@@ -19,7 +19,7 @@ HELICAL = SAMPLES / "helical.toml"
         (("render", "--view", "te", "--dpi", "1.5"), "--dpi = 1.5: must be a whole number from 20 up to 1200"),
         (("render", "--view", "te", "--dpi", "5000"), "--dpi = 5000: must be a whole number from 20 up to 1200"),
         (("render", "--phi1", "x"), "--phi1 = x: must be a number"),
-        (("fe", "--torque", "1Nm"), "--torque = 1Nm: must be a number"),
+        (("fe", "--torque", "1Nm"), "--torque = 1Nm: must be a bare number in Nm, without letters behind it"),
     ],
 )
 def test_numbers_that_are_none_are_refused_in_one_line_with_the_value(

@@ -130,7 +130,7 @@ NO_VALUE = '{"model": {"version": "1.7", "components": [{"id": 1, "attributes": 
         (FILE.replace('component id="6"', 'component id="7"'), "a.rexs", "two components have the id 7"),
         (FILE.replace("number_of_teeth", "teeth"), "a.rexs", "cylindrical_gear 1: number_of_teeth: missing"),
         (FILE.replace(">27<", ">27.5<"), "a.rexs", "cylindrical_gear 1: number_of_teeth = 27.5: not a whole number"),
-        (FILE.replace(">50<", ">nan<", 1), "a.rexs", "cylindrical_gear 1: face_width = nan: not a finite number"),
+        (FILE.replace(">50<", ">nan<", 1), "a.rexs", "cylindrical_gear 1: face_width = nan: not a number"),
         (FILE.replace(">50<", ">wide<", 1), "a.rexs", "cylindrical_gear 1: face_width = wide: not a number"),
         (FILE.replace('"mm">50<', '"kg">50<', 1), "a.rexs", "cylindrical_gear 1: face_width: must be in mm, is in kg"),
         (FILE.replace(">0.25<", ">0.2<", 1), "a.rexs", "the right flank has another one"),

@@ -221,9 +221,9 @@ def request_of(
     `friction` that is none and a `sector` that there is not.
     """
     own, wanted = mesh_request_of(design, pair.members.values(), sector), design.in_mm().fe
-    unknown = next((name for name in members if name not in pair.members), None)
-    if unknown is not None:
-        raise ArgumentError("members", unknown, must_be=f"members of the pair {pair.name}")
+    unknown = [name for name in members if name not in pair.members]
+    if unknown or not members:
+        raise ArgumentError("members", unknown[0] if unknown else [], must_be=f"members of the pair {pair.name}")
     if sector is not None:
         if len(members) > 1:
             raise ArgumentError("sector", sector, must_be="left out for members in mesh; choose one of them")

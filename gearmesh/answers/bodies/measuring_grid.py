@@ -56,17 +56,16 @@ Number = TypeVar("Number", int, float)
 
 
 def numbers_of(
-    name: str, given: tuple[Number, Number] | str, between: str, number: Callable[[str], Number]
+    name: str, given: tuple[Number, Number] | str, between: str, number: Callable[[str], Number | None]
 ) -> tuple[Number, Number]:
     """Two numbers that are given as such, or as a text with a mark `between` them. Raises DesignError for another text."""
     if not isinstance(given, str):
         return given
-    try:
-        first, second = map(number, given.lower().split(between))
-    except ValueError:
+    both = [known for text in given.lower().split(between) if (known := number(text)) is not None]
+    if len(both) != 2 or given.count(between) != 1:
         example = {"x": "5x9", ",": "0.1,0.1"}[between]
-        raise ArgumentError(name, given, must_be=f"two numbers, as {example}") from None
-    return first, second
+        raise ArgumentError(name, given, must_be=f"two numbers, as {example}")
+    return both[0], both[1]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Literal, overload
 import numpy as np
 
 from gearmesh.answers.questions import SolvedGears
+from gearmesh.arguments import checks_methods
 from gearmesh.lengths import Length, in_mm
+from gearmesh.numerals import parse_number, parse_whole_number
 from gearmesh.progress import Progress, silent
 
 if TYPE_CHECKING:
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.bodies.topography import FlankTopography
 
 
+@checks_methods
 class ModelledGears(SolvedGears):
     """The gears of a design, and what is made of their bodies."""
 
@@ -403,8 +406,8 @@ class ModelledGears(SolvedGears):
         """
         from gearmesh.answers.bodies.measuring_grid import measuring_grid_of, numbers_of
 
-        shape = numbers_of("grid", grid, "x", int)
-        shares = numbers_of("margins", margins, ",", float)
+        shape = numbers_of("grid", grid, "x", parse_whole_number)
+        shares = numbers_of("margins", margins, ",", parse_number)
         size = None if ball is None else in_mm("ball", ball)
         return measuring_grid_of(self.design, self.member(member), flank, shape, shares, surface, size)
 

@@ -382,6 +382,8 @@ def member_solid(
     """
     from gearmesh.mesh.solid import prove
 
+    if teeth is not None and not 1 <= teeth <= member.tooth.teeth:
+        raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {member.tooth.teeth}")
     started = time.perf_counter()
     made, written, largest = mesh_within(member, tolerance, teeth, extract, file, place)
     seconds = time.perf_counter() - started

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh import __version__
+from gearmesh.errors import OutputError
+from gearmesh.files.reading import json_value
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.palette import region_colours
 from gearmesh.io.rebuild import built_mesh, by_name
@@ -110,7 +112,7 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     if (magic, version, length) != (_MAGIC, 2, len(data)):
         raise ValueError("it is not a complete binary glTF 2.0")
     (size,) = struct.unpack_from("<I", data, 12)
-    document = json.loads(data[20 : 20 + size])
+    document = json_value(data[20 : 20 + size].decode("utf-8"), path, OutputError)
     binary = memoryview(data)[28 + size :]
     if any(key in node for node in document["nodes"] for key in ("matrix", "translation", "rotation", "scale")):
         raise ValueError("it places its meshes by transforms")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from gearmesh.io.registry import Scene, register
 from gearmesh.io.rows import lines
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.numerals import parse_numbers, parse_whole_numbers
 
 
 def write(scene: Scene, path: Path) -> None:
@@ -33,7 +35,7 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     """Meshes of an OBJ of triangles, one for each `o`, with its `g` as regions."""
     text = path.read_text(encoding="utf-8")
     coordinates = [line.split()[:3] for line in re.findall(r"^v[ \t]+(.*)$", text, re.MULTILINE)]
-    vertices = np.array(coordinates, dtype=float).reshape(-1, 3)
+    vertices = np.array(parse_numbers(chain.from_iterable(coordinates))).reshape(-1, 3)
     return by_name(_mesh(name, piece, vertices) for name, piece in _sections("o", path.stem, text))
 
 
@@ -58,7 +60,7 @@ def _triangles(text: str) -> Indices:
     faces = [line.split() for line in re.findall(r"^f[ \t]+(.*)$", re.sub(r"/\S*", "", text), re.MULTILINE)]
     if any(len(face) != 3 for face in faces):
         raise ValueError("a face is not a triangle")
-    indices = np.array(faces, dtype=np.int64).reshape(-1, 3)
+    indices = np.array(parse_whole_numbers(chain.from_iterable(faces)), np.int64).reshape(-1, 3)
     if indices.size and indices.min() < 1:
         raise ValueError("a face counts its vertices from the end")
     return indices - 1

@@ -18,6 +18,7 @@ from gearmesh.io.rebuild import built_mesh
 from gearmesh.io.registry import Scene, register
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.numerals import parse_whole_number, parse_whole_numbers
 
 _FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
 _TYPES = {
@@ -91,7 +92,11 @@ def read(path: Path) -> dict[str, TriangleMesh]:
 def _regions(comments: list[list[str]], faces: int) -> tuple[NDArray[np.int64], tuple[str, ...]]:
     """Region of each face and the regions' names, or one region where the comments do not speak of all faces."""
     named = [words[2].split(maxsplit=1) for words in comments if words[:1] == ["region"] and len(words) == 3]
-    counts = [int(words[0]) for words in named if len(words) == 2 and words[0].isdecimal()]
+    counts = [
+        count
+        for words in named
+        if len(words) == 2 and (count := parse_whole_number(words[0])) is not None and count >= 0
+    ]
     if len(counts) != len(named) or sum(counts) != faces:
         return np.zeros(faces, np.int64), ("surface",)
     return np.repeat(np.arange(len(counts)), counts), tuple(words[1] for words in named)
@@ -103,7 +108,7 @@ def _elements(header: list[list[str]]) -> dict[str, tuple[int, np.dtype]]:
     elements: dict[str, tuple[int, list[tuple[Any, ...]]]] = {}
     for words in header[2:]:
         if words[0] == "element":
-            elements[words[1]] = (int(words[2]), [])
+            elements[words[1]] = (parse_whole_numbers(words[2:3])[0], [])
             fields = elements[words[1]][1]
         elif words[:2] == ["property", "list"]:
             count, (item, _) = words[2], words[3].split()

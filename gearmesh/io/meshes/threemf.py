@@ -8,11 +8,12 @@ from __future__ import annotations
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-from xml.etree.ElementTree import Element, fromstring
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from gearmesh import __version__
+from gearmesh.files.xml_tree import xml_root
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.attribute import quote
 from gearmesh.io.palette import region_colours
@@ -20,6 +21,7 @@ from gearmesh.io.rebuild import built_mesh, by_name
 from gearmesh.io.registry import Scene, register
 from gearmesh.io.rows import lines
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.numerals import parse_numbers, parse_whole_numbers
 
 _MODEL = "3D/3dmodel.model"
 _NAMESPACE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
@@ -73,7 +75,7 @@ def _model(scene: Scene) -> Iterator[str]:
 def read(path: Path) -> dict[str, TriangleMesh]:
     """The mesh objects of a 3MF in mm, with base materials as regions."""
     with zipfile.ZipFile(path) as archive:
-        model = fromstring(archive.read(_MODEL))
+        model = xml_root(archive.read(_MODEL))
     if model.get("unit", "millimeter") != "millimeter":
         raise ValueError("its unit is not millimeter")
     placed = any("transform" in item.attrib for item in model.iter(_CORE + "item"))
@@ -90,9 +92,10 @@ def _mesh(element: Element, materials: dict[str, tuple[str, ...]]) -> TriangleMe
     corners = [t.attrib[key] for t in triangles for key in ("v1", "v2", "v3")]
     vertices = [v.attrib[key] for v in element.iter(_CORE + "vertex") for key in "xyz"]
     names = materials.get(element.get("pid", ""), ())
-    regions = [int(t.get("p1", element.get("pindex", "0"))) for t in triangles] if names else None
+    default = element.get("pindex", "0")
+    regions = parse_whole_numbers(t.get("p1", default) for t in triangles) if names else None
     name = element.get("name") or f"object {element.attrib['id']}"
-    points, cells = np.array([*map(float, vertices)]), np.array([*map(int, corners)])
+    points, cells = np.array(parse_numbers(vertices)), np.array(parse_whole_numbers(corners))
     return built_mesh(name, points, cells, regions, names or ("surface",))
 
 

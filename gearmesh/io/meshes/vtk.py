@@ -11,16 +11,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import BinaryIO
-from xml.etree.ElementTree import Element, fromstring
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.files.xml_tree import xml_root
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.attribute import quote
 from gearmesh.io.rebuild import built_mesh
 from gearmesh.io.registry import Scene, register
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.numerals import parse_whole_numbers
 
 _TRIANGLE = 5  # VTK's number of the cell type
 _XML_TYPES = {"<f8": "Float64", "<i8": "Int64", "<i4": "Int32", "|u1": "UInt8"}
@@ -129,27 +131,34 @@ def read_piece(path: Path) -> TriangleMesh:
     head, mark, rest = path.read_bytes().partition(b'<AppendedData encoding="raw">')
     if not mark or b" compressor=" in head:
         raise ValueError("its arrays are not appended raw and without compression")
-    root = fromstring(head + b"</VTKFile>")
+    root = xml_root(head + b"</VTKFile>")
     if (root.get("header_type"), root.get("byte_order")) != ("UInt64", "LittleEndian"):
         raise ValueError("its arrays are not little endian with lengths of 64 bits")
     data = memoryview(rest)[rest.index(b"_") + 1 :]
     (piece,) = root.iter("Piece")
     arrays = {element.attrib["Name"]: _array(element, data) for element in piece.iter("DataArray")}
-    count = int(piece.get("NumberOfPolys", piece.get("NumberOfCells", "0")))
+    count = _whole(piece.get("NumberOfPolys", piece.get("NumberOfCells", "0")))
     if not np.array_equal(arrays["offsets"], 3 * np.arange(1, count + 1)):
         raise ValueError("a cell is not a triangle")
-    numbers = {element.attrib["Name"]: int(element.text or "") for element in root.iterfind(".//FieldData/DataArray")}
+    numbers = {
+        element.attrib["Name"]: _whole(element.text or "") for element in root.iterfind(".//FieldData/DataArray")
+    }
     names = tuple(sorted(numbers, key=numbers.__getitem__))
     cells = arrays["connectivity"], arrays["region"]
     return built_mesh(path.stem, arrays["Points"], *cells, names, arrays["Normals"])
 
 
+def _whole(text: str) -> int:
+    (value,) = parse_whole_numbers([text])
+    return value
+
+
 def _array(element: Element, data: memoryview) -> NDArray[np.generic]:
     """The array (N,) or (N, K) that a <DataArray> refers to."""
-    start = int(element.attrib["offset"])
+    start = _whole(element.attrib["offset"])
     size = int.from_bytes(data[start : start + 8], "little")
     dtype = next(dtype for dtype, name in _XML_TYPES.items() if name == element.attrib["type"])
-    width = int(element.get("NumberOfComponents", "1"))
+    width = _whole(element.get("NumberOfComponents", "1"))
     array = np.frombuffer(data, dtype, size // np.dtype(dtype).itemsize, start + 8)
     return array.reshape(-1, width) if width > 1 else array
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from xml.etree.ElementTree import parse
 
 import numpy as np
 
+from gearmesh.files.xml_tree import xml_root
 from gearmesh.io.atomic import whole_file, whole_folder
 from gearmesh.io.attribute import quote
 from gearmesh.io.meshes.vtk import read_piece, write_surface
@@ -47,7 +47,7 @@ def _write_pieces(mesh: TriangleMesh, name: str, folder: Path, shown: str) -> st
 
 def read(path: Path) -> dict[str, TriangleMesh]:
     """Meshes of a VTM of the kind written here; points of its regions with equal coordinates are one vertex again."""
-    (root,) = parse(path).getroot()
+    (root,) = xml_root(path.read_bytes())
     groups = [(block.attrib["name"], block) for block in root.findall("Block")] or [(path.stem, root)]
     return {name: _join(name, [path.parent / piece.attrib["file"] for piece in group]) for name, group in groups}
 

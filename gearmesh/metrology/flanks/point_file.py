@@ -20,10 +20,11 @@ import numpy as np
 
 from gearmesh.design.shown import value_text
 from gearmesh.errors import FileError
-from gearmesh.files.csv_table import csv_rows, csv_text
+from gearmesh.files.csv_table import csv_rows, csv_text, refused_cell
 from gearmesh.files.reading import MIB, file_text
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
+from gearmesh.numerals import parse_number, parse_numbers
 from gearmesh.teeth.region import Side
 
 #: largest file, bytes: some 10^6 points
@@ -37,6 +38,8 @@ WORDS: Mapping[str, tuple[str, ...]] = {"flank": tuple(Side), "surface": ("flank
 #: columns that are written for the operator and not read
 ASIDE = ("diameter_mm", "roll_length_mm", "ball_x_mm", "ball_y_mm", "ball_z_mm")
 COLUMNS = (*WORDS, *LINES, *PLACES, *POINTS, *NORMALS, *DEVIATIONS, *ASIDE)
+#: cells of deviations that are missing: empty ones, and in columns between blanks the word
+MISSING = ("", "nan")
 #: longest coordinate, mm
 FARTHEST = 1e5
 
@@ -114,7 +117,7 @@ def _rows(grid: MeasuringGrid, ball: float | None) -> Iterable[tuple[list[object
 
 
 def _cell(value: object) -> str:
-    return "nan" if value is None else str(value)
+    return MISSING[1] if value is None else str(value)
 
 
 def read_points(path: Path) -> PointTable:
@@ -169,21 +172,15 @@ def _refuse_head(path: Path, head: Sequence[str]) -> None:
 
 def _numbers(path: Path, name: str, lines: Array, cells: Sequence[str]) -> Array:
     """A column of numbers; deviations may be missing."""
-    optional = name in DEVIATIONS
+    missing = np.array([name in DEVIATIONS and cell.strip().lower() in MISSING for cell in cells], dtype=bool)
+    given = [cell for cell, left_out in zip(cells, missing, strict=True) if not left_out]
+    values = np.full(len(cells), math.nan)
     try:
-        values = np.array([float(cell) if cell.strip() else math.nan for cell in cells])
+        values[~missing] = parse_numbers(given)
     except ValueError:
-        values = np.array([_number(cell) for cell in cells])
-        optional = False
-    wrong = np.isinf(values) | (np.abs(values) > FARTHEST) if optional else ~(np.abs(values) <= FARTHEST)
+        values[~missing] = [math.inf if (value := parse_number(cell)) is None else value for cell in given]
+    wrong = ~(np.abs(values) <= FARTHEST) & ~missing
     if wrong.any():
         k = int(wrong.argmax())
-        raise FileError(path, reason=f"line {lines[k]}: {name} = {value_text(cells[k])}: must be a finite number")
+        raise refused_cell(path, lines[k], name, cells[k], "a finite number")
     return values
-
-
-def _number(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return math.inf

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from gearmesh.app.options import Set
+from gearmesh.app.options import Curves, Offset
 from gearmesh.app.parts import PartFile
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
-from gearmesh.errors import GearmeshError
+from gearmesh.errors import ArgumentError, GearmeshError
 
 if TYPE_CHECKING:
     from gearmesh import Gears
@@ -68,14 +68,26 @@ def gear(
             help="Mesh, CAD solid or section, by its suffix as of the command solid; .toml: the design. [default: print the sheet]",
         ),
     ] = None,
-    settings: Set = None,
+    curves: Curves = None,
+    offset: Offset = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Set any other key of the design, as gear.tip_chamfer=0.2, of a rack rack.height=20; may be repeated.",
+        ),
+    ] = None,
 ) -> None:
     """One spur or helical gear without a mating gear, or a rack: its solid, its section, its design, or its data sheet."""
     from gearmesh.api.gear import gear_keys
 
     name = "rack" if rack else "gear"
     is_design = output is not None and output.suffix.lower() == DESIGN
-    file = None if output is None or is_design else PartFile(output, tol)
+    file = None if output is None or is_design else PartFile(output, tol, curves=curves, offset=offset)
+    for option, value in (("tol", tol), ("curves", curves), ("offset", offset)):
+        if value is not None and file is None:
+            raise ArgumentError(option, value, reason="needs -o with the file of a mesh, a CAD solid or a section")
     if file is not None:
         file.refuse(name, (DESIGN,))
     refuse_unwritable(output)

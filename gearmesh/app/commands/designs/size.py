@@ -13,6 +13,7 @@ from gearmesh.app.options import Json
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, working, write_text
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.lengths import in_mm
+from gearmesh.numerals import parse_number, with_point
 
 
 def size(
@@ -152,7 +153,7 @@ def _length(option: str, text: str | None) -> float:
 
 def _range(option: str, text: str) -> tuple[float, float]:
     low, colon, high = text.partition(":")
-    try:
-        return float(low), float(high if colon else low)
-    except ValueError:
-        raise ArgumentError(option, text, must_be="a number, or two as LOW:HIGH") from None
+    first, last = parse_number(low), parse_number(high if colon else low)
+    if first is None or last is None:
+        raise ArgumentError(option, text, must_be="a number, or two as LOW:HIGH", remedy=with_point(text))
+    return first, last

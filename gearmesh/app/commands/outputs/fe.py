@@ -23,6 +23,7 @@ from gearmesh.app.options import (
 )
 from gearmesh.app.terminal import Progress, refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
+from gearmesh.numerals import parse_whole_number
 from gearmesh.progress import part
 
 if TYPE_CHECKING:
@@ -207,7 +208,8 @@ def _refuse_for_sector(sector: int, teeth: str | None, positions: int) -> None:
 
 def _fe_overrides(teeth: str | None, torque: float | None) -> list[str]:
     """Options of `fe` as keys of the design, which checks them."""
-    if teeth is not None and teeth != "all" and not (teeth.isdecimal() and int(teeth) % 2 == 1):
+    count = 0 if teeth in (None, "all") else parse_whole_number(str(teeth)) or 0
+    if teeth not in (None, "all") and (count < 0 or count % 2 == 0):
         raise ArgumentError("teeth", teeth, must_be="an odd number, or all")
-    overrides = [] if teeth is None else [f"fe.teeth={0 if teeth == 'all' else int(teeth)}"]
+    overrides = [] if teeth is None else [f"fe.teeth={count}"]
     return overrides if torque is None else [*overrides, f"fe.torque={torque!r}"]

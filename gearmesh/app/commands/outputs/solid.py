@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Set, load_alone, load_gears, sector_option
+from gearmesh.app.options import Curves, DesignFile, Offset, Set, load_alone, load_gears, sector_option
 from gearmesh.app.parts import ALL, BOTH, PartFile
 from gearmesh.errors import ArgumentError
 
@@ -51,25 +51,8 @@ def solid(
             "worm. [default: mid face]",
         ),
     ] = None,
-    curves: Annotated[
-        str | None,
-        typer.Option(
-            "--curves",
-            metavar="splines|arcs|polyline",
-            help="What flanks and fillets of .dxf and .svg are drawn with; with arcs and polyline a .dxf has one closed polyline "
-            "for every contour. [default: splines]",
-        ),
-    ] = None,
-    offset: Annotated[
-        str | None,
-        typer.Option(
-            "--offset",
-            metavar="LEN",
-            help="Move flanks, fillets, lands and roots along their normals, of .dxf and .svg the contours, positive away from the "
-            "gear's material: stock to grind, spark gap of an electrode (--space), 0.135mm; negative: clearance of printed "
-            "teeth. End faces and bore stay. Bare = mm. [default: 0]",
-        ),
-    ] = None,
+    curves: Curves = None,
+    offset: Offset = None,
     teeth: Annotated[int | None, typer.Option("--teeth", metavar="K", help="Only the first K teeth.")] = None,
     flank_only: Annotated[
         str | None,

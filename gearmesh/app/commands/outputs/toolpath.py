@@ -9,6 +9,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_alone
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.numerals import parse_whole_number
 
 #: suffix of a picture
 PICTURE = ".png"
@@ -101,7 +102,7 @@ def toolpath(
             tolerance=tol,
             flank=flank,
             surfaces=surfaces,
-            spaces=int(spaces) if spaces.lstrip("-").isdecimal() else spaces,
+            spaces=spaces if (count := parse_whole_number(spaces)) is None else count,
             order=order,
             lead=lead,
             tilt=tilt,

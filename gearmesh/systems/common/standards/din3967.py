@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 
-from gearmesh.design.shown import nearest
+from gearmesh.errors import nearest
 
 #: largest reference diameters, mm, of the ranges: each is above the one before it and up to its own
 DIAMETERS = (10, 50, 125, 280, 560, 1000, 1600, 2500, 4000, 6300, 10000)
@@ -46,7 +46,7 @@ UM = 1e-3
 
 def _parts(text: str) -> tuple[str, str] | None:
     """Letter and series of a text as "cd25", or "25 cd" as on drawings; None of any other."""
-    match = re.fullmatch(r"\s*(?:([A-Za-z]+)\s*(\d+)|(\d+)\s*([A-Za-z]+))\s*", text)
+    match = re.fullmatch(r"\s*(?:([A-Za-z]+)\s*(\d+)|(\d+)\s*([A-Za-z]+))\s*", text, re.ASCII)
     return None if match is None else (match[1] or match[4], match[2] or match[3])
 
 

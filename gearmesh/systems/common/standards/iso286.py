@@ -6,7 +6,7 @@ import re
 from bisect import bisect_left
 from dataclasses import dataclass
 
-from gearmesh.design.shown import nearest
+from gearmesh.errors import nearest
 
 #: largest sizes, mm, of the ranges: each is above the one before it and up to its own
 SIZES = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500, 630, 800, 1000, 1250, 1600, 2000, 2500, 3150)
@@ -40,7 +40,7 @@ def standard_tolerance(grade: int, size: float) -> float:
 
 def refusal(text: str, letters: tuple[str, ...], grades: range) -> str:
     """What a tolerance class as "js7" must be where it is none of those letters and grades, in words; "" where it is one."""
-    match = re.fullmatch(r"([A-Za-z]+) ?(\d+)", text)
+    match = re.fullmatch(r"([A-Za-z]+) ?(\d+)", text, re.ASCII)
     if match is not None and match[1] in letters and int(match[2]) in grades:
         return ""
     classes = [f"{letter}{grade}" for letter in letters for grade in grades]

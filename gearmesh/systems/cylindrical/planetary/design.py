@@ -12,6 +12,7 @@ from gearmesh.design.core import FlankContact, RexsSource
 from gearmesh.design.keys import Key, conflict
 from gearmesh.design.measured import PlanetaryMeasured
 from gearmesh.design.runout import eccentricity, phase
+from gearmesh.numerals import parse_numbers
 from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
 from gearmesh.systems.kinds import KINDS
@@ -109,7 +110,7 @@ class PlanetaryDesign(HalvesKeys):
     def _angles_given(self) -> list[float]:
         text = self.assembly.planet_angles or ""
         try:
-            angles = [float(part) for part in text.replace(",", " ").split()]
+            angles = parse_numbers(text.replace(",", " ").split())
         except ValueError:
             angles = []
         if not angles or not all(map(math.isfinite, angles)):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import POSITION, StageReader
 from gearmesh.exchange.stage_writer import StageWriter
+from gearmesh.numerals import parse_whole_number
 from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
@@ -82,7 +83,7 @@ def place(file: StageWriter, gears: tuple[Component, Component], aside: float, d
     frame = next((one for one in file.model.components if one.type == "gear_unit"), gears[0])
     for gear, support in zip(gears, ([0.0, 0.0, 0.0], [aside, distance, 0.0]), strict=True):
         if POSITION[1] not in gear.attributes:
-            file.put(gear, POSITION[0], int(frame.id) if frame.id.isdigit() else frame.id)
+            file.put(gear, POSITION[0], frame.id if (number := parse_whole_number(frame.id)) is None else number)
             gear.attributes[POSITION[0]].type = "reference_component"
             for id, value in zip(POSITION[1:], (support, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), strict=True):
                 file.put(gear, id, value, "mm")

@@ -1,0 +1,120 @@
+"""Gears and answers as bytes for other processes: what they are made of, functions within functions included.
+
+Surfaces are functions that the code builds of other functions. `pickle` knows functions by their names in a module, which these
+do not have. Here such a function is the place of its code in the module, and the values that it has taken along. Both processes
+must have the same version of the program.
+"""
+
+from __future__ import annotations
+
+import inspect
+import io
+import pickle
+import sys
+from collections.abc import Iterator
+from importlib import import_module
+from types import CellType, CodeType, FunctionType
+from typing import Any
+
+from gearmesh import __version__
+from gearmesh.errors import OutputError
+
+#: what stands in the name of a function within another
+_WITHIN = ".<locals>"
+#: place of a value that a function has not taken along yet
+_EMPTY = "<empty>"
+
+#: module, name of the outermost function, and where its code has the code of those within: positions among constants
+Place = tuple[str, str, tuple[int, ...]]
+
+
+def as_bytes(value: Any) -> bytes:
+    """A value that `from_bytes` makes again."""
+    file = io.BytesIO()
+    _Pickler(file, pickle.HIGHEST_PROTOCOL).dump(value)
+    return file.getvalue()
+
+
+def from_bytes(version: str, content: bytes) -> Any:
+    """The value in bytes that a version of the program has made. Raises OutputError for another version."""
+    if version != __version__:
+        raise OutputError("pickle", reason=f"made by gearmesh {version}; this is {__version__}, which cannot read it")
+    return pickle.loads(content)
+
+
+class Picklable:
+    """An object that goes to other processes with all that it is made of."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore, (type(self), __version__, as_bytes(vars(self)))
+
+
+def _restore(kind: type, version: str, content: bytes) -> Any:
+    made: Any = object.__new__(kind)
+    vars(made).update(from_bytes(version, content))
+    return made
+
+
+class _Pickler(pickle.Pickler):
+    """Pickles functions within functions, too."""
+
+    def reducer_override(self, value: Any) -> Any:
+        if isinstance(value, FunctionType) and _WITHIN in value.__qualname__:
+            cells = value.__closure__ or ()
+            state = (value.__defaults__, value.__kwdefaults__, [_content(cell) for cell in cells])
+            return _function, (_place(value), len(cells)), state, None, None, _fill
+        return NotImplemented
+
+
+def _content(cell: Any) -> Any:
+    try:
+        return cell.cell_contents
+    except ValueError:
+        return _EMPTY
+
+
+def _function(place: Place, cells: int) -> FunctionType:
+    """A function without its values, which may lead to itself."""
+    module, name, path = place
+    code = _code_of(module, name)
+    for k in path:
+        code = code.co_consts[k]
+    closure = tuple(CellType() for _ in range(cells))
+    return FunctionType(code, vars(sys.modules[module]), code.co_name, None, closure)
+
+
+def _fill(function: FunctionType, state: tuple[Any, Any, list[Any]]) -> None:
+    """Give a function its values."""
+    function.__defaults__, function.__kwdefaults__, contents = state
+    for cell, content in zip(function.__closure__ or (), contents, strict=True):
+        if not (isinstance(content, str) and content == _EMPTY):
+            cell.cell_contents = content
+
+
+def _place(function: FunctionType) -> Place:
+    """Where the code of a function is."""
+    name = function.__qualname__.split(_WITHIN)[0]
+    outer = _code_of(function.__module__, name)
+    for code, path in _codes(outer, ()):
+        if code is function.__code__:
+            return function.__module__, name, path
+    raise pickle.PicklingError(f"{function.__module__}.{function.__qualname__} is not in the code of {name}")
+
+
+def _codes(code: CodeType, path: tuple[int, ...]) -> Iterator[tuple[CodeType, tuple[int, ...]]]:
+    """Codes of all functions within one, and their places."""
+    for k, constant in enumerate(code.co_consts):
+        if isinstance(constant, CodeType):
+            yield constant, (*path, k)
+            yield from _codes(constant, (*path, k))
+
+
+def _code_of(module: str, name: str) -> CodeType:
+    """The code of a function by its name in a module."""
+    owner: Any = import_module(module)
+    for part in name.split("."):
+        owner = inspect.getattr_static(owner, part)
+        for inner in ("__func__", "func", "fget"):  # of a class method, a cached property, a property
+            owner = getattr(owner, inner, owner)
+    code: CodeType = inspect.unwrap(owner).__code__
+    return code
