@@ -2,13 +2,20 @@
 
 Bending is the largest principal stress where the tangent of the fillet is at 30 deg to the tooth (`root_tangent`). The largest in
 the fillet may be elsewhere, but where flanks are pressed close to their lower end it is the tension round the contact, no bending.
-On a half-space (Boussinesq) a force F puts on the surface, r away and phi from x, beside it
+
+A force that moves down the flank bends the fillet less and less, in proportion to its lever, until it is so close that the tension
+round the contact rises like 1/r^2. Forces nearer than half the height of the flank count by their bending alone: the stress of
+forces further up, continued in a straight line (`contact_tension`). Places are never left out, so that stress is continuous while
+a contact passes them.
+
+The contact's own field is reported apart. On a half-space (Boussinesq) a force F puts on the surface beside it, r away and phi from
+x,
 
     s_rr = -s_tt = (1 - 2 nu) F / (2 pi r^2), or together   (s_xx - s_yy) / 2 + i s_xy = sum (1 - 2 nu) F exp(2 i phi) / (2 pi r^2)
 
 which falls off slowly next to points and the ends of lines, and adds up to nothing beside the middle of a line; next to an end face
-there is as much again, of the forces' images behind it. Places at which this is more than `OWN` of what there is are the contact's
-own field, and so are those within an eighth of the flank, about an element, of what is pressed.
+there is as much again, of the forces' images behind it. Places at which this is more than `OWN` of what there is are in the
+contact's own field, and so are those within an eighth of the flank, about an element, of what is pressed.
 """
 
 from __future__ import annotations
@@ -24,6 +31,9 @@ from gearmesh.loaded.compliance.compliance import FilletStress
 
 #: share of the stress at a place from which on that is the contact's own
 OWN = 0.1
+#: eighths of the flank's height up to which a force is so close to a place that the contact's own field counts there: of a line of
+#: contact the stress falls with the lever down to 4 of them
+CLOSE_EIGHTHS = 4.0
 #: what is left to the limit over the difference from a mesh three quarters as fine each way: 0.2 to 1.3 in plane strain under loads
 #: in the flank's upper half, held against converged meshes (involute teeth, pinions of 12 to rings, and those with sharp fillets)
 LEFT = 0.8
@@ -33,9 +43,9 @@ LEFT = 0.8
 class RootStress:
     """Of tooth pairs (M,), pinion and gear: stresses (M, 2), MPa, largest principal ones.
 
-    `bending` where the tangents are at 30 deg (internal teeth: 60), NaN where none are away from the contact; the estimate of the
-    `error` of what is `nominal`, a share of it; `largest` in the fillet away from the contact, NaN where there is nothing of it,
-    and its `place` (M, 2, 3), own frame; `contact`: in the contact's own field, NaN where it does not reach the fillet.
+    `bending` where the tangents are at 30 deg (internal teeth: 60), NaN where none are; the estimate of the `error` of what is
+    `nominal`, a share of it; `largest` in the fillet without the contact's own field, and its `place` (M, 2, 3), own frame;
+    `contact`: in the contact's own field, with it, NaN where it does not reach the fillet.
     """
 
     bending: Array
@@ -146,33 +156,60 @@ def root_stress(body: FilletStress, coarser: FilletStress | None, pressed: Press
 
 def _by_mesh(body: FilletStress, pressed: Pressed) -> RootStress:
     """Of one member (M,) by one mesh, its error unknown."""
-    stress = _stresses(body, pressed)
-    bending = _bending(body, stress, pressed)
-    every = principal_stresses(stress)[..., 2]
+    stress, own = _stresses(body, pressed)
+    every, bent = principal_stresses(stress)[..., 2], principal_stresses(stress - own)[..., 2]
     field = pressed.field(body, body.fillet, every)
-    away, within = np.where(field, -np.inf, every), np.where(field, every, -np.inf)
-    contact = np.where(field.any(axis=1), within.max(axis=1), np.nan)
-    largest = np.where(field.all(axis=1), np.nan, away.max(axis=1))
-    return RootStress(bending, np.full_like(bending, np.nan), largest, body.fillet[away.argmax(axis=1)], contact)
+    contact = np.where(field.any(axis=1), np.where(field, every, -np.inf).max(axis=1), np.nan)
+    # beside forces, where their own field presses, the whole is the smaller one
+    away = np.minimum(every, bent)
+    bending = np.full(len(away), np.nan)
+    if len(body.tangent):
+        both = (
+            principal_stresses(np.einsum("kf,mfs->mks", body.tangent, part))[..., 2] for part in (stress, stress - own)
+        )
+        bending = np.minimum(*both).max(axis=1)
+    return RootStress(
+        bending, np.full_like(bending, np.nan), away.max(axis=1), body.fillet[away.argmax(axis=1)], contact
+    )
 
 
-def _stresses(body: FilletStress, pressed: Pressed) -> Array:
-    """Stresses (M, F, 6), MPa, at the nodes of the fillets."""
+def _stresses(body: FilletStress, pressed: Pressed) -> tuple[Array, Array]:
+    """Stresses (M, F, 6), MPa, at the nodes of the fillets, and what of them is the contact's own field."""
     nodes, share = body.shares(pressed.places)
     force = np.zeros((len(nodes), body.stress.shape[-1]))
     rows = np.broadcast_to(np.arange(len(nodes))[:, None, None], nodes.shape)
     np.add.at(force, (rows, nodes), share * pressed.line[:, :, None])
-    stresses = np.zeros((len(nodes), *body.stress.shape[1:3]))
+    stresses, field = np.zeros((2, len(nodes), *body.stress.shape[1:3]))
+    close = contact_tension(body)
     for stressed, loaded, way in zip(*pressed.couples, strict=True):
         own = body.of_tooth(pressed.teeth[loaded])
         stresses[stressed] += own.stress[way + own.reach] @ force[loaded]
-    return stresses
+        if way == 0:
+            field[stressed] += (close if own is body else contact_tension(own)) @ force[loaded]
+    return stresses, field
 
 
-def _bending(body: FilletStress, stress: Array, pressed: Pressed) -> Array:
-    """The largest (M,) where the tangent is at 30 deg, of all stations away from the contact; NaN without."""
-    if not len(body.tangent):
-        return np.full(len(stress), np.nan)
-    bending = principal_stresses(np.einsum("kf,mfs->mks", body.tangent, stress))[..., 2]
-    away = ~pressed.field(body, body.tangent @ body.fillet, bending)
-    return np.where(away.any(axis=1), np.where(away, bending, -np.inf).max(axis=1), np.nan)
+def contact_tension(body: FilletStress) -> Array:
+    """Stress (F, 6, n), MPa/N, in the fillet of the loaded tooth that is the contact's own under unit forces at the flank's nodes.
+
+    Of nodes closer to a place than `CLOSE_EIGHTHS` it is what their stress has beyond that of the nodes above, continued in a
+    straight line down the flank; where that would rise towards the root, as at end faces, in proportion to the distance from the
+    place. Of all others it is 0.
+    """
+    rows, columns = body.points.shape[:2]
+    stress = np.moveaxis(body.stress[body.reach].reshape(len(body.fillet), 6, rows, columns), 1, -1)
+    steps = np.linalg.norm(np.diff(body.points, axis=0), axis=-1)
+    height = np.concatenate((np.zeros((1, columns)), np.cumsum(steps, axis=0)))
+    lever = np.linalg.norm(body.fillet[:, None, None] - body.points, axis=-1)
+    far = lever >= CLOSE_EIGHTHS * body.eighth
+    first = np.minimum(np.where(far.any(axis=1), far.argmax(axis=1), rows), rows - 2)[:, None]
+    low, high = (np.take_along_axis(stress, first[..., None] + k, axis=1) for k in (0, 1))
+    # heights (F, 1, J) of the two rows that are continued
+    at, above = (np.take_along_axis(np.broadcast_to(height, far.shape), first + k, axis=1) for k in (0, 1))
+    rising = principal_stresses(high)[..., 2] > principal_stresses(low)[..., 2]
+    straight = low + (height - at)[..., None] * (high - low) / (above - at)[..., None]
+    falling = low * (lever / np.take_along_axis(lever, first, axis=1))[..., None]
+    continued = np.where(rising[..., None], straight, falling)
+    close = np.arange(rows)[:, None] < first
+    own = np.where(close[..., None], stress - continued, 0.0)
+    return np.moveaxis(own, -1, 1).reshape(body.stress.shape[1:])

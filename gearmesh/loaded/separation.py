@@ -278,7 +278,8 @@ class Separation:
     they are `open` (2, M) at the least and the greatest x: contact was guessed to end there, flanks do not; from which `part` to
     which (2, M) of the guessed length they reach: not beyond the flanks; `ends` (2, 2, M): how far, mm along x, the end face of
     either member (first) is from the least and the greatest x of the grid (second), inf where there is none or it lies too
-    obliquely to x; `edged` (M, X): where the ridge follows an edge.
+    obliquely to x; `edged` (M, X): where the ridge follows an edge; `ridge_ends` (2, M): how far, mm, inward from the least and the
+    greatest x the ridge ends on the flanks, below 0 where it goes on beyond the grid.
     """
 
     dx: Array
@@ -296,6 +297,7 @@ class Separation:
     part: Array
     ends: Array
     edged: NDArray[np.bool_]
+    ridge_ends: Array
 
 
 def separation(
@@ -372,6 +374,7 @@ def separation(
         part,
         ends,
         bent | surfaces.along_edge[:, None],
+        np.stack((near.range[0] - low, high - near.range[1])),
     )
 
 

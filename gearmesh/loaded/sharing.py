@@ -18,12 +18,13 @@ from gearmesh.contact.hertz import STEEL, Material, contact_modulus
 from gearmesh.errors import ArgumentError, NoSolutionError, Status
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.loaded.complementarity import pressures, tangent_stiffness
+from gearmesh.loaded.complementarity import Displacements, pressures, tangent_stiffness
 from gearmesh.loaded.compliance.compliance import COARSER, FlankCompliance, flank_compliance, rim_depth
 from gearmesh.loaded.compliance.contact_compliance import ContactCompliance
 from gearmesh.loaded.compliance.half_space import rectangle_influence
 from gearmesh.loaded.compliance.threads import one_thread
 from gearmesh.loaded.mounts import FlexibleMount, Supports
+from gearmesh.loaded.peaks import RowGrid, coarser, edge_zone, peaks
 from gearmesh.loaded.root_stress import Pressed, RootStress, root_stress
 from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
 from gearmesh.progress import in_turn, side_by_side, tell
@@ -36,11 +37,9 @@ STATIONS = 33
 CELLS = (40, 24)
 #: displacement (mm) of teeth under 1 N per mm of face and MPa of E*, to guess how near pairs may come under load
 GIVE = 25.0
-#: parts of a grid along and across next to edges whose pressures are no peak: two cells of `CELLS`, as wide in finer grids
-BESIDE = (20, 12)
-#: twice as far from a sharp edge there is this part of a peak's pressure and more: with cells half as long and wide such peaks
-#: change by less than 5 %, those with 0.8 by 6, contacts with the edge itself, of a half and less, by 10 to 30
-STEADY = 0.86
+#: what is left to the limit over the difference from cells twice as long and wide: 1 of first order, a third of second; measured
+#: up to 0.4 of lines and ellipses (`peaks`)
+LEFT_BY_CELLS = 1.0
 #: part of a cell by which the end faces of both bodies may be apart to end at the same place
 SAME = 0.5
 #: rounds in which members are moved to where their mounts let them go, the same of those that springs hold, and the change, mm,
@@ -56,12 +55,11 @@ ROUNDS, FILLED, SHORT = 6, (0.45, 0.97), 0.25
 class PairLoad:
     """The load of the tooth pairs (M,) that come near at positions of the pinion, at one torque.
 
-    `position`, `number` and `half` (M,) as of `NearPairs`; `force` (M,) N along the normals; `peak` (M,) MPa, NaN where there is
-    none, and its `place` (M, 3), fixed frame: not of what lies within `BESIDE` of the grid from edges of the flanks, but for
-    end faces of both bodies in the same place; whether there is pressure `on_edge` (M,) of a flank, and on a `sharp` (M,) one:
-    such a pressure is singular and grows as cells get finer, and where pressures rise steeply all the way to the edge, as where
-    contact is with the edge itself (`edge_contact`), there is no peak; `pressure` (M, X, Y), MPa, on the grids of `separation`;
-    `roots`: stress in their fillets.
+    `position`, `number` and `half` (M,) as of `NearPairs`; `force` (M,) N along the normals; `peak` (M,) MPa, without the rise
+    towards sharp edges, NaN where nothing else is pressed (`peaks`), its `place` (M, 3), fixed frame, and `error` (M,), the
+    estimate of its error as a share of it; whether there is pressure `on_edge` (M,) of a flank, and on a `sharp` (M,) one: such a
+    pressure is singular and grows as cells get finer; `pressure` (M, X, Y), MPa, on the grids of `separation`; `roots`: stress in
+    their fillets.
     """
 
     position: NDArray[np.intp]
@@ -75,10 +73,11 @@ class PairLoad:
     pressure: Array
     separation: Separation
     roots: RootStress
+    error: Array
 
     @property
     def edge_contact(self) -> NDArray[np.bool_]:
-        """Which pairs (M,) are pressed most on a sharp edge, with nothing beside it that would be a peak."""
+        """Which pairs (M,) are pressed on a sharp edge and in its zone alone, so that they have no peak."""
         return np.asarray((self.force > 0.0) & np.isnan(self.peak))
 
     @cached_property
@@ -352,6 +351,7 @@ class _Problem:
         before: Array | None = None,
     ) -> None:
         self.near, self.bodies, self.materials, self.supports = near, bodies, materials, supports
+        self.torque = torque
         count = len(near.phi1)
         # slots of a position in the order of the pairs
         order = np.argsort(near.position, kind="stable")
@@ -361,8 +361,7 @@ class _Problem:
         self.lever = near.levers(0, near.path.point, near.axes[:, :, 2])
         self.grid = separation(near, torque / self.lever, contact_modulus(*materials), cells, widen, part)
         grid = self.grid
-        ends = np.stack([[self._slots(distances, np.inf) for distances in of_body] for of_body in grid.ends])
-        local = ContactCompliance.of(self._slots(grid.dx, 1.0), self._slots(grid.dy, 1.0), cells, materials, ends)
+        local = self._local_compliance(grid.dx, grid.dy, cells)
         self.area = self._slots(grid.dx * grid.dy)
         # to where the bodies' compliance is known
         self.to_body = [
@@ -384,11 +383,7 @@ class _Problem:
         lever = np.broadcast_to(self._slots(grid.levers[0])[..., None], full)
         area = np.broadcast_to(self.area[..., None, None], full)
 
-        def displace(p: Array, which: NDArray[np.intp]) -> Array:
-            p = p.reshape(-1, *full[1:])
-            line = (p.sum(axis=3) * self.area[which][:, :, None]).reshape(len(p), -1, 1)
-            total: Array = local.under(p, which) + (smooth[which] @ line).reshape(*p.shape[:3], 1)
-            return total.reshape(len(p), -1)
+        displace = _displacements(local, smooth, self.area, cells)
 
         eta = (np.arange(cells[1]) + 0.5) * 2.0 / cells[1] - 1.0
         # from the pair that touches without load: others are pressed as soon as they overlap
@@ -397,8 +392,6 @@ class _Problem:
         first = least <= least.min(axis=1, keepdims=True)
         start = np.sqrt(1.0 - eta**2) * on * first[:, :, None, None]
         flat = (count, -1)
-        middle = np.zeros_like(grid.dx)
-        ease = self._slots(rectangle_influence(middle, middle, grid.dx, grid.dy), 1.0)
         if before is not None:
             # cell by cell those of the grids before
             known = before.reshape(full) * on
@@ -411,6 +404,7 @@ class _Problem:
                 remedy="tca shows the contact and any interference",
             )
         self.moved, self.levers, self.areas = displace, lever.reshape(flat), area.reshape(flat)
+        self.smooth, self.gap, self.on = smooth, gap, on
         self.solution = pressures(
             displace,
             gap.reshape(flat),
@@ -419,7 +413,7 @@ class _Problem:
             on.reshape(flat),
             np.full(count, torque),
             start.reshape(flat),
-            np.broadcast_to(ease[..., None, None], full).reshape(flat),
+            self._ease(grid.dx, grid.dy, full),
         )
         self.pressure = self.solution.pressure.reshape(full)[near.position, self.slot]
         self.line = self.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None]
@@ -429,6 +423,17 @@ class _Problem:
         slots = np.full((len(self.near.phi1), self.most, *values.shape[1:]), empty, dtype=values.dtype)
         slots[self.near.position, self.slot] = values
         return slots
+
+    def _local_compliance(self, dx: Array, dy: Array, cells: tuple[int, int]) -> ContactCompliance:
+        """Local contact compliance on grids of `cells` dx by dy (M,), mm."""
+        ends = np.stack([[self._slots(distances, np.inf) for distances in of_body] for of_body in self.grid.ends])
+        return ContactCompliance.of(self._slots(dx, 1.0), self._slots(dy, 1.0), cells, self.materials, ends)
+
+    def _ease(self, dx: Array, dy: Array, shape: tuple[int, ...]) -> Array:
+        """Deflections (P, K X Y) of cells dx by dy (M,), mm, under unit pressure on them alone, up to a factor."""
+        middle = np.zeros_like(dx)
+        ease = self._slots(rectangle_influence(middle, middle, dx, dy), 1.0)
+        return np.broadcast_to(ease[..., None, None], shape).reshape(len(ease), -1)
 
     def _teeth(self, member: int) -> NDArray[np.intp]:
         """Which tooth (M,) of a member a pair is of, counted the way it moves."""
@@ -501,33 +506,65 @@ class _Problem:
         return np.bincount(self.near.position, moments, len(self.near.phi1)).astype(float)
 
     def loads(self) -> PairLoad:
-        blunt, (along, across) = alike(self.grid), beside(self.grid.on)
-        # rows along an edge are none of a flank
-        free = self.grid.on & ~self.grid.edged[:, :, None]
-        inner, further = (np.where(inside(free, k * along, k * across, blunt), self.pressure, 0.0) for k in (1, 2))
+        blunt = alike(self.grid)
         on_edge, sharp = (
             np.asarray(((self.pressure > 0.0) & ~inside(self.grid.on, 1, 1, rounded)).any(axis=(1, 2)))
             for rounded in (None, blunt)
         )
-        flat = inner.reshape(len(inner), -1)
-        at = flat.argmax(axis=1)
-        every = np.arange(len(flat))
-        peak = flat[every, at]
-        told = (peak > 0.0) & (~sharp | (further.max(axis=(1, 2)) >= STEADY * peak))
-        place = self.near.in_place(self.grid.middle[every, at // self.pressure.shape[2]])
+        grid, ends = self.grid, self.grid.ridge_ends
+        # a contact that goes on along a tip up to the end faces ends at the tip
+        whole = blunt & (SAME * grid.dx[:, None] > ends.T)
+        rows = RowGrid(self.pressure, grid.on, grid.edged, grid.dx, ends, whole)
+        zone = min(edge_zone(body.points) for body in self.bodies)
+        largest = peaks(rows, zone)
+        of_coarser = peaks(coarser(rows, self.by_coarser_cells()), zone).pressure
+        place = self.near.in_place(self.grid.middle[np.arange(len(largest.row)), largest.row])
         return PairLoad(
             self.near.position,
             self.near.number,
             self.near.half,
             self.line.sum(axis=1),
-            np.where(told, peak, np.nan),
-            np.where(told[:, None], place, np.nan),
+            largest.pressure,
+            np.where(np.isfinite(largest.pressure)[:, None], place, np.nan),
             on_edge,
             sharp,
             self.pressure,
             self.grid,
             self.root_stress(),
+            LEFT_BY_CELLS * np.abs(largest.pressure - of_coarser) / largest.pressure,
         )
+
+    def by_coarser_cells(self) -> Array:
+        """Pressures (M, X/2, Y/2), MPa, on cells twice as long and wide, each in place of four; NaN at positions where no such cell
+        that is pressed lies on the flanks."""
+        cells = (self.pressure.shape[1] // 2, self.pressure.shape[2] // 2)
+        count, most = self.area.shape
+        fine, full = (count, most, *self.pressure.shape[1:]), (count, most, *cells)
+
+        def mean(values: Array) -> Array:
+            halved: Array = values.reshape(count, most, cells[0], 2, cells[1], 2).mean(axis=(3, 5))
+            return halved
+
+        on = np.asarray(mean(self.on.astype(float)) == 1.0)
+        start = np.where(on, mean(self.solution.pressure.reshape(fine)), 0.0)
+        idle = np.asarray(~start.any(axis=(1, 2, 3)))
+        on, start = on | idle[:, None, None, None], np.where(idle[:, None, None, None], 1.0, start)
+        lines = most * cells[0]
+        smooth = self.smooth.reshape(count, lines, 2, lines, 2).mean(axis=(2, 4))
+        dx, dy, area = 2.0 * self.grid.dx, 2.0 * self.grid.dy, 4.0 * self.area
+        flat = (count, -1)
+        solution = pressures(
+            _displacements(self._local_compliance(dx, dy, cells), smooth, area, cells),
+            mean(self.gap).reshape(flat),
+            mean(self.levers.reshape(fine)).reshape(flat),
+            np.broadcast_to(area[..., None, None], full).reshape(flat),
+            on.reshape(flat),
+            np.full(count, self.torque),
+            start.reshape(flat),
+            self._ease(dx, dy, full),
+        )
+        pressure = np.where(idle[:, None], np.nan, solution.pressure).reshape(full)
+        return pressure[self.near.position, self.slot]
 
     def root_stress(self) -> RootStress:
         """Of pinion and gear, its places in the fixed frame."""
@@ -546,6 +583,19 @@ class _Problem:
         return RootStress.join(*of_members)
 
 
+def _displacements(local: ContactCompliance, smooth: Array, area: Array, cells: tuple[int, int]) -> Displacements:
+    """Displacements, mm, of all `cells` of positions under their pressures: local ones, and `smooth` ones (P, K X, K X) of lines
+    across under forces on these; `area` (P, K), mm^2, of cells."""
+
+    def displace(p: Array, which: NDArray[np.intp]) -> Array:
+        p = p.reshape(len(p), area.shape[1], *cells)
+        line = (p.sum(axis=3) * area[which][:, :, None]).reshape(len(p), -1, 1)
+        total: Array = local.under(p, which) + (smooth[which] @ line).reshape(*p.shape[:3], 1)
+        return total.reshape(len(p), -1)
+
+    return displace
+
+
 def _in_frame(motion: Rigid, points: Array) -> Array:
     """Points (M, X, 3) moved by a motion, or by one (M,) each."""
     return motion.point(points) if motion.rotation.ndim == 2 else motion.point(points.swapaxes(0, 1)).swapaxes(0, 1)
@@ -554,12 +604,6 @@ def _in_frame(motion: Rigid, points: Array) -> Array:
 def alike(grid: Separation) -> NDArray[np.bool_]:
     """Whether the flanks of both bodies end at the least and the greatest x of grids, (M, 2), at end faces in the same place."""
     return np.asarray((grid.ends < SAME * grid.dx).all(axis=0).T)
-
-
-def beside(on: NDArray[np.bool_]) -> tuple[int, int]:
-    """How many of cells (M, X, Y) along and across are next to an edge."""
-    along, across = (max(1, round(size / part)) for size, part in zip(on.shape[1:], BESIDE, strict=True))
-    return along, across
 
 
 def inside(

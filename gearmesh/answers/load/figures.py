@@ -57,7 +57,8 @@ class ToothPairFigures(Figures):
     load_share: float = figure("share of the torque on the tooth pair", symbol="X")
     half: int | None = figure("half of double helical gears", whole=True, optional=True, shown=False)
     force: float = figure("normal force", "N", "F_n")
-    peak_pressure: float = figure("largest contact pressure", "MPa", "p_max")
+    peak_pressure: float = figure("largest contact pressure away from singular edges", "MPa", "p_max")
+    peak_pressure_error: float = figure("estimate of the error of the largest contact pressure", "%")
     on_edge: bool = figure("whether there is edge contact: load on cells next to an edge")
     edge_contact: bool = figure("whether the contact pressure is singular at an edge")
     bending_stress: Mapping[str, float] = figure(
@@ -103,7 +104,8 @@ class LoadedPosition(Figures):
         key="tangent_stiffness_n_per_mm_um",
         optional=True,
     )
-    peak_pressure: float = figure("largest contact pressure", "MPa", "p_max")
+    peak_pressure: float = figure("largest contact pressure away from singular edges", "MPa", "p_max")
+    peak_pressure_error: float = figure("estimate of the error of the largest contact pressure", "%")
     peak_pressure_pair: int | None = figure("tooth pair with the largest contact pressure", whole=True)
     peak_pressure_point: list[float] = figure("place of the largest contact pressure, fixed frame", "mm", vector=True)
     edge_contact: bool = figure("whether the contact pressure is singular at an edge")
@@ -128,7 +130,8 @@ class ToothPairPosition(Figures):
     half: int | None = figure("half of double helical gears", whole=True, optional=True)
     load_share: float = figure("share of the torque on the tooth pair", symbol="X")
     force: float = figure("normal force", "N", "F_n")
-    peak_pressure: float = figure("largest contact pressure", "MPa", "p_max")
+    peak_pressure: float = figure("largest contact pressure away from singular edges", "MPa", "p_max")
+    peak_pressure_error: float = figure("estimate of the error of the largest contact pressure", "%")
     edge_contact: bool = figure("whether the contact pressure is singular at an edge")
     bending_stress: Mapping[str, float] = figure(
         "bending stress in the fillets of the tooth pair", "MPa", "sigma_F", key="{member}_bending_stress_mpa"
@@ -146,7 +149,9 @@ class LoadedTotals(Figures):
     )
     mean_tooth_pairs: float = figure("mean number of loaded tooth pairs")
     tooth_pairs: list[int] = figure("least and most loaded tooth pairs", whole=True)
-    max_pressure: float = figure("largest contact pressure", "MPa", "p_max")
+    max_pressure: float = figure("largest contact pressure away from singular edges", "MPa", "p_max")
+    max_pressure_error: float = figure("estimate of the error of the largest contact pressure", "%")
+    max_pressure_phi1: float = figure("rotation of the pinion at which the contact pressure is largest", "deg")
     max_pair_force: float = figure("largest normal force on one tooth pair", "N", "F_n")
     mean_tangent_stiffness: float = figure("mean tangent mesh stiffness", "Nm/arcsec")
     c_gamma: float | None = figure(

@@ -76,7 +76,13 @@ class LoadedContact(Result):
     @property
     def headline(self) -> str:
         worst = _largest(np.concatenate([load.peak for load in self.mesh.loads]))
-        told = "contact on edges alone" if np.isnan(worst) else f"pressure up to {worst:.4g} MPa"
+        if np.isnan(worst):
+            told = "contact on edges alone"
+        else:
+            total = max(self.totals, key=lambda total: np.nan_to_num(total.max_pressure))
+            told = f"pressure up to {worst:.4g} MPa at phi1 = {total.max_pressure_phi1:.4g} deg"
+            if any(load.sharp.any() for load in self.mesh.loads):
+                told += ", without that of edge contact"
         return f"{len(self.mesh.torque)} torques at {len(self.mesh.phi1)} positions, {told}"
 
     @cached_property
@@ -104,6 +110,7 @@ class LoadedContact(Result):
             tangent_stiffness=1e-3 * float(mesh.tangent[at]) * ARCSEC,
             tangent_stiffness_per_width=None if self._width is None else float(mesh.tangent[at]) / self._width,
             peak_pressure=float(load.peak[worst]),
+            peak_pressure_error=100.0 * float(load.error[worst]),
             peak_pressure_pair=int(load.number[worst]) if np.isfinite(load.peak[worst]) else None,
             peak_pressure_point=load.place[worst].tolist(),
             edge_contact=bool(load.edge_contact[own].any()),
@@ -130,6 +137,7 @@ class LoadedContact(Result):
             half=self._half(load, m),
             force=float(load.force[m]),
             peak_pressure=float(load.peak[m]),
+            peak_pressure_error=100.0 * float(load.error[m]),
             on_edge=bool(load.on_edge[m]),
             edge_contact=bool(load.edge_contact[m]),
             bending_stress=self._bending(load, m),
@@ -176,6 +184,7 @@ class LoadedContact(Result):
                     load_share=float(load.moment[m] / torque),
                     force=float(load.force[m]),
                     peak_pressure=float(load.peak[m]),
+                    peak_pressure_error=100.0 * float(load.error[m]),
                     edge_contact=bool(load.edge_contact[m]),
                     bending_stress=self._bending(load, m),
                 )
@@ -236,6 +245,8 @@ class LoadedContact(Result):
     def _total(self, torque: int, load: PairLoad) -> LoadedTotals:
         mesh = self.mesh
         carrying = self._carrying(load)
+        worst = np.nan_to_num(load.peak).argmax()
+        at = self.mesh.phi1[load.position[worst]] if np.isfinite(load.peak[worst]) else np.nan
         return LoadedTotals(
             torque=1e-3 * float(mesh.torque[torque]),
             te_peak_to_peak=float(np.ptp(mesh.te[torque])) / ARCSEC,
@@ -243,6 +254,8 @@ class LoadedContact(Result):
             mean_tooth_pairs=float(carrying.mean()),
             tooth_pairs=[int(carrying.min()), int(carrying.max())],
             max_pressure=_largest(load.peak),
+            max_pressure_error=100.0 * float(load.error[worst]),
+            max_pressure_phi1=float(np.degrees(at).round(12)),
             max_pair_force=float(load.force.max()),
             mean_tangent_stiffness=1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
             c_gamma=None if self._width is None else float(mesh.tangent[torque].mean()) / self._width,
@@ -310,6 +323,11 @@ class LoadedContact(Result):
         ]
         return [
             Listing(f"Over {over}", heads, [_total_cells(total) for total in totals]),
+            Listing(
+                "Largest contact pressure, away from singular edges",
+                ["Nm", "MPa", "error %", "at phi1 deg", "edge contact"],
+                [_pressure_cells(total, load) for total, load in zip(totals, self.mesh.loads, strict=True)],
+            ),
             Listing(
                 "Stress in the fillets, MPa",
                 _FILLETS,
@@ -439,6 +457,12 @@ def _total_cells(total: LoadedTotals) -> list[float]:
     run = total.torque, total.te_peak_to_peak, total.unloaded_te_peak_to_peak, total.mean_tooth_pairs
     bent = (fillet.bending_stress for fillet in total.fillets.values())
     return [round_to(value, 3) for value in (*run, total.max_pressure, total.max_pair_force, *bent)]
+
+
+def _pressure_cells(total: LoadedTotals, load: PairLoad) -> list[Any]:
+    """A row of the table of pressures."""
+    figures = total.max_pressure, total.max_pressure_error, total.max_pressure_phi1
+    return [total.torque, *(round_to(value, 4) for value in figures), "yes" if load.sharp.any() else "no"]
 
 
 def _fillet_cells(total: LoadedTotals, member: str) -> list[Any]:
