@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.engagement import rates
 from gearmesh.contact.first_touch.first_touch import touches
-from gearmesh.contact.pair import Pair, within
+from gearmesh.contact.pair import HAS_TIP_EDGE, Pair, within
 from gearmesh.contact.tca import contact_jets
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot
@@ -76,12 +76,14 @@ def assembly_paths(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Assem
             slope = pair.drive * (rates(there, rotation, contacts)[:, 4] - pair.ratio)
             to_own = there.pinion.mount.at(rotation).inverse
         surface = touching & ((edge < 0) | within(edge)) & (contacts.part == 0)
-        flags[:, part] = touching, surface, contacts.line
+        # contact on a chamfer or rounding of a tip is edge contact
+        on_tip = HAS_TIP_EDGE[contacts.part]
+        flags[:, part] = touching, surface, contacts.line & ~on_tip
         for k, bound in enumerate(bounds):
             inside[part, k] = np.where(surface, -bound.level.value((own, mating)[bound.member].r), np.nan)
         numbers[:, part] = np.where(touching, (contacts.advance, slope, gap), np.nan)
         vectors[0, part] = np.where(touching[:, None], own.r, np.nan)
-        pointed = (touching & (edge < 0) & ~contacts.line)[:, None]
+        pointed = (touching & (edge < 0) & ~contacts.line & ~on_tip)[:, None]
         for k, (size, way) in enumerate(((ellipse.semi_major, ellipse.major), (ellipse.semi_minor, ellipse.minor))):
             vectors[k + 1, part] = np.where(pointed, size[:, None] * to_own.vector(way), np.nan)
     touching, on_surface, line = (flag.reshape(shape) for flag in flags)

@@ -10,23 +10,26 @@ from numpy.typing import ArrayLike, NDArray
 from gearmesh.contact.conditions.ends import Between, FormPoints, root_of, tip_of
 from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
-from gearmesh.contact.pair import CREASES, FORM_POINT, RIDGES, ROOT, TIP_CORNERS, Pair
+from gearmesh.contact.pair import CREASES, FILLET, FORM_POINT, RIDGES, ROOT, TIP_CORNERS, TIP_EDGE, Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import ArgumentError
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.kernel.surface.curvature import in_plane, principal, relative_curvature, shape_operator, tangent_basis
 from gearmesh.kernel.surface.levels import ConeLevel, Level, Shifted
 from gearmesh.kernel.surface.nearest import tangential
 from gearmesh.kernel.surface.stations import along
-from gearmesh.kernel.surface.surface import Jet
+from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
 from gearmesh.teeth.section import Link, breaks
+from gearmesh.teeth.tip_surface import SMOOTH_ANGLE_SINE, is_tangent, tip_edge_grid, tip_edge_surface
 from gearmesh.teeth.tooth import Tooth
 
 #: points of the grid across a flank, and across a fillet
 ROWS, FILLET_ROWS = 13, 13
+#: points of the grid across a chamfer or rounding of the tip
+TIP_ROWS = 9
 
 
 def solver_pair(pair: GearPair) -> Pair:
@@ -38,6 +41,7 @@ def solver_pair(pair: GearPair) -> Pair:
         drive=pair.drive,
         delta=pair.delta,
         fillets=(contact_fillet(pair.pinion, pair.flanks[0]), contact_fillet(pair.gear, pair.flanks[1])),
+        tips=(contact_tip_edge(pair.pinion, pair.flanks[0]), contact_tip_edge(pair.gear, pair.flanks[1])),
         pitch=pair.pitch,
     )
 
@@ -99,20 +103,23 @@ def hertz_path(
 def touching_jets(pair: GearPair, path: ContactPath) -> tuple[Jet, Jet]:
     """Jets (P,) of both flanks at the points of a path, fixed frame; NaN where they do not touch."""
     jets = []
-    for number, (member, side, params, turn) in enumerate(
-        (
-            (pair.pinion, pair.flanks[0], path.params1, path.rotation),
-            (pair.gear, pair.flanks[1], path.params2, path.phi2),
-        ),
-        start=1,
+    for member, side, params, turn, regions in (
+        (pair.pinion, pair.flanks[0], path.params1, path.rotation, path.regions[0]),
+        (pair.gear, pair.flanks[1], path.params2, path.phi2, path.regions[1]),
     ):
-        surfaces = member.tooth.side(side)
         with np.errstate(invalid="ignore"):
-            jet = surfaces.flank.jet(params[:, 0], params[:, 1])
-            if (path.part == number).any():
-                jet = jet.where(path.part != number, surfaces.fillet.jet(params[:, 0], params[:, 1]))
+            jet = member.tooth.side(side).flank.jet(params[:, 0], params[:, 1])
+            for region in (FILLET, TIP_EDGE):
+                surface = _surface(member.tooth, side, region) if (regions == region).any() else None
+                if surface is not None:
+                    jet = jet.where(regions != region, surface.jet(params[:, 0], params[:, 1]))
             jets.append(jet.move(member.mount.at(turn)))
     return jets[0], jets[1]
+
+
+def _surface(tooth: Tooth, side: Side, region: str) -> Surface | None:
+    """Surface of a fillet or tip edge."""
+    return tooth.side(side).fillet if region == FILLET else tip_edge_surface(tooth, side)
 
 
 def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
@@ -190,6 +197,10 @@ def contact_flank(member: Member, side: Side) -> Flank:
     grid = tooth.grid(FLANKS[side], rows_of(tooth.chain[FLANKS[side]], side), tooth.even)
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     form_point = FormPoints(tooth, side, grid)
+    smooth = {FORM_POINT} if form_point.smooth else set()
+    edge = tip_edge_grid(tooth, side, np.array([0.0, 1.0]))
+    if edge is not None and is_tangent(grid.normals[-1], edge.normals[0]):
+        smooth.add("tip")
     return Flank(
         surface=tooth.side(side).flank,
         mount=member.mount,
@@ -203,7 +214,7 @@ def contact_flank(member: Member, side: Side) -> Flank:
         extent=(toe, heel),
         grid=grid.parameters,
         beyond_ends=form_point,
-        smooth=frozenset({FORM_POINT}) if form_point.smooth else frozenset(),
+        smooth=frozenset(smooth),
         creases=_creases(tooth, side),
         smooth_surface=tooth.side(side).smooth_flank,
         tip_corners=_tip_corners(tooth),
@@ -256,4 +267,32 @@ def contact_fillet(member: Member, side: Side) -> Flank:
         grid=grid.parameters,
         beyond_ends=Between(grid, axial, tooth.even.stations),
         smooth=frozenset({ROOT}),
+    )
+
+
+def contact_tip_edge(member: Member, side: Side) -> Flank | None:
+    """The tip chamfer or rounding of one side of a member in its mounting, from the flank to the land; None where the tip is sharp.
+
+    Toe and heel are its edges, and the land where it meets that at an angle. Where it meets the flank at an angle, that edge is the
+    flank's.
+
+    Raises TrimError where the tooth cannot be trimmed, DesignError where teeth of the member differ.
+    """
+    tooth = member.one_tooth
+    grid, surface = tip_edge_grid(tooth, side, np.linspace(0.0, 1.0, TIP_ROWS)), tip_edge_surface(tooth, side)
+    if grid is None or surface is None:
+        return None
+    axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
+    edges: dict[str, Level] = {"toe": Shifted(axial, toe, -1.0), "heel": Shifted(axial, heel)}
+    land = unit(tooth.blank.tip.gradient(grid.points[-1]))
+    if (np.abs(dot(land, grid.normals[-1])) < 1.0 - 0.5 * SMOOTH_ANGLE_SINE**2).any():
+        edges["tip"] = tip_of(tooth, grid)
+    return Flank(
+        surface=surface,
+        mount=member.mount,
+        edges=edges,
+        axial=axial,
+        extent=(toe, heel),
+        grid=grid.parameters,
+        beyond_ends=Between(grid, axial, tooth.even.stations, back=0.0),
     )

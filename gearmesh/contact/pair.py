@@ -31,6 +31,21 @@ NUMBERED = (
     (1, ROOT),
     *((member, name) for member in (0, 1) for name in (*CREASES, *RIDGES, *TIP_CORNERS)),
 )
+#: parts of a tooth that may touch
+FLANK, FILLET, TIP_EDGE = "flank", "fillet", "tip_edge"
+#: what of the pinion and what of the gear touch, by the number of `Contacts.part`
+PARTS = (
+    (FLANK, FLANK),
+    (FILLET, FLANK),
+    (FLANK, FILLET),
+    (TIP_EDGE, FLANK),
+    (FLANK, TIP_EDGE),
+    (TIP_EDGE, TIP_EDGE),
+    (TIP_EDGE, FILLET),
+    (FILLET, TIP_EDGE),
+)
+#: which of them have a fillet, and which a tip edge
+HAS_FILLET, HAS_TIP_EDGE = (np.array([region in both for both in PARTS]) for region in (FILLET, TIP_EDGE))
 #: which of them lie inside a flank, so that nothing is beyond them
 WITHIN = np.array([name in (*CREASES, *RIDGES) for _, name in NUMBERED])
 #: which of them are the stations of corners of tip lines: no edges but together with the tip
@@ -53,8 +68,8 @@ TOLERANCE, ROUNDING = 1e-11, 1e-12
 class Pair:
     """What the solver needs to know of a gear pair: two mounted flanks, N1/N2, the side of first touch and delta (mm).
 
-    `fillets`: those of the same sides, for tips that reach them, mounted as the flanks are; `pitch`: the pinion's, rad, where it is
-    known.
+    `fillets`: fillets of the same sides, for tips that reach them. `tips`: chamfers or roundings of the tips, None where tips are
+    sharp. Both are mounted as the flanks are. `pitch`: the pinion's pitch, rad, where it is known.
     """
 
     pinion: Flank
@@ -63,16 +78,25 @@ class Pair:
     drive: int
     delta: float
     fillets: tuple[Flank, Flank] | None = None
+    tips: tuple[Flank | None, Flank | None] = (None, None)
     pitch: float = np.nan
 
     @cached_property
-    def parts(self) -> tuple[Pair, ...]:
-        """The pair of flanks alone, and each flank with the fillet of its mating gear."""
+    def parts(self) -> dict[int, Pair]:
+        """Pairs of parts of the teeth by their numbers in `PARTS`: the flanks alone first, then tip edges, then fillets."""
         if self.fillets is None:
-            return (self,)
-        first, second = (fillet.remount(flank.mount) for fillet, flank in zip(self.fillets, self.flanks, strict=True))
-        alone = replace(self, fillets=None)
-        return alone, replace(alone, pinion=first), replace(alone, gear=second)
+            return {0: self}
+        regions: tuple[dict[str, Flank], ...] = tuple(
+            {FLANK: flank, FILLET: fillet.remount(flank.mount)}
+            | ({} if tip is None else {TIP_EDGE: tip.remount(flank.mount)})
+            for flank, fillet, tip in zip(self.flanks, self.fillets, self.tips, strict=True)
+        )
+        alone = replace(self, fillets=None, tips=(None, None))
+        return {
+            number: replace(alone, pinion=regions[0][PARTS[number][0]], gear=regions[1][PARTS[number][1]])
+            for number in np.argsort(HAS_FILLET, kind="stable").tolist()
+            if all(name in own for name, own in zip(PARTS[number], regions, strict=True))
+        }
 
     @property
     def flanks(self) -> tuple[Flank, Flank]:
@@ -175,7 +199,7 @@ class Pair:
             by_piece.setdefault((self.pinion.smooth_about(u1, v1), self.gear.smooth_about(u2, v2)), []).append(k)
         for own in by_piece.values():
             pinion, gear = _piece(self.pinion, x[own[0], :2]), _piece(self.gear, x[own[0], 2:4])
-            yield np.array(own), replace(self, pinion=pinion, gear=gear, fillets=None)
+            yield np.array(own), replace(self, pinion=pinion, gear=gear, fillets=None, tips=(None, None))
 
 
 def _piece(flank: Flank, place: Array) -> Flank:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.pair import PARTS
 from gearmesh.kernel.numeric.algebra import Array
 
 
@@ -23,7 +24,7 @@ class ContactPath:
     pinion); point1, point2 (P, 3) in the members' own frames; params1, params2 (P, 2) surface parameters;
     semi_major, semi_minor (P,) semi-axes of the contact ellipse in mm and angle (P,) from the pinion's first
     parameter line to the major axis, rad (NaN for edges and lines); major, minor (P, 3) unit vectors along them, fixed frame;
-    part (P,): 0 on the flanks, 1 where a tip touches the pinion's fillet, 2 the gear's (parameters are then the fillet's);
+    part (P,): what touches, a number in `pair.PARTS`, 0 on the flanks; parameters are those of the surfaces that touch;
     lines: for every position None or (K, 3) points of the contact line, fixed frame, mm, NaN between its pieces.
     """
 
@@ -85,8 +86,8 @@ class ContactPath:
 
     @property
     def regions(self) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
-        """What of pinion and gear touches (P,): "flank" or "fillet"; "" where nothing does."""
-        first, second = (np.where(self.part == k, "fillet", "flank") for k in (1, 2))
+        """What of pinion and gear touches (P,): "flank", "fillet" or "tip_edge"; "" where nothing does."""
+        first, second = np.array(PARTS)[self.part].T
         return np.where(self.touching, first, ""), np.where(self.touching, second, "")
 
     @property

@@ -21,7 +21,7 @@ from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.engagement import Engagement, follow
 from gearmesh.contact.first_touch.first_touch import first_touch, touches
-from gearmesh.contact.pair import OF_CORNERS, Pair, edge_name
+from gearmesh.contact.pair import HAS_TIP_EDGE, MEMBERS, OF_CORNERS, PARTS, TIP_EDGE, Pair, edge_name
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.numeric.algebra import Array, dot
@@ -88,7 +88,7 @@ def _count_offset(count_phi1: Callable[[Array, Array], Array], rotation: Array, 
     """By how much (N,), rad, the source's phi1 is ahead of the pinion's rotation; on edges, which no source treats, as much as
     where surface contact ends next to them."""
     offset = count_phi1(contacts.x[:, 0], contacts.x[:, 1]) - rotation
-    inside = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < 0) & np.isfinite(offset))
+    inside = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < 0) & (contacts.part == 0) & np.isfinite(offset))
     if not inside.size:
         return np.zeros(len(rotation))
     inside = inside[np.argsort(rotation[inside], kind="stable")]
@@ -114,11 +114,12 @@ def _result(pair: Pair, asked: Array, rotation: Array, contacts: Contacts, start
     """Everything reported, from the unknowns; the last position, phi1 = 0, only serves as the reference of TE."""
     count = len(asked)
     lines: list[Array | None] = [None] * count
-    for number, part in enumerate(pair.parts):
+    for number, part in pair.parts.items():
         to_middle(part, rotation, contacts, number)
-    along = np.flatnonzero(contacts.line)
-    if along.size:
-        for which, piece in pair.pieces(contacts.x[along]):
+        along = np.flatnonzero(contacts.line & (contacts.part == number))
+        if not along.size:
+            continue
+        for which, piece in part.pieces(contacts.x[along]):
             places = along[which]
             line = trace(piece, rotation[places], contacts.x[places])
             contacts.x[places] = line.x
@@ -134,7 +135,10 @@ def _result(pair: Pair, asked: Array, rotation: Array, contacts: Contacts, start
     first = np.flatnonzero(touching)
     reference = te[-1] if touching[-1] or not first.size else te[first[0]]
     on_edge = contacts.edges[:, 0] >= 0
-    kind = np.select([~touching, contacts.line, on_edge], ["none", "line", "edge"], "point").astype("<U5")
+    on_tip = HAS_TIP_EDGE[contacts.part]
+    kind = np.select([~touching, on_tip, contacts.line, on_edge], ["none", "edge", "line", "edge"], "point").astype(
+        "<U5"
+    )
     keep = slice(0, count - 1)
     is_point = (kind == "point")[keep]
 
@@ -171,7 +175,7 @@ def contact_jets(pair: Pair, rotation: Array, contacts: Contacts) -> tuple[tuple
     """Jets (N,) of both members at the contacts, in their own frames and in the fixed one; NaN where there is none."""
     jets = {
         number: Conditions(part.flanks, rotation, pair.length).touch(contacts.x, np.arange(len(rotation)))
-        for number, part in enumerate(pair.parts)
+        for number, part in pair.parts.items()
         if number == 0 or (contacts.part == number).any()
     }
     own: list[Jet] = []
@@ -189,10 +193,16 @@ def contact_jets(pair: Pair, rotation: Array, contacts: Contacts) -> tuple[tuple
 
 
 def _edge_names(pair: Pair, contacts: Contacts) -> NDArray[np.str_]:
-    """Names of the edges in contact (N,), two joined by "+"; a corner of a tip line is of the tip."""
+    """Names of the edges in contact (N,), two joined by "+"; corners of a tip line, chamfers and roundings are of the tip."""
     names = np.full(len(contacts.x), "", dtype="<U32")
     # CORNER has a name, -1 none
     named = np.concatenate((~OF_CORNERS, [True, False]))
-    for k in np.flatnonzero(contacts.edges[:, 0] >= 0):
-        names[k] = "+".join(edge_name(pair, int(number)) for number in contacts.edges[k] if named[number])
+    for k in np.flatnonzero((contacts.edges[:, 0] >= 0) | (contacts.touching & HAS_TIP_EDGE[contacts.part])):
+        of_tips = [
+            f"{member}_tip"
+            for member, region in zip(MEMBERS, PARTS[contacts.part[k]], strict=True)
+            if region == TIP_EDGE
+        ]
+        own = [edge_name(pair, int(number)) for number in contacts.edges[k] if named[number]]
+        names[k] = "+".join(dict.fromkeys([*of_tips, *own]))
     return names

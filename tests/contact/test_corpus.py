@@ -202,7 +202,7 @@ def test_no_contact_leads_where_it_is_followed_to(file: Path) -> None:
         node = known[(known + step >= 0) & (known + step < len(phi1))]
         there = Contacts.nothing(len(phi1))
         x = own.x[node] + (phi1[node + step] - phi1[node])[:, None] * engagement.rates[node]
-        for number, part in enumerate(flanks.parts):
+        for number, part in flanks.parts.items():
             some = own.part[node] == number
             refine_candidates(part, phi1, Trial.of(node[some] + step, x[some], own.edges[node[some]]), there, number)
         ahead.append(there.advance - own.advance)

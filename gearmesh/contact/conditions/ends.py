@@ -10,7 +10,7 @@ import numpy as np
 from gearmesh.contact.first_touch.spline_table import SplineTable
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array, dot
-from gearmesh.kernel.numeric.splines import Polynomials, spline_through
+from gearmesh.kernel.numeric.splines import spline_through, splines_through
 from gearmesh.kernel.surface.levels import CurveLevel, Level, ScrewLevel, Shifted
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Grid
@@ -57,7 +57,7 @@ class FormPoints:
         if heel < toe:
             r, p = r[::-1, ::-1], p[::-1, ::-1]
         self.level = _through(axial, across, r, grid.points[-1])
-        self._axial, self._parameter = axial, _pieces(axial.value(r), p)
+        self._axial, self._parameter = axial, splines_through(axial.value(r), p, DEGREE)
         speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
         self._scale = speed * float(np.sign((grid.p[0] - grid.p[-1]).mean()))
         self._sheet = OwnSheet.of(grid, axial, tooth.even.stations)
@@ -120,16 +120,9 @@ def tip_of(tooth: Tooth, grid: Grid) -> Level:
 
 def _through(axial: Level, across: Level, r: Array, inside: Array) -> CurveLevel:
     """The level through smooth curves (K, N, 3), stations ascending, which is negative at points `inside` (M, 3)."""
-    curve = _pieces(axial.value(r), across.value(r))
+    curve = splines_through(axial.value(r), across.value(r), DEGREE)
     above = np.sign((across.value(inside) - curve(axial.value(inside))).mean())
     return CurveLevel(axial, across, curve, float(above))
-
-
-def _pieces(x: Array, y: Array) -> Polynomials:
-    """Smooth curves, one through each row of points (K, N), x ascending, that meet where they end."""
-    curves = [spline_through(*row, DEGREE) for row in zip(x, y, strict=True)]
-    breaks = np.concatenate([curves[0].breaks, *(curve.breaks[1:] for curve in curves[1:])])
-    return Polynomials(breaks, np.concatenate([curve.coefficients for curve in curves], axis=1))
 
 
 def root_of(axial: Level, grid: Grid, stations: Array, joint: Joint) -> ScrewLevel:
@@ -143,24 +136,25 @@ def root_of(axial: Level, grid: Grid, stations: Array, joint: Joint) -> ScrewLev
 
 
 class Between:
-    """How far (mm along the profile) fillet points lie past the form point with the flank, or past the root, less `BACK`.
+    """Distance (mm along the profile) of points of a fillet or tip edge past its last row, or past its first row less `back`.
 
-    So is what lies on another sheet of its surface.
+    Points on another sheet of the surface count as past it.
     """
 
-    def __init__(self, grid: Grid, axial: Level, stations: Array) -> None:
+    def __init__(self, grid: Grid, axial: Level, stations: Array, back: float = BACK) -> None:
         assert grid.p is not None
         assert grid.jet is not None
+        self._back = back
         self._sheet = OwnSheet.of(grid, axial, stations)
         self._axial, self._stations = axial, stations
-        self._root, self._form_point = grid.p[0], grid.p[-1]
+        self._first, self._last = grid.p[0], grid.p[-1]
         self._speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
 
     def __call__(self, parameters: Array, r: Array) -> Array:
         place = _place(self._axial.value(r), self._stations)
-        root, form_point = (_cubic(end, place) for end in (self._root, self._form_point))
-        p, sense = parameters[..., 0], np.sign(form_point - root)
-        past = np.maximum(self._speed * sense * (p - form_point), self._speed * sense * (root - p) - BACK)
+        first, last = (_cubic(end, place) for end in (self._first, self._last))
+        p, sense = parameters[..., 0], np.sign(last - first)
+        past = np.maximum(self._speed * sense * (p - last), self._speed * sense * (first - p) - self._back)
         outside: Array = past if self._sheet is None else np.maximum(past, self._sheet(parameters, r))
         return outside
 

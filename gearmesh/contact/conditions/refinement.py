@@ -48,7 +48,7 @@ class Contacts:
 
     `x` (N, 5): parameters of the pinion's surface, of the gear's, and rotation of the gear, rad; NaN where there is no contact.
     `edges` (N, 2): numbers of the edges in contact, -1: none. `line` (N,): whether the flanks touch along a line. `status`,
-    `residual` (N,): as of every solver. `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's. `advance` (N,):
+    `residual` (N,): as of every solver. `part` (N,): what touches, a number in `pair.PARTS`, 0 on the flanks. `advance` (N,):
     by how much the gear is ahead of the nominal ratio, rad; -inf where there is no contact.
     """
 

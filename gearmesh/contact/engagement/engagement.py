@@ -221,7 +221,7 @@ class Engagement:
         [True]
         """
         contacts = Contacts.nothing(len(phi1))
-        for number, part in enumerate(self.pair.parts):
+        for number, part in self.pair.parts.items():
             own = np.flatnonzero(self.contacts.part[node] == number)
             trial = Trial.of(own, self._predict(phi1[own], node[own]), self.contacts.edges[node[own]])
             trial.line[:] = True
@@ -264,7 +264,7 @@ class Engagement:
         self, phi1: Array, position: NDArray[np.intp], start: Array, node: NDArray[np.intp], contacts: Contacts
     ) -> None:
         """Solve at positions (M,) from starts (M, 5) for what touches at nodes (M,)."""
-        for number, part in enumerate(self.pair.parts):
+        for number, part in self.pair.parts.items():
             own = np.flatnonzero(self.contacts.touching[node] & (self.contacts.part[node] == number))
             own = own[self.contacts.edges[node[own], 0] < CORNER]
             trial = Trial.of(position[own], start[own], self.contacts.edges[node[own]])
@@ -379,7 +379,7 @@ def _half_turn(pair: Pair) -> float:
 def tooth_outlook(pair: Pair, phi1: Array) -> Outlook:
     """What advances may be expected of the teeth at phi1 (N,), and whether the flanks' own is greatest inside."""
     with np.errstate(all="ignore"):
-        parts = [outlook(part, phi1) for part in pair.parts]
+        parts = [outlook(part, phi1) for part in pair.parts.values()]
     best, gain = (np.max([getattr(part, name) for part in parts], axis=0) for name in ("best", "gain"))
     return Outlook(best, gain, parts[0].inside)
 
@@ -388,7 +388,7 @@ def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
     """d x / d phi1 (N, 5) of contacts; NaN where there is none, and along lines all but that of phi2."""
     slopes = np.full(contacts.x.shape, np.nan)
     known = contacts.touching & (contacts.edges[:, 0] < CORNER)
-    for number, part in enumerate(pair.parts):
+    for number, part in pair.parts.items():
         own = np.flatnonzero(known & (contacts.part == number))
         if not own.size:
             continue

@@ -103,10 +103,13 @@ def _gear_angle(pair: Pair, exchange: Array) -> float | None:
 
 
 def _are_images(pair: Pair, other: Pair, exchange: Array) -> bool:
-    """Whether flanks and fillets are the images of those of another pair, which is mounted as this one is."""
+    """True where flanks, fillets and tip edges are the images of those of another pair, which is mounted as this one is."""
     fillets = [() if one_pair.fillets is None else one_pair.fillets for one_pair in (pair, other)]
-    both = zip((*pair.flanks, *fillets[0]), (*other.flanks, *fillets[1]), strict=True)
-    return all(_is_image(first, second, exchange) for first, second in both)
+    both = zip((*pair.flanks, *fillets[0], *pair.tips), (*other.flanks, *fillets[1], *other.tips), strict=True)
+    return all(
+        first is second if first is None or second is None else _is_image(first, second, exchange)
+        for first, second in both
+    )
 
 
 def _is_image(flank: Flank, other: Flank, exchange: Array) -> bool:

@@ -257,7 +257,7 @@ class _Turns:
         """What is ahead at positions phi1 (M,) of contacts that are solved for from others (S,), each at its position (S,)."""
         contacts = Contacts.nothing(phi1.size)
         with np.errstate(all="ignore"):
-            for number, pair in enumerate(there.parts):
+            for number, pair in there.parts.items():
                 own = np.flatnonzero(at.part == number)
                 trial = Trial.of(position[own], at.x[own], at.edges[own])
                 trial.line = at.line[own]

@@ -32,16 +32,16 @@ def first_touch(pair: Pair, phi1: Array) -> Contacts:
 
 
 def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, Contacts]:
-    """First touch of the teeth at rotations phi1 (N,), tips on fillets too, and of the flanks alone.
+    """First touch of the teeth at rotations phi1 (N,), fillets and tip edges too, and of the flanks alone.
 
     Without `edges` only tangency inside both flanks counts.
     """
     contacts = Contacts.nothing(len(phi1))
     flanks = contacts
     with np.errstate(all="ignore"):
-        for number, part in enumerate(pair.parts):
+        for number, part in pair.parts.items():
             places = candidates(part, phi1, trimmed=edges)
-            # on fillets only what may be ahead of the flanks
+            # beyond the flanks only what may be ahead of them
             worth = places.most > contacts.advance[places.position]
             if not edges:
                 worth &= (places.edges == INTERIOR).all(axis=1)

@@ -24,7 +24,7 @@ from gearmesh.contact.engagement.symmetry import ImageCurve, image
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.fit.clearance import Clearance, tip_clearance
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.pair import Pair
+from gearmesh.contact.pair import FILLET, HAS_FILLET, PARTS, Pair
 from gearmesh.kernel.motion.rigid import PARALLEL
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
@@ -375,7 +375,7 @@ def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float,
     to_middle(part, phi1, own, int(own.part[0]))
     x = trace(part, phi1, own.x).x if own.line[0] else own.x
     touch = Conditions(part.flanks, phi1, pair.length).touch(x, np.array([0]))
-    jet, gear = touch.fixed[1 if own.part[0] == 2 else 0], part.gear.mount
+    jet, gear = touch.fixed[_fillet_of(contacts, k)], part.gear.mount
     return float(np.abs(dot(jet.n, gear.velocity(jet.r)))[0]), jet.r[0]
 
 
@@ -405,13 +405,18 @@ def _interference(engagement: Engagement, pitch: float, rounds: int, *, driving:
     k = int(ahead.argmax())
     lever, point = _normal(pair, contacts, every, k)
     depth = float(ahead[k]) * lever
-    return Interference(depth, float(phi1[k]), point, int(contacts.part[k]) - 1, driving) if depth > NOTHING else None
+    return Interference(depth, float(phi1[k]), point, _fillet_of(contacts, k), driving) if depth > NOTHING else None
+
+
+def _fillet_of(contacts: Contacts, k: int) -> int:
+    """Member whose fillet touches at position k: 0 pinion, 1 gear; 0 where none does."""
+    return int(PARTS[contacts.part[k]][1] == FILLET)
 
 
 def _ahead(contacts: Contacts, flanks: Array) -> Array:
     """By how much (N,), rad, fillets touch before the flanks do, whose advances are given (N,); 0 where no fillet touches."""
     count = len(flanks)
-    by_fillet = contacts.part[:count] > 0
+    by_fillet = HAS_FILLET[contacts.part[:count]]
     with np.errstate(invalid="ignore"):
         apart = contacts.advance[:count] - flanks
     return np.where(by_fillet & np.isfinite(apart), apart, 0.0)

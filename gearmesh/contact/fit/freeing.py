@@ -147,7 +147,7 @@ def _sampled_slack(pair: GearPair, fit: Fit) -> float | None:
     advances = []
     for flanks in map(solver_pair, (pair, reversed_pair(pair))):
         with np.errstate(all="ignore"):
-            own = np.max([outlook(part, phi1).best for part in flanks.parts], axis=0)
+            own = np.max([outlook(part, phi1).best for part in flanks.parts.values()], axis=0)
         every = own.reshape(-1, LOOKS).max(axis=0)
         advances.append(np.where(np.isfinite(every), every, np.nan))
     if not np.isfinite(advances).all(axis=0).any():

@@ -69,6 +69,13 @@ def spline_through(x: Array, values: Array, degree: int) -> Polynomials:
     return Polynomials(breaks, np.stack(taylor))
 
 
+def splines_through(x: Array, values: Array, degree: int) -> Polynomials:
+    """The splines through values (K, N, ...) at places x (K, N), ascending, each of which begins where the one before it ends."""
+    curves = [spline_through(*row, degree) for row in zip(x, values, strict=True)]
+    breaks = np.concatenate([curves[0].breaks, *(curve.breaks[1:] for curve in curves[1:])])
+    return Polynomials(breaks, np.concatenate([curve.coefficients for curve in curves], axis=1))
+
+
 def knots_of(x: Array, degree: int) -> Array:
     """Knots (N + degree + 1,) of the spline through places x (N,)."""
     first = (degree + 1) // 2
