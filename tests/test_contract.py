@@ -93,7 +93,7 @@ REGISTERED = "registered"
 TOOLS = ("gearmesh/tools/", "gearmesh/kernel/envelope/", "gearmesh/kernel/motion/", "gearmesh/kernel/surface/")
 
 #: modules in a folder
-MOST_MODULES = 12
+MOST_MODULES = 20
 
 FILES = sorted(path.relative_to(PACKAGE.parent).as_posix() for path in PACKAGE.rglob("*.py"))
 
