@@ -106,7 +106,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.pinned import Pinned
     from gearmesh.answers.planetary_sizing import PlanetarySizing, RejectedFigures, SetFigures, size_planetary
     from gearmesh.answers.result import Result, RunTime
-    from gearmesh.answers.sheet import Compensation, DesignSheet, SettingFigures
+    from gearmesh.answers.sheet import Compensation, DesignSheet, MissingFigures, SettingFigures
     from gearmesh.answers.sizing import CandidateFigures, Sizing, size
     from gearmesh.answers.tables import Listing
     from gearmesh.api.gear import gear
@@ -250,6 +250,7 @@ if TYPE_CHECKING:
     from gearmesh.systems.system import (
         Displacements,
         DrawnRows,
+        MissingValue,
         PatternCheck,
         PatternShift,
         Setting,
@@ -468,6 +469,8 @@ __all__ = [
     "MeshFigures",
     "MeshMerit",
     "MeshTable",
+    "MissingFigures",
+    "MissingValue",
     "ModelFigures",
     "Modifications",
     "ModifiedInvoluteDesign",
@@ -788,6 +791,7 @@ _HOMES = {
     "gearmesh.answers.sheet": (
         "Compensation",
         "DesignSheet",
+        "MissingFigures",
         "SettingFigures",
     ),
     "gearmesh.answers.sizing": (
@@ -1060,6 +1064,7 @@ _HOMES = {
     "gearmesh.systems.system": (
         "Displacements",
         "DrawnRows",
+        "MissingValue",
         "PatternCheck",
         "PatternShift",
         "Setting",

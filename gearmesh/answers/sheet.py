@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +15,10 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import RESOLUTION, Content, Figures, at_resolution, figure
 from gearmesh.systems import system as systems
-from gearmesh.systems.common.plain_sheet import mass_table, member_table, plain_sheet, tool_table
-from gearmesh.systems.system import Setting, SheetTable
+from gearmesh.systems.common.plain_sheet import MASS, MID_FACE, TOOLS, mass_table, member_table, plain_sheet, tool_table
+from gearmesh.systems.common.symbol_table import FIRST, column_of, tables_of
+from gearmesh.systems.system import MissingValue, Setting, SheetTable
 
-#: where the values of a row of a table begin, after item and unit
-FIRST = 2
 #: what counts as 0 in a row without unit
 NOTHING = 1e-12
 
@@ -54,6 +53,21 @@ class Filling(Result):
         whole_text(target, design_text(self.apply(), target.parent))
 
 
+@dataclass(frozen=True)
+class MissingFigures(Figures):
+    """A value that a table of a sheet has not, and why."""
+
+    table: str = figure("title of the table")
+    symbol: str = figure("symbol of the row; empty of a table that is missing as a whole")
+    column: str = figure("heading of the column")
+    reason: str = figure("why there is no such value")
+
+    @staticmethod
+    def of(table: SheetTable, value: MissingValue) -> MissingFigures:
+        """Of a value that a table has not."""
+        return MissingFigures(table.title, value.symbol, value.column, value.reason)
+
+
 @dataclass(frozen=True, repr=False)
 class DesignSheet(Filling):
     """Tables of what is derived from a design, and the derived values under the design's keys, in its own units, which take the
@@ -71,14 +85,24 @@ class DesignSheet(Filling):
 
     @property
     def listings(self) -> list[Listing]:
-        return [_listing(table) for table in self.tables]
+        return [*(_listing(table) for table in self.tables), *_missing_listing(self.missing)]
+
+    @property
+    def missing(self) -> list[MissingFigures]:
+        """The values that the tables have not, and why."""
+        return [MissingFigures.of(table, value) for table in self.tables for value in table.missing]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([{"key": key, "value": value} for key, value in self.values.items()])
 
     @property
     def sections(self) -> Mapping[str, Content]:
-        return {**header(self.design), "tables": self.plain_tables, "values": self.values}
+        return {
+            **header(self.design),
+            "tables": self.plain_tables,
+            "values": self.values,
+            **({"missing": self.missing} if self.missing else {}),
+        }
 
     @property
     def plain_tables(self) -> dict[str, dict[str, list[Any]]]:
@@ -105,6 +129,15 @@ class DesignSheet(Filling):
         'cylindrical'
         """
         return self.design.with_values({**self.values, **dict.fromkeys(self.replaced)})
+
+
+def _missing_listing(missing: list[MissingFigures]) -> list[Listing]:
+    """The values that there are not, one line for all of a table and a column that have one reason; empty where there are none."""
+    symbols: dict[tuple[str, str, str], list[str]] = {}
+    for value in missing:
+        symbols.setdefault((value.table, value.column, value.reason), []).append(value.symbol)
+    rows = [[", ".join(filter(None, own)) or title, of, why] for (title, of, why), own in symbols.items()]
+    return [Listing("Dashes, and why", ("value", "of", "reason"), rows)] if rows else []
 
 
 def _listing(table: SheetTable) -> Listing:
@@ -184,7 +217,8 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
     sheet = (known.sheet or plain_sheet)(gears.design, gears.train)
     # planets, which are numbered, are made alike
     members = {gears.design.table_named(name): member for name, member in gears.train.members.items()}
-    tables = (*sheet.tables, tool_table(members), mass_table(gears.design, members))
+    common = tables_of((TOOLS, lambda: tool_table(members)), (MASS, lambda: mass_table(gears.design, members)))
+    tables = (*sheet.tables, *common)
     if speed is not None and torque is None:
         raise ArgumentError("speed", speed, reason="needs a torque")
     if torque is not None:
@@ -205,13 +239,13 @@ def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
     """What is derived of one member, as `Gears.sheet` says."""
     part, own = gears.part(name), systems.system_of(gears.design).member_sheet
     of_member = _columns_of(gears, name) if own is None else own(gears.design, name)
-    at_mid_face = member_table(part.member)
-    tables = (
-        *(table for table in of_member if table.title != at_mid_face.title),
-        at_mid_face,
-        tool_table({name: part.member}),
-        mass_table(gears.design, {name: part.member}),
+    own_members = {name: part.member}
+    common = tables_of(
+        (MID_FACE, lambda: member_table(part.member)),
+        (TOOLS, lambda: tool_table(own_members)),
+        (MASS, lambda: mass_table(gears.design, own_members)),
     )
+    tables = (*(table for table in of_member if table.title != MID_FACE), *common)
     left_out = f"{name}: one member alone: its sheet has no axes, ratio, backlash, contact ratios or forces"
     return DesignSheet(gears.design, tables, {}, (*gears.warnings, *part.warnings, left_out))
 
@@ -224,18 +258,22 @@ def _columns_of(gears: GearSet, name: str) -> tuple[SheetTable, ...]:
         return ()
     names = (name, gears.design.table_named(name))
     return tuple(
-        _column_of(table, column, name)
+        _own_column(table, column, name)
         for table in known.sheet(gears.design, gears.train).tables
         for column in range(len(table.columns))
         if table.columns[column] in names
     )
 
 
-def _column_of(table: SheetTable, column: int, name: str) -> SheetTable:
-    """A table with one of its columns alone, and the rows that have a value there."""
-    kept = [k for k, row in enumerate(table.rows) if row[FIRST + column] is not None]
-    rows = tuple((*table.rows[k][:FIRST], table.rows[k][FIRST + column]) for k in kept)
-    return SheetTable(table.title, (name,), rows, tuple(table.symbols[k] for k in kept) if table.symbols else ())
+def _own_column(table: SheetTable, column: int, name: str) -> SheetTable:
+    """A table with one of its columns alone, and the rows that have a value there or a reason why not."""
+    own = column_of(table, column)
+    reasons = {value.symbol for value in own.missing}
+    symbols = own.symbols or ("",) * len(own.rows)
+    kept = [k for k, row in enumerate(own.rows) if row[FIRST] is not None or symbols[k] in reasons]
+    rows = tuple(own.rows[k] for k in kept)
+    missing = tuple(replace(value, column=name) for value in own.missing)
+    return SheetTable(own.title, (name,), rows, tuple(symbols[k] for k in kept) if own.symbols else (), missing)
 
 
 def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation:

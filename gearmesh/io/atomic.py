@@ -95,6 +95,78 @@ def whole_folder(path: PathLike, suffix: str) -> Iterator[Path]:
         shutil.rmtree(retired, ignore_errors=True)
 
 
+@contextmanager
+def files_together(path: PathLike) -> Iterator[Path]:
+    """Context giving a temporary folder whose files appear in the folder `path` together on success, and not at all otherwise.
+
+    Files and folders there that have other names stay. A folder that is written anew replaces one that holds files of its
+    suffixes alone. The temporary folder is inside `path`, which is made where it does not exist and goes again if nothing is
+    written. Raises OutputError as `whole_file` does; refusals name the files as they would have been.
+    """
+    target = Path(os.path.realpath(path))
+    temporary, known = target / _temporary_beside(target / "files", "").name, len(_written)
+    made: list[Path] = []
+    try:
+        with _report_errors(path):
+            made = _make_folder(target)
+            _remove_leftovers(target)
+            temporary.mkdir()
+            try:
+                yield temporary
+            except OutputError as refusal:
+                raise _under_final_name(target, refusal, temporary) from refusal.__cause__
+            entries = sorted(temporary.iterdir(), key=lambda entry: entry.is_file())
+            for entry in entries:
+                _refuse_in_the_way(entry, Path(path) / entry.name)
+            for entry in entries:
+                _into_place(entry, target / entry.name)
+            _written[known:] = [Path(path) / entry.name for entry in entries]
+    finally:
+        # what is gone was not written
+        _written[known:] = [file for file in _written[known:] if temporary not in file.parents]
+        shutil.rmtree(temporary, ignore_errors=True)
+        for folder in made:
+            with suppress(OSError):  # it holds what was written
+                folder.rmdir()
+
+
+def _make_folder(folder: Path) -> list[Path]:
+    """Make a folder and those that it is in; all that were made, the innermost first."""
+    missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    return missing
+
+
+def _under_final_name(target: Path, refusal: OutputError, temporary: Path) -> OutputError:
+    """A refusal that names its file as it would have been in the folder `target`."""
+    shown, own = str(target), str(temporary)
+    refusal.value = str(refusal.value).replace(own, shown)
+    refusal.reason = refusal.reason.replace(own, shown)
+    return refusal
+
+
+def _refuse_in_the_way(new: Path, path: Path) -> None:
+    """Refuse a file or a folder whose place is taken by what it does not replace."""
+    target = Path(os.path.realpath(path))
+    if new.is_file():
+        _refuse_unless_file(path, target)
+    else:
+        for suffix in {file.suffix for file in new.iterdir()}:
+            _refuse_unless_replaceable(path, target, suffix)
+
+
+def _into_place(new: Path, target: Path) -> None:
+    """Rename a whole file or folder to its place."""
+    if new.is_file():
+        os.replace(new, os.path.realpath(target))
+        return
+    retired = _temporary_beside(target, f"-was-{target.name}")
+    try:
+        _exchange(new, target, retired)
+    finally:
+        shutil.rmtree(retired, ignore_errors=True)
+
+
 def whole_text(path: PathLike, text: str) -> None:
     """Write `text` (UTF-8, line ends as given) to `path`, whole or not at all. Raises OutputError."""
     with whole_file(path) as temporary:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ from gearmesh.answers.tables import Listing, figures
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.figures import Content
 from gearmesh.files.reading import MIB, is_file, read_json
+from gearmesh.io.atomic import files_together
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
 from gearmesh.reports.report import report_page
@@ -115,6 +116,7 @@ class Report(Result):
             "roll": self.check.roll.rows,
             "verdicts": self.check.verdicts,
             **({} if self.sheet is None else {"sheet": self.sheet.plain_tables}),
+            **({} if self.sheet is None or not self.sheet.missing else {"sheet_missing": self.sheet.missing}),
             "warnings": self.warnings,
             "files": [file.name for file in self.files],
             "frames": {file.name: _frame(file, members) for file in self.files if file.suffix in _MESHES},
@@ -130,10 +132,14 @@ def _frame(file: Path, members: tuple[str, ...]) -> str:
 
 @dataclass
 class RunFolder:
-    """The folder of a run of gears, the files that are written there, in their order, and the `teeth` that their pictures show."""
+    """The files of a run of gears, in their order, and the `teeth` that their pictures show.
+
+    `folder`: where they are written; `target`: where they appear together once all of them are there.
+    """
 
     gears: SolvedGears
     folder: Path
+    target: Path
     timing: bool
     files: list[Path] = field(default_factory=list)
     teeth: pictures.ToothViews = field(default_factory=pictures.ToothViews)
@@ -146,6 +152,14 @@ class RunFolder:
     def prefix(self, pair: GearPair) -> str:
         """What the names of a mesh's files begin with: nothing, where there is but one."""
         return f"{pair.pinion.name}_{pair.gear.name}_" if self.several else ""
+
+    def finish(self, report: Callable[[tuple[Path, ...]], Report]) -> Report:
+        """Write the report of all files, which is made of their final paths."""
+        written = report(
+            tuple(self.target / file.relative_to(self.folder) for file in (*self.files, self.folder / REPORT))
+        )
+        written.save(self.folder / REPORT, timing=self.timing)
+        return written
 
     @property
     def several(self) -> bool:
@@ -222,14 +236,30 @@ def run(
     """Solids, contact, roll test, plots and pictures of gears into `folder`, and their `page`, with the `source` of the design.
 
     With a `torque` or several (Nm) on the pinion of the first mesh loaded contact, too, of every mesh that differs.
-    Files of an earlier run that this one does not write are removed: those that its report lists. Raises NoSolutionError
-    where no position has contact.
+    The files appear together: where any cannot be had, none is written, and those of an earlier run stay. Files of an earlier
+    run that this one does not write are removed: those that its report lists. Raises NoSolutionError where no position has contact.
     """
-    if not gears.pairs and torque is None:
-        return _run_alone(RunFolder(gears, folder, timing), tolerance, progress, page, source)
-    gears.train.pair(0)
-    folder.mkdir(parents=True, exist_ok=True)
-    stale, written = _listed_files(folder), RunFolder(gears, folder, timing)
+    if gears.pairs or torque is not None:
+        gears.train.pair(0)
+    stale = _listed_files(folder)
+    with files_together(folder) as temporary:
+        written = RunFolder(gears, temporary, folder, timing)
+        if not gears.pairs and torque is None:
+            report = _run_alone(written, tolerance, progress, page, source)
+        else:
+            report = _run_meshes(written, tolerance, progress, page, source, torque)
+    for file in stale - {file.name for file in report.files}:
+        (folder / file).unlink(missing_ok=True)
+    progress(1.0, "done")
+    return report
+
+
+def _run_meshes(
+    written: RunFolder, tolerance: float, progress: Progress, page: bool, source: str | None, torque: ArrayLike | None
+) -> Report:
+    """Everything about gears that mesh."""
+    gears = written.gears
+    sheet = sheet_of(gears) if system_of(gears.design).sheet is not None else None
     contacts, loaded = _solve(gears, torque, progress)
     written.write_answers(contacts, loaded)
     solids = written.write_solids(tolerance, progress)
@@ -248,24 +278,18 @@ def run(
         progress(0.9, "report page")
         html = report_page(gears, contacts, check=check, images=images, source=source, loaded=drawn)
         html.save(written.file(PAGE))
-    sheet = sheet_of(gears) if system_of(gears.design).sheet is not None else None
-    files, several = (*written.files, folder / REPORT), tuple(contacts.values()) if written.several else ()
+    several = tuple(contacts.values()) if written.several else ()
     under_load = tuple(loaded.values()) if several else ()
-    report = Report(check, contact, folder, files, skipped, sheet, several, loaded.get(0), under_load)
-    report.save(folder / REPORT, timing=timing)
-    for file in stale - {file.name for file in report.files}:
-        (folder / file).unlink(missing_ok=True)
-    progress(1.0, "done")
-    return report
+    return written.finish(
+        lambda files: Report(check, contact, written.target, files, skipped, sheet, several, loaded.get(0), under_load)
+    )
 
 
 def _run_alone(written: RunFolder, tolerance: float, progress: Progress, page: bool, source: str | None) -> Report:
     """The same of gears that do not mesh: solids, sheet, limits, plots of modifications, pictures, page and report."""
-    gears, folder, timing = written.gears, written.folder, written.timing
-    folder.mkdir(parents=True, exist_ok=True)
-    stale = _listed_files(folder)
-    solids = written.write_solids(tolerance, progress)
+    gears, timing = written.gears, written.timing
     sheet = sheet_of(gears)
+    solids = written.write_solids(tolerance, progress)
     sheet.save(written.file("sheet.json"), timing=timing)
     limits_of(gears.design, gears.train).save(written.file("limits.json"), timing=timing)
     written.write_plots({}, {}, progress)
@@ -281,13 +305,7 @@ def _run_alone(written: RunFolder, tolerance: float, progress: Progress, page: b
     if page:
         progress(0.9, "report page")
         report_page(gears, {}, check=check, images=images, source=source).save(written.file(PAGE))
-    files = (*written.files, folder / REPORT)
-    report = Report(check, None, folder, files, skipped, sheet)
-    report.save(folder / REPORT, timing=timing)
-    for file in stale - {file.name for file in report.files}:
-        (folder / file).unlink(missing_ok=True)
-    progress(1.0, "done")
-    return report
+    return written.finish(lambda files: Report(check, None, written.target, files, skipped, sheet))
 
 
 def _solve(

@@ -49,13 +49,27 @@ class ToolPart:
 
 
 @dataclass(frozen=True)
+class MissingValue:
+    """A value that a table has not: the `symbol` of its row (or item where there are no symbols), its `column`, the `reason`.
+
+    Both are empty of a table that is missing as a whole.
+    """
+
+    symbol: str
+    column: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class SheetTable:
-    """Rows of (item, unit, one value per column); a value that a column has not is None. `symbols`: one per row, or none at all."""
+    """Rows of (item, unit, one value per column); a value that a column has not is None. `symbols`: one per row, or none at all.
+    `missing`: values that are None for a reason that the reader is to know."""
 
     title: str
     columns: tuple[str, ...]
     rows: tuple[tuple[Any, ...], ...]
     symbols: tuple[str, ...] = ()
+    missing: tuple[MissingValue, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -9,18 +9,22 @@ import numpy as np
 from gearmesh.contact.flanks import analyse
 from gearmesh.systems.circular_arc.contact_angle import contact_angle, setting_change
 from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.common.symbol_table import tables_of
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
 
 if TYPE_CHECKING:
     from gearmesh.systems.circular_arc.design import CircularArcDesign
     from gearmesh.teeth.gear_train import GearTrain
 
+#: title of the table
+CONTACT = "Point of contact [LT85]"
+
 
 def contact_sheet(design: CircularArcDesign, train: GearTrain) -> Sheet:
     """The sheet of a design and the gear set built of it; what that of any system has is part of it."""
     own = complete_design(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
-    return Sheet((derived, _contact_table(own, train), *plain), {})
+    return Sheet((derived, *tables_of((CONTACT, lambda: _contact_table(own, train))), *plain), {})
 
 
 def _contact_table(design: CircularArcDesign, train: GearTrain) -> SheetTable:
@@ -44,7 +48,7 @@ def _contact_table(design: CircularArcDesign, train: GearTrain) -> SheetTable:
         ("h1 N2/(h2 N1)", "1 where the ratio is uniform (3)", "-", float(h1 / h2 / train.pairs[0].ratio)),
     )
     return SheetTable(
-        "Point of contact [LT85]",
+        CONTACT,
         ("",),
         tuple((item, unit, value) for _, item, unit, value in rows),
         tuple(symbol for symbol, *_ in rows),

@@ -10,35 +10,40 @@ import numpy as np
 from gearmesh.design.core import DENSITY, Design
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
-from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.common.symbol_table import Row, table, tables_of
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.teeth.blank.moments import member_moments
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.region import Region, Side
 from gearmesh.tools.description import ToolDescription
 
-#: title of the table of masses
-MASS = "Mass and inertia"
+#: titles of the tables of masses, of sections in the middle of the face, of tools, of axes
+MASS, MID_FACE, TOOLS, AXES = "Mass and inertia", "Members at mid face", "Tools", "Axes"
 
 
 def plain_sheet(design: Design, train: GearTrain) -> Sheet:
     """What the geometry of any gear system says: keys that were derived, diameters of the members, axes of the pairs."""
     derived = tuple((key, "", value) for key, value in design.in_mm().derived_keys())
-    members = _beside([_at_mid_face(member) for member in train.members.values()])
-    pairs = _beside([_axes(pair) for pair in train.pairs])
-    return Sheet(
+    return Sheet((SheetTable("Derived keys (lengths in mm)", ("",), derived), *_common_tables(train)), {})
+
+
+def _common_tables(train: GearTrain) -> tuple[SheetTable, ...]:
+    """The sections of all members, and how the axes of all pairs lie."""
+    pairs = tuple(f"{p.pinion.name} and {p.gear.name}" for p in train.pairs)
+    return tables_of(
         (
-            SheetTable("Derived keys (lengths in mm)", ("",), derived),
-            SheetTable("Members at mid face", tuple(train.members), members),
-            SheetTable("Axes", tuple(f"{p.pinion.name} and {p.gear.name}" for p in train.pairs), pairs),
+            MID_FACE,
+            lambda: SheetTable(
+                MID_FACE, tuple(train.members), _beside([_at_mid_face(member) for member in train.members.values()])
+            ),
         ),
-        {},
+        (AXES, lambda: SheetTable(AXES, pairs, _beside([_axes(pair) for pair in train.pairs]))),
     )
 
 
 def member_table(member: Member) -> SheetTable:
     """What the middle of the face says of one member."""
-    return SheetTable("Members at mid face", (member.name,), _beside([_at_mid_face(member)]))
+    return SheetTable(MID_FACE, (member.name,), _beside([_at_mid_face(member)]))
 
 
 def mass_table(design: Design, members: Mapping[str, Member]) -> SheetTable:
@@ -82,7 +87,7 @@ def tool_table(members: Mapping[str, Member]) -> SheetTable:
     for symbol, words, unit in dict.fromkeys((d.symbol, d.name, d.unit) for tool in tools for d in tool.dimensions):
         of = [{d.name: d.value for d in tool.dimensions if d.symbol == symbol} for tool in tools]
         rows.append((symbol, words, unit or "-", tuple(values.get(words) for values in of)))
-    return table("Tools", tuple(columns), rows)
+    return table(TOOLS, tuple(columns), rows)
 
 
 def _beside(parts: Sequence[Mapping[tuple[str, str], float | None]]) -> tuple[tuple[Any, ...], ...]:

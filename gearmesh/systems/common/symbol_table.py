@@ -1,20 +1,61 @@
-"""Rows of symbol, words, unit and values as tables of a sheet."""
+"""Rows of symbol, words, unit and values as tables of a sheet; what cannot be had is a dash with its reason.
+
+No refusal of one value, row or table brings down the sheet: values go through `attempt`, tables through `tables_of`.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import TypeAlias
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TypeAlias, TypeVar
 
-from gearmesh.systems.system import SheetTable
+from gearmesh.errors import GearmeshError
+from gearmesh.systems.system import MissingValue, SheetTable
 
+T = TypeVar("T")
+
+#: where the values of a row of a table begin, after item and unit
+FIRST = 2
 #: decimals of every value: what is less is rounding
 DECIMALS = 9
 
-#: one value per column, None where there is none
-Values: TypeAlias = "tuple[float | int | str | None, ...]"
+
+@dataclass(frozen=True)
+class Missing:
+    """A value that a row cannot have, and the `reason`."""
+
+    reason: str
+
+
+#: one value per column, None where the column has no such value
+Values: TypeAlias = "tuple[float | int | str | Missing | None, ...]"
 #: symbol, words, unit, values
 Row: TypeAlias = "tuple[str, str, str, Values]"
+#: title of a table, or what heads several, and the call that makes them
+Part: TypeAlias = "tuple[str, Callable[[], SheetTable | Iterable[SheetTable]]]"
+
+
+def attempt(value: Callable[[], T]) -> T | Missing:
+    """A value, or why it cannot be had: the reason of its refusal."""
+    try:
+        return value()
+    except GearmeshError as refusal:
+        return Missing(refusal.reason or str(refusal))
+
+
+def values_of(given: Iterable[T | Missing | None], value: Callable[[T], float | int | str | Missing | None]) -> Values:
+    """A value of every item given; what is missing stays so, and None is none."""
+    return tuple(_of(item, value) for item in given)
+
+
+def _of(
+    item: T | Missing | None, value: Callable[[T], float | int | str | Missing | None]
+) -> float | int | str | Missing | None:
+    if item is None or isinstance(item, Missing):
+        return item
+    return attempt(lambda: value(item))
 
 
 def table(title: str, columns: tuple[str, ...], rows: Iterable[Row]) -> SheetTable:
@@ -25,11 +66,58 @@ def table(title: str, columns: tuple[str, ...], rows: Iterable[Row]) -> SheetTab
         columns,
         tuple((words, unit, *(_clean(value) for value in values)) for _, words, unit, values in rows),
         tuple(symbol for symbol, *_ in rows),
+        tuple(
+            MissingValue(symbol, column, value.reason)
+            for symbol, _, _, values in rows
+            for column, value in zip(columns, values, strict=False)
+            if isinstance(value, Missing)
+        ),
     )
 
 
-def _clean(value: float | int | str | None) -> float | int | str | None:
-    """A value without what is nothing but rounding; None for what is not a number."""
+def column_of(of: SheetTable, column: int) -> SheetTable:
+    """A table with one of its columns alone, by number; an empty table stays."""
+    if not of.columns:
+        return of
+    name = of.columns[column]
+    rows = tuple((*row[:FIRST], row[FIRST + column]) for row in of.rows)
+    # columns of one name are of one member
+    return replace(of, columns=(name,), rows=rows, missing=tuple(_once(m for m in of.missing if m.column == name)))
+
+
+def _once(missing: Iterable[MissingValue]) -> Iterable[MissingValue]:
+    return dict.fromkeys(missing)
+
+
+def tables_of(*parts: Part) -> tuple[SheetTable, ...]:
+    """The tables of a sheet, part by part; in place of a part that cannot be had an empty table of its title, with the reason."""
+    return tuple(table_of_part for part in parts for table_of_part in _part_tables(*part))
+
+
+def tables_by_title(parts: Mapping[str, tuple[tuple[str, ...], Callable[[], Iterable[Row]]]]) -> tuple[SheetTable, ...]:
+    """Tables by title, columns and the call that makes their rows, each as far as it can be had."""
+    return tables_of(*((title, partial(_table_of, title, *part)) for title, part in parts.items()))
+
+
+def _table_of(title: str, columns: tuple[str, ...], rows: Callable[[], Iterable[Row]]) -> SheetTable:
+    return table(title, columns, rows())
+
+
+def _part_tables(title: str, make: Callable[[], SheetTable | Iterable[SheetTable]]) -> Iterator[SheetTable]:
+    made = attempt(lambda: _table_list(make()))
+    yield from (
+        [SheetTable(title, (), (), (), (MissingValue("", "", made.reason),))] if isinstance(made, Missing) else made
+    )
+
+
+def _table_list(made: SheetTable | Iterable[SheetTable]) -> list[SheetTable]:
+    return [made] if isinstance(made, SheetTable) else list(made)
+
+
+def _clean(value: float | int | str | Missing | None) -> float | int | str | None:
+    """A value without what is nothing but rounding; None for what is missing or not a number."""
+    if isinstance(value, Missing):
+        return None
     if not isinstance(value, float):
         return value
     return round(value, DECIMALS) + 0.0 if math.isfinite(value) else None

@@ -40,6 +40,13 @@ def check_measures(gear: GearProportions, member: Member) -> None:
 
 def _check_span(gear: GearProportions, flank: Flank) -> None:
     assert gear.spec.span is not None
+    if not measures.has_span(gear.own):
+        raise DesignError(
+            f"{gear.name}.span.teeth",
+            gear.spec.span.teeth,
+            reason="flat anvils cannot touch the hollow flanks of a helical internal gear",
+            remedy="give balls",
+        )
     given, fit = gear.spec.span.teeth, measures.span_numbers(gear.own, flank, gear.spec.face_width)
     if given in fit:
         return

@@ -8,10 +8,10 @@ begin and end is read off the teeth as they are built, undercut and broken edges
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import TYPE_CHECKING, TypeVar
+from functools import cached_property, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +19,16 @@ from gearmesh.design.core import DENSITY
 from gearmesh.metrology.iso1328 import NAMES
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.standards.iso286 import Deviations
-from gearmesh.systems.common.symbol_table import Row, Values, table
+from gearmesh.systems.common.symbol_table import (
+    Missing,
+    Row,
+    Values,
+    attempt,
+    table,
+    tables_by_title,
+    tables_of,
+    values_of,
+)
 from gearmesh.systems.cylindrical.double_helical import half_of, half_width
 from gearmesh.systems.cylindrical.geometry import measures
 from gearmesh.systems.cylindrical.geometry.accuracy import tolerance_sizes
@@ -41,6 +50,8 @@ from gearmesh.systems.cylindrical.geometry.proportions import (
     PairProportions,
     gear_proportions,
     proportions,
+    rounding_in_mesh,
+    tool_rounding,
 )
 from gearmesh.systems.cylindrical.geometry.root import CriticalSection, critical_section, lever
 from gearmesh.systems.cylindrical.measured import flank_radii
@@ -51,7 +62,18 @@ from gearmesh.teeth.gear_train import GearTrain, Member
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys
 
-T = TypeVar("T")
+#: reasons of values that teeth do not have
+UNDERCUT = "the tool undercuts the flank"
+NO_SPAN = "no number of teeth has a span that touches the flank within the face width"
+HOLLOW = "flat anvils cannot touch the hollow flanks of a helical internal gear; measure between balls, M_dK"
+PIN_ENDS = "a straight pin touches a helical internal space at its ends; measure between balls, M_dK"
+NARROW = "the face is narrower than {:.4g} mm, the distance along the axis of the points that it touches"
+NARROW_FOR_PINS = (
+    "the face is narrower than {:.4g} mm, over which pins of an odd number of teeth slide to stand opposite"
+)
+NO_BALL = "no ball or pin touches the flank, stands out of the space and clears its ground"
+NO_TANGENT = "no tangent of the fillet has that angle"
+OFF_FLANK = "its ends are not on the flank"
 
 
 def data_sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
@@ -80,31 +102,33 @@ def half_tables(design: HalvesKeys, members: tuple[Member, ...]) -> list[SheetTa
     return [table("Double helical", tuple(design.specs), rows)]
 
 
-def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> list[SheetTable]:
+def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> tuple[SheetTable, ...]:
     """The tables of a pair, its pinion and gear called by `names`."""
     own, thickness, *others = member_tables(pair, names)
-    return [
-        table("Pair", ("",), _mesh_rows(pair)),
-        table("Backlash", *_backlash(pair)),
-        own,
-        thickness,
-        table("Contact from A to E", names, _contact_rows(pair)),
-        *others,
-    ]
+    of_mesh = tables_by_title(
+        {
+            "Pair": (("",), lambda: _mesh_rows(pair)),
+            "Contact from A to E": (names, lambda: _contact_rows(pair)),
+        }
+    )
+    backlash = tables_of(("Backlash", lambda: table("Backlash", *_backlash(pair))))
+    return (of_mesh[0], *backlash, own, thickness, of_mesh[1], *others)
 
 
-def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBERS) -> list[SheetTable]:
+def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBERS) -> tuple[SheetTable, ...]:
     """The tables with one column per member: members, measures, root, reserves, bodies, tolerances; of gears that do not mesh
     without what their mesh says of them."""
-    return [
-        table("Members", names, _member_rows(pair)),
-        table("Measures of the tooth thickness", names, _measures(pair)),
-        table("As cut by feeding the tool for the allowance", names, _cut_rows(pair)),
-        table("Root: tangent of 30 deg, internal 60 deg", names, _root_rows(pair)),
-        table("Reserves (negative: none)", names, _reserves(pair)),
-        table("Bodies", names, _bodies(pair)),
-        table("Flank tolerances [ISO 1328-1:2013]", names, _tolerances(pair)),
-    ]
+    return tables_by_title(
+        {
+            "Members": (names, lambda: _member_rows(pair)),
+            "Measures of the tooth thickness": (names, lambda: _measures(pair)),
+            "As cut by feeding the tool for the allowance": (names, lambda: _cut_rows(pair)),
+            "Root: tangent of 30 deg, internal 60 deg": (names, lambda: _root_rows(pair)),
+            "Reserves (negative: none)": (names, lambda: _reserves(pair)),
+            "Bodies": (names, lambda: _bodies(pair)),
+            "Flank tolerances [ISO 1328-1:2013]": (names, lambda: _tolerances(pair)),
+        }
+    )
 
 
 @dataclass(frozen=True)
@@ -132,9 +156,13 @@ class SheetGears:
         """Radii of all where the usable flank begins and ends, d_Ff and d_Fa over 2, in the middle of the face."""
         return tuple(flank_radii(member) for member in self.members)
 
-    def of_all(self, value: Callable[[int], float | int | str | None]) -> Values:
-        """A value of all members, by their number."""
-        return tuple(value(k) for k in range(len(self.members)))
+    def of_all(self, value: Callable[[int], float | int | str | Missing | None]) -> Values:
+        """A value of all members, by their number, as far as each can be had."""
+        return values_of(range(len(self.members)), value)
+
+    def fed_rounding(self, k: int, gear: GearProportions) -> float:
+        """Tip rounding (modules) of the tool of a `gear`, member k, that is fed for its allowance, where the order gives none."""
+        return tool_rounding(gear)
 
     @property
     def stated_specs(self) -> tuple[CylindricalMember | None, ...]:
@@ -184,6 +212,9 @@ class SheetPair(SheetGears):
     def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
         """A warning for each of pinion and gear, called by `names`, below whose flank the mating gear's tip reaches."""
         return self.line.fillet_interference(names, [least_shift(gear) for gear in self.geometry.gears])
+
+    def fed_rounding(self, k: int, gear: GearProportions) -> float:
+        return rounding_in_mesh(gear, self.mesh, (self.mesh.gear, self.mesh.pinion)[k], self.geometry.tips[1 - k])
 
     @property
     def distance_deviations(self) -> Deviations | None:
@@ -348,14 +379,9 @@ def _tip_tolerances(pair: SheetGears) -> list[Row]:
     if not any(given):
         return []
     return [
-        ("A_dae", "upper deviation of the tip diameter", "mm", _each(given, lambda own: own.upper)),
-        ("A_dai", "lower deviation of the tip diameter", "mm", _each(given, lambda own: own.lower)),
+        ("A_dae", "upper deviation of the tip diameter", "mm", values_of(given, lambda own: own.upper)),
+        ("A_dai", "lower deviation of the tip diameter", "mm", values_of(given, lambda own: own.lower)),
     ]
-
-
-def _each(given: Iterable[T | None], value: Callable[[T], float | str | None]) -> Values:
-    """A value of what the members have, None of those that have none."""
-    return tuple(None if own is None else value(own) for own in given)
 
 
 def _thickness_allowances(pair: SheetGears) -> list[Row]:
@@ -364,16 +390,18 @@ def _thickness_allowances(pair: SheetGears) -> list[Row]:
     if not any(given):
         return []
     rows: list[Row] = [
-        ("A_sne", "upper allowance of the normal thickness", "mm", _each(given, lambda own: own.upper)),
-        ("A_sni", "lower allowance of the normal thickness", "mm", _each(given, lambda own: own.lower)),
-        ("T_sn", "tolerance of the normal thickness", "mm", _each(given, lambda own: own.upper - own.lower)),
+        ("A_sne", "upper allowance of the normal thickness", "mm", values_of(given, lambda own: own.upper)),
+        ("A_sni", "lower allowance of the normal thickness", "mm", values_of(given, lambda own: own.lower)),
+        ("T_sn", "tolerance of the normal thickness", "mm", values_of(given, lambda own: own.upper - own.lower)),
     ]
     tables = [None if spec is None else spec.thickness_allowance for spec in pair.stated_specs]
-    series = _each(tables, lambda own: own.series)
+    series = values_of(tables, lambda own: own.series)
     return [*rows, ("E_sn", "allowance by DIN 3967", "", series)] if any(series) else rows
 
 
-def _meshing_row(pair: SheetGears, symbol: str, words: str, value: Callable[[SheetPair, int], float]) -> list[Row]:
+def _meshing_row(
+    pair: SheetGears, symbol: str, words: str, value: Callable[[SheetPair, int], float | Missing]
+) -> list[Row]:
     """A row (mm) of what the mesh says of its members; none of gears that do not mesh."""
     both = pair.meshing
     return [] if both is None else [(symbol, words, "mm", both.of_all(lambda k: value(both, k)))]
@@ -398,28 +426,41 @@ def _cut_rows(pair: SheetGears) -> list[Row]:
     thickness: of the teeth as made and at the ends of the allowances."""
     rows: list[Row] = []
     for end, teeth in _states(pair, ends=True).items():
-        cut = [_fed(gear, own) for gear, own in zip(pair.geometry.gears, teeth, strict=True)]
+        cut = [attempt(partial(_fed, pair, k, own)) for k, own in enumerate(teeth)]
         suffix = _suffix(end)
         rows += [
-            (f"x_E{suffix}", f"generating profile shift{end}", "m_n", tuple(own.generating_shift for own in teeth)),
-            (f"d_fE{suffix}", f"root diameter{end}", "mm", _each(cut, lambda gear: 2.0 * gear.root)),
-            (f"d_FfE{suffix}", f"root form diameter{end}", "mm", _each(cut, _form_diameter)),
+            (
+                f"x_E{suffix}",
+                f"generating profile shift{end}",
+                "m_n",
+                values_of(teeth, lambda own: own.generating_shift),
+            ),
+            (f"d_fE{suffix}", f"root diameter{end}", "mm", values_of(cut, lambda gear: 2.0 * gear.root)),
+            (f"d_FfE{suffix}", f"root form diameter{end}", "mm", values_of(cut, _form_diameter)),
         ]
     return rows
 
 
-def _fed(gear: GearProportions, own: Toothing) -> GearProportions | None:
-    """A gear with other teeth, its tool fed for their allowance; None of one that is formed."""
+def _fed(pair: SheetGears, k: int, own: Toothing) -> GearProportions | None:
+    """A member with other teeth, its tool fed for their allowance; None of one that is formed.
+
+    The tool is the one that the same order with allowance_by = "feed" has: a rounding that the order does not give is that of
+    its own, narrower tooth.
+    """
+    gear, stated = pair.geometry.gears[k], pair.stated_specs[k]
     if gear.spec.formed:
         return None
     spec = gear.spec.model_copy(update={"allowance_by": "feed"})
-    return gear_proportions(replace(gear, spec=spec, own=own))
+    fed = gear_proportions(replace(gear, spec=spec, own=own))
+    if stated is None or "tool_tip_radius" in stated.model_fields_set:
+        return fed
+    return replace(fed, spec=spec.model_copy(update={"tool_tip_radius": pair.fed_rounding(k, fed)}))
 
 
-def _form_diameter(gear: GearProportions) -> float | None:
-    """Root form diameter in closed form; None where the tool undercuts the flank."""
+def _form_diameter(gear: GearProportions) -> float | Missing:
+    """Root form diameter in closed form; missing where the tool undercuts the flank."""
     length = form_roll_length(gear)
-    return None if length < 0.0 else 2.0 * math.hypot(gear.own.base_radius, length)
+    return Missing(UNDERCUT) if length < 0.0 else 2.0 * math.hypot(gear.own.base_radius, length)
 
 
 # ---------------------------------------------------------------- measures
@@ -427,7 +468,10 @@ def _form_diameter(gear: GearProportions) -> float | None:
 
 def _measures(pair: SheetGears) -> list[Row]:
     """Span, balls and chords, of the teeth as made and at the ends of the allowances where these are given."""
-    counts, balls = pair.of_all(lambda k: _span_teeth(pair, k)), pair.of_all(lambda k: _ball_diameter(pair, k))
+    every = range(len(pair.teeth))
+    counts = pair.of_all(lambda k: _span_teeth(pair, k))
+    sizes = [attempt(partial(_ball_diameter, pair, k)) for k in every]
+    balls, pins = values_of(sizes, float), tuple(_pin_diameter(pair, k, sizes[k]) for k in every)
 
     def by(
         sizes: Values, symbol: str, words: str, value: Callable[[Toothing, float], float | None], *, ends: bool = False
@@ -438,7 +482,7 @@ def _measures(pair: SheetGears) -> list[Row]:
                 words + end,
                 "mm",
                 tuple(
-                    value(toothing, size) if isinstance(size, int | float) else None
+                    attempt(partial(value, toothing, size)) if isinstance(size, int | float) else size
                     for toothing, size in zip(teeth, sizes, strict=True)
                 ),
             )
@@ -450,9 +494,10 @@ def _measures(pair: SheetGears) -> list[Row]:
         *by(counts, "W_k", "span", lambda toothing, count: measures.span(toothing, int(count)), ends=True),
         *by(counts, "d_W", "diameter of contact", lambda toothing, n: 2.0 * measures.span_radius(toothing, int(n))),
         *by(counts, "b_W", "least face width for it", lambda toothing, n: measures.span_width(toothing, int(n))),
+        *_anvil_row(pair, counts),
         ("D_M", "ball or pin", "mm", balls),
         *by(balls, "M_dK", "over (internal: between) balls", measures.over_balls, ends=True),
-        *by(balls, "M_dR", "over (internal: between) pins", measures.over_pins, ends=True),
+        *by(pins, "M_dR", "over (internal: between) pins", measures.over_pins, ends=True),
         *by(
             balls,
             "d_K",
@@ -469,18 +514,50 @@ def _measures(pair: SheetGears) -> list[Row]:
     ]
 
 
-def _span_teeth(pair: SheetGears, k: int) -> int | None:
-    """Teeth of a member's span: its own number, or the one that touches nearest to the V cylinder."""
+def _anvil_row(pair: SheetGears, counts: Values) -> list[Row]:
+    """The row of the anvils that an internal span needs; none of gears without such a span."""
+    spans = [
+        count if isinstance(count, int) and teeth.internal else None
+        for count, teeth in zip(counts, pair.teeth, strict=True)
+    ]
+    if not any(spans):
+        return []
+    largest = pair.of_all(lambda k: None if (n := spans[k]) is None else measures.anvil_radius(pair.teeth[k], n))
+    return [("r_W", "largest radius of its anvils, which flat ones do not touch", "mm", largest)]
+
+
+def _span_teeth(pair: SheetGears, k: int) -> int | Missing:
+    """Teeth of a member's span: its own number, or the one that touches nearest to the V cylinder; missing where nothing does."""
     spec = pair.specs[k]
-    return measures.span_teeth(pair.teeth[k], pair.flanks[k], spec.face_width) if spec.span is None else spec.span.teeth
+    if spec.span is not None:
+        return spec.span.teeth
+    if not measures.has_span(pair.teeth[k]):
+        return Missing(HOLLOW)
+    count = measures.span_teeth(pair.teeth[k], pair.flanks[k], spec.face_width)
+    return Missing(NO_SPAN) if count is None else count
 
 
-def _ball_diameter(pair: SheetGears, k: int) -> float | None:
-    """Diameter of a member's balls or pins: its own, or the one that is proposed."""
-    given = pair.specs[k].balls or pair.specs[k].pins
-    if given is not None:
-        return given.diameter
-    return measures.ball_diameter(pair.teeth[k], pair.flanks[k], (pair.geometry.tips[k], pair.geometry.roots[k]))
+def _ball_diameter(pair: SheetGears, k: int) -> float | Missing:
+    """Diameter of a member's balls or pins: its own, or the one that is proposed; missing where none can be."""
+    teeth, spec = pair.teeth[k], pair.specs[k]
+    given = spec.balls or spec.pins
+    circles = pair.geometry.tips[k], pair.geometry.roots[k]
+    size = measures.ball_diameter(teeth, pair.flanks[k], circles) if given is None else given.diameter
+    if size is None:
+        return Missing(NO_BALL)
+    least = measures.ball_width(teeth, size)
+    return Missing(NARROW.format(least)) if spec.face_width <= least else size
+
+
+def _pin_diameter(pair: SheetGears, k: int, size: float | Missing) -> float | Missing:
+    """Diameter of a member's pins, which is that of its balls; missing where straight pins cannot stand opposite each other."""
+    teeth = pair.teeth[k]
+    if isinstance(size, Missing):
+        return size
+    if measures.over_pins(teeth, size) is None:
+        return Missing(PIN_ENDS)
+    least = measures.pin_width(teeth, size)
+    return Missing(NARROW_FOR_PINS.format(least)) if pair.specs[k].face_width <= least else size
 
 
 def _states(pair: SheetGears, *, ends: bool) -> dict[str, tuple[Toothing, ...]]:
@@ -505,10 +582,10 @@ def _chord_rows(pair: SheetGears) -> list[Row]:
         ("nc", "normal chord at d", measures.chord, _reference_radius),
     ):
         for end, teeth in _states(pair, ends=True).items():
-            both = [_on_flank(pair, k, teeth[k], chord, radius) for k in range(len(pair.teeth))]
-            rows.append((f"s_{symbol}{_suffix(end)}", words + end, "mm", tuple(size for size, _ in both)))
+            both = [attempt(partial(_on_flank, pair, k, own, chord, radius)) for k, own in enumerate(teeth)]
+            rows.append((f"s_{symbol}{_suffix(end)}", words + end, "mm", values_of(both, lambda size: size[0])))
             if not end:
-                rows.append((f"h_{symbol}", "height of the tip over it", "mm", tuple(height for _, height in both)))
+                rows.append((f"h_{symbol}", "height of the tip over it", "mm", values_of(both, lambda size: size[1])))
     return rows
 
 
@@ -518,10 +595,10 @@ def _on_flank(
     teeth: Toothing,
     chord: Callable[[Toothing, float], tuple[float, float]],
     radius: Callable[[Toothing], float],
-) -> tuple[float, float] | tuple[None, None]:
-    """A chord of a member's teeth and its height, where its ends are on the flank."""
+) -> tuple[float, float] | Missing:
+    """A chord of a member's teeth and its height; missing where its ends are not on the flank."""
     low, high = sorted(pair.flanks[k])
-    return chord(teeth, pair.geometry.tips[k]) if low < radius(teeth) < high else (None, None)
+    return chord(teeth, pair.geometry.tips[k]) if low < radius(teeth) < high else Missing(OFF_FLANK)
 
 
 def _reference_radius(teeth: Toothing) -> float:
@@ -557,20 +634,37 @@ def _contact_rows(pair: SheetPair) -> list[Row]:
 
 
 def _root_rows(pair: SheetGears) -> list[Row]:
-    sections: list[CriticalSection] = [
-        critical_section(member.tooth, teeth) for member, teeth in zip(pair.members, pair.teeth, strict=True)
+    sections = [
+        attempt(partial(critical_section, member.tooth, teeth))
+        for member, teeth in zip(pair.members, pair.teeth, strict=True)
     ]
+
+    def of_section(value: Callable[[CriticalSection], float]) -> Values:
+        return values_of(sections, lambda section: _or_missing(value(section), NO_TANGENT))
+
     return [
-        ("s_Fn", "chord at the tangent", "mm", tuple(section.chord for section in sections)),
+        ("s_Fn", "chord at the tangent", "mm", of_section(lambda section: section.chord)),
         *_meshing_row(
             pair,
             "h_F",
             "lever of a force at the outer point of single contact",
-            lambda both, k: lever(both.teeth[k], both.line, sections[k]),
+            lambda both, k: _lever(both, k, sections[k]),
         ),
-        ("rho_F", "radius of the fillet at the tangent", "mm", tuple(section.fillet_radius for section in sections)),
-        ("d_F", "diameter of the chord's middle", "mm", tuple(2.0 * section.radius for section in sections)),
+        ("rho_F", "radius of the fillet at the tangent", "mm", of_section(lambda section: section.fillet_radius)),
+        ("d_F", "diameter of the chord's middle", "mm", of_section(lambda section: 2.0 * section.radius)),
     ]
+
+
+def _lever(pair: SheetPair, k: int, section: CriticalSection | Missing) -> float | Missing:
+    """Lever of a force on a member over its critical section."""
+    if isinstance(section, Missing):
+        return section
+    return _or_missing(lever(pair.teeth[k], pair.line, section), NO_TANGENT)
+
+
+def _or_missing(value: float, reason: str) -> float | Missing:
+    """A value, missing where it is not a number."""
+    return Missing(reason) if math.isnan(value) else value
 
 
 def _reserves(pair: SheetGears) -> list[Row]:
@@ -609,12 +703,12 @@ def _internal_reserves(pair: SheetPair) -> list[Row]:
 
 def _bodies(pair: SheetGears) -> list[Row]:
     density = DENSITY if pair.design.material.density is None else pair.design.material.density
-    bulks = [member_moments(member) for member in pair.members]
+    bulks = [attempt(partial(member_moments, member)) for member in pair.members]
     return [
         ("rho", "density", "kg/m^3", pair.of_all(lambda _: density)),
-        ("V", "volume", "mm^3", tuple(bulk.volume for bulk in bulks)),
-        ("m", "mass", "kg", tuple(bulk.mass(density) for bulk in bulks)),
-        ("J", "moment of inertia about the axis", "kg mm^2", tuple(bulk.about_axis(density) for bulk in bulks)),
+        ("V", "volume", "mm^3", values_of(bulks, lambda bulk: bulk.volume)),
+        ("m", "mass", "kg", values_of(bulks, lambda bulk: bulk.mass(density))),
+        ("J", "moment of inertia about the axis", "kg mm^2", values_of(bulks, lambda bulk: bulk.about_axis(density))),
     ]
 
 

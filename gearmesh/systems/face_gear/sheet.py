@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
-from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.common.symbol_table import Row, table, tables_of
 from gearmesh.systems.face_gear.build import covered_range, shaped_gear
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.systems.system import Sheet, SheetTable
@@ -20,13 +20,16 @@ if TYPE_CHECKING:
     from gearmesh.systems.face_gear.design import FaceGearDesign
     from gearmesh.teeth.gear_train import GearTrain
 
+#: titles of the tables
+AXODES, LINES = "Axodes [LF04 18.2, 18.4]", "Lines of contact on the shaper [LF04 18.4]"
+
 
 def data_sheet(design: FaceGearDesign, train: GearTrain) -> Sheet:
     """Derived keys, members and axes as of every system, then axodes and lines of contact."""
     given = design.in_mm()
     plain, shaped = plain_sheet(design, train), shaped_gear(given)
-    tables = (*plain.tables, _axodes(given, shaped), _lines(given, shaped))
-    return Sheet(tables, plain.values, plain.replaced)
+    own = tables_of((AXODES, lambda: _axodes(given, shaped)), (LINES, lambda: _lines(given, shaped)))
+    return Sheet((*plain.tables, *own), plain.values, plain.replaced)
 
 
 def _axodes(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
@@ -41,7 +44,7 @@ def _axodes(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
         ("B", "distance of the axis from the pinion's", "mm", (0.0, apart)),
         ("", "pitch point from the apex, along the axis", "mm", (shaped.pitch_distance if meet else None,) * 2),
     ]
-    return table("Axodes [LF04 18.2, 18.4]", ("pinion", "shaper"), rows)
+    return table(AXODES, ("pinion", "shaper"), rows)
 
 
 def half_angles(first: int, second: int, shaft_angle: float) -> tuple[float, float]:
@@ -63,4 +66,4 @@ def _lines(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
         ("kappa", "pressure angle of L_s2, left", "deg", tuple(kappa[1])),
         ("alpha", "pressure angle of L_s1", "deg", (design.pressure_angle,) * len(sections)),
     ]
-    return table("Lines of contact on the shaper [LF04 18.4]", tuple(sections), rows)
+    return table(LINES, tuple(sections), rows)

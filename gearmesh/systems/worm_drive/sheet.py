@@ -11,14 +11,14 @@ import numpy as np
 from gearmesh.contact.fit.fit import fit
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.standards.iso10828 import ThreadForm
-from gearmesh.systems.common.symbol_table import Row, Values, table
+from gearmesh.systems.common.symbol_table import Missing, Row, Values, table, tables_by_title, tables_of
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.systems.worm_drive.build import EQUAL, hob_apart, nominal_thread, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.cutting.feed import generating_length
 from gearmesh.systems.worm_drive.force_tables import MEMBERS, efficiencies, thread_mesh
 from gearmesh.systems.worm_drive.load_parameters import contact_rows
 from gearmesh.systems.worm_drive.thread import WormThread
-from gearmesh.systems.worm_drive.wires import flank_radius, over_balls, wire_rows, wires_at
+from gearmesh.systems.worm_drive.wires import NO_WIRE, flank_radius, over_balls, wire_rows, wires_at
 from gearmesh.teeth.limits import LostFlank, lost_flank
 from gearmesh.teeth.region import Side
 
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 #: columns of tables of the pair
 PAIR = ("",)
+#: titles of tables of the wheel
+HOB, UNDERCUT = "Wheel: the hob", "Wheel: undercut"
 
 
 def data_sheet(design: WormDriveDesign, train: GearTrain) -> Sheet:
@@ -35,17 +37,27 @@ def data_sheet(design: WormDriveDesign, train: GearTrain) -> Sheet:
     own, plain = design.in_mm(), plain_sheet(design, train)
     tip = train.members["wheel"].tooth.blank.tip
     helical = own.wheel.form == "helical"
+    # wires that the design gives and that do not fit are refused
+    wires = wire_rows(own)
     tables = (
         *plain.tables,
-        table("Pair [ISO 10828, DIN 3975]", PAIR, _pair(own)),
-        table("Worm and wheel [ISO 10828, DIN 3975]", MEMBERS, [*_threads(own), *_diameters(own, float(tip.at(0.0)))]),
-        table("Worm: thickness and over wires", MEMBERS[:1], [*_thickness(own), *wire_rows(own)]),
-        *(_dual_lead(own) if own.worm.dual_lead else ()),
-        *(() if helical else (_hob(own, train), _undercut(train))),
-        table("Backlash and friction", PAIR, _backlash(own, train)),
+        *tables_by_title(
+            {
+                "Pair [ISO 10828, DIN 3975]": (PAIR, lambda: _pair(own)),
+                "Worm and wheel [ISO 10828, DIN 3975]": (
+                    MEMBERS,
+                    lambda: [*_threads(own), *_diameters(own, float(tip.at(0.0)))],
+                ),
+                "Worm: thickness and over wires": (MEMBERS[:1], lambda: [*_thickness(own), *wires]),
+            }
+        ),
+        *(tables_of(("Worm: dual lead", lambda: _dual_lead(own))) if own.worm.dual_lead else ()),
+        *(() if helical else tables_of((HOB, lambda: _hob(own, train)), (UNDERCUT, lambda: _undercut(train)))),
+        *tables_by_title({"Backlash and friction": (PAIR, lambda: _backlash(own, train))}),
     )
     if not helical:
-        tables += (table("Contact lines, wheel of a hob of the worm's size", PAIR, contact_rows(own, tip)),)
+        lines = {"Contact lines, wheel of a hob of the worm's size": (PAIR, lambda: contact_rows(own, tip))}
+        tables += tables_by_title(lines)
     return Sheet(tables, plain.values, plain.replaced, plain.warnings)
 
 
@@ -162,7 +174,7 @@ def _dual_lead(design: WormDriveDesign) -> tuple[SheetTable, SheetTable]:
     radii = max(flank_radius(design, thread) for thread in flanks), mean.radius + worm.addendum * m
     over = [over_balls((flanks[0], flanks[1]), wires, mean.axial_pitch - more, radii) for more in grown]
     # what does not stand out of its space cannot be measured over
-    measured = tuple(d if d >= 2.0 * radii[1] else None for d in over)
+    measured = tuple(d if d >= 2.0 * radii[1] else Missing(NO_WIRE) for d in over)
     along: list[Row] = [
         ("z", "position along the axis", "mm", places),
         ("s_mx", "axial thickness of the thread", "mm", tuple(middle + more for more in grown)),
@@ -201,7 +213,7 @@ def _hob(design: WormDriveDesign, train: GearTrain) -> SheetTable:
         ("feed", "feed of the hob", "", (design.hob.feed,)),
         ("l_0", "least length of its threads, or way of its tangential feed", "mm", (generating_length(tooth, hob),)),
     ]
-    return table("Wheel: the hob", MEMBERS[1:], rows)
+    return table(HOB, MEMBERS[1:], rows)
 
 
 def _undercut(train: GearTrain) -> SheetTable:
@@ -217,7 +229,7 @@ def _undercut(train: GearTrain) -> SheetTable:
         ("h_u / h", "greatest lost share of the hob's flank across the wheel", "-", both(lambda own: own.most)),
         ("z_u", "where that is, along the wheel's axis", "mm", both(lambda own: own.at)),
     ]
-    return table("Wheel: undercut", tuple(side.value for side in Side), rows)
+    return table(UNDERCUT, tuple(side.value for side in Side), rows)
 
 
 def _backlash(design: WormDriveDesign, train: GearTrain) -> list[Row]:

@@ -19,12 +19,15 @@ from gearmesh.kernel.envelope.helicoid import half_plane
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.common.symbol_table import Row
+from gearmesh.systems.common.symbol_table import Missing, Row
 from gearmesh.systems.worm_drive.build import worm_thread
 from gearmesh.systems.worm_drive.thread import WormThread
 
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
+
+#: reason of a measure that there is not
+NO_WIRE = "no wire or ball touches both flanks of the space, stands out of it and clears its ground"
 
 
 def flank_radius(design: WormDriveDesign, thread: WormThread) -> float:
@@ -136,7 +139,8 @@ def wire_rows(design: WormDriveDesign) -> list[Row]:
                 else "none, no wire does",
             )
     fits = wires is not None and wires.over >= 2.0 * tip and wires.centre - 0.5 * wires.diameter >= root
-    given = (wires.diameter, wires.over, 2.0 * wires.contact) if wires is not None and fits else (None,) * 3
+    none = Missing(NO_WIRE)
+    given = (wires.diameter, wires.over, 2.0 * wires.contact) if wires is not None and fits else (none,) * 3
     return [
         ("D_M", "diameter of the wires", "mm", (given[0],)),
         ("M_d", "diameter over three wires or two balls", "mm", (given[1],)),

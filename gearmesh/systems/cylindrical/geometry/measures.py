@@ -1,7 +1,7 @@
 """Dimensions by which a tooth's thickness is measured, in closed form [ISO 21771; DIN 3960]: span, balls and pins, chords.
 
 Every one is that of the exact surfaces: span is between parallel planes that touch two flanks, in internal gears along the
-common normal of two flanks, a ball touches both flanks of a
+common normal of two flanks, between rounded anvils, a ball touches both flanks of a
 space, the constant chord joins the feet of the normals from the middle of the tooth at the reference cylinder, the chord at the
 reference cylinder is the shortest between the two flank lines there. Lengths in the unit of the teeth.
 """
@@ -55,6 +55,21 @@ def span_width(teeth: Toothing, count: int) -> float:
     return span(teeth, count) * abs(math.sin(teeth.beta_b))
 
 
+def has_span(teeth: Toothing) -> bool:
+    """True where anvils can touch the flanks of a span: flat ones convex flanks, rounded ones those of a spur internal gear.
+
+    Flanks of an internal gear are hollow. Those of a helical one are touched in points that are apart along the axis too.
+    """
+    return not (teeth.internal and teeth.beta != 0.0)
+
+
+def anvil_radius(teeth: Toothing, count: int) -> float:
+    """Largest radius of rounded anvils for the span of a spur internal gear: that of its hollow flanks where it touches them, or
+    of the ball that touches both flanks of the space there."""
+    radius = span_radius(teeth, count)
+    return min(abs(teeth.roll_length(radius)), 0.5 * best_ball(teeth, radius))
+
+
 def span_teeth(teeth: Toothing, flank: tuple[float, float], face: float) -> int | None:
     """Number of teeth, or spaces, whose span is touched nearest to the V cylinder, on the `flank` (radii) and within the `face`
     width; None where no number is."""
@@ -65,7 +80,9 @@ def span_teeth(teeth: Toothing, flank: tuple[float, float], face: float) -> int 
 
 
 def span_numbers(teeth: Toothing, flank: tuple[float, float], face: float) -> list[int]:
-    """Numbers of teeth, or spaces, whose span is touched on the `flank` (radii) and within the `face` width."""
+    """Numbers of teeth, or spaces, whose span anvils can touch on the `flank` (radii) and within the `face` width."""
+    if not has_span(teeth):
+        return []
     pitch = teeth.base_pitch * math.cos(teeth.beta_b)
     most = int(2.0 * max(flank) / pitch) + 2
     return [
@@ -186,6 +203,17 @@ def over_pins(teeth: Toothing, diameter: float) -> float | None:
     if teeth.beta == 0.0:
         return over_balls(teeth, diameter)
     return None if teeth.internal else 2.0 * ball_radius(teeth, diameter) + diameter
+
+
+def ball_width(teeth: Toothing, diameter: float) -> float:
+    """Distance along the axis between the points in which a ball or pin touches both flanks of a space: D_M sin(beta_b)."""
+    return diameter * abs(math.sin(teeth.beta_b))
+
+
+def pin_width(teeth: Toothing, diameter: float) -> float:
+    """Least face width for pins over external teeth: for odd numbers of helical teeth they slide half an axial pitch apart."""
+    apart = math.pi / (teeth.teeth * abs(teeth.twist)) if teeth.beta != 0.0 and teeth.teeth % 2 else 0.0
+    return apart + ball_width(teeth, diameter)
 
 
 # ---------------------------------------------------------------- thicknesses that are measured

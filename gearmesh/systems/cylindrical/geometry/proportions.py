@@ -14,7 +14,7 @@ from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, root_radius, sharp_shaper
 from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut, LastCut
 from gearmesh.systems.cylindrical.design import PROFILES
-from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
+from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import (
     MEMBERS,
     ToothedGear,
@@ -147,16 +147,19 @@ def _counts_and_is_open(plain: dict[str, object], dotted: str) -> bool:
 
 
 def _rounding(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
-    """The tip rounding of the profile, or what the tool's tooth has room for; of a cutter the largest with which the involute
-    begins before the mating gear's tip, if one does."""
-    gear = toothed_gear(design, name, mesh)
+    """The tip rounding, in modules, of the tool of a member that the design does not give."""
+    other = "gear" if name == "pinion" else "pinion"
+    mating = getattr(mesh, other)
+    return rounding_in_mesh(toothed_gear(design, name, mesh), mesh, mating, tip_radius(getattr(design, other), mating))
+
+
+def rounding_in_mesh(gear: ToothedGear, mesh: InvolutePair, mating: Toothing, tip: float) -> float:
+    """The tip rounding of the profile, in modules, or what the tool's tooth has room for; of a cutter the largest with which the
+    involute begins before the `tip` (radius) of the `mating` gear of the mesh, if one does."""
     most = tool_rounding(gear)
     if gear.spec.hobbed:
         return most
-    other = "gear" if name == "pinion" else "pinion"
-    mating = getattr(mesh, other)
-    tip = mating.roll_length(tip_radius(getattr(design, other), mating))
-    reached, m = mesh.mating_roll_length(tip, mating), gear.own.module
+    reached, m = mesh.mating_roll_length(mating.roll_length(tip), mating), gear.own.module
     cut = FixedCut if gear.spec.formed else LastCut
     return cut(sharp_shaper(gear), gear.own, root_radius(gear)).largest_rounding(reached, most * m) / m
 

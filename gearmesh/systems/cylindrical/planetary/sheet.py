@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
-from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.common.symbol_table import Row, table, tables_of
 from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.planetary.build import meshes
@@ -49,7 +49,7 @@ def planetary_sheet(design: PlanetaryDesign, train: GearTrain) -> Sheet:
         for pair_table in pair_tables(pairs[-1], names):
             tables.append(replace(pair_table, title=f"{names[0].capitalize()} and {names[1]}: {pair_table.title}"))
     warnings = (*pairs[0].fillet_interference((SUN, PLANET)), *pairs[1].fillet_interference((PLANET, RING)))
-    of_set = _set_tables(own, members[PLANET], pairs[0], pairs[1])
+    of_set = tables_of(("Set", lambda: _set_tables(own, members[PLANET], pairs[0], pairs[1])))
     return Sheet((derived, *of_set, *half_tables(own, tuple(members.values())), *tables, *plain), {}, warnings=warnings)
 
 

@@ -17,11 +17,12 @@ import numpy as np
 from gearmesh.design.core import DENSITY
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.plain_sheet import plain_sheet
-from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.common.symbol_table import Missing, Row, column_of, table, tables_by_title, tables_of
 from gearmesh.systems.cylindrical.geometry.allowances import allowances_of
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, least_shift
 from gearmesh.systems.cylindrical.geometry.measures import STANDARD
+from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, tool_rounding
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
@@ -34,6 +35,10 @@ from gearmesh.teeth.region import Region
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
     from gearmesh.systems.cylindrical.rack.design import RackDesign, RackKeys
+
+
+#: what stands for a pin where none can be
+NO_PIN = Missing("no standard pin touches the flanks, stands out of the space and clears its ground")
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,10 @@ class RackSheetPair(SheetPair):
         low, high = (self.rack_mesh.roll_length_at(height) for height in rack_flank(self.rack))
         return RackAction(self.mesh, ((root, tip), (low, high)))
 
+    def fed_rounding(self, k: int, gear: GearProportions) -> float:
+        # that of the tool as it is leaves the flank that the rack's tips need
+        return min(gear.spec.tool_tip_radius, tool_rounding(gear))
+
     def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
         return self.line.fillet_interference(names, [least_shift(self.geometry.gears[0]), None])
 
@@ -93,16 +102,23 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
     stated = own.pinion, None
     sheet = RackSheetPair(pair, geometry.of_pair, (pinion, pinion), geometry.mesh, rack, stated=stated)
     members, measures, *others = (_first_column(of_both) for of_both in member_tables(sheet))
+    of_mesh = tables_by_title(
+        {
+            "Pair": (("",), lambda: _mesh_rows(sheet)),
+            "Contact from A to E": ((PINION, RACK), lambda: _contact_rows(sheet)),
+            "Rack": ((RACK,), lambda: rack_rows(own, geometry.mesh, rack, geometry.root)),
+        }
+    )
     return Sheet(
         (
             derived,
-            table("Pair", ("",), _mesh_rows(sheet)),
-            table("Backlash", *_backlash(own, geometry)),
+            of_mesh[0],
+            *tables_of(("Backlash", lambda: table("Backlash", *_backlash(own, geometry)))),
             _with_clearance(members, geometry.mesh.root_clearance),
             measures,
-            table("Contact from A to E", (PINION, RACK), _contact_rows(sheet)),
+            of_mesh[1],
             *others,
-            table("Rack", (RACK,), rack_rows(own, geometry.mesh, rack, geometry.root)),
+            of_mesh[2],
             plain,
         ),
         {},
@@ -112,7 +128,7 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
 
 def _first_column(of: SheetTable) -> SheetTable:
     """The column of the pinion."""
-    return replace(of, title=f"Pinion: {of.title}", columns=of.columns[:1], rows=tuple(row[:3] for row in of.rows))
+    return replace(column_of(of, 0), title=f"Pinion: {of.title}")
 
 
 def _with_clearance(members: SheetTable, clearance: float) -> SheetTable:
@@ -201,11 +217,11 @@ def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | No
     rack, m = mesh.rack, mesh.pinion.module
     low, high = rack_flank(member)
     pin = pin_diameter(mesh, (low, high))
-    over = None if pin is None else over_pin(mesh, pin)
+    over = NO_PIN if pin is None else over_pin(mesh, pin)
     density = DENSITY if design.material.density is None else design.material.density
     volume = member.plain_volume()
     helix = mesh.pinion.beta
-    values: tuple[tuple[str, str, str, float | int | str | None], ...] = (
+    values: tuple[tuple[str, str, str, float | int | str | Missing | None], ...] = (
         ("z", "teeth", "-", rack.teeth),
         (
             "hand",
@@ -229,7 +245,7 @@ def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | No
         ("s_n", "normal thickness on the reference plane", "mm", mesh.rack_thickness),
         ("s_t", "transverse thickness on the reference plane", "mm", mesh.rack_thickness / math.cos(helix)),
         ("s_an", "normal thickness at the tip", "mm", mesh.rack_land),
-        ("D_M", "pin", "mm", pin),
+        ("D_M", "pin", "mm", NO_PIN if pin is None else pin),
         ("M_r", "from the back over the pin in a space", "mm", over),
         ("rho", "density", "kg/m^3", density),
         ("V", "volume", "mm^3", volume),

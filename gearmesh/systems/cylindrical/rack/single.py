@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.plain_sheet import plain_sheet
-from gearmesh.systems.common.symbol_table import table
+from gearmesh.systems.common.symbol_table import tables_by_title
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
@@ -70,9 +70,9 @@ def sheet(design: SingleRackDesign, train: GearTrain) -> Sheet:
     """The sheet of a design and the rack built of it."""
     own = complete_design(design).in_mm()
     derived, plain, *others = plain_sheet(own, train).tables
-    rows = table("Rack", (RACK,), rack_rows(own, proportions(own), train.members[RACK]))
+    rows = tables_by_title({"Rack": ((RACK,), lambda: rack_rows(own, proportions(own), train.members[RACK]))})
     # there are no axes that could lie to each other
-    return Sheet((derived, rows, plain, *others[1:]), {})
+    return Sheet((derived, *rows, plain, *others[1:]), {})
 
 
 def pinned_values(design: SingleRackDesign, train: GearTrain) -> Values:

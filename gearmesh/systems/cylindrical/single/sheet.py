@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
-from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.common.symbol_table import Row, tables_by_title
 from gearmesh.systems.cylindrical.double_helical import first_halves
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.proportions import GearsProportions
@@ -26,9 +26,9 @@ def single_sheet(design: SingleGearDesign, train: GearTrain) -> Sheet:
     gears = SheetGears(first_halves(own), GearsProportions((proportions(own),)), members)
     # there are no axes that could lie to each other
     derived, plain, _ = plain_sheet(own, train).tables
-    rows = table("Gear", ("",), _toothing_rows(gears.teeth[0]))
+    rows = tables_by_title({"Gear": (("",), lambda: _toothing_rows(gears.teeth[0]))})
     names = tuple(train.members)
-    return Sheet((derived, *half_tables(own, members), rows, *member_tables(gears, names), plain), {})
+    return Sheet((derived, *half_tables(own, members), *rows, *member_tables(gears, names), plain), {})
 
 
 def _toothing_rows(own: Toothing) -> list[Row]:

@@ -13,7 +13,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.common.running import running_rows
-from gearmesh.systems.common.symbol_table import table
+from gearmesh.systems.common.symbol_table import table, tables_of
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank, Proportions
 from gearmesh.systems.spiral_bevel.blank.cone_blank import ConeData, cone_dimensions
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTORS
@@ -40,6 +40,9 @@ from gearmesh.tools.rack import at_height
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
+#: title of the table of hypoid gears
+OFFSET = "Pitch plane with offset [ISO 23509]"
+
 
 def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
     """The sheet of a spiral bevel design and the gear set built of it, lengths in the design's units, angles in deg.
@@ -62,22 +65,27 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
     asked = indexed_backlash(made.cut) if own.indexed else own.backlash
     cut = CutPair(blank, pinion, gear, members, None if own.completing else asked)
     sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in SIDES)
-    tables: tuple[SheetTable, ...] = (
-        SheetTable(
+    narrowest = float(slots[0].min()), float(slots[1].min())
+    tables = tables_of(
+        (
             "Blank",
-            ("pinion", "gear"),
-            (
-                *member_rows(_with_thicknesses(cut), unit, design.units),
-                *slot_rows(slots, unit, design.units),
+            lambda: SheetTable(
+                "Blank",
+                ("pinion", "gear"),
+                (
+                    *member_rows(_with_thicknesses(cut), unit, design.units),
+                    *slot_rows(slots, unit, design.units),
+                ),
             ),
         ),
-        SheetTable("Pair", ("",), pair_rows_of(blank, unit, design.units)),
-        *setting_tables(made_sides, sides, tuple(index.values()), unit, design.units),
-        *dimension_tables(cut, own.hand, (float(slots[0].min()), float(slots[1].min())), unit, design.units),
-        tolerance_table(own.accuracy_grade, blank, ("pinion", "gear")),
+        ("Pair", lambda: SheetTable("Pair", ("",), pair_rows_of(blank, unit, design.units))),
+        ("Settings", lambda: setting_tables(made_sides, sides, tuple(index.values()), unit, design.units)),
+        ("Dimensions", lambda: dimension_tables(cut, own.hand, narrowest, unit, design.units)),
+        ("Tolerances", lambda: [tolerance_table(own.accuracy_grade, blank, ("pinion", "gear"))]),
     )
     if isinstance(own, HypoidDesign):
-        tables = (*tables, _offset_table(own, made.proportions, unit, design.units))
+        offset = tables_of((OFFSET, lambda: _offset_table(own, made.proportions, unit, design.units)))
+        tables = (*tables, *offset)
     nouns = {key: noun for _, noun, key in _SETTINGS}
     values = {
         f"{prefix}.{key}": _value(side, key, 1.0 if nouns[key] else unit)
@@ -136,7 +144,8 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
     indexed = {f"pinion.{name}.index_angle": angle for name, angle in index.items()}
     # a flank of an ease-off stands where that has it; others follow their settings again
     values |= {key: angle for key, angle in indexed.items() if key.split(".")[1] in forms}
-    return Sheet((*tables, *form_tables(own, forms)), values, _replaced_keys(design), following=indexed)
+    of_form = tables_of(("Flank form", lambda: form_tables(own, forms)))
+    return Sheet((*tables, *of_form), values, _replaced_keys(design), following=indexed)
 
 
 def setting_tables(
@@ -164,7 +173,7 @@ def _offset_table(design: HypoidDesign, given: Proportions, unit: float, noun: s
     """What ISO 23509 has of both members of a hypoid design in mm of `given` proportions, with its symbols."""
     rows = pair_rows(cone_dimensions(ConeData.of_hypoid(offset_data(design)), given))
     return SheetTable(
-        "Pitch plane with offset [ISO 23509]",
+        OFFSET,
         ("",),
         tuple(
             (words, noun if kind == "mm" else kind, value / unit if kind == "mm" else value)
