@@ -15,6 +15,7 @@ from gearmesh.answers.tables import Listing, plain, run_time_keys
 from gearmesh.check.members import roll_teeth
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.check.windings import turns
+from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.contact.fit.fit import NOTHING, Fit
 from gearmesh.contact.flanks import smooth_under
 from gearmesh.contact.path import ContactPath
@@ -144,7 +145,7 @@ class Check(Result):
     """Solids of all members with their measured deviation, and the roll test of the pair against the solver.
 
     Of a gear set with several meshes `others` holds what was found of the meshes beside the first, without solids; `mesh` names the
-    members of a mesh.
+    members of a mesh; `turns`: the pair over whole turns where no two tooth pairs are alike, and it is known.
     """
 
     design: Design
@@ -153,6 +154,7 @@ class Check(Result):
     warnings: tuple[str, ...] = ()
     fit: Fit | None = None
     others: tuple[Check, ...] = ()
+    turns: FullTurns | None = None
     mesh: tuple[str, ...] = ()
 
     @property
@@ -199,6 +201,9 @@ class Check(Result):
                 if clearance is not None:
                     apart = clearance.distance
                     compared.append(Verdict(f"fit: tip_clearance_{name}_mm", apart, 0.0, apart >= -NOTHING))
+        if self.turns is not None:
+            play = float(np.degrees(self.turns.backlash.min()))
+            compared.append(Verdict("fit: least turns_backlash_deg", play, 0.0, self.turns.runs_free))
         for other in self.others:
             compared += [replace(verdict, what=f"{'-'.join(other.mesh)}: {verdict.what}") for verdict in other.verdicts]
         return compared

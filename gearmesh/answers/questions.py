@@ -194,6 +194,7 @@ class SolvedGears(GearSet):
                 roll_test(contact.pair, contact.path),
                 contact.warnings,
                 contact.fit,
+                turns=contact.unlike_turns,
                 mesh=tuple(contact.pair.members),
             )
             for contact in contacts.values()

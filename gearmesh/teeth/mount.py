@@ -108,6 +108,28 @@ class Mount:
         """
         return self._turn(phi).vector(np.array([*self.eccentricity, 0.0]))
 
+    def displace(self, phi: float) -> Mount:
+        """The mount of teeth that stay as far off as they are at one rotation, and turn about their own axis there.
+
+        Parameters
+        ----------
+        phi : float
+            Rotation, rad; mm of travel for a rack.
+
+        Returns
+        -------
+        Mount
+            Without eccentricity.
+
+        Examples
+        --------
+        >>> mount = gears.members["pinion"].mount
+        >>> mount.displace(0.5) == mount.concentric
+        True
+        """
+        base = Rigid(self.base.rotation, self.base.translation + self.off(phi))
+        return replace(self, base=base, eccentricity=(0.0, 0.0)) if self.eccentricity != (0.0, 0.0) else self
+
     def shift(self, shift: Array) -> Mount:
         """The mounts of displaced assemblies.
 

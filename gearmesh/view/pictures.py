@@ -206,7 +206,9 @@ def plots(contact: Contact, te_file: Path, path_file: Path, title: str = "") -> 
     from gearmesh.view.diagrams.plots import plot_transmission_error
 
     before, gears, path = f"{title}: " if title else "", contact.pair, contact.path
-    plot_transmission_error(te_file, path, contact.cycle, f"{before}transmission error", gears.output.reading.error)
+    # the cycle of eccentric members is that of members that stay displaced: their path is another
+    cycle = None if gears.eccentric else contact.cycle
+    plot_transmission_error(te_file, path, cycle, f"{before}transmission error", gears.output.reading.error)
     rows = flank_rows(contact) if contact.engagement is not None else []
     driving = _first_side(rows) if rows else [flank_panel(gears, name, path) for name in gears.members]
     plot_flanks(

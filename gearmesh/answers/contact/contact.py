@@ -90,6 +90,8 @@ class Contact(Result):
     fit: Fit | None = None
     neighbours: Array | None = None
     turns: FullTurns | None = None
+    #: the whole engagement of the tooth pair, None where it has not been followed
+    engagement: Engagement | None = None
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -111,11 +113,6 @@ class Contact(Result):
             *(() if self.turns is None else (turns_listing(self.turns),)),
             figures("Summary", self.summary),
         ]
-
-    @property
-    def engagement(self) -> Engagement | None:
-        """The whole engagement that the mesh cycle is of; None where there is no cycle."""
-        return None if self.cycle is None or self.cycle.curve is None else self.cycle.curve.engagement
 
     def ease_off(self) -> EaseOffMap:
         """How far the pinion's flank stays from the gear's, as `Gears.ease_off`.
@@ -183,7 +180,9 @@ class Contact(Result):
     @cached_property
     def sides(self) -> tuple[SideContact, ...]:
         """The contact on both sides of the teeth; a side without contact is left out."""
-        return side_contacts(self.pair, self.path, self.engagement, None if self.fit is None else self.fit.coast)
+        # the fit of eccentric members is of others, that stand
+        known = self.fit is not None and not self.pair.eccentric
+        return side_contacts(self.pair, self.path, self.engagement, self.fit.coast if self.fit and known else None)
 
     def positions(self) -> list[PositionFigures]:
         """The figures of `tca --json` at every position.
@@ -414,7 +413,10 @@ def contact_of(
     fits, whole = fitted_cycle(pair, followed) if cycle and followed is not None else (None, None)
     tell(0.7)
     if following and followed is not None and followed.contacts.touching.any():
-        ends = np.degrees(engagement_range(followed, pair.pitch) if whole is None else whole.engagement)
+        known = whole is not None and not pair.eccentric
+        ends = np.degrees(
+            whole.engagement if whole is not None and known else engagement_range(followed, pair.pitch, whole)
+        )
         design = design.with_values(dict(zip(RANGE, map(float, ends), strict=True)))
     if phi1 is None:
         wanted = design.contact.phi1
@@ -451,7 +453,7 @@ def contact_of(
         (
             *warnings,
             *((UNMET,) if cycle and fits is None else fit_warnings(pair, fits) if fits is not None else ()),
-            *_contact_warnings(pair, path),
+            *_contact_warnings(pair, path, whole),
             *_break_warnings(pair, whole, design.keeps_from_crossing),
         ),
         whole,
@@ -460,12 +462,13 @@ def contact_of(
         fits,
         _neighbours(pair, path, followed, whole),
         all_turns,
+        None if whole is None or whole.curve is None else followed,
     )
 
 
 def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, cycle: Cycle | None) -> Array | None:
     """How far (P,), rad, a neighbouring tooth pair is ahead, where the pair has been followed."""
-    if followed is None:
+    if followed is None or (pair.eccentric and (cycle is None or cycle.curve is None)):
         return None
     advance = TransmissionAdvance(followed) if cycle is None or cycle.curve is None else cycle.curve.of_pair
     return advance.over_neighbours(pair.pitch, path.rotation)
@@ -491,19 +494,24 @@ def _hertz(hertz: PathHertz, i: int) -> HertzFigures:
     return HertzFigures(*(float(value[i]) for value in values))
 
 
-def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
+def _contact_warnings(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> list[str]:
     """Warnings about the figures: a transmission advance at the change of tooth pairs, and teeth that are not all alike."""
     warnings = []
     if pair.eccentric:
         warnings.append(
-            "eccentric members: the transmission error differs from tooth pair to tooth pair; mesh cycle and backlash are for "
-            "the tooth pair at phi1 = 0, figures over whole turns for all tooth pairs"
+            "eccentric members: the transmission error differs from tooth pair to tooth pair; the path is that of the tooth pair "
+            "at phi1 = 0, mesh cycle, backlash and clearances are those of members that stay displaced as at phi1 = 0, figures "
+            "over whole turns (--turns) are for all tooth pairs as they are"
         )
     if pair.uneven:
         warnings.append(
             "pitch deviations: every tooth pair is ahead or behind by its own; path, mesh cycle and backlash are for teeth at "
             "their places, figures over whole turns (--turns) for all tooth pairs as they are"
         )
+    if pair.eccentric:
+        # how the error is curved over a pitch, without what the eccentricities do over a turn
+        known = cycle is not None and cycle.curve is not None
+        path = contact_path(cycle.curve.engagement.pair, path.rotation) if cycle and cycle.curve and known else path
     inside = path.kind == "point"
     if inside.sum() >= 5:
         bend = pair.drive * np.polyfit(path.phi1[inside], path.te[inside], 2)[0]

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.contact.engagement.cycle import Cycle, gears_curve, mesh_cycle
+from gearmesh.contact.engagement.displaced import displaced_gears
 from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.fit.fit import NOTHING, Fit, centre_distance, fit
 from gearmesh.contact.fit.freeing import direction, freeing_shift
@@ -166,6 +167,7 @@ class FitDetails(Figures):
     def of(pair: GearPair, fit: Fit) -> FitDetails:
         """Of a pair's fit."""
         names = [member.name for member in pair.both]
+        pair = displaced_gears(pair)
         return FitDetails(
             fits=fit.fits,
             verdict=verdict(fit),

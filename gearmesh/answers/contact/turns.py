@@ -108,7 +108,7 @@ def turns_listing(turns: FullTurns) -> Listing:
 def turns_warnings(pair: GearPair, turns: FullTurns) -> tuple[str, ...]:
     """Warnings about the pair over whole turns."""
     k = int(turns.backlash.argmin())
-    if not turns.backlash[k] < -ARCSEC:
+    if turns.runs_free:
         return ()
     who, what = ("members with pitch deviations", "these") if pair.uneven else ("eccentric members", "the eccentricity")
     return (

@@ -1,6 +1,7 @@
 """The whole mesh cycle: neighbouring tooth pairs are in contact in turn; the first to touch determines the transmission error.
 
-All tooth pairs are alike: pair k does at phi1 what pair 0 does at phi1 - k pitches. With te(phi1) of one pair over its whole
+All tooth pairs are alike: pair k does at phi1 what pair 0 does at phi1 - k pitches. (Eccentric members stay displaced as at
+phi1 = 0, see `displaced_pair`.) With te(phi1) of one pair over its whole
 engagement, edges included, the transmission error of the gears is the extreme of te(phi1 - k pitch) over k. It is a chain of
 smooth arcs; where they change over, where surface contact begins and ends and where an arc has an extreme are roots.
 """
@@ -13,6 +14,7 @@ import numpy as np
 
 from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.curve import HARMONICS, MeshCurve
+from gearmesh.contact.engagement.displaced import displaced_pair
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric.algebra import Array
@@ -121,14 +123,28 @@ def mesh_cycle(
 
 def gears_curve(pair: Pair, pitch: float, engagement: Engagement | None = None) -> MeshCurve | None:
     """The transmission advance of the gears, from the whole `engagement` of a pair, which is followed where it is not given;
-    None where nothing touches."""
-    followed = whole_engagement(pair, pitch) if engagement is None else engagement
+    None where nothing touches. Eccentric members stay displaced as at phi1 = 0: their tooth pairs are alike."""
+    alike = displaced_pair(pair)
+    followed = whole_engagement(alike, pitch) if engagement is None or alike is not pair else engagement
     return None if followed is None or not followed.contacts.touching.any() else MeshCurve(followed, pitch)
 
 
-def engagement_range(engagement: Engagement, pitch: float) -> tuple[float, float]:
-    """phi1 (rad) between which a pair is ahead of its neighbours or has surface contact."""
-    return _whole(MeshCurve(engagement, pitch))
+def engagement_range(engagement: Engagement, pitch: float, cycle: Cycle | None = None) -> tuple[float, float]:
+    """phi1 (rad) between which a pair is ahead of its neighbours or has surface contact.
+
+    Of eccentric members it begins and ends with the surface contact of this tooth pair. It goes beyond it as far as the range of
+    members that stay displaced as at phi1 = 0 does; `cycle` is theirs, where it is known.
+    """
+    curve = MeshCurve(engagement, pitch)
+    if displaced_pair(engagement.pair) is engagement.pair:
+        return _whole(curve)
+    alike = gears_curve(engagement.pair, pitch) if cycle is None else cycle.curve
+    if alike is None:
+        return _touching(curve)
+    first, last = _whole(alike)
+    own, other = curve.surface, alike.surface
+    moved = own.begin - other.begin, own.end - other.end
+    return (first + moved[0], last + moved[1]) if np.isfinite(moved).all() else (first, last)
 
 
 def _te(engagement: Engagement, contacts: Contacts, phi1: Array) -> Array:

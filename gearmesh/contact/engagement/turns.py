@@ -26,7 +26,7 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import CORNER, Pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.mount import Mount
 
@@ -83,6 +83,11 @@ class FullTurns:
     def peak_to_peak(self) -> float:
         """Total transmission error, rad: the greatest less the least position."""
         return float(np.ptp(self.te))
+
+    @property
+    def runs_free(self) -> bool:
+        """True where the pair jams nowhere, to an arc second."""
+        return not float(self.backlash.min()) < -ARCSEC
 
     @property
     def tooth_to_tooth(self) -> float:

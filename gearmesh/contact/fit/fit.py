@@ -18,6 +18,7 @@ from gearmesh.contact.conditions.lines import trace
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.curve import LEVEL, MeshCurve
+from gearmesh.contact.engagement.displaced import displaced_gears
 from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.engagement.symmetry import ImageCurve, image
@@ -152,7 +153,9 @@ class Fit:
 
 
 def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
-    """How a pair fits; `drive`: the curve of its driving flanks, if it is known. None where nothing touches."""
+    """How a pair fits; `drive`: the curve of its driving flanks, if it is known. None where nothing touches. Eccentric members
+    stay displaced as at phi1 = 0."""
+    pair = displaced_gears(pair)
     both = _both(pair, _mesh_curve(pair) if drive is None else drive)
     return None if both is None else _fit(pair, *both)
 
@@ -160,6 +163,7 @@ def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
 def slack_of(pair: GearPair) -> float | None:
     """`Fit.slack` (mm) of a pair, None where nothing touches; where the nodes of its engagements show interference, the
     value by the nodes."""
+    pair = displaced_gears(pair)
     both = _both(pair, _mesh_curve(pair))
     if both is None:
         return None
