@@ -126,7 +126,7 @@ def test_rounded_anvils_of_an_internal_span_touch_where_they_should() -> None:
 
 
 def test_pins_over_odd_helical_teeth_need_room_to_slide() -> None:
-    """Spaces of 21 teeth are opposite each other where the helix has turned them by half a pitch: 12.2 mm apart here."""
+    """Spaces of 21 teeth are opposite each other where the helix has turned them by half a pitch: 12.1 mm apart here."""
     design = {"kind": "cylindrical", "module": 2, "helix_angle": 15, "gear": {"teeth": 40, "face_width": 30}}
     wide, narrow = (
         gm.build(gm.parse({**design, "pinion": {"teeth": 21, "face_width": width}})).sheet() for width in (14, 12)
