@@ -12,6 +12,7 @@ from gearmesh.answers.contact.fit import FitSummary
 from gearmesh.answers.contact.turns import TurnsSummary
 from gearmesh.answers.contact.zone import ZoneFigures
 from gearmesh.answers.load.figures import LoadedFigures
+from gearmesh.answers.sheet import MissingFigures
 from gearmesh.api.design_schema import DIALECT, JsonSchema
 from gearmesh.figures import MEMBER, UNITS, Figure, Figures
 from gearmesh.systems.system import kinds
@@ -47,6 +48,7 @@ def report_schema() -> JsonSchema:
         "other_meshes": rows("roll tests of further meshes of a gear set", MeshRoll),
         "verdicts": rows("what was compared", Verdict),
         "sheet": by_name("the data sheet: by title and symbol the unit and the values of a row", {"type": "object"}),
+        "sheet_missing": rows("values that the data sheet has not, and why, if there are any", MissingFigures),
         "warnings": {"type": "array", "items": {"type": "string"}, "description": "what to know of gears and figures"},
         "files": {"type": "array", "items": {"type": "string"}, "description": "files in the folder"},
         "frames": by_name("frames of the coordinates in files, by files", {"type": "string"}),
