@@ -20,7 +20,7 @@ from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design, RexsSource
 from gearmesh.design.files import anchor, counted_from, every_key, stated_text
 from gearmesh.errors import ArgumentError, DesignError, FileError
-from gearmesh.exchange.model import OWN, WRITTEN, Component, LoadCase, RexsModel
+from gearmesh.exchange.model import WRITTEN, Component, LoadCase, RexsModel
 from gearmesh.exchange.rexs_file import SUFFIXES, read_rexs, rexs_bytes
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_form import StageForm
@@ -165,22 +165,31 @@ def load_rexs(file: str | os.PathLike[str], stage: str | None = None) -> RexsRea
         for name in tables:
             table = table.setdefault(name, {})
             if not isinstance(table, dict):
-                raise FileError(path, reason=f"{reader.stage}: {key}: {name} is not a table of a design")
+                raise FileError(path, reason=f"{reader.stage.in_full}: {key}: {name} is not a table of a design")
         table[last] = value
     keys = anchor(keys, own.of_keys(keys).design, path.parent)
-    design = complete_design(parse_as_stated(keys))
+    try:
+        design = complete_design(parse_as_stated(keys))
+    except DesignError as refusal:
+        raise reader.name_origin(refusal) from None
     torques = tuple(
         TorqueFigures(str(gear), case, torque)
-        for gear in _gears(reader)
-        for case, torque in reader.torques(gear).items()
+        for one, gear in _gears(reader)
+        for case, torque in one.torques(gear).items()
     )
     unused = tuple(UnusedAttributeFigures(component, attribute) for component, attribute in reader.unused_attributes())
     return RexsReading(design, keys, str(reader.stage), unused, torques, tuple(dict.fromkeys(reader.notes)))
 
 
-def _gears(reader: StageReader) -> Iterator[Component]:
-    if next(reader.model.relations_of("stage", "stage", reader.stage.id), None) is not None:
-        yield from reader.gears()
+def _gears(reader: StageReader) -> Iterator[tuple[StageReader, Component]]:
+    """The gears of a stage, or of the stages that are its parts, each with the stage that is asked for its torque."""
+    seen: set[str] = set()
+    own = [reader.stage] if any(reader.model.relations_of("stage", "stage", reader.stage.id)) else reader.part_stages()
+    for stage in map(reader.of, own):
+        for gear in stage.gears():
+            if gear.id not in seen:
+                seen.add(gear.id)
+                yield stage, gear
 
 
 def _forms() -> Iterator[tuple[System[Any], StageForm]]:
@@ -214,7 +223,7 @@ def _stage(model: RexsModel, path: Path, wanted: str | None) -> tuple[System[Any
     for own, form in _forms():
         if chosen[0].type in form.stages and form.is_of(StageReader(str(path), model, chosen[0])):
             return own, reader
-    raise FileError(path, reason=f"{chosen[0]}: gears of this form are not read")
+    raise FileError(path, reason=f"{chosen[0].in_full}: gears of this form are not read")
 
 
 @dataclass(frozen=True, repr=False)
@@ -303,7 +312,7 @@ def _put_results(writer: StageWriter, stage: Component, loaded: LoadedContact) -
             ("loaded_transmission_error_peak_to_peak", (max(te) - min(te)) / 3600.0, "deg"),
             ("largest_contact_pressure", max(row.peak_pressure for row in rows), "N / mm^2"),
         ):
-            writer.put(own, OWN + name, value, unit)
+            writer.put_custom(own, name, value, unit)
         components = [own]
         for gear, torque in ((first, rows[0].torque), (second, rows[0].gear_torque)):
             if gear is not None:
@@ -312,9 +321,9 @@ def _put_results(writer: StageWriter, stage: Component, loaded: LoadedContact) -
                 )
                 writer.relate("stage_gear_data", {"stage": stage, "gear": gear, "stage_gear_data": data})
                 of_case = Component(data.id, data.type)
-                writer.put(of_case, "torque", torque, "N m")
+                writer.put(of_case, "torque", torque)
                 components.append(of_case)
-        model.load_cases.append(LoadCase(str(number), components))
+        model.load_cases.append(LoadCase(str(number), components, model.spectrum))
 
 
 def _by_torque(rows: list[LoadedPosition]) -> list[list[LoadedPosition]]:

@@ -7,9 +7,13 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from gearmesh.errors import FileError
+from gearmesh.exchange.attributes import ATTRIBUTES
 from gearmesh.exchange.model import Attribute, Component, ComponentReference, LoadCase, Relation, RexsModel, Text
 from gearmesh.files.reading import json_value
-from gearmesh.numerals import is_number, parse_whole_number
+from gearmesh.numerals import is_number, parse_number, parse_whole_number
+
+#: type of arrays of arrays
+ARRAYS = "array_of_integer_arrays"
 
 
 def model_of_json(text: str, path: str) -> RexsModel:
@@ -27,8 +31,9 @@ class _Reader:
         root = self.table(self.table(data, "the file").get("model"), "model")
         spectrum = self.table(root.get("load_spectrum") or {}, "load_spectrum")
         accumulation = self.table(root.get("accumulation") or {}, "accumulation")
+        name = str(spectrum.get("id", ""))
         cases = [
-            LoadCase(self.text(case, "id", "load case"), self.components(case))
+            LoadCase(self.text(case, "id", "load case"), self.components(case), name)
             for case in self.tables(spectrum, "load_cases")
         ]
         return RexsModel(
@@ -38,8 +43,9 @@ class _Reader:
             str(root.get("date", "")),
             [self.relation(one) for one in self.tables(root, "relations")],
             self.components(root),
-            str(spectrum.get("id", "")),
-            cases + ([LoadCase("", self.components(accumulation))] if accumulation else []),
+            name,
+            cases + ([LoadCase("", self.components(accumulation), name)] if accumulation else []),
+            str(root.get("applicationLanguage") or ""),
         )
 
     def table(self, value: Any, where: str) -> Mapping[str, Any]:
@@ -143,7 +149,7 @@ def _component(one: Component) -> dict[str, Any]:
 
 
 def _attribute(one: Attribute) -> dict[str, Any]:
-    type = one.type if one.type and not one.type.startswith("_") else guessed_type(one)
+    type = one.type or guessed_type(one)
     value: Any
     if one.code:
         shape = {} if one.shape is None else {"rows": _id(one.shape[0]), "columns": _id(one.shape[1])}
@@ -158,20 +164,23 @@ def _value(text: Text, type: str) -> Any:
         return [_value(one, type) for one in text]
     if text == "" and not type.startswith(("string", "enum", "file_reference")):
         return None
-    if type.startswith(("integer", "reference_component")):
-        return _id(text)
+    if type.startswith(("integer", "reference_component", ARRAYS)):
+        value = parse_number(text)
+        return int(value) if value is not None and value.is_integer() else text
     if type.startswith("floating_point"):
         return float(text) if is_number(text) else text
     return text.lower() == "true" if type.startswith("boolean") else text
 
 
 def guessed_type(one: Attribute) -> str:
-    """Name of the type of an attribute of an XML file, which does not say it: by its unit, the form of its name and its text."""
+    """Name of the type of an attribute of an XML file, which does not say it: by its name, unit and text."""
+    if one.id in ATTRIBUTES and not one.code:
+        return ATTRIBUTES[one.id].type
     end = "_coded" if one.code else ""
     texts = list(_leaves(one.text))
     if isinstance(one.text, list) or one.code:
         rows = one.shape is not None or (isinstance(one.text, list) and any(isinstance(row, list) for row in one.text))
-        end = (one.type or ("_matrix" if rows else "_array")) + end
+        end = ("_matrix" if rows else "_array") + end
     if one.code.startswith("int"):
         return "integer" + end
     if one.code or (one.unit not in ("none", "") and all(is_number(text) or not text for text in texts)):

@@ -20,7 +20,8 @@ OWN = "custom_gearmesh_"
 class Attribute:
     """A value in a unit; `type`: the name that JSON has for its type, "" if the file does not say.
 
-    `code`: that of encoded numbers, whose `text` is one string; `shape`: rows and columns of a matrix of them.
+    `code`: that of encoded numbers, whose `text` is one string; `shape`: rows and columns of a matrix of them. `old_id`: its name
+    in a file of an earlier version; `moved_from`: the component that has it in that file, if it is another one.
     """
 
     id: str
@@ -29,20 +30,33 @@ class Attribute:
     type: str = ""
     code: str = ""
     shape: tuple[str, str] | None = None
+    old_id: str = ""
+    moved_from: str = ""
+
+    @property
+    def name(self) -> str:
+        """Its name in the file."""
+        return self.old_id or self.id
 
 
 @dataclass
 class Component:
-    """A part, or data of one."""
+    """A part, or data of one; `old_type`: its type in a file of an earlier version."""
 
     id: str
     type: str
     name: str = ""
     attributes: dict[str, Attribute] = field(default_factory=dict)
+    old_type: str = ""
 
     def __str__(self) -> str:
-        """As messages name it."""
-        return f"{self.type} {self.id}"
+        """Type and id, as the file has them."""
+        return f"{self.old_type or self.type} {self.id}"
+
+    @property
+    def in_full(self) -> str:
+        """Type, id and name, for refusals."""
+        return f'{self} "{self.name}"' if self.name else str(self)
 
 
 @dataclass
@@ -70,10 +84,11 @@ class Relation:
 
 @dataclass
 class LoadCase:
-    """Attributes of components under one load; of the id "" those accumulated over all cases."""
+    """Attributes of components under one load; of the id "" those accumulated over all cases. `spectrum`: id of the spectrum."""
 
     id: str
     components: list[Component]
+    spectrum: str = ""
 
 
 @dataclass
@@ -88,6 +103,7 @@ class RexsModel:
     components: list[Component] = field(default_factory=list)
     spectrum: str = ""
     load_cases: list[LoadCase] = field(default_factory=list)
+    language: str = ""
 
     def component(self, id: str | None) -> Component | None:
         """The component that has an id."""

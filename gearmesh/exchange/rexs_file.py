@@ -1,4 +1,4 @@
-"""REXS files: XML (.rexs), JSON (.rexsj), or either of them zipped (.rexsz)."""
+"""REXS files: XML (.rexs, .rexs.xml), JSON (.rexsj, .rexs.json), or either of them zipped (.rexsz, .rexs.zip)."""
 
 from __future__ import annotations
 
@@ -11,25 +11,39 @@ from pathlib import Path
 from gearmesh.errors import FileError
 from gearmesh.exchange.json_form import json_of, model_of_json
 from gearmesh.exchange.model import VERSIONS, RexsModel
+from gearmesh.exchange.versions import bring_up_to_date
 from gearmesh.exchange.xml_form import model_of_xml, xml_of
 from gearmesh.files.reading import MIB, file_bytes, size_text
 
 XML, JSON, ZIP = ".rexs", ".rexsj", ".rexsz"
 SUFFIXES = (XML, JSON, ZIP)
+#: second suffix of a name that ends with two, as gears.rexs.xml
+SECOND = {".xml": XML, ".json": JSON, ".zip": ZIP}
 #: bytes of the largest file, zipped or not
 LARGEST = 32 * MIB
 WANTED = "REXS file"
 
 
 def is_rexs(path: str | os.PathLike[str]) -> bool:
-    """Whether the name of a file says that it is a REXS file."""
-    return Path(path).suffix.lower() in SUFFIXES
+    """True where the name of a file is that of a REXS file."""
+    return bool(form_of(path))
+
+
+def form_of(path: str | os.PathLike[str]) -> str:
+    """Form of a REXS file by its name: XML, JSON or ZIP; "" for other names."""
+    first, second = ["", "", *(suffix.lower() for suffix in Path(path).suffixes)][-2:]
+    if first == XML and second in SECOND:
+        return SECOND[second]
+    return second if second in SUFFIXES else ""
 
 
 def read_rexs(path: str | os.PathLike[str]) -> RexsModel:
-    """The model in a REXS file of the versions 1.0 to 1.7. Raises FileError in one line; memory is bounded by `LARGEST`."""
+    """The model in a REXS file of the versions 1.0 to 1.7, in the form of 1.7.
+
+    Raises FileError in one line; memory is bounded by `LARGEST`.
+    """
     name, content = os.fspath(path), file_bytes(path, LARGEST, WANTED)
-    if Path(path).suffix.lower() == ZIP:
+    if form_of(path) == ZIP:
         content = _unzip(content, name)
     if content.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"{", b"[")):
         try:
@@ -44,6 +58,7 @@ def read_rexs(path: str | os.PathLike[str]) -> RexsModel:
     if len(set(ids)) < len(ids):
         twice = next(id for id in ids if ids.count(id) > 1)
         raise FileError(name, reason=f"two components have the id {twice}")
+    bring_up_to_date(model)
     return model
 
 
@@ -51,7 +66,7 @@ def _unzip(content: bytes, name: str) -> bytes:
     """The one model in a zipped file; what it says of its own size is not relied on."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            inside = [one for one in archive.infolist() if Path(one.filename).suffix.lower() in (XML, JSON)]
+            inside = [one for one in archive.infolist() if form_of(one.filename) in (XML, JSON)]
             if len(inside) != 1:
                 raise FileError(name, reason=f"has {len(inside)} files {XML} or {JSON}; one is wanted")
             with archive.open(inside[0]) as file:
@@ -66,6 +81,8 @@ def _unzip(content: bytes, name: str) -> bytes:
 def rexs_bytes(model: RexsModel, path: str | os.PathLike[str]) -> bytes:
     """The file of a model, of the form that the suffix of `path` says; the same model gives the same bytes."""
     suffix, stem = Path(path).suffix.lower(), Path(path).stem
+    if suffix == JSON and (spectra := len({case.spectrum for case in model.load_cases if case.spectrum})) > 1:
+        raise FileError(path, reason=f"JSON has one load spectrum, the model has {spectra}: write it as {XML} or {ZIP}")
     text = json_of(model) if suffix == JSON else xml_of(model)
     if suffix != ZIP:
         return text.encode()

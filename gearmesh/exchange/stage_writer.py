@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from gearmesh.exchange.attributes import ATTRIBUTES
 from gearmesh.exchange.model import OWN, Attribute, Component, ComponentReference, Relation, RexsModel
-from gearmesh.numerals import parse_whole_number
+from gearmesh.exchange.stage import DENSITY, KG_PER_M3, MATERIAL
+from gearmesh.exchange.versions import free_id
 
 
 @dataclass
@@ -16,10 +18,12 @@ class StageWriter:
     """Puts components, relations and attributes into a model; those that are there are found again by their relations.
 
     `keys` are the leaves of the design that are still to be written; those that an attribute of the format has are taken out.
+    `unsaid`: keys with a value that the attribute of the format does not allow.
     """
 
     model: RexsModel
     keys: dict[str, Any] = field(default_factory=dict)
+    unsaid: set[str] = field(default_factory=set)
 
     def take(self, key: str) -> Any:
         """A key of the design that an attribute says, None if the design has it not."""
@@ -29,13 +33,9 @@ class StageWriter:
 
     def new(self, type: str, name: str = "") -> Component:
         """One more component."""
-        one = Component(self._free([part.id for part in self.model.components]), type, name)
+        one = Component(free_id(part.id for part in self.model.components), type, name)
         self.model.components.append(one)
         return one
-
-    @staticmethod
-    def _free(ids: list[str]) -> str:
-        return str(max((parse_whole_number(id) or 0 for id in ids), default=0) + 1)
 
     def relate(self, type: str, roles: Mapping[str, Component], order: str = "") -> None:
         """A relation, unless there is one of these components."""
@@ -43,7 +43,7 @@ class StageWriter:
             if one.type == type and all(one.in_role(role) == part.id for role, part in roles.items()):
                 return
         references = [ComponentReference(role, part.id, part.type) for role, part in roles.items()]
-        id = self._free([one.id for one in self.model.relations])
+        id = free_id(one.id for one in self.model.relations)
         self.model.relations.append(Relation(id, type, references, order))
 
     def partner(self, type: str, role: str, component: Component, other: str, wanted: str, name: str = "") -> Component:
@@ -95,51 +95,72 @@ class StageWriter:
                 return tool, settings
         tool, settings = shared or self.new(tool_type), self.new(settings_type)
         roles = {"workpiece": flank, "tool": tool, "manufacturing_settings": settings}
-        self.relate("manufacturing_step", roles, order="1")
+        steps = sum(1 for _ in self.model.relations_of("manufacturing_step", "workpiece", flank.id))
+        self.relate("manufacturing_step", roles, order=str(steps + 1))
         return tool, settings
+
+    def put_material(self, gear: Component, name: str) -> None:
+        """The material of a member, to which its gear refers."""
+        material = self.refer(gear, "material", f"{gear.name or name} (material)")
+        for key, id in MATERIAL.items():
+            own = f"{name}.material.{key}"
+            if self.put(material, id, self.keys.get(own, self.keys.get(f"material.{key}"))):
+                self.keys.pop(own, None)
+        density = self.keys.get("material.density")
+        self.put(material, DENSITY, None if density is None else density / KG_PER_M3)
 
     def refer(self, origin: Component, type: str, name: str = "") -> Component:
         """The component of a type to which another one refers."""
         return self.partner("reference", "origin", origin, "referenced", type, name)
 
-    def forget(self, origin: Component, types: tuple[str, ...]) -> None:
-        """Take away all references to components of these types."""
+    def forget(self, origin: Component, types: tuple[str, ...], orphans: bool = True) -> None:
+        """Take away all references to components of these types, with `orphans` the components that nothing else refers to."""
         gone = [
             one
             for one in self.model.relations_of("reference", "origin", origin.id)
             if (to := self.model.component(one.in_role("referenced"))) is not None and to.type in types
         ]
         self.model.relations = [one for one in self.model.relations if all(one is not part for part in gone)]
-        orphans = {one.in_role("referenced") for one in gone}
-        orphans -= {one.in_role("referenced") for one in self.model.relations if one.type == "reference"}
-        self.model.components = [one for one in self.model.components if one.id not in orphans]
+        lost = {one.in_role("referenced") for one in gone} if orphans else set()
+        lost -= {one.in_role("referenced") for one in self.model.relations if one.type == "reference"}
+        self.model.components = [one for one in self.model.components if one.id not in lost]
 
     # values
 
     @staticmethod
-    def put(
-        component: Component, id: str, value: float | int | str | bool | list[float] | None, unit: str = "none"
-    ) -> None:
-        """An attribute; None takes it away."""
-        if value is None:
-            component.attributes.pop(id, None)
-            return
-        if isinstance(value, list):
-            component.attributes[id] = Attribute(id, [repr(float(one)) for one in value], unit, "floating_point_array")
-            return
-        type = {bool: "boolean", int: "integer", str: "string"}.get(value.__class__, "floating_point")
-        text = value if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else repr(value)
-        known = component.attributes.get(id)
-        component.attributes[id] = Attribute(id, text, unit, known.type if known is not None and known.type else type)
+    def put(component: Component, id: str, value: float | int | str | bool | list[float] | None) -> bool:
+        """Write an attribute with the unit and type that the format states.
 
-    def choose(self, component: Component, id: str, value: str) -> None:
-        """An attribute of which the format lists the values."""
-        component.attributes[id] = Attribute(id, value, type="enum")
+        Returns False, without the attribute, where there is no value or the format does not allow it.
+        """
+        form = ATTRIBUTES[id]
+        allowed = value in form.choices if form.choices else not isinstance(value, int | float) or form.holds(value)
+        if value is None or not allowed:
+            component.attributes.pop(id, None)
+            return False
+        component.attributes[id] = Attribute(id, _text(value, form.type), form.unit, form.type)
+        return True
 
     def put_own(self, component: Component) -> None:
-        """All keys that no attribute of the format has said."""
+        """Write all keys that no attribute of the format has said, as attributes of this program."""
         for id in [id for id in component.attributes if id.startswith(OWN)]:
             del component.attributes[id]
         for key, value in self.keys.items():
-            self.put(component, OWN + key.replace(".", "__"), json.dumps(value))
+            self.put_custom(component, key.replace(".", "__"), json.dumps(value))
         self.keys.clear()
+
+    @staticmethod
+    def put_custom(component: Component, name: str, value: float | str, unit: str = "none") -> None:
+        """Write an attribute of this program."""
+        type = "string" if isinstance(value, str) else "floating_point"
+        component.attributes[OWN + name] = Attribute(OWN + name, _text(value, type), unit, type)
+
+
+def _text(value: float | int | str | bool | list[float], type: str) -> str | list[str]:
+    if isinstance(value, list):
+        return [repr(float(one)) for one in value]
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return value
+    return str(int(value)) if type in ("integer", "reference_component") else repr(float(value))

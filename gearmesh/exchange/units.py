@@ -1,28 +1,38 @@
-"""Units of REXS attributes: mm, deg, N/mm^2, Nm and plain numbers are what designs have."""
+"""Units of REXS attributes [REXS 1.0 to 1.7]: what a value in a unit of a file is in the unit that the format states."""
 
 from __future__ import annotations
 
 import math
+import re
 
-#: unit in a file -> the unit in which designs have it, and how many of it it is
-_UNITS: dict[str, tuple[str, float]] = {
-    "mm": ("mm", 1.0),
-    "mum": ("mm", 1e-3),
-    "m": ("mm", 1e3),
-    "deg": ("deg", 1.0),
-    "rad": ("deg", 180.0 / math.pi),
-    "N / mm^2": ("N / mm^2", 1.0),
-    "MPa": ("N / mm^2", 1.0),
-    "N m": ("N m", 1.0),
-    "kN m": ("N m", 1e3),
-    "1 / min": ("1 / min", 1.0),
-    "none": ("none", 1.0),
-    "": ("none", 1.0),
-    "%": ("none", 1e-2),
+#: unit of the format -> units of a file that measure the same, and how many of the former they are
+_SAME: dict[str, dict[str, float]] = {
+    "mm": {"mm": 1.0, "mum": 1e-3, "um": 1e-3, "µm": 1e-3, "μm": 1e-3, "m": 1e3},
+    "deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / math.pi},
+    "N / mm^2": {"N / mm^2": 1.0, "MPa": 1.0, "Pa": 1e-6},
+    "N m": {"N m": 1.0, "N mm": 1e-3, "kN m": 1e3},
+    "kg / dm^3": {"kg / dm^3": 1.0, "g / cm^3": 1.0, "kg / m^3": 1e-3},
+    "none": {"none": 1.0, "": 1.0, "-": 1.0, "%": 1e-2},
 }
+_SAME["mum"] = {unit: 1e3 * size for unit, size in _SAME["mm"].items()}
+#: units of these that the format lists; the others are read, too
+LISTED = ("mm", "mum", "deg", "°", "rad", "N / mm^2", "MPa", "Pa", "N m", "kg / dm^3", "none", "%")
+#: unit that versions up to 1.3 state for angles, and its name since
+OLD_UNITS = {"°": "deg"}
+
+
+def _plain(unit: str) -> str:
+    return re.sub(r"\s+", "", unit)
+
+
+_FACTORS = {wanted: {_plain(unit): size for unit, size in same.items()} for wanted, same in _SAME.items()}
 
 
 def factor(unit: str, wanted: str) -> float | None:
-    """What a value in a `unit` of a file is multiplied by to be in the `wanted` one; None if it is of something else."""
-    base, scale = _UNITS.get(unit, ("", 1.0))
-    return scale if base == wanted else None
+    """The factor from a `unit` of a file to the `wanted` unit of the format; None if they measure different quantities."""
+    return _FACTORS.get(wanted, {wanted: 1.0}).get(_plain(unit))
+
+
+def units_in_words(wanted: str) -> str:
+    """Units of the format that are read where it states the `wanted` one."""
+    return ", ".join(unit for unit in _SAME.get(wanted, {wanted: 1.0}) if unit in LISTED or unit == wanted)

@@ -6,11 +6,9 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 
 from gearmesh.errors import FileError
+from gearmesh.exchange.json_form import ARRAYS
 from gearmesh.exchange.model import Attribute, Component, ComponentReference, LoadCase, Relation, RexsModel, Text
 from gearmesh.files.xml_tree import xml_root
-
-#: how the type of arrays of arrays ends
-ARRAYS = "_arrays"
 
 
 def model_of_xml(content: bytes, path: str) -> RexsModel:
@@ -23,7 +21,7 @@ def model_of_xml(content: bytes, path: str) -> RexsModel:
         raise FileError(path, reason=str(failure)) from None
     if root.tag != "model":
         raise FileError(path, reason=f"not a REXS file: its root is <{root.tag}>, not <model>")
-    spectrum = root.find("load_spectrum")
+    spectra = root.findall("load_spectrum")
     return RexsModel(
         _required_name(root, "version", path),
         root.get("applicationId", ""),
@@ -31,8 +29,9 @@ def model_of_xml(content: bytes, path: str) -> RexsModel:
         root.get("date", ""),
         [_relation(one, path) for one in root.iterfind("relations/relation")],
         [_component(one, path) for one in root.iterfind("components/component")],
-        "" if spectrum is None else spectrum.get("id", ""),
-        [] if spectrum is None else list(_load_cases(spectrum, path)),
+        spectra[0].get("id", "") if spectra else "",
+        [case for spectrum in spectra for case in _load_cases(spectrum, path)],
+        root.get("applicationLanguage", ""),
     )
 
 
@@ -40,7 +39,8 @@ def _load_cases(spectrum: ET.Element, path: str) -> Iterator[LoadCase]:
     for tag in ("load_case", "accumulation"):
         for case in spectrum.iterfind(tag):
             id = _required_name(case, "id", path) if tag == "load_case" else ""
-            yield LoadCase(id, [_component(one, path) for one in case.iterfind("component")])
+            components = [_component(one, path) for one in case.iterfind("component")]
+            yield LoadCase(id, components, spectrum.get("id", ""))
 
 
 def _required_name(element: ET.Element, name: str, path: str) -> str:
@@ -99,6 +99,7 @@ def xml_of(model: RexsModel) -> str:
             "applicationId": model.application,
             "applicationVersion": model.application_version,
             "date": model.date,
+            **({"applicationLanguage": model.language} if model.language else {}),
         },
     )
     relations = ET.SubElement(root, "relations")
@@ -110,9 +111,11 @@ def xml_of(model: RexsModel) -> str:
     components = ET.SubElement(root, "components")
     for component in model.components:
         _put(components, component)
-    if model.load_cases or model.spectrum:
-        spectrum = ET.SubElement(root, "load_spectrum", {"id": model.spectrum or "1"})
+    for id in dict.fromkeys(case.spectrum or model.spectrum or "1" for case in model.load_cases):
+        spectrum = ET.SubElement(root, "load_spectrum", {"id": id})
         for case in model.load_cases:
+            if (case.spectrum or model.spectrum or "1") != id:
+                continue
             inside = ET.SubElement(spectrum, *(("load_case", {"id": case.id}) if case.id else ("accumulation",)))
             for component in case.components:
                 _put(inside, component)
@@ -138,7 +141,7 @@ def _put_value(parent: ET.Element, one: Attribute) -> None:
     elif not any(isinstance(row, list) for row in one.text):
         _put_row(ET.SubElement(parent, "array"), one.text)
     else:
-        outside, inside = ("array_of_arrays", "array") if one.type.endswith(ARRAYS) else ("matrix", "r")
+        outside, inside = ("array_of_arrays", "array") if one.type == ARRAYS else ("matrix", "r")
         whole = ET.SubElement(parent, outside)
         for row in one.text:
             _put_row(ET.SubElement(whole, inside), row)

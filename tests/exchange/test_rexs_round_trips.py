@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from exchange.rexs_validation import faults
 
 import gearmesh as gm
 from gearmesh.errors import DesignError
@@ -140,7 +141,10 @@ def same_roots(one: gm.Gears, other: gm.Gears) -> None:
 
 def there_and_back(gears: gm.Gears, folder: Path, suffix: str = ".rexs") -> gm.Gears:
     file = folder / f"gears{suffix}"
-    gears.rexs(folder).save(file)
+    export = gears.rexs(folder)
+    export.save(file)
+    for form in (".rexs", ".rexsj"):
+        assert faults(export.save(folder / f"valid{form}")) == []
     reading = gm.load_rexs(file)
     reading.save(folder / "again.toml")
     return gm.build(gm.load(folder / "again.toml"))

@@ -21,9 +21,12 @@ STAGE, WORM, WHEEL = "worm_stage", "worm_gear", "worm_wheel"
 FLANK, SETTINGS = "worm_gear_flank", "worm_gear_manufacturing_settings"
 DISK, HOB = "worm_grinding_disc_tool", "worm_wheel_hob_tool"
 MEMBERS = ("worm", "wheel")
+#: digits after the point of heights in modules that diameters of a file give
+DIGITS = 12
 #: keys of module and diameter, and all that other attributes give
 SIZES = ("module", "diametral_pitch", "module_section", "worm.reference_diameter", "worm.quotient", "worm.lead_angle")
 GIVEN = (*SIZES, "kind", "units", "pressure_angle", "worm.form", "worm.right_hand")
+WHEEL_SHIFT = "addendum_modification_coefficient_worm_wheel"
 DIAMETER, TIP, ROOT = "reference_diameter_worm_gear", "tip_diameter_worm_gear", "root_diameter_worm_gear"
 
 
@@ -31,14 +34,17 @@ def read_worm_drive(file: StageReader) -> dict[str, Any]:
     """Keys of the design of a stage."""
     stage, own = file.stage, file.own_keys(file.stage)
     worm, wheel = sorted(file.gears(), key=lambda one: one.type != WORM)
-    lead = file.number(worm, "lead_angle_worm_gear", "deg")
-    diameter, axial = file.number(worm, DIAMETER, "mm"), file.number(worm, "axial_module", "mm")
-    normal = file.number(worm, "normal_module", "mm")
-    form = file.text(worm, "flank_form")
+    lead = file.number(worm, "lead_angle_worm_gear", "worm.lead_angle", zero=True)
+    diameter = file.number(worm, DIAMETER, "worm.reference_diameter")
+    axial, normal = file.number(worm, "axial_module", "module"), file.number(worm, "normal_module", "module")
+    form = file.text(worm, "flank_form", "worm.form")
     if axial is None and normal is None:
-        raise file.refusal(worm, "axial_module", "missing")
+        raise file.refusal(worm, "axial_module", "missing, and so is normal_module")
     by_axial = axial is not None and own.get("module_section") != "normal"
     module = axial if axial is not None else (normal or 0.0) / math.cos(math.radians(abs(lead or 0.0)))
+    quotient = file.number(worm, "form_factor_worm_gear", "worm.quotient")
+    if diameter is None and quotient is not None:
+        diameter = quotient * module
     keys: dict[str, Any] = {
         "kind": "worm_drive",
         "units": "mm",
@@ -46,51 +52,81 @@ def read_worm_drive(file: StageReader) -> dict[str, Any]:
         **own,
         "module": axial if by_axial else normal,
         "module_section": "axial" if by_axial else "normal",
-        "pressure_angle": file.number(worm, "pressure_angle_worm_gear", "deg"),
-        "center_distance": file.number(stage, "center_distance", "mm"),
-        "worm.threads": file.count(worm, "number_of_teeth"),
+        "pressure_angle": _either(file, (worm, wheel), "pressure_angle_worm_gear", "pressure_angle"),
+        "center_distance": file.size(stage, "center_distance", "center_distance"),
+        "worm.threads": file.required_count(worm, "number_of_teeth", "worm.threads"),
         "worm.form": None if form is None else form.upper(),
-        "worm.length": file.number(worm, "length_worm_gear", "mm"),
+        "worm.length": file.number(worm, "length_worm_gear", "worm.length"),
         "worm.reference_diameter": diameter,
         "worm.lead_angle": abs(lead) if lead and diameter is None else None,
-        "wheel.teeth": file.count(wheel, "number_of_teeth"),
-        "wheel.face_width": file.number(wheel, "face_width_worm_wheel", "mm"),
-        "wheel.profile_shift": file.number(wheel, "addendum_modification_coefficient_worm_wheel"),
-        "wheel.throat_radius": file.number(wheel, "throat_radius_worm_wheel", "mm"),
-        "wheel.outside_diameter": file.number(wheel, "outer_diameter_worm_wheel", "mm"),
+        "wheel.teeth": file.required_count(wheel, "number_of_teeth", "wheel.teeth"),
+        "wheel.face_width": _width(file, wheel),
+        "wheel.profile_shift": file.number(wheel, WHEEL_SHIFT, "wheel.profile_shift"),
+        "wheel.throat_radius": file.number(wheel, "throat_radius_worm_wheel", "wheel.throat_radius"),
+        "wheel.outside_diameter": file.number(wheel, "outer_diameter_worm_wheel", "wheel.outside_diameter"),
     }
-    if lead:
-        keys["worm.right_hand"] = lead > 0.0
+    left = lead is not None and lead < 0.0
+    if lead or file.is_negative(worm, "number_of_teeth"):
+        keys["worm.right_hand"] = not (left or file.is_negative(worm, "number_of_teeth"))
+    if diameter is not None:
+        tip, root = file.number(worm, TIP, "worm.addendum"), file.number(worm, ROOT, "worm.dedendum")
+        keys["worm.addendum"] = None if tip is None else round(0.5 * (tip - diameter) / module, DIGITS)
+        keys["worm.dedendum"] = None if root is None else round(0.5 * (diameter - root) / module, DIGITS)
+    _read_tools(file, worm, wheel, module, keys)
+    _read_wheel_heights(file, wheel, module, keys)
     if keys["center_distance"] is not None:
         # the one follows from the other
         keys["wheel.profile_shift"] = None
-    if diameter is not None:
-        tip, root = file.number(worm, TIP, "mm"), file.number(worm, ROOT, "mm")
-        keys["worm.addendum"] = None if tip is None else (tip - diameter) / (2.0 * module)
-        keys["worm.dedendum"] = None if root is None else (diameter - root) / (2.0 * module)
-    _read_tools(file, worm, wheel, module, keys)
-    for name, one in zip(MEMBERS, (worm, wheel), strict=True):
-        for material in file.references(one, "material"):
-            keys[f"{name}.material.youngs_modulus"] = file.number(material, "elastic_modulus", "N / mm^2")
-            keys[f"{name}.material.poisson_ratio"] = file.number(material, "poisson_ratio")
+    keys |= file.materials(dict(zip(MEMBERS, (worm, wheel), strict=True)))
     return {key: value for key, value in keys.items() if value is not None}
 
 
+def _either(file: StageReader, gears: tuple[Component, Component], id: str, key: str) -> float | None:
+    """A figure that both gears of a stage have, of the first one that has it."""
+    values = [file.number(one, id, key) for one in gears]
+    return next((value for value in values if value is not None), None)
+
+
+def _width(file: StageReader, wheel: Component) -> float | None:
+    """Face width of the wheel, else the effective one, else that of its rim."""
+    for id in ("face_width_worm_wheel", "effective_face_width_worm_wheel", "rim_width_worm_wheel"):
+        if (width := file.number(wheel, id, "wheel.face_width")) is not None:
+            if not id.startswith("face_width"):
+                file.notes.append(f"{wheel}: no face_width_worm_wheel in the file: {id} is taken")
+            return width
+    return None
+
+
+def _read_wheel_heights(file: StageReader, wheel: Component, module: float, keys: dict[str, Any]) -> None:
+    """Addendum of the wheel and of its hob, from the diameters of the wheel in the middle plane."""
+    reference = module * keys["wheel.teeth"]
+    shift, distance, worm = keys["wheel.profile_shift"], keys["center_distance"], keys["worm.reference_diameter"]
+    if shift is None and distance is not None and worm is not None:
+        shift = (distance - 0.5 * (worm + reference)) / module
+    if shift is None or "wheel.addendum" in keys:
+        return
+    file.number(wheel, DIAMETER)
+    tip, root = file.number(wheel, TIP, "wheel.addendum"), file.number(wheel, ROOT, "hob.addendum")
+    if tip is not None:
+        keys["wheel.addendum"] = round(0.5 * (tip - reference) / module - shift, DIGITS)
+    if root is not None and keys.get("hob.addendum") is None:
+        keys["hob.addendum"] = round(0.5 * (reference - root) / module + shift, DIGITS)
+
+
 def _read_tools(file: StageReader, worm: Component, wheel: Component, module: float, keys: dict[str, Any]) -> None:
-    for gear in (worm, wheel):
-        for flank in file.flanks(gear).values():
-            for tool, _ in file.steps(flank):
-                if tool.type == DISK:
-                    attributes = {"disk_diameter": "grinding_disk_diameter", "profile_radius": "profile_radius_zc_disc"}
-                    for key, attribute in attributes.items():
-                        if (keys["worm.form"] or "ZI") in FORMS_OF[key]:
-                            keys[f"worm.{key}"] = file.number(tool, attribute, "mm")
-                if tool.type == HOB:
-                    height = file.number(tool, "tooth_addendum_worm_wheel_hob", "mm")
-                    tip = file.number(tool, TIP, "mm")
-                    keys["hob.threads"] = file.count(tool, "number_of_teeth")
-                    keys["hob.addendum"] = None if height is None else height / module
-                    keys["hob.reference_diameter"] = None if height is None or tip is None else tip - 2.0 * height
+    tools = [tool for gear in (worm, wheel) for flank in file.flanks(gear).values() for tool, _ in file.steps(flank)]
+    for tool in tools:
+        if tool.type == DISK:
+            attributes = {"disk_diameter": "grinding_disk_diameter", "profile_radius": "profile_radius_zc_disc"}
+            for key, attribute in attributes.items():
+                if (keys["worm.form"] or "ZI") in FORMS_OF[key]:
+                    keys[f"worm.{key}"] = file.number(tool, attribute, f"worm.{key}")
+        if tool.type == HOB:
+            height = file.number(tool, "tooth_addendum_worm_wheel_hob", "hob.addendum")
+            tip = file.number(tool, TIP, "hob.reference_diameter")
+            keys["hob.threads"] = file.count(tool, "number_of_teeth", "hob.threads")
+            keys["hob.addendum"] = None if height is None else height / module
+            keys["hob.reference_diameter"] = None if height is None or tip is None else tip - 2.0 * height
 
 
 def write_worm_drive(file: StageWriter, design: WormDriveDesign, known: Component | None) -> Component:
@@ -100,39 +136,32 @@ def write_worm_drive(file: StageWriter, design: WormDriveDesign, known: Componen
     module, spec = design.axial_module, design.worm
     diameter, form = design.reference_diameter, str(spec.form).lower()
     sense = 1.0 if spec.right_hand else -1.0
-    file.put(stage, "center_distance", file.take("center_distance"), "mm")
+    file.put(stage, "center_distance", file.take("center_distance"))
     file.put(stage, "gear_ratio", design.wheel.teeth / spec.threads)
     for one in (worm, wheel):
-        file.choose(one, "flank_form", form)
-        file.put(one, "axial_module", module, "mm")
-        file.put(one, "normal_module", design.normal_module, "mm")
-        file.put(one, "pressure_angle_worm_gear", design.pressure_angle, "deg")
+        file.put(one, "flank_form", form)
+        file.put(one, "axial_module", module)
+        file.put(one, "normal_module", design.normal_module)
+        file.put(one, "pressure_angle_worm_gear", design.pressure_angle)
     file.put(worm, "number_of_teeth", file.take("worm.threads"))
-    file.put(worm, DIAMETER, diameter, "mm")
+    file.put(worm, DIAMETER, diameter)
     file.put(worm, "form_factor_worm_gear", diameter / module)
-    file.put(worm, "lead_angle_worm_gear", sense * math.degrees(design.lead_angle), "deg")
-    file.put(worm, "lead", sense * math.pi * module * spec.threads, "mm")
-    file.put(worm, "length_worm_gear", file.take("worm.length"), "mm")
-    file.put(worm, TIP, diameter + 2.0 * module * file.take("worm.addendum"), "mm")
-    file.put(worm, ROOT, diameter - 2.0 * module * file.take("worm.dedendum"), "mm")
+    file.put(worm, "lead_angle_worm_gear", sense * math.degrees(design.lead_angle))
+    file.put(worm, "lead", math.pi * module * spec.threads)
+    file.put(worm, "length_worm_gear", file.take("worm.length"))
+    file.put(worm, TIP, diameter + 2.0 * module * file.take("worm.addendum"))
+    file.put(worm, ROOT, diameter - 2.0 * module * file.take("worm.dedendum"))
     reference = design.wheel_reference_diameter
     file.put(wheel, "number_of_teeth", file.take("wheel.teeth"))
-    file.put(wheel, DIAMETER, reference, "mm")
-    file.put(wheel, "face_width_worm_wheel", file.take("wheel.face_width"), "mm")
-    file.put(wheel, "addendum_modification_coefficient_worm_wheel", file.take("wheel.profile_shift"))
-    file.put(wheel, "throat_radius_worm_wheel", file.take("wheel.throat_radius"), "mm")
-    file.put(wheel, "outer_diameter_worm_wheel", file.take("wheel.outside_diameter"), "mm")
-    file.put(wheel, TIP, reference + 2.0 * module * (design.wheel.profile_shift + design.wheel.addendum), "mm")
+    file.put(wheel, DIAMETER, reference)
+    file.put(wheel, "face_width_worm_wheel", file.take("wheel.face_width"))
+    file.put(wheel, WHEEL_SHIFT, file.take("wheel.profile_shift"))
+    file.put(wheel, "throat_radius_worm_wheel", file.take("wheel.throat_radius"))
+    file.put(wheel, "outer_diameter_worm_wheel", file.take("wheel.outside_diameter"))
+    file.put(wheel, TIP, reference + 2.0 * module * (design.wheel.profile_shift + design.wheel.addendum))
     _write_tools(file, design, worm, wheel, form)
     for name, one in zip(MEMBERS, (worm, wheel), strict=True):
-        material = file.refer(one, "material", f"{name} (material)")
-        for key, attribute, unit in (
-            ("youngs_modulus", "elastic_modulus", "N / mm^2"),
-            ("poisson_ratio", "poisson_ratio", "none"),
-        ):
-            file.put(
-                material, attribute, file.keys.get(f"{name}.material.{key}", file.keys.get(f"material.{key}")), unit
-            )
+        file.put_material(one, name)
     for key in GIVEN:
         file.take(key)
     if design.module_section == "normal":
@@ -150,9 +179,9 @@ def _write_tools(file: StageWriter, design: WormDriveDesign, worm: Component, wh
     if ground:
         for flank in file.flanks(worm, FLANK).values():
             shared, _ = file.step(flank, DISK, SETTINGS, shared)
-            file.choose(shared, "flank_form", form)
-            file.put(shared, "grinding_disk_diameter", ground["disk_diameter"], "mm")
-            file.put(shared, "profile_radius_zc_disc", ground["profile_radius"] if form == "zc" else None, "mm")
+            file.put(shared, "flank_form", form)
+            file.put(shared, "grinding_disk_diameter", ground["disk_diameter"])
+            file.put(shared, "profile_radius_zc_disc", ground["profile_radius"] if form == "zc" else None)
         if form == "zk":
             file.keys["worm.profile_radius"] = ground["profile_radius"]
     if design.wheel.form == "helical":
@@ -163,8 +192,8 @@ def _write_tools(file: StageWriter, design: WormDriveDesign, worm: Component, wh
         shared, _ = file.step(flank, HOB, SETTINGS, shared)
         file.put(shared, "number_of_teeth", hob["threads"])
         height, across = hob["addendum"] * module, hob["reference_diameter"]
-        file.put(shared, "tooth_addendum_worm_wheel_hob", height, "mm")
-        file.put(shared, TIP, None if across is None else across + 2.0 * height, "mm")
+        file.put(shared, "tooth_addendum_worm_wheel_hob", height)
+        file.put(shared, TIP, None if across is None else across + 2.0 * height)
 
 
 WORM_DRIVE = StageForm((STAGE,), read_worm_drive, write_worm_drive)

@@ -99,12 +99,12 @@ def _read(
     for one in file.references(flank, change.type):
         values: dict[str, Any] = {}
         for key, attribute in change.keys.items():
-            values[f".{key}" if key else ""] = file.number(one, attribute, "mm")
+            values[f".{key}" if key else ""] = file.number(one, attribute)
         if ".start_diameter" in values and values[".start_diameter"] is None:
-            length = file.number(one, f"{change.type}_datum_length", "mm")
+            length = file.number(one, f"{change.type}_datum_length")
             values[".start_diameter"] = None if length is None else start_of(change.type, length)
         amount = next(iter(values.values()))
-        others = [file.number(one, id, "mm") for id in change.equal]
+        others = [file.number(one, id) for id in change.equal]
         shape = file.text(one, change.shape) if change.shape else None
         whole = None not in values.values() and all(other is None or math.isclose(other, amount) for other in others)
         allowed = (change.only,) if change.only else SHAPES
@@ -132,9 +132,9 @@ def write_changes(file: StageWriter, name: str, flanks: Mapping[str, Component])
             for key, attribute in change.keys.items():
                 value = file.take(wanted[key])
                 for id in (attribute, *(change.equal if key in ("", "amount") else ())):
-                    file.put(one, id, value, "mm")
+                    file.put(one, id, value)
             if change.shape:
-                file.choose(one, change.shape, file.take(f"{stem}.shape") or change.only or SHAPES[0])
+                file.put(one, change.shape, file.take(f"{stem}.shape") or change.only or SHAPES[0])
             for side in sides:
                 if side in flanks:
                     file.relate("reference", {"origin": flanks[side], "referenced": one})

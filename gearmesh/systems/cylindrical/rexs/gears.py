@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_writer import StageWriter
+from gearmesh.systems.common.standards import din3967, iso286
 from gearmesh.systems.cylindrical.rexs.flank_changes import read_changes, write_changes
 
 if TYPE_CHECKING:
@@ -16,66 +17,110 @@ if TYPE_CHECKING:
 EXTERNAL, INTERNAL = "cylindrical_gear", "ring_gear"
 FLANK, SETTINGS = "cylindrical_gear_flank", "cylindrical_gear_manufacturing_settings"
 HOB, CUTTER = "rack_shaped_tool", "cutter_wheel_tool"
+SERIES = "tooth_thickness_deviation_tolerance_series_din_3967_1978"
+#: tip rounding of a tool, in modules and in mm
+TIP_RADIUS = "tip_radius_factor", "tip_radius"
 #: figures of two gears or flanks that are the same but for rounding
 SAME = 1e-9
+#: digits after the point of differences of two diameters, mm
+DIGITS = 9
 
 
 class GearReader:
-    """A gear as the file has it."""
+    """The gear of a file that is the member `name` of a design."""
 
-    def __init__(self, file: StageReader, gear: Component) -> None:
-        self.file, self.gear = file, gear
-        teeth = file.required_number(gear, "number_of_teeth")
-        if teeth != int(teeth) or not teeth:
-            raise file.refusal(gear, "number_of_teeth", "not a whole number above zero", teeth)
-        self.teeth = abs(int(teeth))
-        self.internal = gear.type == INTERNAL or teeth < 0
+    def __init__(self, file: StageReader, gear: Component, name: str) -> None:
+        self.file, self.gear, self.name = file, gear, name
+        self.teeth = file.required_count(gear, "number_of_teeth", f"{name}.teeth")
+        self.internal = gear.type == INTERNAL or file.is_negative(gear, "number_of_teeth")
         self.flanks = file.flanks(gear)
-        self.beta = file.number(gear, "helix_angle_reference_diameter", "deg") or 0.0
+        self.alpha, self.transverse = self._pressure_angles()
+        self.beta = self._helix_angle()
+        #: -1 for a ring whose profile shift the file counts away from its axis
+        self.shift_sense = 1
+
+    def _pressure_angles(self) -> tuple[float | None, float | None]:
+        """Normal and transverse pressure angle, deg, as the flanks have them."""
+        return tuple(  # type: ignore[return-value]
+            self.flank_figure((id, 1.0)) for id in ("normal_pressure_angle", "pressure_angle_in_the_transverse_section")
+        )
+
+    def _helix_angle(self) -> float:
+        """Helix angle at the reference diameter, deg."""
+        beta = self.file.number(self.gear, "helix_angle_reference_diameter", "helix_angle", zero=True)
+        base = self.file.number(self.gear, "helix_angle_base_circle", zero=True)
+        if beta is None and base and self.alpha is not None:
+            return math.degrees(math.asin(math.sin(math.radians(base)) / math.cos(math.radians(self.alpha))))
+        return beta or 0.0
+
+    def pressure_angle(self) -> float | None:
+        """Normal pressure angle, deg."""
+        if self.alpha is None and self.transverse is not None:
+            tangent = math.tan(math.radians(self.transverse)) * math.cos(math.radians(self.beta))
+            return math.degrees(math.atan(tangent))
+        return self.alpha
 
     def module(self) -> float:
         """Normal module, mm."""
-        normal = self.file.number(self.gear, "normal_module", "mm")
-        transverse = self.file.number(self.gear, "transverse_module", "mm")
-        if normal is None and transverse is not None:
-            return transverse * math.cos(math.radians(self.beta))
-        return self.file.required_number(self.gear, "normal_module", "mm") if normal is None else normal
+        number, gear, beta = self.file.number, self.gear, math.radians(self.beta)
+        normal, transverse = number(gear, "normal_module", "module"), number(gear, "transverse_module")
+        pitch, axial = number(gear, "normal_circular_pitch"), number(gear, "axial_module")
+        if normal is not None:
+            return normal
+        if transverse is not None:
+            return transverse * math.cos(beta)
+        if pitch is not None:
+            return pitch / math.pi
+        if axial is not None and beta:
+            return axial * abs(math.sin(beta))
+        return self.file.required_number(gear, "normal_module")
 
-    def flank_figure(self, *ids: tuple[str, str, float]) -> float | None:
-        """The first of some attributes (id, unit, what it is multiplied by) that a flank has; both flanks must have the same."""
-        for id, unit, scale in ids:
-            values = [self.file.number(flank, id, unit) for flank in self.flanks.values()]
-            known = [value * scale for value in values if value is not None]
-            if known and max(known) - min(known) > SAME:
-                flank = self.flanks["left"]
-                raise self.file.refusal(flank, id, "the right flank has another one; flanks must be alike", known[0])
+    def flank_figure(self, *ids: tuple[str, float], key: str = "") -> float | None:
+        """The first of some attributes (id, what it is multiplied by) that a flank has; both flanks must have the same."""
+        for id, scale in ids:
+            values = [(flank, self.file.number(flank, id, key)) for flank in self.flanks.values()]
+            known = [(flank, value * scale) for flank, value in values if value is not None]
+            for flank, value in known[1:]:
+                if abs(value - known[0][1]) > SAME:
+                    reason = f"the other flank, {known[0][0].in_full}, has {known[0][1]:g}; flanks must be alike"
+                    raise self.file.refusal(flank, id, reason, value)
             if known:
-                return known[0]
+                return known[0][1]
         return None
 
     def keys(self, module: float, alpha: float, beta: float) -> dict[str, Any]:
         """Keys of the gear in a design of that module (mm), normal pressure angle and helix angle (deg)."""
         file, gear = self.file, self.gear
         keys: dict[str, Any] = {"teeth": self.teeth, "internal": self.internal}
-        keys["face_width"] = file.required_number(gear, "face_width", "mm")
-        shift = self.flank_figure(
-            ("addendum_modification_coefficient", "none", 1.0), ("addendum_modification", "mm", 1.0 / module)
-        )
-        keys["profile_shift"] = shift
-        keys["tip_chamfer"] = self.flank_figure(("tooth_tip_chamfer", "mm", 1.0)) or None
+        keys["face_width"] = self._face_width()
+        keys["profile_shift"] = shift = self.shift(module)
+        keys["tip_chamfer"] = self.flank_figure(("tooth_tip_chamfer", 1.0), key=f"{self.name}.tip_chamfer") or None
         if not self.internal:
-            keys["bore"] = file.number(gear, "inner_diameter", "mm")
+            keys["bore"] = file.number(gear, "inner_diameter", f"{self.name}.bore")
         keys |= self._tip(module, beta, shift or 0.0)
-        keys |= self._tool(module)
+        keys |= self._tool(module, alpha, beta)
         if not any(keys.get(key) is not None for key in ("dedendum", "shaper.addendum")):
             keys["root_diameter"] = self._root(module, beta, shift or 0.0)
-        keys |= self._thickness(module, alpha, shift)
-        for one in file.references(gear, "material"):
-            keys["material.youngs_modulus"] = file.number(one, "elastic_modulus", "N / mm^2")
-            keys["material.poisson_ratio"] = file.number(one, "poisson_ratio")
+        keys |= self._thickness(module, alpha, beta, shift)
         tip, base = keys.get("tip_diameter"), self._base(module, alpha, beta)
         keys |= read_changes(file, self.flanks, lambda end, length: _start(end, length, tip, base))
         return {key: value for key, value in keys.items() if value is not None}
+
+    def shift(self, module: float) -> float | None:
+        """Profile shift, in modules; that of a ring as ISO 21771 has it, positive towards its tip."""
+        own = ("addendum_modification_coefficient", 1.0), ("addendum_modification", 1.0 / module)
+        shift = self.flank_figure(*own, key=f"{self.name}.profile_shift")
+        return None if shift is None else self.shift_sense * shift
+
+    def _face_width(self) -> float:
+        """That of the gear, else what the gears of the stage have in common."""
+        width = self.file.number(self.gear, "face_width", f"{self.name}.face_width")
+        common = self.file.number(self.file.stage, "common_face_width")
+        if width is None and common is None:
+            return self.file.required_number(self.gear, "face_width")
+        if width is None:
+            self.file.notes.append(f"{self.gear}: no face_width in the file: common_face_width of the stage is taken")
+        return width or common or 0.0
 
     def _reference(self, module: float, beta: float) -> float:
         return self.teeth * module / math.cos(math.radians(beta))
@@ -90,87 +135,141 @@ class GearReader:
         return sense * (diameter - self._reference(module, beta)) / (2.0 * module) - shift
 
     def _tip(self, module: float, beta: float, shift: float) -> dict[str, Any]:
-        diameter = self.file.number(self.gear, "tip_diameter", "mm")
-        if diameter and self._beyond(abs(diameter), module, beta, shift) > 0.0:
-            return {"tip_diameter": abs(diameter)}
+        diameter = self.file.size(self.gear, "tip_diameter", f"{self.name}.tip_diameter")
+        if diameter and self._beyond(diameter, module, beta, shift) > 0.0:
+            return {"tip_diameter": diameter, **self._tip_tolerance(diameter)}
         if diameter:
             self.file.notes.append(f"{self.gear}: tip_diameter = {diameter:g} mm is not used: no tooth is that low")
             self.file.used.discard((self.gear.id, "tip_diameter"))
-        return {"addendum": self.flank_figure(("addendum_coefficient_basic_profile", "none", 1.0))}
+        height = self.flank_figure(("addendum_coefficient_basic_profile", 1.0), key=f"{self.name}.addendum")
+        length = self.file.number(self.gear, "addendum_basic_profile", f"{self.name}.addendum")
+        return {"addendum": length / module if height is None and length is not None else height}
+
+    def _tip_tolerance(self, diameter: float) -> dict[str, Any]:
+        """Deviations of the tip diameter, from its limits."""
+        largest, smallest = (self.file.size(self.gear, f"{end}_tip_diameter") for end in ("maximum", "minimum"))
+        if largest is None or smallest is None:
+            return {}
+        ends = {"upper": largest - diameter, "lower": smallest - diameter}
+        return {f"tip_diameter_tolerance.{end}": round(value, DIGITS) for end, value in ends.items()}
 
     def _root(self, module: float, beta: float, shift: float) -> float | None:
-        diameter = self.file.number(self.gear, "root_diameter", "mm")
-        if diameter and self._beyond(abs(diameter), module, beta, shift) < 0.0:
-            return abs(diameter)
+        diameter = self.file.size(self.gear, "root_diameter", f"{self.name}.root_diameter")
+        if diameter and self._beyond(diameter, module, beta, shift) < 0.0:
+            return diameter
         if diameter:
             self.file.notes.append(f"{self.gear}: root_diameter = {diameter:g} mm is not used: no tooth is that short")
             self.file.used.discard((self.gear.id, "root_diameter"))
         return None
 
-    def _tool(self, module: float) -> dict[str, Any]:
+    def _tool(self, module: float, alpha: float, beta: float) -> dict[str, Any]:
         """Of the first step that generates teeth; both flanks have the same."""
-        for flank in self.flanks.values():
-            for tool, settings in self.file.steps(flank):
-                if tool.type == HOB and not self.internal:
-                    return self._hob(tool, settings, module)
-                if tool.type == CUTTER:
-                    return self._cutter(tool, module)
-        self.file.notes.append(
-            f"{self.gear}: no tool in the file: root and fillet are those of the basic rack, profile A"
-        )
+        steps = [step for flank in self.flanks.values() for step in self.file.steps(flank)]
+        generating = [step for step in steps if step[0].type in (HOB, CUTTER)]
+        if self.internal:
+            generating.sort(key=lambda step: step[0].type != CUTTER)
+        for tool, _ in generating:
+            if not self._fits(tool, module, alpha):
+                return {}
+            if tool.type == CUTTER:
+                return self._cutter(tool, module, beta)
+            return self._hob(tool, [own for other, own in generating if other is tool and own is not None], module)
+        kept = f"{steps[0][0].in_full} generates no root" if steps else "no tool in the file"
+        self.file.notes.append(f"{self.gear}: {kept}: root and fillet are those of the basic rack, profile A")
         return {}
 
-    def _relative(self, tool: Component, factor: str, length: str, module: float) -> float | None:
-        """A length in modules."""
-        relative, absolute = self.file.number(tool, factor), self.file.number(tool, length, "mm")
+    def _fits(self, tool: Component, module: float, alpha: float) -> bool:
+        """True where a tool has the gear's module and pressure angle, which a design takes as the tool's."""
+        for id, wanted in (("normal_module", module), ("normal_pressure_angle", alpha)):
+            own = self.file.number(tool, id)
+            if own is not None and abs(own - wanted) > SAME:
+                reason = f"{id} = {own:g} is not the gear's, {wanted:g}"
+                self.file.notes.append(
+                    f"{self.gear}: {tool.in_full} is not used: {reason}: root and fillet are those of profile A"
+                )
+                self.file.used -= {(tool.id, name) for name in tool.attributes}
+                return False
+        return True
+
+    def _relative(self, tool: Component, factor: str, length: str, module: float, key: str = "") -> float | None:
+        """A length in modules; a rounding may be 0."""
+        rounding = factor == "tip_radius_factor"
+        relative = self.file.number(tool, factor, key, zero=rounding)
+        absolute = self.file.number(tool, length, key)
         return absolute / module if relative is None and absolute is not None else relative
 
-    def _hob(self, tool: Component, settings: Component | None, module: float) -> dict[str, Any]:
-        file = self.file
+    def _hob(self, tool: Component, settings: list[Component], module: float) -> dict[str, Any]:
+        file, name = self.file, self.name
+        height = "addendum_coefficient_reference_profile", "addendum_reference_profile"
         keys: dict[str, Any] = {
-            "dedendum": self._relative(
-                tool, "addendum_coefficient_reference_profile", "addendum_reference_profile", module
-            ),
-            "tool_tip_radius": self._relative(tool, "tip_radius_factor", "tip_radius", module),
+            "dedendum": self._relative(tool, *height, module, f"{name}.dedendum"),
+            "tool_tip_radius": self._relative(tool, *TIP_RADIUS, module, f"{name}.tool_tip_radius"),
         }
+        if self.internal:
+            file.notes.append(
+                f"{self.gear}: {tool.in_full} cannot cut an internal gear: a shaper cutter of its height is taken"
+            )
+            return keys
         protuberance = self._relative(tool, "protuberance_amount_factor", "protuberance_amount", module)
         if protuberance:
             keys["hob.protuberance"] = protuberance * module
-            keys["hob.protuberance_angle"] = file.number(tool, "protuberance_angle", "deg")
-        if settings is not None:
-            keys["hob.stock"] = file.number(settings, "machining_allowance", "mm") or None
-        for id, unit in (("normal_module", "mm"), ("normal_pressure_angle", "deg")):
-            file.number(tool, id, unit)
+            keys["hob.protuberance_angle"] = file.number(tool, "protuberance_angle", f"{name}.hob.protuberance_angle")
+        stocks = [file.number(one, "machining_allowance", f"{name}.hob.stock") or 0.0 for one in settings]
+        if stocks and max(stocks) - min(stocks) > SAME:
+            reason = f"the step of the other flank has {stocks[0]:g}; both must leave the same"
+            raise file.refusal(settings[-1], "machining_allowance", reason, stocks[-1])
+        keys["hob.stock"] = max(stocks, default=0.0) or None
         return keys
 
-    def _cutter(self, tool: Component, module: float) -> dict[str, Any]:
-        file, shift = self.file, self.file.number(tool, "addendum_modification_coefficient") or 0.0
-        height = self._relative(tool, "addendum_coefficient_reference_profile", "addendum_reference_profile", module)
-        keys = {
-            "shaper.teeth": int(file.required_number(tool, "number_of_teeth")),
+    def _cutter(self, tool: Component, module: float, beta: float) -> dict[str, Any]:
+        file, name = self.file, self.name
+        teeth = file.required_count(tool, "number_of_teeth", f"{name}.shaper.teeth")
+        shift = self._relative(tool, "addendum_modification_coefficient", "addendum_modification", module) or 0.0
+        heights = "addendum_coefficient_reference_profile", "addendum_reference_profile"
+        height, tip = self._relative(tool, *heights, module), file.size(tool, "tip_diameter")
+        if height is not None:
+            height += shift
+        elif tip is not None:
+            height = 0.5 * (tip / module - teeth / math.cos(math.radians(beta)))
+        return {
+            "shaper.teeth": teeth,
             "shaper.profile_shift": shift,
-            "shaper.addendum": None if height is None else height + shift,
-            "tool_tip_radius": self._relative(tool, "tip_radius_factor", "tip_radius", module),
+            "shaper.addendum": height,
+            "tool_tip_radius": self._relative(tool, *TIP_RADIUS, module, f"{name}.tool_tip_radius"),
         }
-        for id, unit in (("normal_module", "mm"), ("normal_pressure_angle", "deg")):
-            file.number(tool, id, unit)
-        return keys
 
-    def _thickness(self, module: float, alpha: float, shift: float | None) -> dict[str, Any]:
-        upper = self.file.number(self.gear, "chordal_tooth_thickness_upper_deviation", "mm")
-        lower = self.file.number(self.gear, "chordal_tooth_thickness_lower_deviation", "mm")
-        if upper is not None and lower is not None:
-            return {"thickness_allowance.upper": upper, "thickness_allowance.lower": lower}
-        for flank in self.flanks.values():
-            for _, settings in self.file.steps(flank):
-                if settings is None:
-                    continue
-                generated = self.file.number(settings, "generated_addendum_modification_coefficient")
-                if generated is not None and shift is not None and abs(generated - shift) > SAME:
-                    allowance = 2.0 * (generated - shift) * module * math.tan(math.radians(alpha))
-                    made = {"thickness_allowance.upper": allowance, "thickness_allowance.lower": allowance}
-                    return {**made, "allowance_by": "feed"}
+    def _thickness(self, module: float, alpha: float, beta: float, shift: float | None) -> dict[str, Any]:
+        number, gear, allowance = self.file.number, self.gear, f"{self.name}.thickness_allowance"
+        ends = ("upper", "lower")
+        normal = [number(gear, f"chordal_tooth_thickness_{end}_deviation", f"{allowance}.{end}") for end in ends]
+        series = self.file.text(gear, SERIES, f"{allowance}.series")
+        given = {f"thickness_allowance.{end}": value for end, value in zip(ends, normal, strict=True)}
+        if series is not None and (None in normal or _is_series(normal, series, self._reference(module, beta))):
+            return {"thickness_allowance.series": series}
+        if None not in normal:
+            if series is not None:
+                self.file.notes.append(
+                    f"{self.gear}: {SERIES} = {series} is not used: the deviations in the file are others"
+                )
+                self.file.used.discard((self.gear.id, SERIES))
+            return given
+        settings = [one for flank in self.flanks.values() for _, one in self.file.steps(flank) if one is not None]
+        for one in [*settings, *self.flanks.values()]:
+            generated = number(one, "generated_addendum_modification_coefficient")
+            if generated is not None and shift is not None and abs(generated - shift) > SAME:
+                thinner = 2.0 * (generated - shift) * module * math.tan(math.radians(alpha))
+                made = {f"thickness_allowance.{end}": thinner for end in ends}
+                return {**made, "allowance_by": "feed"}
         return {}
+
+
+def _is_series(ends: list[float | None], series: str, diameter: float) -> bool:
+    """True where both ends of an allowance are those of a series [DIN 3967]."""
+    if diameter > din3967.DIAMETERS[-1]:
+        return False
+    return all(
+        abs((one or 0.0) - own) < SAME for one, own in zip(ends, din3967.allowances(series, diameter), strict=True)
+    )
 
 
 def _start(end: str, length: float, tip: float | None, base: float) -> float | None:
@@ -181,54 +280,61 @@ def _start(end: str, length: float, tip: float | None, base: float) -> float | N
     return math.hypot(base, roll) if roll > 0.0 else None
 
 
-def write_gear(file: StageWriter, gear: Component, of: GearProportions, name: str, materials: bool = True) -> None:
+def write_gear(file: StageWriter, gear: Component, of: GearProportions, name: str) -> None:
     """A gear of a complete design in mm: figures that are derived too, for programs that need them."""
     own, keys = of.own, file.keys
     module, alpha = own.module, keys.get("pressure_angle", math.degrees(own.alpha))
-    file.put(gear, "number_of_teeth", -own.teeth if own.internal else own.teeth)
-    file.put(gear, "normal_module", module, "mm")
-    file.put(gear, "helix_angle_reference_diameter", math.copysign(keys["helix_angle"], own.beta), "deg")
-    file.put(gear, "face_width", file.take(f"{name}.face_width"), "mm")
-    file.put(gear, "reference_circle_diameter", 2.0 * own.radius, "mm")
-    file.put(gear, "base_circle_diameter", 2.0 * own.base_radius, "mm")
-    file.put(gear, "tip_diameter", 2.0 * of.tip, "mm")
-    file.put(gear, "root_diameter", 2.0 * of.root, "mm")
+    file.put(gear, "number_of_teeth", own.teeth)
+    file.put(gear, "normal_module", module)
+    file.put(gear, "helix_angle_reference_diameter", math.copysign(keys["helix_angle"], own.beta))
+    file.put(gear, "face_width", file.take(f"{name}.face_width"))
+    file.put(gear, "reference_circle_diameter", 2.0 * own.radius)
+    file.put(gear, "base_circle_diameter", 2.0 * own.base_radius)
+    file.put(gear, "tip_diameter", 2.0 * of.tip)
+    file.put(gear, "root_diameter", 2.0 * of.root)
+    _write_tip_limits(file, gear, 2.0 * of.tip, name)
     if not own.internal:
-        file.put(gear, "inner_diameter", file.take(f"{name}.bore"), "mm")
+        file.put(gear, "inner_diameter", file.take(f"{name}.bore"))
     for key in ("teeth", "internal", "addendum", "tip_alteration", "tip_diameter", "root_diameter"):
         file.take(f"{name}.{key}")
     _write_thickness(file, gear, of, name)
     flanks = file.flanks(gear, FLANK)
     chamfer = file.take(f"{name}.tip_chamfer")
     for flank in flanks.values():
-        file.put(flank, "normal_pressure_angle", alpha, "deg")
+        file.put(flank, "normal_pressure_angle", alpha)
         file.put(flank, "addendum_modification_coefficient", own.shift)
-        file.put(flank, "tooth_tip_chamfer", chamfer, "mm")
+        file.put(flank, "tooth_tip_chamfer", chamfer)
     file.take(f"{name}.profile_shift")
     if keys.get(f"{name}.manufacture") == "generated":
         _write_tool(file, flanks, of, name)
     write_changes(file, name, flanks)
-    modulus, ratio = (
-        keys.get(f"{name}.material.{key}", keys.get(f"material.{key}")) for key in ("youngs_modulus", "poisson_ratio")
-    )
-    if materials:
-        material = file.refer(gear, "material", f"{gear.name} (material)")
-        file.put(material, "elastic_modulus", modulus, "N / mm^2")
-        file.put(material, "poisson_ratio", ratio)
+    file.put_material(gear, name)
+
+
+def _write_tip_limits(file: StageWriter, gear: Component, tip: float, name: str) -> None:
+    """Largest and smallest tip diameter; the class of a tolerance stays a key of this program."""
+    stem = f"{name}.tip_diameter_tolerance"
+    ends: Any = file.take(f"{stem}.upper"), file.take(f"{stem}.lower")
+    if (grade := file.keys.get(f"{stem}.grade")) is not None and tip <= iso286.SIZES[-1]:
+        ends = iso286.deviations(grade, tip)
+    for id, end in zip(("maximum_tip_diameter", "minimum_tip_diameter"), ends, strict=True):
+        file.put(gear, id, None if end is None else tip + end)
 
 
 def _write_thickness(file: StageWriter, gear: Component, of: GearProportions, name: str) -> None:
     """Allowances of the thickness: those given, or the one that the backlash makes."""
     given = [file.keys.get(f"{name}.thickness_allowance.{end}") for end in ("upper", "lower")]
-    others = any(key.startswith(tuple(f"{name}.{by}." for by in ("span", "balls", "pins"))) for key in file.keys)
-    if others or file.keys.get(f"{name}.thickness_allowance.series"):
+    if any(key.startswith(tuple(f"{name}.{by}." for by in ("span", "balls", "pins"))) for key in file.keys):
         return
+    series = f"{name}.thickness_allowance.series"
+    if file.put(gear, SERIES, file.keys.get(series)):
+        file.take(series)
     if None not in given:
         for end in ("upper", "lower"):
             file.take(f"{name}.thickness_allowance.{end}")
     upper, lower = given if None not in given else (of.own.allowance, of.own.allowance)
-    file.put(gear, "chordal_tooth_thickness_upper_deviation", upper, "mm")
-    file.put(gear, "chordal_tooth_thickness_lower_deviation", lower, "mm")
+    file.put(gear, "chordal_tooth_thickness_upper_deviation", upper)
+    file.put(gear, "chordal_tooth_thickness_lower_deviation", lower)
 
 
 def _write_tool(file: StageWriter, flanks: dict[str, Component], of: GearProportions, name: str) -> None:
@@ -245,9 +351,10 @@ def _write_tool(file: StageWriter, flanks: dict[str, Component], of: GearProport
     for flank in flanks.values():
         tool, settings = file.step(flank, type, SETTINGS, shared)
         shared = tool
-        file.put(tool, "normal_module", module, "mm")
-        file.put(tool, "normal_pressure_angle", alpha, "deg")
-        file.put(tool, "tip_radius_factor", once("tool_tip_radius"))
+        file.put(tool, "normal_module", module)
+        file.put(tool, "normal_pressure_angle", alpha)
+        rounded = file.put(tool, "tip_radius_factor", once("tool_tip_radius"))
+        file.put(tool, "tip_radius", None if rounded else once("tool_tip_radius"))
         if type == CUTTER:
             file.put(tool, "number_of_teeth", once("shaper.teeth"))
             file.put(tool, "addendum_modification_coefficient", once("shaper.profile_shift"))
@@ -259,6 +366,6 @@ def _write_tool(file: StageWriter, flanks: dict[str, Component], of: GearProport
             )
             continue
         file.put(tool, "addendum_coefficient_reference_profile", None if fixed_root else once("dedendum"))
-        file.put(tool, "protuberance_amount", once("hob.protuberance") or None, "mm")
-        file.put(tool, "protuberance_angle", once("hob.protuberance_angle"), "deg")
-        file.put(settings, "machining_allowance", once("hob.stock"), "mm")
+        file.put(tool, "protuberance_amount", once("hob.protuberance") or None)
+        file.put(tool, "protuberance_angle", once("hob.protuberance_angle"))
+        file.put(settings, "machining_allowance", once("hob.stock"))

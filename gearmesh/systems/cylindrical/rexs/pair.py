@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.exchange.model import Component
+from gearmesh.exchange.model import VERSIONS, Component
 from gearmesh.exchange.stage import POSITION, StageReader
 from gearmesh.exchange.stage_writer import StageWriter
-from gearmesh.numerals import parse_whole_number
+from gearmesh.systems.common.standards import iso286
+from gearmesh.systems.cylindrical.allowance_keys import CENTER_GRADES
 from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
-from gearmesh.systems.cylindrical.rexs.gears import EXTERNAL, INTERNAL, SAME, GearReader, write_gear
+from gearmesh.systems.cylindrical.rexs.gears import DIGITS, EXTERNAL, INTERNAL, SAME, GearReader, write_gear
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
 
 STAGE = "cylindrical_stage"
+TOLERANCE_FIELD = "center_distance_tolerance_field_din_3964_1980"
+#: amounts of the deviations, in mum: their ranges begin above 0
+DISTANCE_ENDS = "upper_center_distance_allowance", "lower_center_distance_allowance"
+#: mum in a mm
+MUM = 1e3
+TIP_LIMITS = "tip_diameter_tolerance.upper", "tip_diameter_tolerance.lower"
+#: versions in which the range of helix angles begins at 0
+UNSIGNED_HELIX = VERSIONS[:3]
+#: largest difference, in modules, between the shifts of a file and those of its centre distance without backlash
+SHIFT_FITS = 0.02
 #: keys of module and pressure angle, and all that other attributes give
 SIZES = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
 ANGLES = ("pressure_angle", "transverse_pressure_angle")
@@ -26,40 +39,130 @@ GIVEN = (*SIZES, *ANGLES, "kind", "units", "helix_angle", "hand", "backlash", "c
 def read_toothing(file: StageReader, gears: tuple[GearReader, ...]) -> dict[str, Any]:
     """Keys of what the gears of one mesh have in common: module, pressure angle, helix angle, hand."""
     first, modules = gears[0], [one.module() for one in gears]
-    angles = [angle for one in gears if (angle := one.flank_figure(("normal_pressure_angle", "deg", 1.0))) is not None]
     for one, module in zip(gears, modules, strict=True):
         if abs(module - modules[0]) > SAME:
-            raise file.refusal(one.gear, "normal_module", f"the mating gear has {modules[0]:g}", module)
+            reason = f"must be {modules[0]:g} mm, as the mating gear, {first.gear.in_full}, has it"
+            raise file.refusal(one.gear, "normal_module", reason, module)
         sense = 1.0 if one is first or one.internal or first.internal else -1.0
         if abs(one.beta - sense * first.beta) > SAME:
-            reason = f"must be {sense * first.beta:g} deg, as the mating gear has {first.beta:g}"
-            raise file.refusal(one.gear, "helix_angle_reference_diameter", reason, one.beta)
+            _refuse_helix(file, one, sense * first.beta, first)
+    angles = [(one, angle) for one in gears if (angle := one.pressure_angle()) is not None]
     if not angles:
-        raise file.refusal(first.gear, "normal_pressure_angle", "missing (on the flanks)")
-    if max(angles) - min(angles) > SAME:
-        raise file.refusal(
-            gears[-1].gear, "normal_pressure_angle", f"the mating gear has {angles[0]:g} deg", angles[-1]
-        )
+        raise file.refusal(first.gear, "normal_pressure_angle", "missing (on the flanks of the gear)")
+    for one, angle in angles[1:]:
+        if abs(angle - angles[0][1]) > SAME:
+            reason = f"must be {angles[0][1]:g} deg, as the mating gear, {angles[0][0].gear.in_full}, has it"
+            flank = next(iter(one.flanks.values()), one.gear)
+            raise file.refusal(flank, "normal_pressure_angle", reason, angle)
     hand = "left" if first.beta < 0.0 else "right"
-    return {"module": modules[0], "pressure_angle": angles[0], "helix_angle": abs(first.beta), "hand": hand}
+    return {"module": modules[0], "pressure_angle": angles[0][1], "helix_angle": abs(first.beta), "hand": hand}
+
+
+def _refuse_helix(file: StageReader, one: GearReader, wanted: float, first: GearReader) -> None:
+    """Refuse a helix angle that is not the mating gear's, unless the file is of a version whose angles have no sign."""
+    if abs(abs(one.beta) - abs(wanted)) < SAME and file.model.version in UNSIGNED_HELIX:
+        hand = "left" if first.beta < 0.0 else "right"
+        file.notes.append(
+            f"{file.stage}: helix angles of version {file.model.version} have no sign: the hand of {first.gear} is taken as {hand}"
+        )
+        return
+    reason = f"must be {wanted:g} deg, as the mating gear, {first.gear.in_full}, has {first.beta:g}"
+    raise file.refusal(one.gear, "helix_angle_reference_diameter", reason, one.beta)
 
 
 def read_pair(file: StageReader) -> dict[str, Any]:
     """Keys of the design of a stage."""
     own = file.own_keys(file.stage)
-    gears = tuple(GearReader(file, gear) for gear in file.gears())
+    pinion, gear = file.gears()
+    gears = GearReader(file, pinion, MEMBERS[0]), GearReader(file, gear, MEMBERS[1])
     common = read_toothing(file, gears)
+    distance = file.size(file.stage, "center_distance", "assembly.center_distance")
+    count_shift(file, gears, common, distance)
     keys: dict[str, Any] = {"kind": "cylindrical", "units": "mm", "name": file.stage.name or None, **own, **common}
-    module, alpha = common["module"], common["pressure_angle"]
-    for name, gear in zip(MEMBERS, gears, strict=True):
-        keys |= {f"{name}.{key}": value for key, value in gear.keys(module, alpha, common["helix_angle"]).items()}
-        if f"{name}.dedendum" in own:
-            keys.pop(f"{name}.root_diameter", None)
-    distance = file.number(file.stage, "center_distance", "mm")
-    keys["assembly.center_distance"] = None if distance is None else abs(distance)
-    aside = file.apart(*(gear.gear for gear in gears))
+    for one in gears:
+        keys |= member_keys(one, common, own)
+    keys |= file.materials({one.name: one.gear for one in gears})
+    keys["assembly.center_distance"] = distance
+    keys |= read_allowance(file, distance)
+    aside = file.apart(pinion, gear)
     keys["assembly.dz"] = aside if aside is not None and abs(aside) > SAME else None
     return {key: value for key, value in keys.items() if value is not None}
+
+
+def member_keys(one: GearReader, common: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """Dotted keys of a member, but those that keys of this program say otherwise."""
+    made = one.keys(common["module"], common["pressure_angle"], common["helix_angle"])
+    keys = {f"{one.name}.{key}": value for key, value in made.items()}
+    said = {"dedendum": ("root_diameter",), "tip_diameter_tolerance.grade": TIP_LIMITS}
+    for key, others in said.items():
+        if f"{one.name}.{key}" in own:
+            keys = {id: value for id, value in keys.items() if id not in {f"{one.name}.{other}" for other in others}}
+    return keys
+
+
+def count_shift(
+    file: StageReader, gears: tuple[GearReader, GearReader], common: Mapping[str, Any], a: float | None
+) -> None:
+    """Find the sense in which a file counts the profile shift of a ring, by the centre distance `a` (mm).
+
+    ISO 21771 counts it towards the tip, some programs away from the axis; the centre distance fits one of both.
+    """
+    ring = next((one for one in gears if one.internal), None)
+    shifts = [one.shift(common["module"]) for one in gears]
+    if ring is None or a is None or None in shifts or not shifts[gears.index(ring)]:
+        return
+    first, second = (shift or 0.0 for shift in shifts)
+    own, mate = (second, first) if ring is gears[1] else (first, second)
+    needed = _sum_of_shifts(gears, common, a)
+    if needed is None or abs(mate + own - needed) < abs(mate - own - needed):
+        return
+    if abs(mate - own - needed) < SHIFT_FITS:
+        ring.shift_sense = -1
+        file.notes.append(
+            f"{ring.gear}: the file counts its profile shift away from the axis, as the centre distance shows"
+        )
+
+
+def _sum_of_shifts(gears: tuple[GearReader, GearReader], common: Mapping[str, Any], a: float) -> float | None:
+    """x1 + x2 of an internal pair without backlash at a centre distance, x of the ring towards its tip [ISO 21771]."""
+    teeth = abs(gears[0].teeth - gears[1].teeth)
+    alpha, beta = (math.radians(common[key]) for key in ("pressure_angle", "helix_angle"))
+    transverse = math.atan(math.tan(alpha) / math.cos(beta))
+    cosine = teeth * common["module"] / math.cos(beta) * math.cos(transverse) / (2.0 * a)
+    if not teeth or cosine >= 1.0:
+        return None
+    working = math.acos(cosine)
+    involutes = math.tan(working) - working - math.tan(transverse) + transverse
+    return -teeth * involutes / (2.0 * math.tan(alpha))
+
+
+def read_allowance(file: StageReader, distance: float | None) -> dict[str, Any]:
+    """The tolerance class of the centre distance: that of the file, or the one that has the file's deviations [DIN 3964]."""
+    key = "assembly.center_distance_allowance"
+    grade = file.text(file.stage, TOLERANCE_FIELD, key)
+    upper, lower = (file.size(file.stage, id, key) for id in DISTANCE_ENDS)
+    if grade is not None:
+        return {key: f"js{grade}"}
+    if distance is None or upper is None or lower is None:
+        return {}
+    for one in CENTER_GRADES:
+        if max(abs(end - MUM * iso286.deviations(f"js{one}", distance).upper) for end in (upper, lower)) < SAME:
+            return {key: f"js{one}"}
+    file.notes.append(
+        f"{file.stage}: {DISTANCE_ENDS[0]}, {DISTANCE_ENDS[1]} are not used: {upper:g} and {lower:g} mum are no class of DIN 3964"
+    )
+    file.used -= {(file.stage.id, id) for id in DISTANCE_ENDS}
+    return {}
+
+
+def write_allowance(file: StageWriter, stage: Component, distance: float) -> None:
+    """The tolerance class of the centre distance and its deviations, of which the format has the amounts."""
+    given = file.keys.get("assembly.center_distance_allowance")
+    if file.put(stage, TOLERANCE_FIELD, None if given is None else given.removeprefix("js").strip()):
+        file.take("assembly.center_distance_allowance")
+    ends = None if given is None or distance > iso286.SIZES[-1] else iso286.deviations(given, distance)
+    for id, end in zip(DISTANCE_ENDS, (None, None) if ends is None else (ends.upper, ends.lower), strict=True):
+        file.put(stage, id, None if end is None else round(MUM * abs(end), DIGITS))
 
 
 def write_pair(file: StageWriter, design: CylindricalDesign, known: Component | None) -> Component:
@@ -68,8 +171,9 @@ def write_pair(file: StageWriter, design: CylindricalDesign, known: Component | 
     stage = file.stage(STAGE, known, design.name or "")
     types = [INTERNAL if gear.own.internal else EXTERNAL for gear in pair.gears]
     gears = file.gears(stage, (types[0], types[1]), MEMBERS)
-    file.put(stage, "center_distance", pair.mesh.distance, "mm")
+    file.put(stage, "center_distance", pair.mesh.distance)
     file.take("assembly.center_distance")
+    write_allowance(file, stage, pair.mesh.distance)
     for gear, of, name in zip(gears, pair.gears, MEMBERS, strict=True):
         write_gear(file, gear, of, name)
     place(file, gears, file.take("assembly.dz") or 0.0, pair.mesh.distance)
@@ -83,7 +187,11 @@ def place(file: StageWriter, gears: tuple[Component, Component], aside: float, d
     frame = next((one for one in file.model.components if one.type == "gear_unit"), gears[0])
     for gear, support in zip(gears, ([0.0, 0.0, 0.0], [aside, distance, 0.0]), strict=True):
         if POSITION[1] not in gear.attributes:
-            file.put(gear, POSITION[0], frame.id if (number := parse_whole_number(frame.id)) is None else number)
-            gear.attributes[POSITION[0]].type = "reference_component"
-            for id, value in zip(POSITION[1:], (support, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), strict=True):
-                file.put(gear, id, value, "mm")
+            put_position(file, gear, frame, support)
+
+
+def put_position(file: StageWriter, gear: Component, frame: Component, support: list[float]) -> None:
+    """The position of a gear in a frame, its axes along those of the frame."""
+    file.put(gear, POSITION[0], frame.id)
+    for id, value in zip(POSITION[1:], (support, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), strict=True):
+        file.put(gear, id, value)

@@ -1,71 +1,238 @@
-"""Planetary stages of REXS models as planetary sets, and back: two cylindrical stages that share the planet."""
+"""Planetary stages of REXS models as planetary sets, and back.
+
+A file has one mesh of the sun and one of the ring for each planet, or, where all planets are alike, for one of them.
+"""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.errors import FileError
+from gearmesh.errors import DesignError, FileError
 from gearmesh.exchange.model import Component
-from gearmesh.exchange.stage import StageReader
+from gearmesh.exchange.stage import POSITION, StageReader
 from gearmesh.exchange.stage_form import StageForm
 from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
-from gearmesh.systems.cylindrical.rexs.gears import EXTERNAL, INTERNAL, GearReader, write_gear
-from gearmesh.systems.cylindrical.rexs.pair import GIVEN, read_toothing
+from gearmesh.systems.cylindrical.rexs.gears import EXTERNAL, INTERNAL, SAME, GearReader, write_gear
+from gearmesh.systems.cylindrical.rexs.pair import (
+    GIVEN,
+    count_shift,
+    member_keys,
+    put_position,
+    read_allowance,
+    read_toothing,
+    write_allowance,
+)
 from gearmesh.systems.cylindrical.rexs.pair import STAGE as MESH
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 
 STAGE = "planetary_stage"
+#: largest difference of centre distances of one set, mm
+SAME_DISTANCE = 1e-6
+#: largest difference of the angles of planets from even spacing, deg
+SAME_ANGLE = 1e-6
+
+
+@dataclass(frozen=True)
+class PlanetMeshes:
+    """A planet with its meshes; the other gears are the sun and the ring."""
+
+    planet: Component
+    inner: StageReader
+    outer: StageReader
+    sun: Component
+    ring: Component
 
 
 def read_set(file: StageReader) -> dict[str, Any]:
     """Keys of the design of a planetary stage."""
     own = file.own_keys(file.stage)
-    inner, outer = _stages(file)
-    both, ring_side = inner.gears(), outer.gears()
-    planet = next((gear for gear in both if gear in ring_side), None)
-    if planet is None:
-        raise FileError(
-            file.path, reason=f"{file.stage}: {inner.stage} and {outer.stage} share no gear, which is the planet"
-        )
-    sun = both[0] if planet is both[1] else both[1]
-    ring = ring_side[0] if planet is ring_side[1] else ring_side[1]
-    readers = {SUN: GearReader(inner, sun), PLANET: GearReader(inner, planet), RING: GearReader(outer, ring)}
-    common = read_toothing(inner, (readers[SUN], readers[PLANET]))
-    read_toothing(outer, (readers[PLANET], readers[RING]))
-    keys: dict[str, Any] = {"kind": "planetary", "units": "mm", "name": file.stage.name or None, **own, **common}
-    for name, gear in readers.items():
-        made = gear.keys(common["module"], common["pressure_angle"], common["helix_angle"])
-        keys |= {f"{name}.{key}": value for key, value in made.items()}
-        if f"{name}.dedendum" in own:
-            keys.pop(f"{name}.root_diameter", None)
-    distances = {abs(value) for one in (inner, outer) if (value := one.number(one.stage, "center_distance", "mm"))}
-    if distances and max(distances) - min(distances) > 1e-6:
-        raise outer.refusal(
-            outer.stage, "center_distance", f"that of sun and planet is {min(distances):g}", max(distances)
-        )
-    keys["assembly.center_distance"] = min(distances, default=None)
-    shafts = len(list(file.model.relations_of("planet_shaft", "planetary_stage", file.stage.id)))
-    if shafts:
-        keys["planets"] = shafts
-    elif "planets" not in own:
-        file.notes.append(f"{file.stage}: no planet_shaft relations say how many planets there are: 3 are taken")
+    planets = _planets(file)
+    first = planets[0]
+    common, members = _read_planet(file, first, own)
+    told = len(file.notes)
+    for other in planets[1:]:
+        _see_that_it_is_alike(file, first, (common, members), other, _read_planet(file, other, own))
+    # what is noted of the first planet holds for all
+    del file.notes[told:]
+    keys: dict[str, Any] = {
+        "kind": "planetary",
+        "units": "mm",
+        "name": file.stage.name or None,
+        **own,
+        **common,
+        **members,
+    }
+    distance = _center_distance(file, planets)
+    keys["assembly.center_distance"] = distance
+    keys |= read_allowance(first.inner, distance)
+    for one in planets:
+        read_allowance(one.inner, distance)
+        read_allowance(one.outer, distance)
+    keys |= _count_planets(file, planets, own)
     return {key: value for key, value in keys.items() if value is not None}
 
 
-def _stages(file: StageReader) -> tuple[StageReader, StageReader]:
-    """The mesh without a ring gear, and that with it."""
-    stages = [file.of(one) for one in file.parts(file.stage, MESH)]
-    with_ring = [any(gear.type == INTERNAL for gear in one.gears()) for one in stages]
-    if sorted(with_ring) != [False, True]:
-        counts = f"{len(stages)} cylindrical stages, {sum(with_ring)} with a ring gear"
-        reason = f"{file.stage}: has {counts}; two, one with it, are read"
-        raise FileError(file.path, reason=reason)
-    return stages[with_ring.index(False)], stages[with_ring.index(True)]
+def _read_planet(file: StageReader, one: PlanetMeshes, own: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What the gears of the meshes of a planet have in common, and the keys of sun, planet and ring."""
+    sun, planet = GearReader(one.inner, one.sun, SUN), GearReader(one.inner, one.planet, PLANET)
+    ring = GearReader(one.outer, one.ring, RING)
+    common = read_toothing(one.inner, (sun, planet))
+    read_toothing(one.outer, (planet, ring))
+    count_shift(file, (planet, ring), common, one.outer.size(one.outer.stage, "center_distance"))
+    members: dict[str, Any] = {}
+    for gear in (sun, planet, ring):
+        members |= member_keys(gear, common, own)
+    members |= file.materials({gear.name: gear.gear for gear in (sun, planet, ring)})
+    return common, members
+
+
+def _see_that_it_is_alike(
+    file: StageReader,
+    first: PlanetMeshes,
+    known: tuple[dict[str, Any], dict[str, Any]],
+    other: PlanetMeshes,
+    keys: tuple[dict[str, Any], dict[str, Any]],
+) -> None:
+    """Refuse a planet that is not as the first one."""
+    before, after = ({**common, **members} for common, members in (known, keys))
+    for key in (*before, *after):
+        if not _alike(before.get(key), after.get(key)):
+            name = key.removeprefix(f"{PLANET}.")
+            reason = f"all planets must be alike: {first.planet.in_full} has {name} = {before.get(key)}"
+            raise FileError(
+                file.path,
+                reason=f"{other.planet.in_full}: {name} = {after.get(key)}: {reason}, in {file.stage.in_full}",
+            )
+
+
+def _alike(one: Any, other: Any) -> bool:
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=SAME, abs_tol=SAME)
+    return bool(one == other)
+
+
+def _center_distance(file: StageReader, planets: list[PlanetMeshes]) -> float | None:
+    known: tuple[Component, float] | None = None
+    for mesh in (mesh for one in planets for mesh in (one.inner, one.outer)):
+        value = mesh.size(mesh.stage, "center_distance", "assembly.center_distance")
+        if value is None:
+            continue
+        if known is not None and abs(value - known[1]) > SAME_DISTANCE:
+            reason = f"must be {known[1]:g} mm, as {known[0].in_full} of the same set has it"
+            raise file.refusal(mesh.stage, "center_distance", reason, value)
+        known = known or (mesh.stage, value)
+    return None if known is None else known[1]
+
+
+def _count_planets(file: StageReader, planets: list[PlanetMeshes], own: dict[str, Any]) -> dict[str, Any]:
+    """Number of planets and, where they are not evenly spaced, their angles."""
+    shafts = len(list(file.model.relations_of("planet_shaft", "planetary_stage", file.stage.id)))
+    meshing = len(planets)
+    if meshing > 1:
+        if shafts > meshing:
+            reason = f"has {shafts} planet shafts and {meshing} planets with a mesh of the sun and one of the ring"
+            raise FileError(file.path, reason=f"{file.stage.in_full}: {reason}")
+        angles = _angles(planets)
+        if angles is None or own.get("assembly.planet_angles"):
+            return {"planets": meshing}
+        even = [360.0 * k / meshing for k in range(meshing)]
+        if all(abs(angle - wanted) < SAME_ANGLE for angle, wanted in zip(angles, even, strict=True)):
+            return {"planets": meshing}
+        return {"planets": meshing, "assembly.planet_angles": ", ".join(f"{angle:.9g}" for angle in angles)}
+    if not shafts and "planets" not in own:
+        file.notes.append(f"{file.stage}: no planet_shaft relations say how many planets there are: 3 are taken")
+    return {"planets": shafts} if shafts else {}
+
+
+def _angles(planets: list[PlanetMeshes]) -> list[float] | None:
+    """Angles of the planets about the sun's axis from the first, rising, deg; None where the file does not place them."""
+    reader, sun = planets[0].inner, planets[0].sun
+    gears = [sun, *(one.planet for one in planets)]
+    places = [reader.numbers(one, POSITION[1]) for one in gears]
+    frames = {reader.text(one, POSITION[0]) for one in gears}
+    axis = reader.numbers(sun, POSITION[2])
+    if len(frames) > 1 or axis is None or len(axis) != 3 or not any(axis):
+        return None
+    if any(place is None or len(place) != 3 for place in places):
+        return None
+    points = [place or [] for place in places]
+    arms = [[b - a for a, b in zip(points[0], point, strict=True)] for point in points[1:]]
+    along = [one / math.hypot(*axis) for one in axis]
+    across = _cross(along, arms[0])
+    ahead = _cross(across, along)
+    if not any(across):
+        return None
+    turned = [math.degrees(math.atan2(_dot(arm, across), _dot(arm, ahead))) % 360.0 for arm in arms]
+    return sorted(0.0 if 360.0 - one < SAME_ANGLE else one for one in turned)
+
+
+def _dot(one: list[float], other: list[float]) -> float:
+    return sum(a * b for a, b in zip(one, other, strict=True))
+
+
+def _cross(one: list[float], other: list[float]) -> list[float]:
+    (a, b, c), (d, e, f) = one, other
+    return [b * f - c * e, c * d - a * f, a * e - b * d]
+
+
+def _planets(file: StageReader) -> list[PlanetMeshes]:
+    """The planets of a set: each gear that a mesh without a ring gear and one with it share."""
+    parts = file.parts(file.stage, MESH) or _stages_of_shafts(file)
+    inner: list[tuple[StageReader, tuple[Component, Component]]] = []
+    outer: list[tuple[StageReader, Component, Component]] = []
+    for one in map(file.of, parts):
+        first, second = one.gears()
+        rings = [_is_ring(file, gear) for gear in (first, second)]
+        if any(rings):
+            outer.append((one, first, second) if rings[0] else (one, second, first))
+        else:
+            inner.append((one, (first, second)))
+    planets = []
+    for mesh, gears in inner:
+        for ring_mesh, ring, planet in outer:
+            if planet in gears:
+                sun = gears[0] if planet is gears[1] else gears[1]
+                planets.append(PlanetMeshes(planet, mesh, ring_mesh, sun, ring))
+    if not planets or len(planets) < max(len(inner), len(outer)):
+        counts = f"{len(inner)} cylindrical stages without a ring gear and {len(outer)} with one"
+        wanted = "for each planet one of both, or one of both for all of them, which share the planet"
+        raise FileError(file.path, reason=f"{file.stage.in_full}: has {counts}; read is a set that has {wanted}")
+    for role in ("sun", "ring"):
+        central_gears: dict[str, Component] = {getattr(one, role).id: getattr(one, role) for one in planets}
+        if len(central_gears) > 1:
+            named = ", ".join(gear.in_full for gear in central_gears.values())
+            raise FileError(
+                file.path, reason=f"{file.stage.in_full}: read is a set with one {role}; this one has {named}"
+            )
+    return planets
+
+
+def _is_ring(file: StageReader, gear: Component) -> bool:
+    return gear.type == INTERNAL or file.is_negative(gear, "number_of_teeth")
+
+
+def _stages_of_shafts(file: StageReader) -> list[Component]:
+    """Cylindrical stages with a gear on a planet shaft, of a set without parts."""
+    relations = file.model.relations_of("planet_shaft", "planetary_stage", file.stage.id)
+    shafts = {one.in_role("shaft") for one in relations}
+    on_shafts = {
+        one.in_role("part")
+        for one in file.model.relations
+        if one.type == "assembly" and one.in_role("assembly") in shafts
+    }
+    stages = [
+        file.model.component(one.in_role("stage"))
+        for one in file.model.relations
+        if one.type == "stage" and {one.in_role("gear_1"), one.in_role("gear_2")} & on_shafts
+    ]
+    return [one for one in stages if one is not None and one.type == MESH]
 
 
 def write_set(file: StageWriter, design: PlanetaryDesign, known: Component | None) -> Component:
@@ -73,65 +240,87 @@ def write_set(file: StageWriter, design: PlanetaryDesign, known: Component | Non
     both = meshes(design)
     inner, outer = proportions(both.inner), proportions(both.outer)
     stage = file.stage(STAGE, known, design.name or "")
-    names = (SUN, PLANET, RING)
-    parts = [
-        one
-        for relation in file.model.relations_of("assembly", "assembly", stage.id)
-        if (one := file.model.component(relation.in_role("part"))) is not None and one.type == MESH
-    ]
-    for _ in range(2 - len(parts)):
-        parts.append(file.new(MESH))
-        file.relate("assembly", {"assembly": stage, "part": parts[-1]})
-    if _has_ring(file, parts[0]):
-        parts.reverse()
-    sun, planet = _gears(file, parts[0], (EXTERNAL, EXTERNAL), names[:2])
-    ring = _ring(file, parts[1], planet)
-    for mesh, of in zip(parts, (inner, outer), strict=True):
-        file.put(mesh, "center_distance", of.mesh.distance, "mm")
-    file.take("assembly.center_distance")
-    for gear, of_gear, name in (
-        (sun, inner.gears[0], SUN),
-        (planet, inner.gears[1], PLANET),
-        (ring, outer.gears[1], RING),
-    ):
+    if known is None:
+        _new_set(file, stage, design, inner.mesh.distance)
+    reader = StageReader(design.rexs.file if design.rexs is not None else "", file.model, stage)
+    planets = _planets(reader)
+    first = planets[0]
+    counted = _count_planets(reader, planets, {}).get("planets", design.planets)
+    if counted != design.planets:
+        raise DesignError(
+            "planets",
+            design.planets,
+            must_be=f"{counted}, as in the REXS file; or leave out the table rexs for a new model",
+        )
+    first.ring.type = INTERNAL
+    members = (
+        (first.sun, inner.gears[0], SUN),
+        (first.planet, inner.gears[1], PLANET),
+        (first.ring, outer.gears[1], RING),
+    )
+    for gear, of_gear, name in members:
         write_gear(file, gear, of_gear, name)
-    count = file.take("planets")
-    for _ in range(count - len(list(file.model.relations_of("planet_shaft", "planetary_stage", stage.id)))):
-        file.relate("planet_shaft", {"planetary_stage": stage, "shaft": file.new("shaft", PLANET)})
-    for key in GIVEN:
+    for other in planets[1:]:
+        _copy_gear(file, first.planet, other.planet)
+    allowance = file.keys.get("assembly.center_distance_allowance")
+    for mesh in {one.stage.id: one.stage for planet in planets for one in (planet.inner, planet.outer)}.values():
+        file.put(mesh, "center_distance", inner.mesh.distance)
+        if allowance is not None:
+            file.keys["assembly.center_distance_allowance"] = allowance
+        write_allowance(file, mesh, inner.mesh.distance)
+    for key in ("assembly.center_distance", "planets", *GIVEN):
         file.take(key)
     return stage
 
 
-def _has_ring(file: StageWriter, mesh: Component) -> bool:
-    relations = file.model.relations_of("stage", "stage", mesh.id)
-    gears = [file.model.component(one.in_role(role)) for one in relations for role in ("gear_1", "gear_2")]
-    return any(gear is not None and gear.type == INTERNAL for gear in gears)
+def _new_set(file: StageWriter, stage: Component, design: PlanetaryDesign, distance: float) -> None:
+    """Gears, meshes and shafts of a new set: a shaft, a gear and two meshes for each planet."""
+    sun, ring = file.new(EXTERNAL, SUN), file.new(INTERNAL, RING)
+    for gear in (sun, ring):
+        put_position(file, gear, sun, [0.0, 0.0, 0.0])
+        shaft = file.new("shaft", gear.name)
+        file.relate("assembly", {"assembly": shaft, "part": gear})
+        file.relate("central_shaft", {"planetary_stage": stage, "shaft": shaft})
+    for number, angle in enumerate(map(math.radians, design.angles), start=1):
+        planet, shaft = file.new(EXTERNAL, f"{PLANET} {number}"), file.new("shaft", f"{PLANET} {number}")
+        put_position(file, planet, sun, [0.0, distance * math.cos(angle), distance * math.sin(angle)])
+        file.relate("assembly", {"assembly": shaft, "part": planet})
+        file.relate("planet_shaft", {"planetary_stage": stage, "shaft": shaft})
+        for first, second in ((sun, planet), (planet, ring)):
+            mesh = file.new(MESH, f"{first.name}, {second.name}")
+            file.relate("assembly", {"assembly": stage, "part": mesh})
+            file.relate("stage", {"stage": mesh, "gear_1": first, "gear_2": second})
 
 
-def _gears(
-    file: StageWriter, mesh: Component, types: tuple[str, str], names: tuple[str, ...]
-) -> tuple[Component, Component]:
-    """Sun and planet, in this order."""
-    first, second = file.gears(mesh, types, (names[0], names[1]))
-    with_ring = {
-        relation.in_role(role)
-        for relation in file.model.relations
-        if relation.type == "stage" and relation.in_role("stage") != mesh.id
-        for role in ("gear_1", "gear_2")
-    }
-    return (second, first) if first.id in with_ring else (first, second)
+def _copy_gear(file: StageWriter, origin: Component, gear: Component) -> None:
+    """Give a planet the toothing, tool, modifications and material of the first one; it keeps its place."""
+    _copy_attributes(origin, gear, (*POSITION, "u_coordinate_on_shaft"))
+    flanks = [file.flanks(one, "cylindrical_gear_flank") for one in (origin, gear)]
+    for one, other in [(origin, gear), *((flanks[0][side], flanks[1][side]) for side in ("left", "right"))]:
+        if one is not origin:
+            _copy_attributes(one, other, ())
+        referenced = [to.in_role("referenced") for to in file.model.relations_of("reference", "origin", one.id)]
+        types = {to.type for id in referenced if (to := file.model.component(id)) is not None}
+        file.forget(other, tuple(types), orphans=False)
+        for to in map(file.model.component, referenced):
+            if to is not None:
+                file.relate("reference", {"origin": other, "referenced": to})
+        steps = list(file.model.relations_of("manufacturing_step", "workpiece", one.id))
+        if steps:
+            gone = list(file.model.relations_of("manufacturing_step", "workpiece", other.id))
+            file.model.relations = [
+                relation for relation in file.model.relations if all(relation is not old for old in gone)
+            ]
+        for step in steps:
+            roles = {role: file.model.component(step.in_role(role)) for role in ("tool", "manufacturing_settings")}
+            whole = {role: part for role, part in roles.items() if part is not None}
+            file.relate("manufacturing_step", {"workpiece": other, **whole}, step.order)
 
 
-def _ring(file: StageWriter, mesh: Component, planet: Component) -> Component:
-    for relation in file.model.relations_of("stage", "stage", mesh.id):
-        for role in ("gear_1", "gear_2"):
-            one = file.model.component(relation.in_role(role))
-            if one is not None and one.id != planet.id:
-                return one
-    ring = file.new(INTERNAL, RING)
-    file.relate("stage", {"stage": mesh, "gear_1": planet, "gear_2": ring})
-    return ring
+def _copy_attributes(origin: Component, other: Component, kept: tuple[str, ...]) -> None:
+    """Give a component the attributes of another one, but those that it keeps."""
+    own = {id: one for id, one in other.attributes.items() if id in kept}
+    other.attributes = {**{id: one for id, one in origin.attributes.items() if id not in kept}, **own}
 
 
 PLANETARY = StageForm((STAGE,), read_set, write_set)
