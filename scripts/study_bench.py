@@ -88,12 +88,12 @@ def overhead() -> float:
     """Seconds that Dask takes for a task: TASKS of them without work, on two workers."""
     from distributed import LocalCluster
 
-    from gearmesh.study.runners import on_dask
+    from gearmesh.study.runners import Scheduler, on_dask
 
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
-        list(on_dask(nothing, [(k, []) for k in range(20)], cluster.scheduler_address))
+        list(on_dask(nothing, [(k, []) for k in range(20)], Scheduler(cluster.scheduler_address)))
         started = time.perf_counter()
-        list(on_dask(nothing, [(k, []) for k in range(TASKS)], cluster.scheduler_address))
+        list(on_dask(nothing, [(k, []) for k in range(TASKS)], Scheduler(cluster.scheduler_address)))
         return (time.perf_counter() - started) / TASKS
 
 

@@ -781,6 +781,7 @@ class Gears(ModelledGears):
         folder: str | PathLike[str] | None = None,
         workers: int | None = None,
         scheduler: str | None = None,
+        tls: Mapping[str, str | PathLike[str]] | None = None,
         pair: int | str = 0,
         progress: Progress | None = None,
     ) -> Study:
@@ -813,6 +814,9 @@ class Gears(ModelledGears):
             `if __name__ == "__main__"`).
         scheduler : str, optional
             Address of a Dask scheduler, whose workers do it.
+        tls : mapping of str to str or os.PathLike, optional
+            Files "ca_file", "client_cert" and "client_key" for a scheduler at "tls://..."; by default those of the configuration
+            of Dask.
         pair : int or str
             Number of the mesh, or its members as "sun-planet_1".
         progress : callable, optional
@@ -838,12 +842,16 @@ class Gears(ModelledGears):
         >>> len(study.numbers("assembly.dx"))
         3
         """
+        from gearmesh.study.runners import Scheduler
         from gearmesh.study.study import plan_of, run_study, work_and_nominal
 
+        if tls is not None and scheduler is None:
+            raise ArgumentError("tls", reason="needs a scheduler")
         plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed, pair)
         torques = None if torque is None else number_list("torque", torque, "Nm").tolist()
         work, nominal = work_and_nominal(self.design, plan.keys, pair, record, torques)
-        return run_study(self.design, plan, work, nominal, limits, folder, workers, scheduler, progress)
+        cluster = None if scheduler is None else Scheduler(scheduler, tls)
+        return run_study(self.design, plan, work, nominal, limits, folder, workers, cluster, progress)
 
     def largest_errors(
         self,

@@ -1,6 +1,7 @@
 """The command line. Commands load what they need when they run, so that `--help` and `describe` answer at once.
 
-Exit statuses: 0 done, 2 bad input or output, 3 no solution, 130 stopped by Ctrl-C; failures are one line on standard error.
+Exit statuses: 0 done, 2 bad input or output, 3 no solution, 130 stopped by Ctrl-C, 143 by SIGTERM; failures are one line on
+standard error.
 """
 
 from __future__ import annotations
@@ -106,12 +107,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(_no_command(given[0]), 2)
     # of the one that is asked for alone the module is loaded
     names = [given[0]] if given and given[0] in COMMANDS else [*COMMANDS]
+    stopping = Stopping()
     try:
-        with Stopping() as stopping:
+        with stopping:
             status = _group(names).main(args=given, prog_name="gearmesh", standalone_mode=False)
             sys.stdout.flush()
         if status == INTERRUPTED or stopping.asked:
-            return _fail(_interruption(), INTERRUPTED)
+            return _fail(_interruption(), stopping.status)
     except GearmeshError as error:
         return _fail(str(error), error.exit_status)
     except _UsageError as error:
@@ -119,7 +121,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         said = error.format_message().rstrip(".").replace("Value error, ", "")
         return _fail(f"{said} (see {where} --help)", 2)
     except (typer.Abort, KeyboardInterrupt):
-        return _fail(_interruption(), INTERRUPTED)
+        return _fail(_interruption(), stopping.status)
     except BrokenPipeError:
         _drop_output()
         return 1

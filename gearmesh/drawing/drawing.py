@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -16,6 +15,7 @@ from gearmesh.drawing.paper import scale_name
 from gearmesh.drawing.views import views_of
 from gearmesh.errors import OutputError
 from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.picture import saved_bytes
 
 #: suffixes of the files that hold drawings
 SUFFIXES = (".pdf", ".svg", ".png")
@@ -77,8 +77,7 @@ class WorkshopDrawing:
         return target
 
     def _repr_png_(self) -> bytes:
-        with tempfile.TemporaryDirectory() as folder:
-            return self.save(Path(folder) / "drawing.png").read_bytes()
+        return saved_bytes(self.save, "drawing.png")
 
     def __dir__(self) -> list[Any]:
         return ["member", "page", "save", "scale", "sheet", "texts"]

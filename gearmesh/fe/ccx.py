@@ -9,7 +9,6 @@ import os
 import re
 import shutil
 import subprocess
-import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.fe.decks.inp import reference_nodes, write_calculix
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.fe.results import ContactTotal, NodalSolution, ReferenceNode
+from gearmesh.io.atomic import scratch_folder
 from gearmesh.kernel.numeric.algebra import Array
 
 #: environment variable that names the program where `ccx` is not on the PATH
@@ -54,8 +54,7 @@ def solve(model: Model, progress: Progress | None = None, threads: int | None = 
     contact can hold do not touch at the start.
     """
     executable = program()
-    with tempfile.TemporaryDirectory(prefix="gearmesh-") as name:
-        folder = Path(name)
+    with scratch_folder() as folder:
         write_calculix(model, folder / f"{_JOB}.inp")
         loose = bool(model.contacts) and any(_loose(tie) for tie in model.ties)
         run(executable, folder, progress, threads, must_touch=loose)

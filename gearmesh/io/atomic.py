@@ -17,13 +17,15 @@ import re
 import secrets
 import shutil
 import socket
+import tempfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from copy import copy
 from functools import cache
 from pathlib import Path
 
-from gearmesh.errors import OutputError
+from gearmesh.errors import GearmeshError, OutputError
 
 PathLike = str | os.PathLike[str]
 
@@ -31,6 +33,8 @@ PathLike = str | os.PathLike[str]
 _TEMPORARY = re.compile(r"\.gearmesh-([0-9a-f]{8})-([0-9]{1,10})-[0-9a-f]{12}(?:-was-(.+)|\..*)?", re.DOTALL)
 
 
+#: what a file in a scratch folder is called in messages
+SCRATCH = "a temporary file"
 #: files and folders that this process has written whole, in their order
 _written: list[Path] = []
 
@@ -56,7 +60,7 @@ def whole_file(path: PathLike) -> Iterator[Path]:
     target = Path(os.path.realpath(path))
     temporary = _temporary_beside(target, target.suffix)
     try:
-        with _report_errors(path):
+        with _report_errors(path, temporary):
             _refuse_unless_file(path, target)
             _remove_leftovers(target.parent)
             os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
@@ -81,7 +85,7 @@ def whole_folder(path: PathLike, suffix: str) -> Iterator[Path]:
     target = Path(os.path.realpath(path))
     temporary, retired = _temporary_beside(target, target.suffix), _temporary_beside(target, f"-was-{target.name}")
     try:
-        with _report_errors(path):
+        with _report_errors(path, temporary):
             _remove_leftovers(target.parent)
             _refuse_unless_replaceable(path, target, suffix)
             temporary.mkdir()
@@ -107,7 +111,7 @@ def files_together(path: PathLike) -> Iterator[Path]:
     temporary, known = target / _temporary_beside(target / "files", "").name, len(_written)
     made: list[Path] = []
     try:
-        with _report_errors(path):
+        with _report_errors(path, temporary):
             made = _make_folder(target)
             _remove_leftovers(target)
             temporary.mkdir()
@@ -174,15 +178,43 @@ def whole_text(path: PathLike, text: str) -> None:
 
 
 @contextmanager
-def _report_errors(path: PathLike) -> Iterator[None]:
-    """Turn an OSError into an OutputError naming `path` as the caller wrote it."""
+def scratch_folder() -> Iterator[Path]:
+    """Context giving a folder that is removed at the end; failures to write in it are OutputErrors that do not name it."""
+    with tempfile.TemporaryDirectory(prefix="gearmesh-") as name:
+        try:
+            yield Path(name)
+        except OSError as error:
+            if name not in str(error):
+                raise
+            raise OutputError("cannot write", SCRATCH, reason=error.strerror or "it failed") from error
+        except GearmeshError as failure:
+            raise _renamed(failure, name, SCRATCH) from failure
+
+
+@contextmanager
+def _report_errors(path: PathLike, temporary: Path) -> Iterator[None]:
+    """Turn an OSError into an OutputError naming `path` as the caller wrote it, never the temporary file."""
     try:
         yield
     except OSError as error:
         folder = os.path.dirname(os.path.abspath(path))
         missing = isinstance(error, FileNotFoundError) and not os.path.isdir(folder)
-        reason = f"the folder {folder} does not exist" if missing else error.strerror or str(error)
+        told = error.strerror or str(error).replace(str(temporary), os.fspath(path))
+        reason = f"the folder {folder} does not exist" if missing else told
         raise OutputError("cannot write", path, reason=reason) from error
+    except GearmeshError as failure:
+        raise _renamed(failure, str(temporary), os.fspath(path)) from failure
+
+
+def _renamed(failure: GearmeshError, temporary: str, name: str) -> GearmeshError:
+    """The refusal with another name for a temporary file or folder, and for what is in it."""
+    if temporary not in str(failure):
+        return failure
+    made, inside = copy(failure), re.compile(rf"{re.escape(temporary)}[\w./-]*")
+    for own, value in vars(made).items():
+        if isinstance(value, str | Path):
+            setattr(made, own, inside.sub(lambda _: name, str(value)))
+    return made
 
 
 def _temporary_beside(target: Path, end: str) -> Path:

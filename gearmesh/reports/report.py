@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -28,7 +27,7 @@ from gearmesh.design.files import with_version
 from gearmesh.drawing.drawing import WorkshopDrawing, drawing_of
 from gearmesh.errors import NoSolutionError, OutputArgumentError, OutputError
 from gearmesh.files.reading import MIB, file_bytes, read_json
-from gearmesh.io.atomic import whole_text
+from gearmesh.io.atomic import scratch_folder, whole_text
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.study.summary import StudySummary
 from gearmesh.teeth.gear_train import GearTrain
@@ -38,7 +37,7 @@ from gearmesh.view.diagrams.modification_diagrams import is_modified, plot_modif
 from gearmesh.view.diagrams.turns_plot import plot_turns
 from gearmesh.view.load.loaded_pictures import LoadedPictures
 from gearmesh.view.offscreen.letters import Image
-from gearmesh.view.picture import LOADED_VIEWS, Diagram
+from gearmesh.view.picture import LOADED_VIEWS, Diagram, saved_bytes
 from gearmesh.view.render import render
 from gearmesh.view.report import page as pages
 from gearmesh.view.report.card import Card, mesh_card
@@ -273,8 +272,7 @@ def _sections_alone(gears: GearSet) -> list[PageSection]:
 
 
 def _svg(made: WorkshopDrawing) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        return made.save(Path(folder) / "drawing.svg").read_bytes()
+    return saved_bytes(made.save, "drawing.svg")
 
 
 def study_section(folder: Path) -> PageSection:
@@ -302,8 +300,8 @@ def study_section(folder: Path) -> PageSection:
 def plots(gears: GearSet, contacts: Mapping[int, Contact]) -> list[tuple[str, bytes]]:
     """Captions and files of the plots of a page: SVG, and PNG where there are maps, whose contours are long."""
     drawings = []
-    with tempfile.TemporaryDirectory() as name:
-        te, path, maps = (Path(name) / file for file in ("te.svg", "path.png", "maps.png"))
+    with scratch_folder() as folder:
+        te, path, maps = (folder / file for file in ("te.svg", "path.png", "maps.png"))
         for contact in contacts.values():
             of = f", {contact.pair.name}" if len(contacts) > 1 else ""
             rows = pictures.plots(contact, te, path)
@@ -324,11 +322,11 @@ def plots(gears: GearSet, contacts: Mapping[int, Contact]) -> list[tuple[str, by
 def loaded_plots(loaded: Mapping[int, LoadedPictures]) -> list[tuple[str, bytes]]:
     """Captions and files of the figures of contact under torque."""
     drawings = []
-    with tempfile.TemporaryDirectory() as folder:
+    with scratch_folder() as folder:
         for under_torque in loaded.values():
             for view in LOADED_VIEWS[1:]:
                 # maps are pictures anyhow
-                file = Path(folder) / ("maps.png" if view == "loaded_flank" else "curves.svg")
+                file = folder / ("maps.png" if view == "loaded_flank" else "curves.svg")
                 drawn = under_torque.picture(
                     view, dpi=DPI, note=under_torque.contact.pair.name if len(loaded) > 1 else ""
                 )

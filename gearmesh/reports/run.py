@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import json
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from hashlib import file_digest
 from pathlib import Path
 from typing import Any
 
 from numpy.typing import ArrayLike
 
-from gearmesh import io
+from gearmesh import __version__, io
 from gearmesh.answers.bodies.solid import Solid, solid_of
 from gearmesh.answers.check import Check
 from gearmesh.answers.contact.contact import Contact
@@ -22,7 +25,7 @@ from gearmesh.answers.tables import Listing, figures
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.figures import Content
 from gearmesh.files.reading import MIB, is_file, read_json
-from gearmesh.io.atomic import files_together
+from gearmesh.io.atomic import files_together, whole_text
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
 from gearmesh.reports.report import report_page
@@ -37,8 +40,18 @@ from gearmesh.view.render import render
 
 #: the report, which also lists the files that belong to it, and the page beside it
 REPORT, PAGE = "report.json", "report.html"
-#: largest report of an earlier run that is read, bytes
-LARGEST = 64 * MIB
+#: the files that a run has written, with their digests: what the next run into the folder may remove
+MANIFEST = ".gearmesh-run.json"
+_MEMBER = r"(?:pinion|gear|rack|sun|ring|worm|wheel|planet(?:_\d+)?)"
+#: names of the files of a run, those of a mesh behind its members' names; no other file is ever removed
+RUN_FILE = re.compile(
+    rf"(?:{_MEMBER}_){{0,2}}(?:(?:contact|loaded)\.json|contact\.csv|(?:transmission_error|path_of_contact|flank|contact|pattern|gap"
+    rf"|loaded|loaded_(?:flank|te|share|stress|pair)|modifications)\.png)|(?:sheet|limits)\.json|report\.html|pair\.(?:vtm|png)"
+    rf"|{_MEMBER}\.(?:stl|png)",
+    re.ASCII,
+)
+#: largest manifest that is read, bytes
+LARGEST = MIB
 
 
 @dataclass(frozen=True, repr=False)
@@ -154,11 +167,13 @@ class RunFolder:
         return f"{pair.pinion.name}_{pair.gear.name}_" if self.several else ""
 
     def finish(self, report: Callable[[tuple[Path, ...]], Report]) -> Report:
-        """Write the report of all files, which is made of their final paths."""
+        """Write the report of all files, which is made of their final paths, and the manifest."""
         written = report(
             tuple(self.target / file.relative_to(self.folder) for file in (*self.files, self.folder / REPORT))
         )
         written.save(self.folder / REPORT, timing=self.timing)
+        manifest = {"gearmesh": __version__, "sha256": _digests(self.files)}
+        whole_text(self.folder / MANIFEST, json.dumps(manifest, indent=2) + "\n")
         return written
 
     @property
@@ -237,7 +252,7 @@ def run(
 
     With a `torque` or several (Nm) on the pinion of the first mesh loaded contact, too, of every mesh that differs.
     The files appear together: where any cannot be had, none is written, and those of an earlier run stay. Files of an earlier
-    run that this one does not write are removed: those that its report lists. Raises NoSolutionError where no position has contact.
+    run that this one does not write are removed: those that its manifest lists. Raises NoSolutionError where no position has contact.
     """
     if gears.pairs or torque is not None:
         gears.train.pair(0)
@@ -326,10 +341,24 @@ def _solve(
 
 
 def _listed_files(folder: Path) -> set[str]:
-    """Names of the files in the folder that the report of an earlier run lists."""
+    """Names of the files in the folder that an earlier run wrote and nobody has changed: those that its manifest lists, whose names
+    are those of a run's files, and whose bytes are what the manifest says."""
     try:
-        names = read_json(folder / REPORT, LARGEST, error=OutputError)["files"]
+        digests = read_json(folder / MANIFEST, LARGEST, error=OutputError)["sha256"]
     except (OutputError, KeyError, TypeError):
         return set()
-    known = names if isinstance(names, list) else []
-    return {name for name in known if isinstance(name, str) and Path(name).name == name and is_file(folder / name)}
+    files = [
+        folder / name
+        for name in (digests if isinstance(digests, dict) else {})
+        if RUN_FILE.fullmatch(name) and is_file(folder / name) and not (folder / name).is_symlink()
+    ]
+    return {name for name, digest in _digests(files).items() if digest == digests[name]}
+
+
+def _digests(files: Iterable[Path]) -> dict[str, str]:
+    """SHA-256 of files by their names."""
+    digests = {}
+    for path in filter(is_file, files):
+        with open(path, "rb") as file:
+            digests[path.name] = file_digest(file, "sha256").hexdigest()
+    return digests

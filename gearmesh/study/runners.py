@@ -6,11 +6,13 @@ Which rows are a chunk is the plan's to say, not the workers', so that numbers d
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from gearmesh.errors import OutputArgumentError, OutputError
+from gearmesh.errors import ArgumentError, OutputArgumentError, OutputError
+from gearmesh.files.reading import is_file
 
 T = TypeVar("T")
 Work = Callable[[list[Any]], T]
@@ -21,6 +23,8 @@ Chunk = tuple[int, list[Any]]
 AHEAD = 3
 #: how often a chunk whose worker died is given to another
 RETRIES = 3
+#: files of TLS settings, and their names in Dask
+TLS = {"ca_file": "tls_ca_file", "client_cert": "tls_client_cert", "client_key": "tls_client_key"}
 #: seconds to wait for a scheduler
 PATIENCE = 10
 
@@ -109,15 +113,48 @@ def _end_with_parent() -> None:
     Thread(target=watch, daemon=True).start()
 
 
-def on_dask(work: Work[T], chunks: Iterable[Chunk], address: str) -> Iterator[tuple[int, T]]:
+@dataclass(frozen=True)
+class Scheduler:
+    """The address of a Dask scheduler, and the files of its TLS settings by their names in TLS.
+
+    Without files those count that the configuration of Dask has (distributed.comm.tls).
+    """
+
+    address: str
+    tls: Mapping[str, str | os.PathLike[str]] | None = None
+
+    def __post_init__(self) -> None:
+        if self.tls is None:
+            return
+        wrong = {*self.tls} ^ {*TLS}
+        if wrong:
+            raise ArgumentError(
+                "tls", entry=min(wrong), reason="missing or unknown", must_be=f"all of {', '.join(TLS)}"
+            )
+        if not self.address.startswith("tls://"):
+            raise ArgumentError("scheduler", self.address, must_be="an address that begins with tls://, to go with tls")
+        for name, file in self.tls.items():
+            if not is_file(file):
+                raise ArgumentError("tls", file, entry=name, reason="there is no such file")
+
+    def security(self, distributed: Any) -> Any:
+        """The settings as Dask takes them, None for those of its configuration."""
+        if self.tls is None:
+            return None
+        files = {TLS[name]: os.fspath(file) for name, file in self.tls.items()}
+        return distributed.Security(require_encryption=True, **files)
+
+
+def on_dask(work: Work[T], chunks: Iterable[Chunk], scheduler: Scheduler) -> Iterator[tuple[int, T]]:
     """Chunks on the workers of a Dask scheduler, as they are finished; those of a worker that dies go to another.
 
     Raises OutputError where Dask is not installed, no scheduler answers, or a chunk has killed several workers.
     """
-    distributed = require_dask()
+    distributed, address = require_dask(), scheduler.address
     try:
-        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TimeoutError) as error:
+        security = scheduler.security(distributed)
+        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False, security=security)
+    except (OSError, ValueError, TimeoutError, TypeError, RuntimeError) as error:
         raise OutputArgumentError(
             "scheduler", address, reason=f"no Dask scheduler answers there ({_words(error)})"
         ) from None

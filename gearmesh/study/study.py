@@ -46,7 +46,7 @@ from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
 
 if TYPE_CHECKING:
-    from gearmesh.study.runners import Chunk
+    from gearmesh.study.runners import Chunk, Scheduler
 
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
 Progress = Callable[[float, str], None]
@@ -286,7 +286,7 @@ def run_study(
     limits: Sequence[str],
     folder: str | PathLike[str] | None,
     workers: int | None,
-    scheduler: str | None,
+    scheduler: Scheduler | None,
     progress: Progress | None,
 ) -> Study:
     """All rows of a plan, as `Gears.study` says."""
@@ -456,7 +456,7 @@ def _work(
     plan: Plan,
     work: StudyWork,
     workers: int | None,
-    scheduler: str | None,
+    scheduler: Scheduler | None,
     progress: Progress | None,
 ) -> None:
     """All chunks that are not done yet."""

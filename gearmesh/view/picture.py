@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
@@ -11,6 +10,7 @@ from typing import Any
 
 from gearmesh.deprecated import Deprecated
 from gearmesh.errors import OutputError
+from gearmesh.io.atomic import scratch_folder
 from gearmesh.view.scene import Scene
 
 #: what a picture of gears can show, and those views that are figures on paper
@@ -18,6 +18,12 @@ FIGURES = ("flank", "sliding", "zone", "te", "backlash", "turns")
 VIEWS = ("contact", "pattern", "gap", "pair", "section", "tool", "contact_lines", *FIGURES)
 #: what pictures of loaded contact show; all but the first are figures on paper
 LOADED_VIEWS = ("loaded", "loaded_flank", "loaded_te", "loaded_share", "loaded_stress", "loaded_pair")
+
+
+def saved_bytes(save: Callable[[Path], Path], name: str) -> bytes:
+    """What `save` writes to a file of such a name."""
+    with scratch_folder() as folder:
+        return save(folder / name).read_bytes()
 
 
 @dataclass(frozen=True, repr=False)
@@ -67,8 +73,7 @@ class Picture:
         return target
 
     def _repr_png_(self) -> bytes:
-        with tempfile.TemporaryDirectory() as folder:
-            return self.save(Path(folder) / "picture.png").read_bytes()
+        return saved_bytes(self.save, "picture.png")
 
     def __dir__(self) -> list[Any]:
         return ["save", "scene"]
@@ -111,8 +116,7 @@ class Diagram:
         return Path(path)
 
     def _repr_png_(self) -> bytes:
-        with tempfile.TemporaryDirectory() as folder:
-            return self.save(Path(folder) / "diagram.png").read_bytes()
+        return saved_bytes(self.save, "diagram.png")
 
     def __dir__(self) -> list[Any]:
         return ["save", "title"]

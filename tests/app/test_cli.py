@@ -7,6 +7,7 @@ import io
 import json
 import math
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -778,3 +779,43 @@ def test_a_stop_that_is_dropped_is_none_the_less_a_stop(place: str, goes_on: str
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (130, goes_on)
     assert done.stderr == "gearmesh: error: stopped: no file was written\n"
+
+
+#: a command that begins a file and a folder, says so, and waits for the signal as long as it takes
+WRITES = """
+import sys, time
+from pathlib import Path
+from types import SimpleNamespace
+from gearmesh.app import cli
+from gearmesh.io.atomic import scratch_folder, whole_file, whole_folder
+
+def work():
+    with scratch_folder() as scratch, whole_file("a.stl") as file, whole_folder("pieces", ".vtp") as folder:
+        for path in (scratch / "x", file, folder / "y.vtp"):
+            path.write_text("half")
+        print(scratch, flush=True)
+        while True:
+            time.sleep(0.01)
+
+cli._group = lambda names: SimpleNamespace(main=lambda **_: work())
+sys.exit(cli.main(["tca"]))
+"""
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_signals_end_a_command_as_ctrl_c_does(tmp_path: Path, number: int, status: int) -> None:
+    """One line, its own exit status, and nothing is left: neither beside the target nor in the system's temporary folder."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    # of a job under nohup the signal is ignored
+    begin = f"import signal; signal.signal({int(number)}, signal.SIG_DFL)\n"
+    with subprocess.Popen([sys.executable, "-c", begin + WRITES], cwd=tmp_path, env=environment, **pipes) as process:
+        assert process.stdout is not None
+        scratch = Path(process.stdout.readline().strip())
+        assert scratch.exists()
+        process.send_signal(number)
+        _, said = process.communicate()
+    assert (process.returncode, said) == (status, "gearmesh: error: stopped: no file was written\n")
+    assert list(tmp_path.iterdir()) == []
+    assert not scratch.exists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -69,7 +70,8 @@ def killed(out: Path, kept: int, *more: str) -> list[int]:
 
 
 @pytest.mark.sweep
-def test_stopped_it_ends_at_once_with_one_line(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_stopped_it_ends_at_once_with_one_line(tmp_path: Path, number: int, status: int) -> None:
     """Ctrl-C goes to all processes of a terminal: even while the workers load they say nothing of their own, and nobody waits for
     what they have in work."""
     out = tmp_path / "out"
@@ -84,9 +86,9 @@ def test_stopped_it_ends_at_once_with_one_line(tmp_path: Path) -> None:
             assert process.poll() is None
             assert time.monotonic() < until
             time.sleep(0.005)
-        os.killpg(process.pid, signal.SIGINT)
+        os.killpg(process.pid, number)
         _, said = process.communicate(timeout=60.0)
-    assert process.returncode == 130
+    assert process.returncode == status
     assert said.splitlines() == [f"gearmesh: error: stopped: kept in {out}, each of them whole: plan.json"]
     assert [own for own in begun if alive(int(own))] == []
 
@@ -226,6 +228,77 @@ def test_a_scheduler_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch)
     assert "--scheduler = tcp://127.0.0.1:9: no Dask scheduler answers there" in refused(
         *WORDS, "--scheduler", "tcp://127.0.0.1:9"
     )
+
+
+def certificates(folder: Path) -> dict[str, Path]:
+    """Files of an authority and of a certificate that it has signed."""
+    if shutil.which("openssl") is None:
+        pytest.skip("openssl")
+
+    def openssl(*words: str) -> None:
+        subprocess.run(["openssl", *words], cwd=folder, check=True, capture_output=True)
+
+    key = ["-newkey", "rsa:2048", "-nodes"]
+    openssl("req", "-x509", *key, "-keyout", "ca.key", "-out", "ca.pem", "-subj", "/CN=authority", "-days", "2")
+    openssl("req", *key, "-keyout", "own.key", "-out", "own.csr", "-subj", "/CN=own")
+    openssl("x509", "-req", "-in", "own.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-out", "own.pem", "-days", "2")
+    return {"ca_file": folder / "ca.pem", "client_cert": folder / "own.pem", "client_key": folder / "own.key"}
+
+
+@pytest.mark.sweep
+def test_a_scheduler_with_tls_takes_clients_of_its_authority_alone(
+    whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr("gearmesh.study.runners.PATIENCE", 5)
+    (tmp_path / "other").mkdir()
+    own, other = certificates(tmp_path), certificates(tmp_path / "other")
+    security = distributed.Security(
+        require_encryption=True,
+        tls_ca_file=str(own["ca_file"]),
+        **{
+            f"tls_{who}_{of}": str(own[f"client_{of}"])
+            for who in ("scheduler", "worker", "client")
+            for of in ("cert", "key")
+        },
+    )
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, protocol="tls", security=security
+    ) as cluster:
+        address = ["--scheduler", cluster.scheduler_address]
+        files = {name: [f"--tls-{name.replace('_', '-')}", str(file)] for name, file in own.items()}
+        options = [word for pair in files.values() for word in pair]
+        status, _, told = run(*WORDS, *address, *options, "-o", tmp_path / "out")
+        assert status == 0, told
+        wrong = [word for name, file in other.items() for word in (f"--tls-{name.replace('_', '-')}", str(file))]
+        for refused_options in (wrong, []):
+            assert "no Dask scheduler answers there" in refused(*WORDS, *address, *refused_options)
+    assert (tmp_path / "out" / "study.csv").read_bytes() == (whole / "study.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--tls-ca-file", "ca.pem"], "--tls-client-cert: missing; TLS needs all three files"),
+        (["--tls-ca-file", "a", "--tls-client-cert", "b", "--tls-client-key", "c"], "a: cannot be read: No such file"),
+    ],
+)
+def test_settings_of_tls_are_complete(options: list[str], message: str) -> None:
+    assert refused(*WORDS, "--scheduler", "tls://127.0.0.1:9", *options).startswith(message)
+
+
+def test_settings_of_tls_go_with_an_address_of_tls(tmp_path: Path) -> None:
+    file = tmp_path / "x.pem"
+    file.write_text("x")
+    gears, tls = gm.build(gm.load(CROSSED)), dict.fromkeys(("ca_file", "client_cert", "client_key"), file)
+    with pytest.raises(gm.DesignError, match=r"^scheduler = tcp://a:1: must be an address that begins with tls://"):
+        gears.study({"assembly.dx": [0.0]}, record="path", scheduler="tcp://a:1", tls=tls)
+    with pytest.raises(gm.DesignError, match=r"^tls: needs a scheduler$"):
+        gears.study({"assembly.dx": [0.0]}, record="path", tls=tls)
+    with pytest.raises(gm.DesignError, match=r"^tls client_key: missing or unknown; must be all of ca_file, "):
+        gears.study(
+            {"assembly.dx": [0.0]}, record="path", scheduler="tls://a:1", tls={"ca_file": file, "client_cert": file}
+        )
 
 
 @pytest.mark.sweep

@@ -218,6 +218,9 @@ def test_every_format_has_the_same_positions(tmp_path: Path) -> None:
     assert max(map(len, head)) <= 72
     radius, tips, axes, rapid = positions(cls)
     table = np.genfromtxt(answer.save(tmp_path / "path.csv"), delimiter=",", names=True)
+    # the head says which point x, y, z is, and in which unit
+    for axis in "xyz":
+        assert np.array_equal(table[f"tip_{axis}_mm"], table[axis])
     assert np.array_equal(table["x"], tips[:, 0])
     assert np.array_equal(table["rapid"] == 1.0, rapid)
     # both halves, all spaces: the same turned, and seen in the mirror

@@ -28,8 +28,10 @@ FLANKS, SURFACES, FEEDS = ("right", "left", "both"), ("all", "flanks"), (ZIGZAG,
 SCALLOPS, ANGLES, RATES, FEED = (1e-4, 1.0), (-85.0, 85.0), (1e-3, 1e6), 500.0
 #: largest part of the scallop that chords may take
 CHORD = 0.5
+#: columns that say which point x, y and z are, and in which unit: the lowest point of the ball
+TIPS = ("tip_x_mm", "tip_y_mm", "tip_z_mm")
 #: what a CSV has of every position
-COLUMNS = ("space", "pass", "rapid", "x", "y", "z", "i", "j", "k", "contact_x", "contact_y", "contact_z")
+COLUMNS = ("space", "pass", "rapid", "x", "y", "z", "i", "j", "k", "contact_x", "contact_y", "contact_z", *TIPS)
 
 
 @dataclass(frozen=True)
@@ -171,8 +173,9 @@ class ToolPathAnswer(Result):
         Returns
         -------
         dict of str to list
-            Number of space and pass from 1, whether the way there is rapid, the tool's tip x, y, z (mm) and unit axis i,
-            j, k, and the point of contact, NaN where there is none.
+            Number of space and pass from 1, whether the way there is rapid, the tool's tip x, y, z (mm), the lowest point of the
+            ball, and unit axis i, j, k, the point of contact (mm), NaN where there is none, and the tip again as tip_x_mm,
+            tip_y_mm, tip_z_mm.
 
         Examples
         --------
@@ -182,7 +185,7 @@ class ToolPathAnswer(Result):
         """
         motion = self.motion
         numbers = [motion.space + 1, motion.number + 1, motion.rapid]
-        vectors = np.concatenate((motion.tips, motion.axes, motion.contacts), axis=1).T
+        vectors = np.concatenate((motion.tips, motion.axes, motion.contacts, motion.tips), axis=1).T
         return {name: column.tolist() for name, column in zip(COLUMNS, (*numbers, *vectors), strict=True)}
 
     def _write(self, target: Path) -> None:

@@ -72,7 +72,9 @@ class CycleSummary(Figures):
     pairs_in_contact: list[int] | None = figure(
         "least and most tooth pairs with surface contact", optional=True, whole=True
     )
-    engagement_phi1: list[float] = figure("rotation of the pinion at which a tooth pair begins and ends contact", "deg")
+    engagement_phi1: list[float] = figure(
+        "rotation of the pinion at which a tooth pair begins and ends contact, edge contact included", "deg"
+    )
     mesh_te_peak_to_peak: float = figure("transmission error of the gears, peak to peak over the mesh cycle", "arcsec")
     mesh_te_harmonics: list[float] = figure(
         "amplitude of the harmonics of the mesh frequency in the transmission error",

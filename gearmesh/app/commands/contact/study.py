@@ -11,6 +11,7 @@ import typer
 from gearmesh.app.options import DesignFile, Json, Pair, Set, chosen_pair, load_gears, torques_in_nm
 from gearmesh.app.terminal import Progress, output_folder, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
+from gearmesh.files.reading import refuse_missing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -99,7 +100,22 @@ def study(
         ),
     ] = None,
     scheduler: Annotated[
-        str | None, typer.Option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, as tcp://host:8786.")
+        str | None,
+        typer.Option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="A Dask scheduler, as tcp://host:8786, or tls://host:8786 with the three files below or those of Dask's own "
+            "configuration.",
+        ),
+    ] = None,
+    tls_ca_file: Annotated[
+        Path | None, typer.Option("--tls-ca-file", metavar="FILE", help="Certificate of the authority, PEM.")
+    ] = None,
+    tls_client_cert: Annotated[
+        Path | None, typer.Option("--tls-client-cert", metavar="FILE", help="Certificate of this client, PEM.")
+    ] = None,
+    tls_client_key: Annotated[
+        Path | None, typer.Option("--tls-client-key", metavar="FILE", help="Its private key, PEM.")
     ] = None,
     parquet: Annotated[
         bool | None,
@@ -131,6 +147,13 @@ def study(
                 raise ArgumentError("find_limits", reason=why)
         _find(gears, find_limits, limit or ["contact_ratio>1"], torques, mesh, json_file)
         return
+    files = {"ca_file": tls_ca_file, "client_cert": tls_client_cert, "client_key": tls_client_key}
+    tls = {name: file for name, file in files.items() if file is not None} or None
+    for name in files if tls else ():
+        if files[name] is None:
+            raise ArgumentError(f"tls_{name}", reason="missing; TLS needs all three files")
+    for file in (tls or {}).values():
+        refuse_missing(file)
     if parquet:
         from gearmesh.study.table import require_pyarrow
 
@@ -148,6 +171,7 @@ def study(
             folder=output,
             workers=workers,
             scheduler=scheduler,
+            tls=tls,
             pair=mesh,
             progress=_at_times(progress),
         )
