@@ -28,6 +28,8 @@ C = TypeVar("C", bound=type)
 SHOWN = 60
 #: types of values that are no arrays of numbers, whatever they hold
 NO_ARRAYS = (str, bytes, set, frozenset, dict)
+#: units of arguments that are numbers, one or several
+UNITS = {"phi1": "deg", "torque": "Nm"}
 #: mark of classes that stand for a name in an annotation
 _NAME = "_stands_for"
 
@@ -69,6 +71,8 @@ def _refuse(name: str, hint: Any, value: Any, remedy: str) -> None:
         words = list(dict.fromkeys(_words(fault.hint)))
         # a path may be a text
         must_be = " or ".join(word for word in words if word != _WORDS[str] or _WORDS["PathLike"] not in words)
+        if name in UNITS:
+            must_be = must_be.replace(_WORDS["ArrayLike"], f"a number in {UNITS[name]}, or several")
         shown = _short_text(fault.value)
         raise ArgumentError(name, fault.value, entry=fault.entry, shown=shown, must_be=must_be, remedy=remedy)
 
@@ -76,7 +80,9 @@ def _refuse(name: str, hint: Any, value: Any, remedy: str) -> None:
 def _short_text(value: Any) -> str:
     """A value in one short line."""
     try:
-        text = " ".join(repr(value).split())
+        text = (
+            value if isinstance(value, str) and value.isprintable() and value.strip() else " ".join(repr(value).split())
+        )
     except Exception:  # of a class that cannot be shown
         text = f"<{type(value).__name__}>"
     return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
@@ -227,7 +233,7 @@ _WORDS: dict[Any, str] = {
     None: "None",
     types.NoneType: "None",
     "ArrayLike": "a number or an array of real numbers",
-    "Length": "a length in mm, or a text with its unit, as 10um",
+    "Length": "a length as 5, 10um or 0.1in",
     "Progress": "a function of a share and a text",
     "PathLike": "a path",
     abc.Callable: "a function",

@@ -418,11 +418,11 @@ class Gears(ModelledGears):
         >>> all(verdict.ok for verdict in gears.check(0.05).verdicts)
         True
         """
-        chosen = self.train.different if pair is None else (pair,)
+        allowed, chosen = self.within(tolerance), self.train.different if pair is None else (pair,)
         with part(0.0, 0.2):
             contacts = {k: self.contact(pair=k) for k in in_turn(chosen)}
         with part(0.2, 0.6):
-            solids = {name: self.solid(name, tolerance) for name in in_turn(self.members)}
+            solids = {name: self.solid(name, allowed) for name in in_turn(self.members)}
         return self.check_solved(contacts, solids)
 
     def roll(self, contact: Contact) -> RollTest:

@@ -137,7 +137,7 @@ def test_wrong_arguments_are_refused_or_give_a_result(gears: gm.Gears, verb: str
             "values = [[1, 2], [1]]: must be a number or an ",
         ),
         (lambda g: g.with_deviations("pinion", "left", 1j * np.ones((3, 3))), "values = array([[0.+1.j, 0.+1.j"),
-        (lambda g: g.contact(torque="5"), "torque = '5': must be a number or None"),
+        (lambda g: g.contact(torque="5"), "torque = 5: must be a number or None"),
         (lambda g: g.animation(size=(1, 2, 3)), "size = (1, 2, 3): must be 2 whole numbers"),
         (lambda g: g.loaded_contact(5, mounts={"pinion": 3}), "mounts pinion = 3: must be a FlexibleMount"),
         (lambda g: g.roll(g.design), "contact = "),

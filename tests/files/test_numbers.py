@@ -197,7 +197,7 @@ def test_a_wrong_way_in_names_the_right_one() -> None:
     with pytest.raises(DesignError, match=r"^path = .*: must be a path: gm.parse makes a design of a mapping$"):
         gm.load({"kind": "cylindrical"})  # type: ignore[arg-type]
     with pytest.raises(
-        DesignError, match=r"^mapping = 'a.toml': must be a mapping of texts to values: gm.load reads files$"
+        DesignError, match=r"^mapping = a.toml: must be a mapping of texts to values: gm.load reads files$"
     ):
         gm.parse("a.toml")  # type: ignore[arg-type]
 

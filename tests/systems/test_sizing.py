@@ -137,7 +137,7 @@ def test_the_command_writes_the_design_that_is_chosen(tmp_path: Path) -> None:
         ("--module 0", "--module = 0: must be from 0.01 to 100"),
         ("--module x", "--module = x: must be a length as 64mm or 2.5in"),
         ("--helix 20:10", "--helix = 20 to 10: the first must not be above the second"),
-        ("--helix 10:nan", "--helix = nan: must be from 0 to 45"),
+        ("--helix 10:nan", "--helix = 10:nan: must be a number, or two as LOW:HIGH"),
         ("--shifts low", "--shifts = low: must be a number, or two as LOW:HIGH"),
         (
             "--ratio 1 --internal",
