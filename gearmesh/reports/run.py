@@ -252,7 +252,7 @@ def run(
 
     With a `torque` or several (Nm) on the pinion of the first mesh loaded contact, too, of every mesh that differs.
     The files appear together: where any cannot be had, none is written, and those of an earlier run stay. Files of an earlier
-    run that this one does not write are removed: those that its manifest lists. Raises NoSolutionError where no position has contact.
+    run that this one does not write are removed: those that its manifest lists. Raises NoSolutionError where nothing touches.
     """
     if gears.pairs or torque is not None:
         gears.train.pair(0)
