@@ -188,7 +188,7 @@ def scratch_folder() -> Iterator[Path]:
                 raise
             raise OutputError("cannot write", SCRATCH, reason=error.strerror or "it failed") from error
         except GearmeshError as failure:
-            raise _renamed(failure, name, SCRATCH) from failure
+            raise _with_other_name(failure, name, SCRATCH) from failure
 
 
 @contextmanager
@@ -203,10 +203,10 @@ def _report_errors(path: PathLike, temporary: Path) -> Iterator[None]:
         reason = f"the folder {folder} does not exist" if missing else told
         raise OutputError("cannot write", path, reason=reason) from error
     except GearmeshError as failure:
-        raise _renamed(failure, str(temporary), os.fspath(path)) from failure
+        raise _with_other_name(failure, str(temporary), os.fspath(path)) from failure
 
 
-def _renamed(failure: GearmeshError, temporary: str, name: str) -> GearmeshError:
+def _with_other_name(failure: GearmeshError, temporary: str, name: str) -> GearmeshError:
     """The refusal with another name for a temporary file or folder, and for what is in it."""
     if temporary not in str(failure):
         return failure
