@@ -309,6 +309,6 @@ _ADVICE = {
     Status.SINGULAR: "the surfaces touch along a line or the surface is undercut here; `gearmesh limits` shows where",
     Status.NOT_FINITE: "the surface is not defined at the parameters reached; reduce the range of phi1",
     Status.STALLED: "start closer to the solution: no step from here comes closer to one",
-    Status.JAMMED: "the teeth overlap here on both sides, tips in fillets or roots: no rotation of the gear is free",
+    Status.JAMMED: "the teeth overlap, tips in fillets, roots or other tips: the gears cannot turn",
     Status.NO_CONTACT: "the trimmed flanks do not meet at this position; reduce the range of phi1 or the assembly errors",
 }

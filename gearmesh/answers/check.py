@@ -24,6 +24,7 @@ from gearmesh.figures import Content, Figures, Summary, at_resolution, figure
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot, spread
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.systems.system import Reserve
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import FLANKS
 
@@ -46,7 +47,7 @@ class Verdict(Figures):
 
     what: str = figure("what was compared")
     value: float = figure("its value")
-    limit: float = figure("limit of the value: a maximum, or a minimum for backlash and clearance")
+    limit: float = figure("limit of the value: a maximum, or a minimum for backlash, clearance and reserves")
     ok: bool = figure("whether the value is within the limit")
 
 
@@ -145,7 +146,8 @@ class Check(Result):
     """Solids of all members with their measured deviation, and the roll test of the pair against the solver.
 
     Of a gear set with several meshes `others` holds what was found of the meshes beside the first, without solids; `mesh` names the
-    members of a mesh; `turns`: the pair over whole turns where no two tooth pairs are alike, and it is known.
+    members of a mesh; `turns`: the pair over whole turns where no two tooth pairs are alike, and it is known; `reserves`: what the
+    mesh has left until its teeth interfere, in closed form.
     """
 
     design: Design
@@ -156,6 +158,7 @@ class Check(Result):
     others: tuple[Check, ...] = ()
     turns: FullTurns | None = None
     mesh: tuple[str, ...] = ()
+    reserves: tuple[Reserve, ...] = ()
 
     @property
     def headline(self) -> str:
@@ -197,6 +200,8 @@ class Check(Result):
             known = bool(np.isfinite(play))
             compared.append(Verdict("fit: least backlash_normal_mm", play, 0.0, known and not play < -NOTHING))
             compared.append(Verdict("fit: interference_um", 1e3 * depth, 0.0, depth == 0.0))
+            collided = max((tips.depth for tips in self.fit.collisions), default=0.0)
+            compared.append(Verdict("fit: tip_collision_um", 1e3 * collided, 0.0, collided == 0.0))
             for name, clearance in zip(self.mesh or self.solids, self.fit.clearances, strict=False):
                 if clearance is not None:
                     apart = clearance.distance
@@ -204,6 +209,8 @@ class Check(Result):
         if self.turns is not None:
             play = float(np.degrees(self.turns.backlash.min()))
             compared.append(Verdict("fit: least turns_backlash_deg", play, 0.0, self.turns.runs_free))
+        for reserve in self.reserves:
+            compared.append(Verdict(f"sheet: {reserve.name}_{reserve.unit}", reserve.value, 0.0, reserve.value >= 0.0))
         for other in self.others:
             compared += [replace(verdict, what=f"{'-'.join(other.mesh)}: {verdict.what}") for verdict in other.verdicts]
         return compared

@@ -187,6 +187,8 @@ class SolvedGears(GearSet):
         if not contacts:
             alone = ", ".join(f"{name}: no mating gear, so nothing is rolled" for name in solids)
             return Check(self.design, solids, RollTest([], ()), (*self.warnings, alone))
+        known = systems.system_of(self.design).reserves
+        reserves = () if known is None else known(self.design, self.train)
         checks = [
             Check(
                 self.design,
@@ -196,8 +198,9 @@ class SolvedGears(GearSet):
                 contact.fit,
                 turns=contact.unlike_turns,
                 mesh=tuple(contact.pair.members),
+                reserves=tuple(reserve for reserve in reserves if reserve.pair == number),
             )
-            for contact in contacts.values()
+            for number, contact in contacts.items()
         ]
         warnings = tuple(dict.fromkeys(line for check in checks for line in check.warnings))
         return replace(checks[0], solids=solids, warnings=warnings, others=tuple(checks[1:]))

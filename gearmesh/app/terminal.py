@@ -178,12 +178,9 @@ def warn(*sources: Iterable[str]) -> None:
         print(f"gearmesh: warning: {one_line(line)}", file=sys.stderr)
 
 
-def require_contact(path: ContactPath, warnings: Iterable[str]) -> None:
-    """NoSolutionError if no position of a contact path has contact, saying where and why; of teeth that are jammed after the
-    warnings, which say what interferes."""
+def require_contact(path: ContactPath) -> None:
+    """NoSolutionError if no position of a contact path has contact, saying where and why."""
     if not path.touching.any():
-        if (path.status == Status.JAMMED).any():
-            warn(warnings)
         raise NoSolutionError(reason=f"no contact at any position: {_nowhere(path)}")
 
 

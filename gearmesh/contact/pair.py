@@ -60,6 +60,8 @@ FACES = 0.6 * np.pi
 STEP = 1e-6
 #: sine of the angle between axes from which on they are skew, not parallel with errors
 SKEW = 0.1
+#: cosine between the rotations of members one of which turns inside the other
+INSIDE = 0.9
 #: largest residual of what counts as solved: mm, and a part of the pinion's largest coordinate, if that is more
 TOLERANCE, ROUNDING = 1e-11, 1e-12
 
@@ -106,6 +108,12 @@ class Pair:
     def wound(self) -> bool:
         """Whether the pinion's tooth goes so far round its axis that only a part of its face is near the gear in any position."""
         return self.pinion.winding > WOUND and self.gear.mount.eccentricity == (0.0, 0.0)
+
+    @cached_property
+    def nested(self) -> bool:
+        """Whether one member turns inside the other, about axes that are nearly parallel."""
+        first, second = (flank.mount.spin for flank in self.flanks)
+        return float(np.min(np.sum(first * second, axis=-1))) > INSIDE
 
     @cached_property
     def length(self) -> float:
@@ -160,12 +168,12 @@ class Pair:
         face the gear: what has gone round to it again does so as another tooth of it."""
         if self.pinion.winding + np.abs(phi1).max(initial=0.0) <= np.pi:
             return np.zeros(np.broadcast_shapes(r.shape[:-1], phi1.shape), dtype=bool)
-        turned = self.pinion.mount.sign * (phi1 - self._facing)
+        turned = self.pinion.mount.sign * (phi1 - self.facing)
         farther: NDArray[np.bool_] = np.abs(self.pinion.azimuth(r) + turned) > np.pi
         return farther
 
     @cached_property
-    def _facing(self) -> float:
+    def facing(self) -> float:
         """Rotation, rad, at which the middle of a thread's flank faces the gear's, 0 where it does so within `FACES` of that: the
         coast flank of a single thread faces it half a turn before or after the driving one."""
         if not self.wound:

@@ -62,12 +62,14 @@ LARGEST = 64 * MIB
 
 @dataclass(frozen=True, repr=False)
 class ReportPage:
-    """A page as HTML text; `skipped` says why it has no pictures, None where it has."""
+    """A page as HTML text; `skipped` says why it has no pictures, None where it has; `stuck`: whether the gears of a mesh are
+    jammed at all positions."""
 
     title: str
     html: str
     warnings: tuple[str, ...] = ()
     skipped: str | None = None
+    stuck: bool = False
 
     def __repr__(self) -> str:
         return f"<ReportPage: {self.title}, {len(self.html.encode()) / 1e6:.2f} MB>"
@@ -118,23 +120,25 @@ def report_page(
     shown; with a `check` its verdicts are in it; `images` (captions and RGB pixels, all gears first) are drawn where they are not
     given; `source` is the design's file, by default the keys that the design sets; `studies` are the folders of finished ones;
     `loaded` is the contact under torque of pairs, by their numbers. Raises OutputError for a folder without a study,
-    NoSolutionError where a pair has no contact at any position.
+    NoSolutionError where a pair that is not jammed has no contact at any position.
     """
     for contact in contacts.values():
-        if not contact.path.touching.any():
+        if not contact.path.touching.any() and not contact.stuck:
             raise NoSolutionError(
                 contact.pair.name,
                 reason="no position has contact; set contact.phi1 to other positions or reduce the assembly errors",
             )
+    # of gears that are jammed at all positions there are figures, but no contact in pictures
+    moving = {k: contact for k, contact in contacts.items() if not contact.stuck}
     members = [StagedMember.of(member, tolerance) for member in gears.members.values()]
     meshes = {member.member.name: member.whole for member in members}
-    overview = _overview(gears, contacts, meshes)
+    overview = _overview(gears, moving, meshes)
     skipped = opengl.missing_opengl_message()
     if images is None:
-        images = [] if skipped else _draw(gears, contacts, members, overview)
+        images = [] if skipped else _draw(gears, moving, members, overview)
     checks = {} if check is None or not contacts else dict(zip(contacts, (check, *check.others), strict=True))
     loads = {} if loaded is None else dict(loaded)
-    staged = [_stage(gears.train, contact, checks.get(k), loads.get(k)) for k, contact in contacts.items()]
+    staged = [_stage(gears.train, contact, checks.get(k), loads.get(k)) for k, contact in moving.items()]
     data = stage(gears.train, members, staged, overview.camera)
     shots = [(caption, _jpeg(image)) for caption, image in images]
     sections = _sections(gears, contacts, check, shots, source, studies, loads)
@@ -157,7 +161,7 @@ def report_page(
         len(warnings),
     )
     html = pages.page(gears.title, summary, card, warnings, data, shots, sections)
-    return ReportPage(gears.title, html, warnings, skipped)
+    return ReportPage(gears.title, html, warnings, skipped, stuck=len(moving) < len(contacts))
 
 
 def _worst(
@@ -184,7 +188,7 @@ def _worst(
 
 def _overview(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[str, TriangleMesh]) -> Scene:
     """All gears, in mesh where they do."""
-    if not contacts:
+    if 0 not in contacts:
         axis = next(iter(gears.members.values())).mount.axis
         return pictures.members_picture(gears.place(meshes), axis, PICTURE_SIZE)
     first = contacts[0]
@@ -252,7 +256,9 @@ def _sections(
     if shots[1:]:
         body = "".join(picture(*shot) for shot in shots[1:])
         sections.append(PageSection("Pictures", f'<div class="pictures">{body}</div>'))
-    if body := "".join(drawing(*plot) for plot in plots(gears, contacts)):
+    if body := "".join(
+        drawing(*plot) for plot in plots(gears, {k: contact for k, contact in contacts.items() if not contact.stuck})
+    ):
         sections.append(PageSection("Plots", body))
     sections += [study_section(folder) for folder in studies]
     sections.append(PageSection("Data sheet", _tables(sheet_of(gears).listings)))

@@ -74,6 +74,11 @@ class Report(Result):
     loaded_meshes: tuple[LoadedContact, ...] = ()
 
     @property
+    def stuck(self) -> bool:
+        """Whether the gears of a mesh are jammed at all positions."""
+        return any(mesh.stuck for mesh in (self.contact, *self.meshes) if mesh is not None)
+
+    @property
     def headline(self) -> str:
         return f"{len(self.files)} files in {self.folder}; {self.check.headline}"
 
@@ -225,6 +230,8 @@ class RunFolder:
         """Pictures of teeth and gears, with `meshes` of the members; their captions and pixels, all gears first."""
         images = []
         for contact, rolled in zip(contacts.values(), (check, *check.others), strict=True):
+            if contact.stuck:
+                continue
             patches = rolled.roll.patches(contact.pair, contact.pair.pinion.name)
             scenes = pictures.all_pictures(
                 contact.pair, contact.path, patches, meshes, self.gears.title, self.teeth, contact.whole
@@ -232,7 +239,7 @@ class RunFolder:
             if self.several:
                 del scenes["pair.png"]
             images += [(scene.title, render(scene, self.file(file, contact.pair))) for file, scene in scenes.items()]
-        if self.several:
+        if self.several or not images:
             overview = pictures.set_picture(contacts[0].pair, self.gears.place(meshes), title=self.gears.title)
             images.append((overview.title, render(overview, self.file("pair.png"))))
         return images[-1:] + images[:-1]
@@ -252,7 +259,8 @@ def run(
 
     With a `torque` or several (Nm) on the pinion of the first mesh loaded contact, too, of every mesh that differs.
     The files appear together: where any cannot be had, none is written, and those of an earlier run stay. Files of an earlier
-    run that this one does not write are removed: those that its manifest lists. Raises NoSolutionError where nothing touches.
+    run that this one does not write are removed: those that its manifest lists. Raises NoSolutionError where nothing touches,
+    unless the gears are jammed.
     """
     if gears.pairs or torque is not None:
         gears.train.pair(0)
@@ -279,12 +287,15 @@ def _run_meshes(
     written.write_answers(contacts, loaded)
     solids = written.write_solids(tolerance, progress)
     meshes, contact = {name: solid.mesh for name, solid in solids.items()}, contacts[0]
-    placed = gears.place(meshes) if written.several else pictures.in_mesh(contact.pair, meshes, contact.path)
+    # of gears that are jammed at all positions there is no contact to show
+    moving = {k: contact for k, contact in contacts.items() if not contact.stuck}
+    alone = written.several or contact.stuck
+    placed = gears.place(meshes) if alone else pictures.in_mesh(contact.pair, meshes, contact.path)
     io.write_scene(placed, written.file("pair.vtm"))
     progress(0.45, "roll test")
     check = gears.check_solved(contacts, solids)
     drawn = {k: LoadedPictures(under_load, written.teeth) for k, under_load in loaded.items()}
-    written.write_plots(contacts, drawn, progress)
+    written.write_plots(moving, drawn, progress)
     skipped, images = opengl.missing_opengl_message(), list[tuple[str, Image]]()
     if skipped is None:
         progress(0.7, "pictures")
@@ -329,11 +340,11 @@ def _solve(
     """Contact of every mesh that differs, and under torques (Nm) where they are given, by the numbers of the pairs."""
     progress(0.05, "tooth contact")
     contacts = {k: gears.contact(pair=k) for k in gears.train.different}
-    if not all(contact.path.touching.any() for contact in contacts.values()):
+    if not all(contact.path.touching.any() or contact.stuck for contact in contacts.values()):
         raise NoSolutionError(
             "contact.phi1", reason="no position in this range has contact; reduce the range or the assembly errors"
         )
-    if torque is None:
+    if torque is None or any(contact.stuck for contact in contacts.values()):
         return contacts, {}
     return contacts, loaded_meshes(
         gears, torque, contacts, lambda fraction, doing: progress(0.05 + 0.1 * fraction, doing)

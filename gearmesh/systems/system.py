@@ -86,6 +86,17 @@ class Sheet:
 
 
 @dataclass(frozen=True)
+class Reserve:
+    """How far the teeth of a pair are from interference, in closed form: `pair`, its number in the gear set; `name`, the row of the
+    sheet and the member; `value` and its `unit`, negative where teeth interfere."""
+
+    pair: int
+    name: str
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
 class Setting:
     """A key of the design, its value before and after in the design's units, and what the change does."""
 
@@ -177,6 +188,7 @@ class System(Generic[D]):
     design in mm and its gear set, `first_order` gives, for a design in mm with errors, its
     transmission error in closed form; `displacements` moves the members of many assemblies at once. `single` makes designs of the
     same kind of one member without a mating gear, those whose keys `is_single`.
+    `reserves`: those of a design and its gear set of which the sheet warns, for the check.
     `drawn`: what of the sheet a workshop drawing has; without it, all that it says of the member; `inspection`: what the member
     named, of a design and its gear set, is inspected by. `rexs`: how its stages are read from REXS models and written to them.
     """
@@ -189,6 +201,7 @@ class System(Generic[D]):
     derive: Callable[[D], dict[str, float]] | None = None
     worm: Callable[[D], ToolPart] | None = None
     sheet: Callable[[D, GearTrain], Sheet] | None = None
+    reserves: Callable[[D, GearTrain], tuple[Reserve, ...]] | None = None
     member_sheet: Callable[[D, str], tuple[SheetTable, ...]] | None = None
     forces: Callable[[D, float, float | None], tuple[SheetTable, ...]] | None = None
     compensate: Callable[[D], list[Setting]] | None = None

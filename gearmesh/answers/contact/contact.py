@@ -167,6 +167,11 @@ class Contact(Result):
         except (DesignError, NoSolutionError):
             return None
 
+    @property
+    def stuck(self) -> bool:
+        """Whether gears are jammed at all positions, so that there is no contact to show."""
+        return self.fit is not None and self.fit.jammed and not self.path.touching.any()
+
     @cached_property
     def whole(self) -> ContactPath | None:
         """The path of a tooth pair from its first touch to its last, whatever positions were asked for; None where teeth do not

@@ -140,6 +140,15 @@ class InterferenceFigures(Figures):
 
 
 @dataclass(frozen=True)
+class TipCollisionFigures(Figures):
+    """Tips that collide beside the mesh."""
+
+    depth: float = figure("overlap of the tips when the flanks touch, along the normal of the pinion's flank", "um")
+    flanks: str = figure("flanks in contact: driving or coast")
+    place: TipPlace = figure("where the tips meet", parts=TipPlace)
+
+
+@dataclass(frozen=True)
 class ContactGap(Figures):
     """Part of a pitch in which the flanks of one side have no contact."""
 
@@ -162,6 +171,9 @@ class FitDetails(Figures):
         "clearance of the members' tips over the mating gear's root", optional=True, default=None
     )
     interference: list[InterferenceFigures] | None = figure("tips inside fillets", optional=True, default=None)
+    tip_collisions: list[TipCollisionFigures] | None = figure(
+        "tips that collide beside the mesh as they pass each other", optional=True, default=None
+    )
 
     @staticmethod
     def of(pair: GearPair, fit: Fit) -> FitDetails:
@@ -189,6 +201,12 @@ class FitDetails(Figures):
                     place=TipPlace.of(pair, fit, tip.phi1, tip.point),
                 )
                 for tip in fit.interference
+            ],
+            tip_collisions=[
+                TipCollisionFigures(
+                    1e3 * tips.depth, SIDES[tips.driving], TipPlace.of(pair, fit, tips.phi1, tips.point)
+                )
+                for tips in fit.collisions
             ],
         )
 
@@ -220,9 +238,11 @@ def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
     if fit.fits is not False:
         return
     names = [member.name for member in pair.both]
-    remedy = _remedy(pair, fit)
+    # tips that collide beside the mesh must be shorter: axes farther apart or nearer change little there
+    remedy = "; shorter tips free them" if fit.collisions else _remedy(pair, fit)
     if fit.jammed:
-        yield f"tips overlap fillets or roots and there is no backlash: no transmission error is reported{remedy}"
+        overlap = "tips collide beside the mesh" if fit.collisions else "tips overlap fillets or roots"
+        yield f"{overlap} and there is no backlash: no transmission error is reported{remedy}"
     if fit.normal_backlash[0] < -NOTHING:
         yield (
             f"the pair is jammed: the normal backlash is {1e3 * fit.normal_backlash[0]:.4g} um "
@@ -233,6 +253,11 @@ def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
             f"interference: the tip of the {names[1 - clash.fillet_of]} is {1e3 * clash.depth:.4g} um inside the fillet of the "
             f"{names[clash.fillet_of]} when the {SIDES[clash.driving]} flanks touch, at phi1 = {np.degrees(clash.phi1):.5g} deg, "
             f"{_place(clash.point)}{remedy}"
+        )
+    for tips in fit.collisions:
+        yield (
+            f"interference: the tips of {names[0]} and {names[1]} collide beside the mesh by {1e3 * tips.depth:.4g} um when the "
+            f"{SIDES[tips.driving]} flanks touch, at phi1 = {np.degrees(tips.phi1):.5g} deg, {_place(tips.point)}{remedy}"
         )
     for k, clearance in enumerate(fit.clearances):
         if clearance is not None and clearance.distance < -NOTHING:

@@ -34,8 +34,6 @@ PER_PITCH = 12
 MOST_PITCHES = 8
 #: pitches beyond those in which the pinion's tooth goes round its axis in which it may touch
 BESIDE = 3
-#: cosine between the rotations of members one of which turns inside the other
-INSIDE = 0.9
 #: by how much (rad) what collides is ahead of any pair in mesh
 AHEAD = 2.5e-7
 #: steps in a pitch at which it is looked whether the flanks meet at all
@@ -324,8 +322,9 @@ def follow(pair: Pair, phi1: Array) -> Engagement:
 def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
     """A tooth pair over its whole engagement, at nodes that are whole parts of a pitch (rad); None where the teeth never meet.
 
-    That is where it may touch before its neighbours do, or has contact inside both flanks; and on to where it collides far from
-    there, as the tips of an internal gear with those of a pinion that has too many teeth.
+    That is where it may touch before its neighbours do, or has contact inside both flanks; and on to where it collides apart
+    from there. Teeth of a pinion in an internal gear leave those far from their mesh, where tips may collide for less than a step:
+    `tip_passing` has the places.
     """
     reach = _reach(pair, pitch)
     looks = np.arange(-reach * LOOKS, reach * LOOKS + 1)
@@ -344,10 +343,11 @@ def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
     run = min(runs, key=lambda run: (float(np.abs(looks[run]).min()), -len(run)))
     most = np.full(LOOKS, -np.inf)
     np.maximum.at(most, looks[run] % LOOKS, best[run])
-    # a turn on the same teeth meet again, as another pair
-    near = met[np.abs(looks[met]) * (pitch / LOOKS) < _half_turn(pair)]
-    collides = near[best[near] > most[looks[near] % LOOKS] + AHEAD]
-    run = np.concatenate((run, collides))
+    if not pair.nested:
+        # a turn on the same teeth meet again, as another pair
+        near = met[np.abs(looks[met]) * (pitch / LOOKS) < _half_turn(pair)]
+        collides = near[best[near] > most[looks[near] % LOOKS] + AHEAD]
+        run = np.concatenate((run, collides))
     step = PER_PITCH // LOOKS
     first, last = (looks[run.min()] - 1) * step, (looks[run.max()] + 1) * step
     engagement = follow(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
@@ -362,13 +362,8 @@ def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
 
 
 def _reach(pair: Pair, pitch: float) -> int:
-    """Pitches either way in which the pair's teeth may come near each other: half a turn of what turns inside an internal gear, all
-    windings of a thread."""
-    first, second = (flank.mount.spin for flank in pair.flanks)
-    alike = float(np.min(np.sum(first * second, axis=-1))) > INSIDE
-    wound = int(np.ceil(pair.pinion.winding / pitch)) + BESIDE
-    inside = int(np.ceil(_half_turn(pair) / pitch)) if alike else 0
-    return max(MOST_PITCHES, wound, inside)
+    """Pitches either way in which the pair's teeth may be in mesh: all windings of a thread."""
+    return max(MOST_PITCHES, int(np.ceil(pair.pinion.winding / pitch)) + BESIDE)
 
 
 def _half_turn(pair: Pair) -> float:

@@ -61,7 +61,15 @@ def pitch_turns(pair: GearPair) -> FullTurns:
         replace(wave, closed_amplitude=math.nan, closed_crest=math.nan)
         for wave in waves_of_turns(pair, pitches, phi1, te)
     )
-    return FullTurns(pitches, per_pitch, phi1, te - te[0], carrier, play(pair, forwards + backwards), waves)
+    return FullTurns(
+        pitches,
+        per_pitch,
+        phi1,
+        te - te[0],
+        carrier,
+        play(pair, forwards + backwards, wound=solver_pair(pair).wound),
+        waves,
+    )
 
 
 def refuse_too_many(pair: GearPair) -> None:

@@ -114,7 +114,15 @@ def full_turns(pair: GearPair) -> FullTurns:
     backwards, _ = _advance(reversed_pair(pair), pitches, per_pitch)
     te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
     waves = waves_of_turns(pair, pitches, phi1, te)
-    return FullTurns(pitches, per_pitch, phi1, te - te[0], carrier, play(pair, forwards + backwards), waves)
+    return FullTurns(
+        pitches,
+        per_pitch,
+        phi1,
+        te - te[0],
+        carrier,
+        play(pair, forwards + backwards, wound=solver_pair(pair).wound),
+        waves,
+    )
 
 
 def pitches_until_repeat(pair: GearPair) -> int:

@@ -2,11 +2,16 @@
 
 The first touch of the driving flanks limits the rotation of the gear in one sense, that of the coast flanks in the other. The
 rotation between them is the backlash; where it is negative the pair is jammed. Where a tip touches a fillet before the flanks
-touch, the flanks are kept apart: this is interference, by the depth of the tip in the fillet were the flanks in contact.
+touch, the flanks are kept apart: this is interference, by the depth of the tip in the fillet were the flanks in contact. So it is
+where tips meet beside the mesh, as they pass each other, before the flanks do.
+
+A tooth of the pinion stays in one space of the gear from where it comes in to where it leaves. All tooth pairs are counted alike,
+so the other side of that space is the next tooth of the gear, and backlash is known as it is, not modulo the pitch.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
@@ -22,6 +27,7 @@ from gearmesh.contact.engagement.displaced import displaced_gears
 from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.engagement.symmetry import ImageCurve, image
+from gearmesh.contact.engagement.tip_passing import tip_meetings
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.fit.clearance import Clearance, tip_clearance
 from gearmesh.contact.flanks import solver_pair
@@ -36,12 +42,10 @@ from gearmesh.teeth.region import Side
 AHEAD = 2.5e-7
 #: finer lattices about the phase of the deepest interference
 ROUNDS = 4
-#: share of a gear's pitch that a pair may be jammed by and still be told from one with much backlash
-JAMMED = 0.5
-#: and where nothing touches in a part of the cycle: teeth that reach into each other so little have much backlash
-LOOSE = 0.25
 #: backlash and clearance (mm) that miss zero by less are zero: rounding
 NOTHING = 1e-6
+#: depths (mm) of tips that rounding alone tells apart
+ALIKE = 1e-9
 #: rad by which the phase of the least backlash may be off, of which the square counts
 LEVELLED = 1e-6
 #: rad to which it is found where tooth pairs change over, of whose advances the slopes are small
@@ -66,6 +70,22 @@ class Interference:
 
 
 @dataclass(frozen=True)
+class TipCollision:
+    """Tips that meet beside the mesh, as they pass each other, before the flanks touch.
+
+    `depth` (mm, along the normal of the pinion's flank) by which they would overlap were the flanks in contact; phi1 (rad) where
+    they meet; the point (3,), fixed frame, mm; whether on the side of the flanks that drive. `ahead`: how far (rad) the gear is
+    then ahead of the nominal ratio.
+    """
+
+    depth: float
+    phi1: float
+    point: Array
+    driving: bool
+    ahead: float
+
+
+@dataclass(frozen=True)
 class Gap:
     """Between `begin` and `end` (rad, of a pitch) no tooth pair touches on the flanks that drive, or else on the others."""
 
@@ -83,7 +103,8 @@ class Fit:
     `normal_backlash` (mm): the same along the normal of contact;
     `transverse_backlash` (mm): on the gear's pitch circle, of radius `pitch_radius` (mm), which goes through the pitch point where
     the axes are parallel, else through the point of contact nearest to phi1 = 0, of a line through its middle; `clearances`: of
-    the tips of pinion and gear over the mating gear's root; `interference`: the deepest on each side; `turns`: phi2 (rad) of the
+    the tips of pinion and gear over the mating gear's root; `interference`: the deepest on each side; `collisions`: the tips that
+    collide deepest beside the mesh on each side; `turns`: phi2 (rad) of the
     gear as it is driven, NaN where contact breaks off; `play`: rotation (rad) of the gear between its first touches at any phi1
     (rad), by its nodes where contact breaks off or fillets jam; `lever` (mm) of the normal of contact about the gear's axis;
     `span`: phi1 (rad) over which a tooth pair was followed; `coast`: the engagement of the coast flanks, None where it has not
@@ -102,6 +123,7 @@ class Fit:
     span: tuple[float, float]
     gaps: tuple[Gap, ...] = ()
     coast: Engagement | None = None
+    collisions: tuple[TipCollision, ...] = ()
 
     @property
     def fits(self) -> bool | None:
@@ -113,9 +135,9 @@ class Fit:
 
     @property
     def jammed(self) -> bool:
-        """Whether no rotation of the gear is free and thinner teeth would not help: tips overlap roots, or fillets too while
+        """Whether the gears cannot turn and thinner teeth would not help: tips overlap roots, or fillets or each other too while
         there is no backlash. Flanks alone that jam would touch in the same places were the teeth thinner."""
-        return self._in_roots or (self.normal_backlash[0] < -NOTHING and bool(self.interference))
+        return self._in_roots or (self.normal_backlash[0] < -NOTHING and bool(self.interference or self.collisions))
 
     @property
     def _in_roots(self) -> bool:
@@ -141,13 +163,16 @@ class Fit:
         """
         if not self.jammed:
             return np.zeros(len(phi1), dtype=bool)
-        jamming: NDArray[np.bool_] = np.full(len(phi1), True) if self._in_roots else self.play(phi1) < 0.0
+        # teeth that cannot pass each other stop the gears, wherever in the cycle that is
+        everywhere = self._in_roots or bool(self.collisions)
+        jamming: NDArray[np.bool_] = np.full(len(phi1), True) if everywhere else self.play(phi1) < 0.0
         return jamming
 
     @property
     def slack(self) -> float:
         """Distance (mm) left before anything interferes; negative: the depth of interference."""
         values = [self.normal_backlash[0], *(-overlap.depth for overlap in self.interference)]
+        values += [-tips.depth for tips in self.collisions]
         values += [clearance.distance for clearance in self.clearances if clearance is not None]
         return least(values)
 
@@ -169,8 +194,10 @@ def slack_of(pair: GearPair) -> float | None:
         return None
     forwards, backwards = both
     nodes, advances = np.linspace(0.0, pair.pitch, NODES + 1), forwards.at_nodes()
-    values = (_lever(pair, forwards.engagement)[0] * play(pair, advances + _at_nodes(backwards, nodes))).tolist()
+    plays = play(pair, advances + _at_nodes(backwards, nodes), wound=forwards.pair.wound)
+    values = (_lever(pair, forwards.engagement)[0] * plays).tolist()
     values += [-overlap.depth for overlap in _in_the_way(pair, both, 0)]
+    values += [-tips.depth for tips in _collisions(pair, both)]
     values += clearances_of(pair, gear_rotations(pair, nodes, advances))
     slack = least(values)
     return _fit(pair, *both).slack if slack >= -NOTHING else slack
@@ -204,7 +231,8 @@ def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve)
     sides = [curve for curve in (forwards, backwards) if isinstance(curve, MeshCurve)]
     lever, radius = _lever(pair, forwards.engagement)
     nodes = np.linspace(0.0, pair.pitch, NODES + 1)
-    plays = play(pair, forwards.at_nodes() + _at_nodes(backwards, nodes))
+    wound = forwards.pair.wound
+    plays = play(pair, forwards.at_nodes() + _at_nodes(backwards, nodes), wound=wound)
     # the nodes give the depth of teeth jammed in fillets
     rough = bool(
         np.nanmin(plays, initial=np.inf) * lever < -NOTHING and any((_ahead_at_nodes(s) > AHEAD).any() for s in sides)
@@ -218,11 +246,15 @@ def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve)
     if not (both and np.isfinite(backlash).all()):
         gaps = (*_gaps(forwards, driving=True), *_gaps(backwards, driving=False))
         phase = np.linspace(0.0, pair.pitch, SEEN)
-        plays = play(pair, forwards.advance_as_known(phase) + backwards.advance_as_known(phase), LOOSE)
+        plays = play(pair, forwards.advance_as_known(phase) + backwards.advance_as_known(phase), wound=wound)
         known = plays[np.isfinite(plays)]
         backlash = (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
     turns = _turns(pair, forwards, nodes if rough else np.linspace(0.0, pair.pitch, PHASES))
     clearances = tip_clearance(pair, turns, 0), tip_clearance(pair, turns, 1)
+    collisions = _collisions(pair, (forwards, backwards))
+    if collisions:
+        least_play = _least_play_of_tips(pair, (forwards, backwards), collisions)
+        backlash = float(np.fmin(backlash[0], least_play)), float(np.fmax(backlash[1], least_play))
     low, high = backlash
     return Fit(
         backlash=backlash,
@@ -237,7 +269,69 @@ def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve)
         span=(float(forwards.phi1[0]), float(forwards.phi1[-1])),
         gaps=gaps,
         coast=backwards.engagement if isinstance(backwards, MeshCurve) else None,
+        collisions=collisions,
     )
+
+
+def _collisions(pair: GearPair, both: tuple[MeshCurve, MeshCurve | ImageCurve]) -> tuple[TipCollision, ...]:
+    """The tips that collide deepest beside the mesh on each side that has any."""
+    forwards, backwards = both
+    first = _deepest_collision(forwards.pair, forwards, driving=True)
+    if isinstance(backwards, MeshCurve):
+        second = _deepest_collision(backwards.pair, backwards, driving=False)
+    else:
+        # of an image nothing collides but the image of what does
+        second = first and _deepest_collision(solver_pair(reversed_pair(pair)), backwards, driving=False)
+    return tuple(tips for tips in (first, second) if tips is not None)
+
+
+def _deepest_collision(flanks: Pair, curve: MeshCurve | ImageCurve, *, driving: bool) -> TipCollision | None:
+    """The tips that collide deepest beside the mesh on one side, whose flanks have the `curve`; None where none do."""
+    nodes = _at_nodes(curve, np.linspace(0.0, curve.pitch, NODES + 1))
+    low, high = float(np.nanmin(nodes)), float(np.nanmax(nodes))
+    met = tip_meetings(flanks, high)
+    # between nodes the curve may be lower still by as much as they differ
+    met = met.rows(np.flatnonzero(met.excess > 2.0 * (low - high) + AHEAD))
+    if not met.phi1.size:
+        return None
+    phase, ahead = np.mod(met.phi1, curve.pitch), high + met.excess
+    known = curve.advance(phase) if curve.whole else curve.advance_as_known(phase)
+    above = ahead - np.where(np.isfinite(known), known, high)
+    if not flanks.nested and (above > AHEAD).any():
+        # what first touch finds there is contact in the mesh, which the curve has but roughly
+        own = np.flatnonzero(above > AHEAD)
+        in_mesh = touches(flanks, met.phi1[own])[0].advance > ahead[own] - AHEAD
+        above[own[in_mesh]] = 0.0
+    depth = np.where(above > AHEAD, above * met.arm, 0.0)
+    # of places alike along the face the middle one
+    deepest = np.flatnonzero(depth >= depth.max() - ALIKE)
+    k = int(deepest[len(deepest) // 2])
+    if not depth[k] > NOTHING:
+        return None
+    return TipCollision(float(depth[k]), float(met.phi1[k]), met.point[k], driving, float(ahead[k]))
+
+
+def _least_play_of_tips(
+    pair: GearPair, both: tuple[MeshCurve, MeshCurve | ImageCurve], collisions: tuple[TipCollision, ...]
+) -> float:
+    """Least rotation (rad) of the gear between its first touches where tips collide, of all tooth pairs within half a turn."""
+    pitch, joint = pair.pitch, pair.gear.mount.joint
+    phase = np.mod([tips.phi1 for tips in collisions], pitch)
+    count = int(np.pi / pitch)
+    total = np.zeros(len(phase))
+    for driving, side in ((True, both[0]), (False, both[1])):
+        if isinstance(side, ImageCurve):
+            curve, place, more = side.curve, np.mod(side.sum - phase, pitch), side.more
+        else:
+            curve, place, more = side, phase, 0.0
+        around = place + np.arange(-count, count + 1)[:, None] * pitch
+        far, reference = touches(curve.pair, around.ravel())[0].advance, np.nanmax(curve.at_nodes())
+        touching = np.isfinite(far)
+        far[touching] = reference + joint.within(far[touching] - reference)
+        far = far.reshape(around.shape).max(axis=0)
+        own = [tips.ahead if tips.driving == driving else -np.inf for tips in collisions]
+        total += np.max([far + more, np.nan_to_num(side.advance_as_known(phase), nan=-np.inf), own], axis=0)
+    return float(play(pair, total, wound=both[0].pair.wound).min())
 
 
 def _at_nodes(curve: MeshCurve | ImageCurve, phase: Array) -> Array:
@@ -305,18 +399,26 @@ def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageC
     phase = np.mod(np.concatenate([curve.marks[0] for curve in curves]), pair.pitch)
     if all(curve.arcs for curve in curves):
         phase = np.concatenate((phase, _level(curves, np.unique(np.append(phase, (0.0, pair.pitch))))))
-    turns = play(pair, forwards.advance(phase) + backwards.advance(phase))
+    turns = play(pair, forwards.advance(phase) + backwards.advance(phase), wound=forwards.pair.wound)
     return (float(turns.min()), float(turns.max())) if turns.size else (np.nan, np.nan)
 
 
-def play(pair: GearPair, advances: Array, jammed: float = JAMMED) -> Array:
-    """Rotations (N,), rad, of the gear between its first touches on driving and coast flanks, whose advances' sums are given
-    (N,); by what share of its pitch it may be `jammed`."""
-    # the other flank may be that of any tooth
-    step = pair.gear.tooth.pitch_angle
-    return (
-        -advances - step * np.floor(np.nanmin(-advances) / step + jammed) if np.isfinite(advances).any() else -advances
-    )
+def play(pair: GearPair, advances: Array, *, wound: bool) -> Array:
+    """Rotations (N,), rad, of the gear between its first touches on driving and coast flanks, whose advances' sums are given (N,).
+
+    Advances are counted by tooth pairs, so that a space ends at the next tooth of the gear; full turns of it count as none, and of
+    pinions that are `wound` full turns of the thread.
+    """
+    step, known = pair.gear.tooth.pitch_angle, advances[np.isfinite(advances)]
+    if not known.size:
+        return -advances
+    turn = pair.gear.tooth.joint.cycle(pair.gear.tooth.teeth)
+    if wound:
+        turn = math.gcd(int(turn), pair.pinion.tooth.teeth)
+    spaces = 1.0 - float(np.median(known)) / step
+    whole = turn * round(spaces / turn) if math.isfinite(turn) else 0
+    free: Array = -advances - step * (whole - 1.0)
+    return free
 
 
 def _play_at(

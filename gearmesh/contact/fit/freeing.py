@@ -144,15 +144,15 @@ def _sampled_slack(pair: GearPair, fit: Fit) -> float | None:
     `fit`; None where nothing touches. It does not know how deep tips are in fillets."""
     reach = int(np.ceil(max(map(abs, fit.span)) / pair.pitch)) * LOOKS
     phi1: Array = np.arange(-reach, reach).astype(float) * (pair.pitch / LOOKS)
-    advances = []
-    for flanks in map(solver_pair, (pair, reversed_pair(pair))):
+    advances, both = [], [solver_pair(own) for own in (pair, reversed_pair(pair))]
+    for flanks in both:
         with np.errstate(all="ignore"):
             own = np.max([outlook(part, phi1).best for part in flanks.parts.values()], axis=0)
         every = own.reshape(-1, LOOKS).max(axis=0)
         advances.append(np.where(np.isfinite(every), every, np.nan))
     if not np.isfinite(advances).all(axis=0).any():
         return None
-    values = (fit.lever * play(pair, advances[0] + advances[1])).tolist()
+    values = (fit.lever * play(pair, advances[0] + advances[1], wound=both[0].wound)).tolist()
     advances[0] = np.append(advances[0], advances[0][0])
     return least(
         values + clearances_of(pair, gear_rotations(pair, np.linspace(0.0, pair.pitch, LOOKS + 1), advances[0]))

@@ -12,6 +12,7 @@ import numpy as np
 
 from gearmesh.contact.engagement.pitch_turns import pitches_until_repeat, refuse_too_many, shifted_advance
 from gearmesh.contact.fit.fit import centre_distance, play, reversed_pair
+from gearmesh.contact.flanks import solver_pair
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
@@ -102,7 +103,7 @@ def _play(pair: GearPair, pitches: int) -> Array:
     """Rotations (P,), rad, of the gear between its first touches on both sides."""
     both = in_turn((pair, reversed_pair(pair)))
     forwards, backwards = (shifted_advance(own, pitches, PER_PITCH)[0] for own in both)
-    return play(pair, forwards + backwards)
+    return play(pair, forwards + backwards, wound=solver_pair(pair).wound)
 
 
 def _apart(pair: GearPair, way: float) -> GearPair:

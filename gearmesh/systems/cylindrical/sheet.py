@@ -55,7 +55,7 @@ from gearmesh.systems.cylindrical.geometry.proportions import (
 )
 from gearmesh.systems.cylindrical.geometry.root import CriticalSection, critical_section, lever
 from gearmesh.systems.cylindrical.measured import flank_radii
-from gearmesh.systems.system import Sheet, SheetTable, complete_design
+from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
 from gearmesh.teeth.blank.moments import member_moments
 from gearmesh.teeth.gear_train import GearTrain, Member
 
@@ -80,11 +80,20 @@ def data_sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
     """The sheet of a cylindrical design and the gear set built of it; what that of any system has is part of it."""
     own = complete_design(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
-    members = tuple(train.members[name] for name in MEMBERS)
-    half = half_of(own)
-    pair = SheetPair(half, proportions(half), members)
+    pair = _sheet_pair(own, train)
     warnings = pair.fillet_interference(MEMBERS)
-    return Sheet((derived, *half_tables(own, members), *pair_tables(pair), *plain), {}, warnings=warnings)
+    return Sheet((derived, *half_tables(own, pair.members), *pair_tables(pair), *plain), {}, warnings=warnings)
+
+
+def pair_reserves(design: CylindricalDesign, train: GearTrain) -> tuple[Reserve, ...]:
+    """What a pair has left until its teeth interfere."""
+    return _sheet_pair(complete_design(design).in_mm(), train).interference_reserves(0, MEMBERS)
+
+
+def _sheet_pair(own: CylindricalDesign, train: GearTrain) -> SheetPair:
+    """The pair of a complete design in mm and the gear set built of it."""
+    half = half_of(own)
+    return SheetPair(half, proportions(half), tuple(train.members[name] for name in MEMBERS))
 
 
 def half_tables(design: HalvesKeys, members: tuple[Member, ...]) -> list[SheetTable]:
@@ -211,7 +220,26 @@ class SheetPair(SheetGears):
 
     def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
         """A warning for each of pinion and gear, called by `names`, below whose flank the mating gear's tip reaches."""
-        return self.line.fillet_interference(names, [least_shift(gear) for gear in self.geometry.gears])
+        return self.line.fillet_interference(names, self.undercut_shifts)
+
+    @property
+    def undercut_shifts(self) -> list[float | None]:
+        """Least profile shifts of the gears that are undercut, None of others."""
+        return [least_shift(gear) for gear in self.geometry.gears]
+
+    def interference_reserves(self, number: int, names: tuple[str, str]) -> tuple[Reserve, ...]:
+        """What the pair, of a `number` in its gear set, has left until its teeth interfere; `names`: those of pinion and gear."""
+        reserves_of_pair = [
+            Reserve(number, f"interference_{name}", value, "mm")
+            for name, value in zip(names, self.line.fillet_reserves(self.undercut_shifts), strict=True)
+            if value is not None
+        ]
+        if any(teeth.internal for teeth in self.teeth):
+            left = reserves(self.mesh, self.geometry.tips)
+            reserves_of_pair.append(Reserve(number, "involute", left.involute, "mm"))
+            if math.isfinite(left.trochoid):
+                reserves_of_pair.append(Reserve(number, "trochoid", math.degrees(left.trochoid), "deg"))
+        return tuple(reserves_of_pair)
 
     def fed_rounding(self, k: int, gear: GearProportions) -> float:
         return rounding_in_mesh(gear, self.mesh, (self.mesh.gear, self.mesh.pinion)[k], self.geometry.tips[1 - k])

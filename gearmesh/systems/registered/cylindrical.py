@@ -14,7 +14,7 @@ from gearmesh.systems.cylindrical.geometry.proportions import derived_values
 from gearmesh.systems.cylindrical.single.design import is_single
 from gearmesh.systems.cylindrical.single.drawn import DRAWN
 from gearmesh.systems.registered.single_gear import SINGLE_GEAR
-from gearmesh.systems.system import Sheet, SheetTable, System
+from gearmesh.systems.system import Reserve, Sheet, SheetTable, System
 
 if TYPE_CHECKING:
     from gearmesh.exchange.model import Component
@@ -29,6 +29,12 @@ def _sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
     from gearmesh.systems.cylindrical.sheet import data_sheet
 
     return data_sheet(design, train)
+
+
+def _reserves(design: CylindricalDesign, train: GearTrain) -> tuple[Reserve, ...]:
+    from gearmesh.systems.cylindrical.sheet import pair_reserves
+
+    return pair_reserves(design, train)
 
 
 def _forces(design: CylindricalDesign, torque: float, speed: float | None) -> tuple[SheetTable, ...]:
@@ -68,6 +74,7 @@ SYSTEMS = (
         build,
         derive=derived_values,
         sheet=_sheet,
+        reserves=_reserves,
         forces=_forces,
         displacements=DISPLACEMENTS,
         pinned=_values,

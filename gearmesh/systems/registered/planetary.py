@@ -5,7 +5,7 @@ from gearmesh.systems.cylindrical.planetary.build import build, derived_values
 from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 from gearmesh.systems.cylindrical.planetary.force_tables import set_forces
 from gearmesh.systems.cylindrical.planetary.pinned import planetary_values
-from gearmesh.systems.cylindrical.planetary.sheet import planetary_sheet
+from gearmesh.systems.cylindrical.planetary.sheet import planetary_reserves, planetary_sheet
 from gearmesh.systems.cylindrical.rexs.planets import PLANETARY
 from gearmesh.systems.cylindrical.single.drawn import DRAWN
 from gearmesh.systems.system import System
@@ -17,6 +17,7 @@ SYSTEMS = (
         build,
         derive=derived_values,
         sheet=planetary_sheet,
+        reserves=planetary_reserves,
         forces=set_forces,
         pinned=planetary_values,
         drawn=DRAWN,

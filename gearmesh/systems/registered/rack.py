@@ -7,7 +7,7 @@ from gearmesh.systems.cylindrical.rack.design import RackDesign, SingleRackDesig
 from gearmesh.systems.cylindrical.rack.force_tables import rack_forces
 from gearmesh.systems.cylindrical.rack.pinned import rack_values
 from gearmesh.systems.cylindrical.rack.proportions import derived_values
-from gearmesh.systems.cylindrical.rack.sheet import rack_sheet
+from gearmesh.systems.cylindrical.rack.sheet import rack_reserves, rack_sheet
 from gearmesh.systems.cylindrical.single.drawn import DRAWN
 from gearmesh.systems.system import System
 
@@ -18,6 +18,7 @@ SYSTEMS = (
         build,
         derive=derived_values,
         sheet=rack_sheet,
+        reserves=rack_reserves,
         forces=rack_forces,
         pinned=rack_values,
         drawn=DRAWN,

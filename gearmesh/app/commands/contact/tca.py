@@ -65,11 +65,16 @@ def tca(
     mesh = chosen_pair(gears, pair)
     with working("tooth contact"):
         contact = gears.contact(torque=torque, load_sharing=load_sharing, pair=mesh, turns=turns)
-    require_contact(contact.path, contact.warnings)
+    if not contact.stuck:
+        require_contact(contact.path)
     write_text(json_file, lambda: contact.json(timing=timing))
     write_text(csv_file, contact.csv)
     if ease_off is not None:
         contact.ease_off().save(ease_off, timing=timing)
     if "-" not in (json_file, csv_file):
         show(contact.listings)
-    warn(contact.warnings, other_meshes(gears, mesh), without_contact(contact.path))
+    missing = [] if contact.stuck else without_contact(contact.path)
+    warn(contact.warnings, other_meshes(gears, mesh), missing)
+    if contact.stuck:
+        # what is known of them, as how deep teeth overlap, is written all the same
+        require_contact(contact.path)

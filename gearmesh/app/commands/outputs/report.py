@@ -9,6 +9,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Set, Tolerance, design_text, load_gears, stem, torques_in_nm
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, warn, working
+from gearmesh.errors import NoSolutionError
 from gearmesh.view.opengl import begin_drawing
 
 
@@ -60,3 +61,5 @@ def report(
         )
         page.save(target)
     warn(page.warnings)
+    if page.stuck:
+        raise typer.Exit(NoSolutionError.exit_status)

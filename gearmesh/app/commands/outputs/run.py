@@ -19,6 +19,7 @@ from gearmesh.app.options import (
     torques_in_nm,
 )
 from gearmesh.app.terminal import output_folder, show, tolerance_in_mm, warn, working
+from gearmesh.errors import NoSolutionError
 from gearmesh.view.opengl import begin_drawing
 
 
@@ -55,3 +56,5 @@ def run(
         )
     show(report.listings)
     warn(report.warnings, report.complaints, [report.skipped] if report.skipped else [])
+    if report.stuck:
+        raise typer.Exit(NoSolutionError.exit_status)

@@ -27,11 +27,13 @@ from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothin
 @dataclass(frozen=True)
 class Reserves:
     """What is left of each limit: `involute` as the pinion's roll length where the ring's tip comes, `trochoid` and `trimming` as
-    angles of the ring, rad. Negative: interference; infinite: the tips never come near each other."""
+    angles of the ring, rad. Negative: interference; infinite: the tips never come near each other; `all_round`: the tips overlap
+    all round, and the trochoid reserve is that half a turn from the mesh."""
 
     involute: float
     trochoid: float
     trimming: float
+    all_round: bool = False
 
 
 def reserves(mesh: InvolutePair, tips: tuple[float, float]) -> Reserves:
@@ -50,22 +52,25 @@ def reserves(mesh: InvolutePair, tips: tuple[float, float]) -> Reserves:
         left,
         _trochoid(mesh.distance, (tip, ring_tip), (at_tip - working, at_ring_tip - working), pinion.teeth / ring.teeth),
         _trimming((pinion, ring), (tip, ring_tip), (at_tip - working, at_ring_tip - working)),
+        tip - mesh.distance > ring_tip,
     )
 
 
 def _trochoid(distance: float, tips: tuple[float, float], beyond: tuple[float, float], ratio: float) -> float:
     """Turn of the ring (rad) left between the tips when they stand where both tip circles meet.
 
-    `beyond`: involute functions at the tips less that of the working pressure angle.
+    `beyond`: involute functions at the tips less that of the working pressure angle. Circles that do not meet are one inside the
+    other: tips that never reach each other have an infinite reserve, those that overlap all round have the turn by which they
+    are past each other half a turn from the mesh, which is negative.
     """
     tip, ring_tip = tips
+    if tip + distance <= ring_tip:
+        return math.inf
     cosines = (
         (ring_tip**2 - tip**2 - distance**2) / (2.0 * distance * tip),
         (ring_tip**2 - tip**2 + distance**2) / (2.0 * distance * ring_tip),
     )
-    if not all(-1.0 <= cosine <= 1.0 for cosine in cosines):
-        return math.inf
-    of_pinion, of_ring = (math.acos(cosine) for cosine in cosines)
+    of_pinion, of_ring = (math.acos(max(-1.0, cosine)) for cosine in cosines)
     return ratio * (of_pinion + beyond[0]) - beyond[1] - of_ring
 
 
@@ -103,9 +108,12 @@ def interference_warnings(
         ("involute", "involute interference: its tip reaches below the mating gear's base circle"),
         ("trochoid", "trochoid interference: the tips of both collide in rotation, outside the path of contact"),
     ):
-        left = getattr(reserves(mesh, tips), limit)
+        own = reserves(mesh, tips)
+        left = getattr(own, limit)
         if left >= 0.0:
             continue
+        if limit == "trochoid" and own.all_round:
+            why = "trochoid interference: the tips of both overlap all round, the pinion never leaves its teeth"
         how = (
             f"{-left:.4g} mm of roll length"
             if limit == "involute"

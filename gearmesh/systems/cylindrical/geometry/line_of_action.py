@@ -119,7 +119,7 @@ class LineOfAction:
         both = ((self.mesh.pinion, *names), (self.mesh.gear, *names[::-1]))
         for (member, name, other), shift in zip(both, shifts, strict=True):
             reserve = self.interference_reserve(member)
-            if reserve >= -ROUNDING * member.module:
+            if self._clears(member):
                 continue
             if shift is not None:
                 warnings.append(
@@ -132,6 +132,20 @@ class LineOfAction:
                     f"clears the fillet with {self.clearing_tip(member, other)}"
                 )
         return tuple(warnings)
+
+    def _clears(self, member: Toothing) -> bool:
+        """Whether the mating gear's tip stays on a member's usable flank, but for rounding."""
+        return self.interference_reserve(member) >= -ROUNDING * member.module
+
+    def fillet_reserves(self, shifts: Sequence[float | None]) -> list[float | None]:
+        """Interference reserves of pinion and gear, 0 for rounding; None of members that are undercut, as of
+        `fillet_interference`."""
+        left: list[float | None] = []
+        for member, shift in zip((self.mesh.pinion, self.mesh.gear), shifts, strict=True):
+            reserve = self.interference_reserve(member)
+            undercut = shift is not None and not self._clears(member)
+            left.append(None if undercut else max(reserve, 0.0) if self._clears(member) else reserve)
+        return left
 
 
 def tight_distance(mesh: InvolutePair) -> float:

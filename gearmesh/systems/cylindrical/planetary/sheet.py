@@ -24,7 +24,7 @@ from gearmesh.systems.cylindrical.planetary.motion import (
     speeds,
 )
 from gearmesh.systems.cylindrical.sheet import SheetPair, half_tables, pair_tables
-from gearmesh.systems.system import Sheet, SheetTable, complete_design
+from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Region, Side
 
@@ -32,25 +32,54 @@ if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 
 
+#: members of both meshes, as tables call them
+MESHES = (SUN, PLANET), (PLANET, RING)
+
+
 def planetary_sheet(design: PlanetaryDesign, train: GearTrain) -> Sheet:
     """The sheet of a planetary design and the gear set built of it; what that of any system has is part of it."""
     own = complete_design(design).in_mm()
-    both_meshes = meshes(own)
     derived, *plain = plain_sheet(own, train).tables
-    members = {SUN: train.members[SUN], PLANET: train.members[f"{PLANET}_1"], RING: train.members[RING]}
     tables: list[SheetTable] = []
-    pairs: list[SheetPair] = []
-    for mesh, names in ((both_meshes.inner, (SUN, PLANET)), (both_meshes.outer, (PLANET, RING))):
+    pairs = _sheet_pairs(own, train)
+    for pair, names in zip(pairs, MESHES, strict=True):
+        for pair_table in pair_tables(pair, names):
+            tables.append(replace(pair_table, title=f"{names[0].capitalize()} and {names[1]}: {pair_table.title}"))
+    warnings = [line for pair, names in zip(pairs, MESHES, strict=True) for line in pair.fillet_interference(names)]
+    members = _sheet_members(train)
+    of_set = tables_of(("Set", lambda: _set_tables(own, members[PLANET], *pairs)))
+    return Sheet(
+        (derived, *of_set, *half_tables(own, tuple(members.values())), *tables, *plain), {}, warnings=tuple(warnings)
+    )
+
+
+def planetary_reserves(design: PlanetaryDesign, train: GearTrain) -> tuple[Reserve, ...]:
+    """What all meshes have left until their teeth interfere, those of the sun first; the planets are alike."""
+    pairs, planets = _sheet_pairs(complete_design(design).in_mm(), train), len(train.pairs) // 2
+    return tuple(
+        reserve
+        for number in range(len(train.pairs))
+        for reserve in pairs[number // planets].interference_reserves(number, MESHES[number // planets])
+    )
+
+
+def _sheet_members(train: GearTrain) -> dict[str, Member]:
+    """Sun, first planet and ring of a gear set."""
+    return {SUN: train.members[SUN], PLANET: train.members[f"{PLANET}_1"], RING: train.members[RING]}
+
+
+def _sheet_pairs(own: PlanetaryDesign, train: GearTrain) -> tuple[SheetPair, SheetPair]:
+    """Both meshes of a complete design in mm and the gear set built of it."""
+    both_meshes, members = meshes(own), _sheet_members(train)
+    pairs = []
+    for mesh, names in zip((both_meshes.inner, both_meshes.outer), MESHES, strict=True):
         # the meshes have what shapes their teeth alone
         whole = half_of(mesh).model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
         both = members[names[0]], members[names[1]]
         stated = tuple(getattr(own, name) for name in names)
         pairs.append(SheetPair(whole, proportions(whole), both, stated=stated))
-        for pair_table in pair_tables(pairs[-1], names):
-            tables.append(replace(pair_table, title=f"{names[0].capitalize()} and {names[1]}: {pair_table.title}"))
-    warnings = (*pairs[0].fillet_interference((SUN, PLANET)), *pairs[1].fillet_interference((PLANET, RING)))
-    of_set = tables_of(("Set", lambda: _set_tables(own, members[PLANET], pairs[0], pairs[1])))
-    return Sheet((derived, *of_set, *half_tables(own, tuple(members.values())), *tables, *plain), {}, warnings=warnings)
+    inner, outer = pairs
+    return inner, outer
 
 
 def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer: SheetPair) -> list[SheetTable]:

@@ -27,7 +27,7 @@ from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
 from gearmesh.systems.cylindrical.sheet import SheetPair, member_tables
-from gearmesh.systems.system import Sheet, SheetTable, complete_design
+from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
 from gearmesh.teeth.blank.moments import CUBIC
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Region
@@ -79,8 +79,9 @@ class RackSheetPair(SheetPair):
         # that of the tool as it is leaves the flank that the rack's tips need
         return min(gear.spec.tool_tip_radius, tool_rounding(gear))
 
-    def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
-        return self.line.fillet_interference(names, [least_shift(self.geometry.gears[0]), None])
+    @property
+    def undercut_shifts(self) -> list[float | None]:
+        return [least_shift(self.geometry.gears[0]), None]
 
 
 def rack_flank(rack: Member) -> tuple[float, float]:
@@ -90,17 +91,28 @@ def rack_flank(rack: Member) -> tuple[float, float]:
     return float(low), float(high)
 
 
+def rack_reserves(design: RackDesign, train: GearTrain) -> tuple[Reserve, ...]:
+    """What pinion and rack have left until their teeth interfere."""
+    own = complete_design(design).in_mm()
+    return _sheet_pair(own, rack_proportions(own), train).interference_reserves(0, (PINION, RACK))
+
+
+def _sheet_pair(own: RackDesign, geometry: RackPairProportions, train: GearTrain) -> RackSheetPair:
+    """The pair of a complete design in mm and the gear set built of it."""
+    pinion, rack = train.members[PINION], train.members[RACK]
+    # the pair has what shapes the pinion's teeth alone
+    pair = geometry.pair.model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
+    stated = own.pinion, None
+    return RackSheetPair(pair, geometry.of_pair, (pinion, pinion), geometry.mesh, rack, stated=stated)
+
+
 def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
     """The sheet of a design of pinion and rack and the gear set built of it."""
     own = complete_design(design).in_mm()
     geometry = rack_proportions(own)
     # how axes lie says nothing of a rack
     derived, plain, _ = plain_sheet(own, train).tables
-    pinion, rack = train.members[PINION], train.members[RACK]
-    # the pair has what shapes the pinion's teeth alone
-    pair = geometry.pair.model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
-    stated = own.pinion, None
-    sheet = RackSheetPair(pair, geometry.of_pair, (pinion, pinion), geometry.mesh, rack, stated=stated)
+    rack, sheet = train.members[RACK], _sheet_pair(own, geometry, train)
     members, measures, *others = (_first_column(of_both) for of_both in member_tables(sheet))
     of_mesh = tables_by_title(
         {

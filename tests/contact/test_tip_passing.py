@@ -1,0 +1,171 @@
+"""Tips that pass each other beside the mesh, against the closed form of involutes with sharp tips on parallel axes."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearmesh as gm
+from gearmesh.app.cli import main
+from gearmesh.contact.engagement.cycle import gears_curve
+from gearmesh.contact.engagement.tip_passing import tip_meetings
+from gearmesh.contact.fit.fit import Fit, fit
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.errors import GearmeshError
+from gearmesh.teeth.gear_train import GearPair
+
+#: 38/-40 at a working pressure angle of 40 deg, whose tips are free from a tip diameter of the ring of 79.4645 mm on
+LIMIT = {
+    "pinion": {"teeth": 38, "face_width": 15, "profile_shift": 0.5, "tip_diameter": 80.8},
+    "gear": {"teeth": -40, "face_width": 15, "profile_shift": -0.8463567474586691},
+    "assembly": {"center_distance": 2.453363193811355},
+}
+
+
+def gears_of(**keys: Any) -> gm.Gears:
+    return gm.build(gm.parse({"kind": "cylindrical", "module": 2, **keys}))
+
+
+def plain_pair(pinion: int, ring: int, **keys: Any) -> gm.Gears:
+    return gears_of(pinion={"teeth": pinion, "face_width": 15}, gear={"teeth": -ring, "face_width": 15}, **keys)
+
+
+def limit_pair(tip_diameter: float) -> gm.Gears:
+    return gears_of(**{**LIMIT, "gear": {**LIMIT["gear"], "tip_diameter": tip_diameter}})
+
+
+def reserve(pair: GearPair, module: float, angle: float) -> float:
+    """Turn of the ring (rad) left between the tips where their circles meet; in angles of the pinion's and the ring's teeth."""
+
+    def inv(alpha: float) -> float:
+        return math.tan(alpha) - alpha
+
+    (z1, z2), (tip, ring_tip) = (
+        tuple(values)
+        for values in zip(
+            *((member.tooth.teeth, float(member.tooth.blank.tip.at(0.0))) for member in pair.both), strict=True
+        )
+    )
+    first, second = pair.mounts
+    apart = float(np.linalg.norm(second.origin - first.origin))
+    base, ring_base = (0.5 * z * module * math.cos(angle) for z in (z1, z2))
+    if tip + apart < ring_tip:
+        return math.inf
+    if tip - apart > ring_tip:
+        return -math.inf
+    of_pinion = math.acos((ring_tip**2 - tip**2 - apart**2) / (2.0 * apart * tip))
+    of_ring = math.acos((ring_tip**2 + apart**2 - tip**2) / (2.0 * apart * ring_tip))
+    of_pinion += inv(math.acos(base / tip))
+    of_ring += inv(math.acos(min(1.0, ring_base / ring_tip)))
+    return (z1 * of_pinion - z2 * of_ring + (z2 - z1) * inv(math.acos((ring_base - base) / apart))) / z2
+
+
+def fit_of(gears: gm.Gears) -> Fit:
+    found = fit(gears.pairs[0])
+    assert found is not None
+    return found
+
+
+def check_against_closed_form(gears: gm.Gears, angle: float, module: float = 2.0) -> None:
+    """Tips are past each other by what the closed form says, and the gear set warns of it."""
+    pair = gears.pairs[0]
+    closed, flanks = reserve(pair, module, angle), solver_pair(pair)
+    curve = gears_curve(flanks, pair.pitch)
+    assert curve is not None
+    # conjugate flanks: the gear is at one advance all the time
+    met = tip_meetings(flanks, float(curve.at_nodes()[0]))
+    greatest = float(met.excess[met.tips].max(initial=-math.inf))
+    assert (greatest > 0.0) == (closed < 0.0)
+    if math.isfinite(closed):
+        assert greatest == pytest.approx(-closed, abs=1e-9)
+    assert any("trochoid" in line for line in gears.warnings) == (closed < 0.0)
+
+
+def random_pairs(count: int, seed: int) -> Iterator[tuple[gm.Gears, float]]:
+    """Internal pairs that can be built, with 1 to 12 teeth difference, and their pressure angles (rad)."""
+    rng, made = np.random.default_rng(seed), 0
+    while made < count:
+        pinion, angle = int(rng.integers(14, 60)), float(rng.choice([20.0, 25.0, 30.0]))
+        ring = -(pinion + int(rng.integers(1, 13)))
+        tables = {
+            name: {
+                "teeth": teeth,
+                "face_width": 10,
+                "profile_shift": round(float(rng.uniform(*shifts)), 3),
+                "addendum": round(float(rng.uniform(0.3, 1.0)), 3),
+            }
+            for name, teeth, shifts in (("pinion", pinion, (-0.2, 0.6)), ("gear", ring, (-0.6, 0.6)))
+        }
+        try:
+            gears = gears_of(pressure_angle=angle, backlash=0.1, **tables)
+        except GearmeshError:
+            continue
+        made += 1
+        yield gears, math.radians(angle)
+
+
+def test_tips_collide_at_the_limit_of_the_closed_form() -> None:
+    found = fit_of(limit_pair(79.44))
+    assert 1e3 * found.normal_backlash[0] == pytest.approx(-8.7, abs=0.05)
+    assert found.jammed
+    check_against_closed_form(limit_pair(79.465), math.radians(20.0))
+
+
+@pytest.mark.sweep
+def test_tips_collide_near_the_limit_however_shortly() -> None:
+    for tip_diameter, least in ((79.40, -23.0), (79.42, -15.8), (79.464, -0.17), (79.4646, 0.0)):
+        found = fit_of(limit_pair(tip_diameter))
+        assert 1e3 * found.normal_backlash[0] == pytest.approx(least, abs=0.05)
+    for difference in range(2, 9):
+        gears = plain_pair(38, 38 + difference)
+        check_against_closed_form(gears, math.radians(20.0))
+        assert fit_of(gears).jammed == (difference < 8)
+
+
+def test_jams_beyond_half_a_pitch_are_no_backlash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    design, figures = tmp_path / "deep.toml", tmp_path / "tca.json"
+    design.write_text(
+        'kind = "cylindrical"\nmodule = 2\npinion = { teeth = 38, face_width = 15 }\n'
+        "gear = { teeth = -40, face_width = 15 }\n"
+    )
+    assert main(["tca", str(design), "--json", str(figures)]) == 3
+    told = json.loads(figures.read_text())
+    assert told["fit"]["jammed"]
+    assert not told["fit"]["fits"]
+    assert {row["status"] for row in told["positions"]} == {"jammed"}
+    # one side alone is 3.406 deg of the ring ahead, by 37.6 mm
+    assert told["summary"]["backlash_normal_min_mm"] < -2.2
+    assert told["summary"]["tip_clearance_pinion_mm"] == pytest.approx(0.5, abs=1e-6)
+    assert [tips["flanks"] for tips in told["fit"]["tip_collisions"]] == ["driving", "coast"]
+    err = capsys.readouterr().err
+    assert "free with gear.tip_diameter of at least 81.68" in err
+    assert "the pair is jammed" in err
+
+
+def test_tips_that_overlap_all_round_fail_the_check(tmp_path: Path) -> None:
+    gears = gears_of(
+        pressure_angle=25,
+        pinion={"teeth": 34, "face_width": 15, "addendum": 0.55},
+        gear={"teeth": -35, "face_width": 15},
+    )
+    assert any("overlap all round" in line for line in gears.warnings)
+    check = gears.check_solved({0: gears.contact(np.zeros(1))}, {})
+    failed = {verdict.what for verdict in check.verdicts if not verdict.ok}
+    assert {"fit: least backlash_normal_mm", "fit: tip_collision_um", "sheet: trochoid_deg"} <= failed
+
+
+def test_internal_pairs_collide_where_the_closed_form_has_them_do() -> None:
+    for teeth in (50, 54):
+        check_against_closed_form(plain_pair(teeth, 60, backlash=0.02), math.radians(20.0))
+
+
+@pytest.mark.sweep
+def test_random_internal_pairs_collide_where_the_closed_form_has_them_do() -> None:
+    for gears, angle in random_pairs(60, seed=7):
+        check_against_closed_form(gears, angle)
