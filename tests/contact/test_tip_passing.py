@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.app.cli import main
@@ -19,6 +20,7 @@ from gearmesh.contact.fit.fit import Fit, fit
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.errors import GearmeshError
 from gearmesh.teeth.gear_train import GearPair
+from gearmesh.teeth.region import Side
 
 #: 38/-40 at a working pressure angle of 40 deg, whose tips are free from a tip diameter of the ring of 79.4645 mm on
 LIMIT = {
@@ -169,3 +171,35 @@ def test_internal_pairs_collide_where_the_closed_form_has_them_do() -> None:
 def test_random_internal_pairs_collide_where_the_closed_form_has_them_do() -> None:
     for gears, angle in random_pairs(60, seed=7):
         check_against_closed_form(gears, angle)
+
+
+def polyline_distance(points: np.ndarray, curve: np.ndarray) -> np.ndarray:
+    """Distances (M,) of points (M, 3) from a polyline (N, 3)."""
+    along = np.diff(curve, axis=0)
+    beyond = points[:, None] - curve[:-1]
+    share = np.clip((beyond * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
+    apart: np.ndarray = np.linalg.norm(beyond - share[..., None] * along, axis=-1).min(axis=1)
+    return apart
+
+
+@pytest.mark.sweep_cases("face_gear_offset", "beveloid_crossed", "hypoid", "helical")
+@pytest.mark.parametrize("name", ["rack", "face_gear_offset", "beveloid_crossed", "hypoid", "worm_drive", "helical"])
+def test_tips_meet_where_they_are_said_to(name: str) -> None:
+    """The meetings of every kind are on the tips of both exact teeth, whatever their axes."""
+    pair = gm.build(gm.load(SAMPLES / f"{name}.toml")).pairs[0]
+    flanks = solver_pair(pair)
+    curve = gears_curve(flanks, pair.pitch)
+    assert curve is not None
+    reference = float(np.nanmax(curve.at_nodes()))
+    met = tip_meetings(flanks, reference)
+    met = met.rows(np.flatnonzero(met.tips))
+    assert met.phi1.size
+    phi2 = pair.ratio * met.phi1 + pair.drive * (reference + met.excess)
+    for member, side, turn in zip(pair.both, pair.flanks, (met.phi1, phi2), strict=True):
+        edge = member.tooth.flank_grid(side, [1.0 if side is Side.RIGHT else 0.0], np.linspace(0.0, 1.0, 4001)).points[
+            0
+        ]
+        own = member.mount.at(turn).inverse.point(met.point)
+        assert polyline_distance(own, edge).max() < 1e-5 * np.abs(edge).max()
+    # beside the mesh flanks part before tips meet
+    assert (met.excess < 0.0).all()
