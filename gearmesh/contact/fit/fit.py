@@ -455,10 +455,11 @@ def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Ar
 
 
 def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
-    """Of a contact of the flanks near phi1 = 0, or of fillets if flanks touch nowhere: distance (mm) of its normal from the gear's
-    axis; radius of the pitch circle, or what stands for it: the speed (mm/rad) of the point of contact."""
+    """Of a contact inside the flanks near phi1 = 0, or of edges or fillets if there is none: distance (mm) of its normal from the
+    gear's axis; radius of the pitch circle, or what stands for it: the speed (mm/rad) of the point of contact."""
     contacts = engagement.flanks if engagement.flanks.touching.any() else engagement.contacts
-    there = np.flatnonzero(contacts.touching)
+    inside = contacts.touching & (contacts.edges[:, 0] < 0)
+    there = np.flatnonzero(inside if inside.any() else contacts.touching)
     k = int(there[np.abs(engagement.phi1[there]).argmin()])
     lever, point = _normal(engagement.pair, contacts, engagement.phi1, k)
     first, second = pair.mounts
