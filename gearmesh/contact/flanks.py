@@ -14,7 +14,7 @@ from gearmesh.contact.pair import CREASES, FILLET, FORM_POINT, RIDGES, ROOT, TIP
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import ArgumentError
-from gearmesh.kernel.numeric.algebra import Array, dot, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, unit
 from gearmesh.kernel.surface.curvature import in_plane, principal, relative_curvature, shape_operator, tangent_basis
 from gearmesh.kernel.surface.levels import ConeLevel, Level, Shifted
 from gearmesh.kernel.surface.nearest import tangential
@@ -23,13 +23,14 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
 from gearmesh.teeth.section import Link, breaks
-from gearmesh.teeth.tip_surface import SMOOTH_ANGLE_SINE, is_tangent, tip_edge_grid, tip_edge_surface
 from gearmesh.teeth.tooth import Tooth
 
 #: points of the grid across a flank, and across a fillet
 ROWS, FILLET_ROWS = 13, 13
 #: points of the grid across a chamfer or rounding of the tip
 TIP_ROWS = 9
+#: sine of the angle between normals up to which two surfaces pass smoothly into each other
+SMOOTH_ANGLE_SINE = 1e-6
 
 
 def solver_pair(pair: GearPair) -> Pair:
@@ -119,7 +120,7 @@ def touching_jets(pair: GearPair, path: ContactPath) -> tuple[Jet, Jet]:
 
 def _surface(tooth: Tooth, side: Side, region: str) -> Surface | None:
     """Surface of a fillet or tip edge."""
-    return tooth.side(side).fillet if region == FILLET else tip_edge_surface(tooth, side)
+    return tooth.side(side).fillet if region == FILLET else tooth.tip_edges.get(side)
 
 
 def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
@@ -198,8 +199,8 @@ def contact_flank(member: Member, side: Side) -> Flank:
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     form_point = FormPoints(tooth, side, grid)
     smooth = {FORM_POINT} if form_point.smooth else set()
-    edge = tip_edge_grid(tooth, side, np.array([0.0, 1.0]))
-    if edge is not None and is_tangent(grid.normals[-1], edge.normals[0]):
+    edge = tooth.tip_edge_grid(side, np.array([0.0, 1.0]))
+    if edge is not None and _are_parallel(grid.normals[-1], edge.normals[0]):
         smooth.add("tip")
     return Flank(
         surface=tooth.side(side).flank,
@@ -279,16 +280,15 @@ def contact_tip_edge(member: Member, side: Side) -> Flank | None:
     Raises TrimError where the tooth cannot be trimmed, DesignError where teeth of the member differ.
     """
     tooth = member.one_tooth
-    grid, surface = tip_edge_grid(tooth, side, np.linspace(0.0, 1.0, TIP_ROWS)), tip_edge_surface(tooth, side)
-    if grid is None or surface is None:
+    grid = tooth.tip_edge_grid(side, np.linspace(0.0, 1.0, TIP_ROWS))
+    if grid is None:
         return None
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     edges: dict[str, Level] = {"toe": Shifted(axial, toe, -1.0), "heel": Shifted(axial, heel)}
-    land = unit(tooth.blank.tip.gradient(grid.points[-1]))
-    if (np.abs(dot(land, grid.normals[-1])) < 1.0 - 0.5 * SMOOTH_ANGLE_SINE**2).any():
+    if not _are_parallel(unit(tooth.blank.tip.gradient(grid.points[-1])), grid.normals[-1]):
         edges["tip"] = tip_of(tooth, grid)
     return Flank(
-        surface=surface,
+        surface=tooth.tip_edges[side],
         mount=member.mount,
         edges=edges,
         axial=axial,
@@ -296,3 +296,8 @@ def contact_tip_edge(member: Member, side: Side) -> Flank | None:
         grid=grid.parameters,
         beyond_ends=Between(grid, axial, tooth.even.stations, back=0.0),
     )
+
+
+def _are_parallel(first: Array, second: Array) -> bool:
+    """True where unit vectors (N, 3) are parallel: surfaces with these normals pass smoothly into each other."""
+    return bool((np.linalg.norm(cross(first, second), axis=-1) < SMOOTH_ANGLE_SINE).all())

@@ -22,7 +22,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.kernel.surface.stations import TrimError, along, follow
-from gearmesh.kernel.surface.surface import Jet
+from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.development import Development
 from gearmesh.teeth.blank.end_edge import SHARP
@@ -40,6 +40,7 @@ from gearmesh.teeth.section import (
     TurnedLink,
     parameter,
 )
+from gearmesh.teeth.tip_surface import drawn_edge_surface
 from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
 from gearmesh.teeth.undercut import Undercut, cut_off, form_point, intersection, singular_stations, trim_tolerance
 
@@ -138,6 +139,48 @@ class Tooth:
             links[0] = BottomLink(Region.ROOT, self.bottom.surface, blank.axial, self.bottom.ends)
         links += [self._top(), *left[::-1]]
         return {link.region: link for link in links}
+
+    @cached_property
+    def tip_edges(self) -> dict[Side, Surface]:
+        """Surfaces of chamfers or roundings of the tip by sides, none where the tip is sharp: the tool's envelope with its own
+        parameters, or a drawn edge with parameters (s, z), s from 0 at the flank to 1 at the land."""
+        surfaces: dict[Side, Surface] = {}
+        for side in Side:
+            link = self.chain.get(EDGES[side])
+            if isinstance(link, DrawnLink):
+                surfaces[side] = drawn_edge_surface(link, self.sections, self.smooth_stretches)
+            elif link is not None and link.surface is not None:
+                surfaces[side] = link.surface
+        return surfaces
+
+    def tip_edge_grid(self, which: Side, s: Array) -> Grid | None:
+        """Points of the tip edge of one side at even stations, with the parameters of its surface.
+
+        Parameters
+        ----------
+        which : Side
+            "right" or "left".
+        s : numpy.ndarray
+            Shares (S,) of the way from the flank to the land, ascending.
+
+        Returns
+        -------
+        Grid or None
+            Points and normals (S, T, 3), own frame, mm; None where the tip is sharp.
+
+        Examples
+        --------
+        >>> gears.members["pinion"].tooth.tip_edge_grid(gm.Side.RIGHT, np.array([0.0, 1.0])) is None
+        True
+        """
+        link = self.chain.get(EDGES[which])
+        if link is None:
+            return None
+        if not isinstance(link, DrawnLink):
+            return link.grid(s if which is Side.RIGHT else 1.0 - s, self.even)
+        p, v = np.broadcast_arrays(s[:, None], self.even.stations)
+        jet = self.tip_edges[which].jet(p, v)
+        return Grid(jet.r, jet.n, jet, p, v)
 
     def _top(self) -> TurnedLink:
         """The link between the tips of both sides."""
