@@ -145,7 +145,7 @@ def compliances(
     def of(member: Member, side: Side, material: Material, rim: bool) -> FlankCompliance:
         tooth = member.one_tooth
         deep = rim_depth(tooth) if rim else None
-        return flank_compliance(tooth, side, material, rim=deep, reach=away, coarser=COARSER)
+        return flank_compliance(tooth, side, material, rim=deep, reach=away, coarser=COARSER, idler=member.idler)
 
     with one_thread():
         first, second = side_by_side(of, gears.both, gears.flanks, materials, by_rim)

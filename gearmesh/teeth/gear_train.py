@@ -45,7 +45,8 @@ class Member:
     `tool_parameters`: those of the flanks as the tools leave them, where they were modified since; `rows`: how many
     rows of teeth there are, of which `tooth` is of the first; `overhang` (mm): how far a rack goes on beyond its last pitch, at
     either end; `others`: teeth that differ from `tooth`, by their numbers: 0 is on +x, they are counted as the joint's angle
-    grows, in every row alike; `index`: how far their flanks are ahead of their places, counted likewise.
+    grows, in every row alike; `index`: how far their flanks are ahead of their places, counted likewise; `idler`: it passes torque
+    on from one mesh to another, and none to its bore.
 
     Raises DesignError for other teeth that do not fit between their neighbours, and for index angles of another number of teeth.
     """
@@ -60,6 +61,7 @@ class Member:
     overhang: float = 0.0
     others: Mapping[int, Tooth] = field(default_factory=dict, hash=False)
     index: IndexAngles = EVEN
+    idler: bool = False
 
     def __post_init__(self) -> None:
         self.index.check(self.name, self.tooth.teeth)

@@ -22,6 +22,8 @@ from gearmesh.loaded.separation import near_pairs
 from gearmesh.loaded.sharing import LoadedMesh, inside, loaded_mesh, reach_of
 from gearmesh.teeth.blank.halves import SINGLE_ROW
 
+#: bore and root radii and widths, mm, of the spur sample
+DISCS = (10.86, 27.15, 30.0), (22.14, 55.35, 28.0)
 MODULUS = contact_modulus(STEEL, STEEL)
 ARCSEC = np.pi / 648000.0
 
@@ -340,6 +342,18 @@ def test_the_answer_says_who_carries() -> None:
         # 1 arcsec is 0.13667 um on the base circle
         per_width = row["tangent_stiffness_nm_per_arcsec"] / (0.030 * np.cos(np.radians(20)) * 0.13667 * 28)
         assert row["tangent_stiffness_n_per_mm_um"] == pytest.approx(per_width, rel=1e-4)
+    # without the twist of both discs, thick rings of steel down to their bores
+    (total,) = found.totals
+    shear = 206000.0 / 2.6
+    flexible = [(1.0 / bore**2 - 1.0 / root**2) / (4.0 * np.pi * shear * width) for bore, root, width in DISCS]
+    twist = flexible[0] + 4.0 * flexible[1]
+    unit = 1e3 * (30.0 * np.cos(np.radians(20.0))) ** 2 * 28.0
+    assert total.mean_tangent_stiffness_per_width == pytest.approx(found.mesh.tangent.mean() / unit, rel=1e-4)
+    assert total.c_gamma == pytest.approx((1.0 / (1.0 / found.mesh.tangent - twist)).mean() / unit, rel=1e-3)
+    assert total.c_gamma > 1.05 * total.mean_tangent_stiffness_per_width
+    # at the first position one pair has all of the load
+    one = 50e3 / (found.mesh.rotation[0, 0] - 50e3 * twist) / unit
+    assert total.c_prime == pytest.approx(one, rel=1e-3)
     document = found.document()
     assert document["totals"][0]["te_peak_to_peak_arcsec"] == pytest.approx(
         abs(first["te_arcsec"] - second["te_arcsec"])

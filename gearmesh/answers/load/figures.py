@@ -154,8 +154,24 @@ class LoadedTotals(Figures):
     max_pressure_phi1: float = figure("rotation of the pinion at which the contact pressure is largest", "deg")
     max_pair_force: float = figure("largest normal force on one tooth pair", "N", "F_n")
     mean_tangent_stiffness: float = figure("mean tangent mesh stiffness", "Nm/arcsec")
+    mean_tangent_stiffness_per_width: float | None = figure(
+        "mean tangent mesh stiffness along the line of action per mm of face, bodies included",
+        "N/(mm um)",
+        key="mean_tangent_stiffness_n_per_mm_um",
+        optional=True,
+    )
     c_gamma: float | None = figure(
-        "mean tangent mesh stiffness along the line of action per mm of face", "N/(mm um)", "c_gamma", optional=True
+        "mean tangent mesh stiffness of the teeth along the line of action per mm of face, without the twist of the bodies",
+        "N/(mm um)",
+        "c_gamma",
+        optional=True,
+    )
+    c_prime: float | None = figure(
+        "largest stiffness of one tooth pair along the line of action per mm of face, without the twist of the bodies",
+        "N/(mm um)",
+        "c'",
+        key="c_prime_n_per_mm_um",
+        optional=True,
     )
     fillets: Mapping[str, FilletFigures] = figure("largest stresses in the fillets", parts=FilletFigures)
     on_edge: bool = figure("whether there is edge contact at any position")

@@ -33,6 +33,7 @@ from gearmesh.errors import ArgumentError, Status
 from gearmesh.figures import Content, Entry, Figure, Summary, flat
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance
+from gearmesh.loaded.compliance.twist import twist_compliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh, whole_cycle
@@ -239,7 +240,7 @@ class LoadedContact(Result):
     def totals(self) -> list[LoadedTotals]:
         """One per torque: peak to peak of the loaded transmission error over the positions and of the unloaded one over the
         whole mesh cycle, means of the tangent stiffness (on parallel axes also
-        per mm of face, c_gamma of ISO 6336-1), the greatest of all else over the positions."""
+        per mm of face, and of the teeth alone c_gamma and c' of ISO 6336-1), the greatest of all else over the positions."""
         return [self._total(k, load) for k, load in enumerate(self.mesh.loads)]
 
     def _total(self, torque: int, load: PairLoad) -> LoadedTotals:
@@ -258,7 +259,7 @@ class LoadedContact(Result):
             max_pressure_phi1=float(np.degrees(at).round(12)),
             max_pair_force=float(load.force.max()),
             mean_tangent_stiffness=1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
-            c_gamma=None if self._width is None else float(mesh.tangent[torque].mean()) / self._width,
+            **self._per_width(torque, load),
             fillets=self._fillets(*(_most(in_fillet[torque]) for in_fillet in self._in_fillets())),
             on_edge=bool((load.on_edge & (load.force > 0.0)).any()),
             edge_contact=bool(load.edge_contact.any()),
@@ -268,6 +269,26 @@ class LoadedContact(Result):
                 if edge_load.edge
             },
         )
+
+    def _per_width(self, torque: int, load: PairLoad) -> dict[str, float | None]:
+        """Stiffness per mm of face under a torque: of all, of the teeth, and the largest of one tooth pair."""
+        names = "mean_tangent_stiffness_per_width", "c_gamma", "c_prime"
+        if self._width is None:
+            return dict.fromkeys(names)
+        tangent, twist = self.mesh.tangent[torque], self._twist
+        bent = self.mesh.rotation[torque] - twist * self.mesh.torque[torque]
+        values = tangent.mean(), (1.0 / (1.0 / tangent - twist)).mean(), (load.moment / bent[load.position]).max()
+        return {name: float(value) / self._width for name, value in zip(names, values, strict=True)}
+
+    @cached_property
+    def _twist(self) -> float:
+        """Rotation of the pinion over its torque, rad/(N mm), by the twist of both bodies; that of an idler has none."""
+        materials, held = materials_of(self.design, self.pair), held_by_rim(self.design, self.pair)
+        first, second = (
+            0.0 if member.idler else twist_compliance(member.one_tooth, material, by_rim=by_rim)
+            for member, material, by_rim in zip(self.pair.both, materials, held, strict=True)
+        )
+        return first + second / self.pair.ratio**2
 
     def _in_fillets(self) -> tuple[Array, ...]:
         """Figures (T, P, 2) in the fillets of both members; the error where bending is the largest of its torque."""

@@ -84,9 +84,10 @@ def root_between(
                 return float(following)
             places = np.array([following])
         else:
-            about = np.clip(
-                np.concatenate((np.linspace(0.0, 1.0, PARTS + 1), ends[0] / (ends[0] - ends[1]) + NEAR)), 0.0, 1.0
-            )
+            about, fall = np.linspace(0.0, 1.0, PARTS + 1), ends[0] - ends[1]
+            # of a function that is flat but for rounding there is no secant
+            if fall != 0.0:
+                about = np.concatenate((about, np.clip(ends[0] / fall + NEAR, 0.0, 1.0)))
             places = np.unique(low + about * (high - low))
         last = abs(f[k])
     return 0.5 * (low + high)

@@ -67,7 +67,7 @@ CELLS = Cells(flank=8, fillet=12, thickness=4, rim=5, face=11)
 COARSER = Cells(flank=6, fillet=9, thickness=3, rim=4, face=8)
 #: so many rings are kept, some 10 MB each
 KEPT = 16
-_RINGS: dict[tuple[bytes, int, int, int | None], tuple[Array, Array]] = {}
+_RINGS: dict[tuple[bytes, int, int, int | None, bool], tuple[Array, Array]] = {}
 _KEEPING = Lock()
 #: teeth at least after which those of a bar come round again, far enough away to do nothing
 BAR = 30
@@ -211,7 +211,7 @@ class HeldTeeth(FlankCompliance):
 
 def rim_depth(tooth: Tooth, cells: Cells = CELLS) -> float:
     """Depth, mm, under the root at which a gear is held by its rim: 1.2 whole depths, less where the body has less."""
-    return usual_rim(_without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1))
+    return usual_rim(without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1))
 
 
 @one_thread()
@@ -224,20 +224,27 @@ def flank_compliance(
     depth: int | None = None,
     reach: int = 3,
     coarser: Cells | None = None,
+    *,
+    idler: bool = False,
 ) -> FlankCompliance:
     """Compliance of a flank of a gear that is held `rim` mm under the root, by default at the bore, without one near the axis.
+
+    No torque reaches the bore of an `idler`: the same load, pulling half a turn away, is its other mesh. The bore has the sum of
+    both tangential forces, as the pin of a planet has; that the radial one of the other mesh has the other sense is neglected.
 
     `depth`: how many elements under the flank are held for the local compliance, those up to the tooth's middle at most and by
     default; `reach`: teeth on either side of the loaded one; `coarser`: elements of the mesh that estimates how far root stress
     is from convergence, by default none.
     """
-    deep = whole_rim(_without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
+    deep = whole_rim(without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
     around = np.inf if tooth.screw is not None else tooth.joint.cycle(tooth.teeth)
     count = int(min(around, max(tooth.teeth, BAR)))
 
     def of(wanted: Cells, dented: bool) -> tuple[Sector, FilletStress, Array]:
         sector = Sector.of(tooth, side, material, wanted, deep)
-        smooth, stress = _ring_responses(sector, count, reach, (depth or sector.inwards) if dented else None)
+        smooth, stress = _ring_responses(
+            sector, count, reach, (depth or sector.inwards) if dented else None, idler=idler
+        )
         return sector, sector.fillet_stress(tooth, stress), smooth
 
     sector, stressed, smooth = of(cells, True)
@@ -266,7 +273,7 @@ def held_teeth(
     return HeldTeeth(**vars(of_teeth[teeth // 2]), of_teeth=of_teeth)
 
 
-def _ring_responses(sector: Sector, teeth: int, reach: int, depth: int | None) -> tuple[Array, Array]:
+def _ring_responses(sector: Sector, teeth: int, reach: int, depth: int | None, *, idler: bool) -> tuple[Array, Array]:
     """`smooth` (None is the `depth` of those whose local compliance is kept) and `stress` of a ring of sectors; those of the last
     `KEPT` rings are kept: other torques, positions, assemblies and mounts of the same teeth ask again for what takes longest."""
     body = sector.stiffness
@@ -285,11 +292,12 @@ def _ring_responses(sector: Sector, teeth: int, reach: int, depth: int | None) -
         teeth,
         reach,
         depth,
+        idler,
     )
     responses = _RINGS.get(key)
     if responses is None:
         condensed = Condensed.of(sector)
-        cuts = _cuts(condensed.stiffness, condensed.loads, sector.turn, teeth, reach)
+        cuts = _cuts(condensed.stiffness, condensed.loads, sector.turn, teeth, reach, idler=idler)
         count = sector.flank.size
         responses = condensed.responses(
             cuts, np.zeros((count, count)) if depth is None else _contact_compliance(sector, depth)
@@ -338,7 +346,7 @@ class Sector:
             grid = on_stations(sector_grid(tooth, side, wanted, CROWDED_WEB), faces)
         grid = on_breaks(tooth, grid)
         # elements go through the recesses too
-        mesh = hex_mesh(_without_web(tooth), np.array([0]), grid, rim)
+        mesh = hex_mesh(without_web(tooth), np.array([0]), grid, rim)
         parts = np.ones(len(mesh.elements)) if web is None else inside(web, mesh.nodes[mesh.elements])
         # nodes without material move with nothing and hold nothing
         bare = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.elements[parts > 0.0])
@@ -398,7 +406,8 @@ class Sector:
         return csr_array(coo_array((parts.ravel(), (rows.ravel(), columns.ravel())), shape=shape))
 
 
-def _without_web(tooth: Tooth) -> Tooth:
+def without_web(tooth: Tooth) -> Tooth:
+    """The tooth of a body whose recesses are filled."""
     blank = tooth.blank
     return tooth if blank.body.web is None else replace(tooth, blank=replace(blank, body=blank.body.without_web))
 
@@ -475,21 +484,22 @@ class Condensed:
         return smooth, asked[:, count:].reshape(2 * reach + 1, len(self.sector.fillet), 6, count)
 
 
-def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int) -> Array:
+def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int, *, idler: bool = False) -> Array:
     """Displacements (2 N + 1, 2 c, n) of both cuts of the sectors -N .. N, each in its own frame, under loads (2 c, n) on those of
-    sector 0; `condensed` (2 c, 2 c) is the stiffness of a sector to its cuts, the right one first."""
+    sector 0; `condensed` (2 c, 2 c) is the stiffness of a sector to its cuts, the right one first. Of an
+    `idler` sector 0 is loaded so and its opposite one the other way: half a turn is (-1)^k of harmonic k."""
     from scipy.linalg import cho_factor, cho_solve
 
     own, coupling, first, last = _row(condensed, loads, turn)
     half = len(own)
     places = np.arange(-reach, reach + 2)
     cuts = np.zeros((len(places), half, loads.shape[1]))
-    for k in range(teeth // 2 + 1):
+    for k in range(1 if idler else 0, teeth // 2 + 1, 2 if idler else 1):
         go_on()
         phase = np.exp(2j * np.pi * k / teeth)
         system = own + phase * coupling + np.conj(phase) * coupling.T
         solved = cho_solve(cho_factor(system, lower=True, check_finite=False), first + last / phase, check_finite=False)
-        share = (1.0 if k in (0, teeth / 2) else 2.0) / teeth
+        share = (1.0 if k in (0, teeth / 2) else 2.0) * (2.0 if idler else 1.0) / teeth
         for row, place in enumerate(places):
             cuts[row] += share * (solved * phase**place).real
     return _both(cuts, turn)

@@ -140,7 +140,7 @@ def build(design: PlanetaryDesign) -> GearTrain:
     made: list[GearPair] = []
     for k, angle in enumerate(angles):
         place = Rigid.about_z(angle) @ Rigid(np.eye(3), np.array([inner.mesh.distance, 0.0, of_planet]))
-        own = replace(planet, name=f"{PLANET}_{k + 1}", mount=Mount(place))
+        own = replace(planet, name=f"{PLANET}_{k + 1}", mount=Mount(place), idler=True)
         made.append(
             GearPair(
                 pinion=replace(sun, mount=Mount(_facing(angle, design.sun.teeth), sign=-1.0)),
