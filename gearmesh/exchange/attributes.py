@@ -36,6 +36,8 @@ class AttributeForm:
     def range_in_words(self) -> str:
         """The range in words."""
         unit = "" if self.unit == "none" else f" {self.unit}"
+        if not math.isfinite(self.low):
+            return f"a finite number{f' of{unit}' if unit else ''}"
         if math.isfinite(self.low) and math.isfinite(self.high):
             return f"between {self.low:g} and {self.high:g}{unit}"
         return f"{'above' if self.open else 'at least'} {self.low:g}{unit}"
@@ -90,6 +92,7 @@ ATTRIBUTES: dict[str, AttributeForm] = {
         ("addendum_basic_profile", "normal_circular_pitch", "maximum_tip_diameter", "minimum_tip_diameter"), _SIZE
     ),
     "inner_diameter": _SIZE_OR_NONE,
+    "datum_face_orientation": _enum("negative", "positive"),
     "root_diameter": _LENGTH,
     **dict.fromkeys(("helix_angle_reference_diameter", "helix_angle_base_circle"), _SLOPE),
     **dict.fromkeys(("chordal_tooth_thickness_upper_deviation", "chordal_tooth_thickness_lower_deviation"), _LENGTH),

@@ -85,8 +85,11 @@ class _Reader:
     def attribute(self, data: Mapping[str, Any]) -> Attribute:
         id, unit = self.text(data, "id", "attribute"), str(data.get("unit") or "none")
         types = [name for name in data if name not in ("id", "unit")]
-        if len(types) != 1:
-            raise FileError(self.path, reason=f"attribute {id} without a value")
+        if not types:
+            # as programs write what is not given
+            return Attribute(id, "", unit)
+        if len(types) > 1:
+            raise FileError(self.path, reason=f"attribute {id} with {len(types)} values: {', '.join(types)[:60]}")
         value = data[types[0]]
         if isinstance(value, dict):
             shape = (str(value["rows"]), str(value["columns"])) if "rows" in value and "columns" in value else None

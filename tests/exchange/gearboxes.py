@@ -17,7 +17,7 @@ DATE = "2026-11-29T00:00:00+00:00"
 
 @dataclass
 class Gearbox:
-    """A file in the making. Angles have the unit of the version."""
+    """A file in the making. Angles have the unit of the version; "" is a value that is not given."""
 
     version: str = "1.7"
     components: list[tuple[str, str, dict[str, Any]]] = field(default_factory=list)
@@ -89,7 +89,7 @@ class Gearbox:
                 "type": type,
                 "name": name,
                 "attributes": [
-                    {"id": attribute, "unit": unit, JSON_TYPES[value.__class__]: value}
+                    {"id": attribute, "unit": unit, **({} if value == "" else {JSON_TYPES[value.__class__]: value})}
                     for attribute, value, unit in self._values(attributes)
                 ],
             }

@@ -113,7 +113,9 @@ def test_the_design_of_a_stage_and_what_it_leaves(version: str, tmp_path: Path) 
 BOMB = """<?xml version="1.0"?>
 <!DOCTYPE m [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">]>
 <model version="1.7">&b;</model>"""
-NO_VALUE = '{"model": {"version": "1.7", "components": [{"id": 1, "attributes": [{"id": "a"}]}]}}'
+TWO_VALUES = (
+    '{"model": {"version": "1.7", "components": [{"id": 1, "attributes": [{"id": "a", "string": "1", "integer": 1}]}]}}'
+)
 
 
 @pytest.mark.quick
@@ -144,7 +146,7 @@ NO_VALUE = '{"model": {"version": "1.7", "components": [{"id": 1, "attributes": 
         (100_000 * "[", "a.rexsj", "nested too deeply"),
         ('{"model": 3}', "a.rexsj", "model is not an object"),
         ('{"model": {"version": "1.7", "components": {"id": 1}}}', "a.rexsj", "components is not an array"),
-        (NO_VALUE, "a.rexsj", "attribute a without a value"),
+        (TWO_VALUES, "a.rexsj", "attribute a with 2 values: string, integer"),
         ("no zip", "a.rexsz", "not a zip file that can be read"),
     ],
 )  # fmt: skip

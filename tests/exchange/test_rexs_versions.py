@@ -532,7 +532,7 @@ def test_values_of_another_type_in_json(tmp_path: Path) -> None:
     box = helical_pair()
     box.change("first stage", **{FIELD: 7.0})
     box.change("pinion", number_of_teeth=19.0, support_vector=(False, "mm"))
-    box.change("wheel", **{SERIES: False})
+    box.change("wheel", **{SERIES: False}, tip_diameter=("", "mm"))
     keys, notes = read_stage(box.write(tmp_path, ".rexsj"))
     assert keys == {key: value for key, value in PAIR.items() if key != "gear.thickness_allowance.series"}
     assert f"{SERIES}: a boolean is no value of this attribute and is not used" in notes
@@ -597,6 +597,28 @@ def test_names_of_the_file_in_what_is_said_of_it(tmp_path: Path) -> None:
             one["machining_allowance_tolerance"] = (0.0, "mm")
     unused = {(one.component, one.attribute) for one in gm.load_rexs(box.write(tmp_path)).unused}
     assert unused == {(f"flank_geometry {id}", "machining_allowance_tolerance") for id in (5, 6, 8, 9)}
+
+
+@pytest.mark.quick
+def test_the_datum_face_at_either_end(tmp_path: Path) -> None:
+    """The relief at the datum face is that of the toe, or of the heel where the datum face lies at the positive end."""
+    for orientation, end in ((None, "toe"), ("negative", "toe"), ("positive", "heel")):
+        box = helical_pair()
+        box.change("pinion", datum_face_orientation=orientation)
+        relief = box.add(
+            "end_relief_datum_face",
+            "relief",
+            end_relief_depth_datum_face=(0.01, "mm"),
+            end_relief_length_datum_face=(4.0, "mm"),
+        )
+        none = box.add("tip_relief", "none", tip_relief_depth=(0.0, "mm"), tip_relief_datum_diameter=(0.0, "mm"))
+        for flank in (5, 6):
+            box.relate("reference", origin=flank, referenced=relief)
+            box.relate("reference", origin=flank, referenced=none)
+        keys, notes = read_stage(box.write(tmp_path))
+        stem = f"pinion.modifications.end_relief_{end}"
+        assert keys == {**PAIR, f"{stem}.amount": 0.01, f"{stem}.length": 4.0}
+        assert not notes
 
 
 @pytest.mark.quick

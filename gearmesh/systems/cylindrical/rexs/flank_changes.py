@@ -13,6 +13,9 @@ from gearmesh.exchange.stage_writer import StageWriter
 
 #: tables of a design, and the flanks that they are for
 TABLES = {"modifications": ("left", "right"), "modifications_right": ("right",), "modifications_left": ("left",)}
+#: at which end of the face, along u, the datum face lies: at the toe if negative, as without this attribute
+ORIENTATION = "datum_face_orientation"
+OTHER_END = {"end_relief_toe": "end_relief_heel", "end_relief_heel": "end_relief_toe"}
 SHAPES = ("linear", "parabolic", "circular")
 
 
@@ -71,14 +74,18 @@ TYPES = tuple(change.type for change in CHANGES)
 
 
 def read_changes(
-    file: StageReader, flanks: Mapping[str, Component], start_of: Callable[[str, float], float | None]
+    file: StageReader,
+    gear: Component,
+    flanks: Mapping[str, Component],
+    start_of: Callable[[str, float], float | None],
 ) -> dict[str, Any]:
     """Keys of the modifications of both flanks: those that both have, then those of one.
 
     `start_of` gives the diameter at which a relief of tip or root of some length begins. What a design cannot have is left unused.
     """
+    at_heel = file.text(gear, ORIENTATION) == "positive"
     sides = {
-        side: [one for change in CHANGES for one in _read(file, flank, change, start_of)]
+        side: [one for change in CHANGES for one in _read(file, flank, change, start_of, at_heel)]
         for side, flank in flanks.items()
     }
     both = [one for one in sides.get("left", []) if one in sides.get("right", [])]
@@ -94,8 +101,13 @@ def read_changes(
 
 
 def _read(
-    file: StageReader, flank: Component, change: FlankChange, start_of: Callable[[str, float], float | None]
+    file: StageReader,
+    flank: Component,
+    change: FlankChange,
+    start_of: Callable[[str, float], float | None],
+    at_heel: bool,
 ) -> Iterator[tuple[str, dict[str, Any]]]:
+    table = OTHER_END.get(change.table, change.table) if at_heel else change.table
     for one in file.references(flank, change.type):
         values: dict[str, Any] = {}
         for key, attribute in change.keys.items():
@@ -108,18 +120,23 @@ def _read(
         shape = file.text(one, change.shape) if change.shape else None
         whole = None not in values.values() and all(other is None or math.isclose(other, amount) for other in others)
         allowed = (change.only,) if change.only else SHAPES
+        if amount == 0.0:
+            continue
+        if at_heel and change.table == "helix_slope":
+            whole = False
         if not whole or (shape is not None and shape not in allowed):
             file.notes.append(f"{one}: not used: a design has no such {change.table}")
             file.used -= {(one.id, id) for id in one.attributes}
-        elif amount:
+        else:
             file.text(one, "is_additive_modification")
             if change.shape and not change.only and shape is not None:
                 values[".shape"] = shape
-            yield change.table, values
+            yield table, values
 
 
-def write_changes(file: StageWriter, name: str, flanks: Mapping[str, Component]) -> None:
-    """Modifications of the member `name`, as far as the format has them."""
+def write_changes(file: StageWriter, gear: Component, name: str, flanks: Mapping[str, Component]) -> None:
+    """Modifications of the member `name`, as far as the format has them; the datum face is the toe."""
+    file.put(gear, ORIENTATION, "negative")
     for flank in flanks.values():
         file.forget(flank, TYPES)
     for table, sides in TABLES.items():

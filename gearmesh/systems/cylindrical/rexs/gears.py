@@ -50,7 +50,11 @@ class GearReader:
         beta = self.file.number(self.gear, "helix_angle_reference_diameter", "helix_angle", zero=True)
         base = self.file.number(self.gear, "helix_angle_base_circle", zero=True)
         if beta is None and base and self.alpha is not None:
-            return math.degrees(math.asin(math.sin(math.radians(base)) / math.cos(math.radians(self.alpha))))
+            sine = math.sin(math.radians(base)) / math.cos(math.radians(self.alpha))
+            if abs(sine) >= 1.0:
+                reason = f"too large for a normal pressure angle of {self.alpha:g} deg"
+                raise self.file.refusal(self.gear, "helix_angle_base_circle", reason, base)
+            return math.degrees(math.asin(sine))
         return beta or 0.0
 
     def pressure_angle(self) -> float | None:
@@ -103,7 +107,7 @@ class GearReader:
             keys["root_diameter"] = self._root(module, beta, shift or 0.0)
         keys |= self._thickness(module, alpha, beta, shift)
         tip, base = keys.get("tip_diameter"), self._base(module, alpha, beta)
-        keys |= read_changes(file, self.flanks, lambda end, length: _start(end, length, tip, base))
+        keys |= read_changes(file, gear, self.flanks, lambda end, length: _start(end, length, tip, base))
         return {key: value for key, value in keys.items() if value is not None}
 
     def shift(self, module: float) -> float | None:
@@ -307,7 +311,7 @@ def write_gear(file: StageWriter, gear: Component, of: GearProportions, name: st
     file.take(f"{name}.profile_shift")
     if keys.get(f"{name}.manufacture") == "generated":
         _write_tool(file, flanks, of, name)
-    write_changes(file, name, flanks)
+    write_changes(file, gear, name, flanks)
     file.put_material(gear, name)
 
 
