@@ -73,13 +73,22 @@ def test_tools_of_gears_by_every_relation(by: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("version", ["1.0", "1.4"])
 def test_a_file_of_an_earlier_version_is_written_as_a_valid_one(version: str, tmp_path: Path) -> None:
     box = helical_pair(version)
+    if version == "1.0":
+        # of the wheel the file has a stock and no tool
+        box.relations = [one for one in box.relations if one[0] != "ordered_reference" or ("origin", 4) in one[2]]
     gm.load_rexs(box.write(tmp_path)).save(tmp_path / "pair.toml")
     export = gm.build(gm.load(tmp_path / "pair.toml", ["gear.face_width=19"])).rexs(tmp_path)
     for suffix in (".rexs", ".rexsj"):
         export.save(tmp_path / f"new{suffix}")
         assert faults(tmp_path / f"new{suffix}") == []
         again, _ = read_stage(tmp_path / f"new{suffix}")
-        assert {key: again[key] for key in PAIR} == {**PAIR, "gear.face_width": 19.0}
+        same = [
+            key
+            for key in PAIR
+            if version != "1.0" or ("gear.hob" not in key and key not in ("gear.dedendum", "gear.tool_tip_radius"))
+        ]
+        assert {key: again[key] for key in same} == {key: {**PAIR, "gear.face_width": 19.0}[key] for key in same}
+        assert "gear.hob.stock" in again or version == "1.0"
 
 
 @pytest.mark.quick

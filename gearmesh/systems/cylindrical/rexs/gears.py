@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_writer import StageWriter
+from gearmesh.exchange.versions import OF_SETTINGS
 from gearmesh.systems.common.standards import din3967, iso286
 from gearmesh.systems.cylindrical.rexs.flank_changes import read_changes, write_changes
 
@@ -355,6 +356,9 @@ def _write_tool(file: StageWriter, flanks: dict[str, Component], of: GearProport
     for flank in flanks.values():
         tool, settings = file.step(flank, type, SETTINGS, shared)
         shared = tool
+        for id in OF_SETTINGS:
+            # an earlier version had them there
+            flank.attributes.pop(id, None)
         file.put(tool, "normal_module", module)
         file.put(tool, "normal_pressure_angle", alpha)
         rounded = file.put(tool, "tip_radius_factor", once("tool_tip_radius"))
