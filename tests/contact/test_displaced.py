@@ -38,6 +38,7 @@ def moved_apart(mm: float) -> tuple[float, float]:
     return path / (2.0 * np.pi * BASE[0] / 20.0), PLAY + opened
 
 
+@pytest.mark.sweep_cases("farther")
 @pytest.mark.parametrize(
     ("errors", "nearer", "within"),
     [
@@ -46,6 +47,7 @@ def moved_apart(mm: float) -> tuple[float, float]:
         # backlash turns the gear by some minutes of arc
         ({"pinion_eccentricity": 0.02, "gear_eccentricity": 0.03, "gear_phase": -4.5}, 0.05, 1e-7),
     ],
+    ids=["nearer", "farther", "both"],
 )
 def test_displaced_involutes_have_no_jump_and_the_cycle_of_their_distance(
     errors: dict[str, float], nearer: float, within: float
@@ -124,6 +126,7 @@ def test_check_has_a_verdict_on_whole_turns() -> None:
     assert verdicts[0.2][turns].value == pytest.approx(np.degrees(play / BASE[1]), abs=1e-4)
 
 
+@pytest.mark.sweep
 def test_studies_report_the_same_cycle() -> None:
     gears = spur()
     study = gears.study({"assembly.pinion_eccentricity": [0.0, 0.02]}, record="cycle", workers=1)

@@ -107,7 +107,10 @@ def through(axes: Array, origins: Array, turned: Array, moments: Array, start: A
     return direction, point
 
 
-@pytest.mark.parametrize(("error", "moves"), [("gamma_h", (0.5886, -0.6411)), ("gamma_v", (-0.1061, 0.1119))])
+@pytest.mark.sweep_cases("gamma_v")
+@pytest.mark.parametrize(
+    ("error", "moves"), [("gamma_h", (0.5886, -0.6411)), ("gamma_v", (-0.1061, 0.1119))], ids=["gamma_h", "gamma_v"]
+)
 def test_misaligned_crossed_gears_keep_their_ratio_and_move_their_path(error: str, moves: tuple[float, float]) -> None:
     """Crossed helical gears 20/30, m 2, 45 deg: 0.5 deg leaves no transmission error, but the line along which they touch is
     another. It keeps its angles to both axes and its moments about them, which is the closed form."""
@@ -136,7 +139,8 @@ def test_misaligned_crossed_gears_keep_their_ratio_and_move_their_path(error: st
         assert float(along.mean()) == pytest.approx(moved, abs=1e-3)
 
 
-@pytest.mark.parametrize(("shift", "play"), [(-0.2, 68.404), (0.2, -68.404)])
+@pytest.mark.sweep_cases("jammed")
+@pytest.mark.parametrize(("shift", "play"), [(-0.2, 68.404), (0.2, -68.404)], ids=["play", "jammed"])
 def test_a_beveloid_pair_has_play_by_an_axial_shift(shift: float, play: float) -> None:
     """Cone angle 30 deg: the gear's teeth get thinner along its axis, so that it is apart by 2 dz sin(30 deg) sin(20 deg) along the
     normal, 68.404 um: neither 0, as of cylindrical gears, nor half of it."""

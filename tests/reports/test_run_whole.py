@@ -20,7 +20,7 @@ def test_a_run_that_fails_leaves_the_folder_as_it_was(tmp_path: Path, monkeypatc
         raise NoSolutionError("gear", reason="no such figure")
 
     monkeypatch.setattr("gearmesh.reports.run.limits_of", refused)
-    gears, folder = gm.build(gm.parse(GEAR), alone="gear"), tmp_path / "new" / "out"
+    gears, folder = gm.build(gm.parse(GEAR), alone=True), tmp_path / "new" / "out"
     with pytest.raises(NoSolutionError):
         gears.run(folder, 0.1, page=False)
     assert not (tmp_path / "new").exists()

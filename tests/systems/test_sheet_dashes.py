@@ -27,6 +27,7 @@ def ring(module: float = 2.0, teeth: int = 50, of_both: dict[str, Any] | None = 
     return gm.parse({"kind": "cylindrical", "module": module, "pinion": {"teeth": 20, **both}, "gear": gear, **keys})
 
 
+@pytest.mark.sweep_cases("much")
 @pytest.mark.parametrize(
     ("design", "keys"),
     [
@@ -34,6 +35,7 @@ def ring(module: float = 2.0, teeth: int = 50, of_both: dict[str, Any] | None = 
         ({"backlash": 0.5}, {}),
         ({"module": 0.5, "teeth": 60}, {"face_width": 5, "thickness_allowance": "cd25"}),
     ],
+    ids=["some", "much", "fine"],
 )
 def test_rows_as_cut_by_feed_are_those_of_the_design_that_is_fed(design: dict[str, Any], keys: dict[str, Any]) -> None:
     """Against the teeth of the same order with allowance_by = "feed", as they are built: its tool has a rounding of its own."""
@@ -72,6 +74,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.sweep_cases("spiral_bevel_basic", "planetary", "face_gear", "rack")
 @pytest.mark.parametrize("sample", REFUSED)
 def test_no_refused_figure_brings_down_the_sheet(sample: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: object) -> None:
