@@ -51,6 +51,9 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
     """What a drawing of a member says. Raises as its sheet does."""
     design, tables = gears.design, sheet_of(gears).tables
     own = systems.system_of(design).drawn
+    if own is not None:
+        # false goes before true
+        tables = tuple(sorted(tables, key=lambda table: table.title != own.measured))
     mates = [
         name for pair in gears.pairs if member.name in pair.members for name in pair.members if name != member.name
     ]

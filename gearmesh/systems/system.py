@@ -162,7 +162,8 @@ class DrawnRows:
     """Which rows of the sheet a workshop drawing of a member has, by their symbols: `own` of its own columns and of those of
     the pair, `mating` of the mating gears; `tip`: symbol of the tip diameter; `reference`: symbols of the reference or pitch
     diameter at toe and heel; `tolerances`: those that it has where the design sets the key `accuracy`; `ranges`: names of columns,
-    such as least and largest, the first of which that a table of a pair has are given beside each other."""
+    such as least and largest, the first of which that a table of a pair has are given beside each other; `measured`: title of the
+    table of the sheet whose rows go before rows of the same symbol elsewhere."""
 
     own: tuple[str, ...]
     mating: tuple[str, ...] = ()
@@ -171,6 +172,7 @@ class DrawnRows:
     tolerances: tuple[str, ...] = ()
     accuracy: str = ""
     ranges: tuple[tuple[str, ...], ...] = ()
+    measured: str = ""
 
 
 @dataclass(frozen=True)

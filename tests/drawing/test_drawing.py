@@ -47,7 +47,7 @@ CASES = {
     "rack": ("rack", [], "rack", {"200", "24", "22"}),
     "worm": ("worm_drive", [], "worm", {"worm, 2 threads"}),
     "single": ("worm_drive_dual_lead", [], "worm", {"worm, 1 thread"}),
-    "bevel": ("zerol", [], "pinion", {"pinion, 15 teeth", "(\u230060)", "\u230070.535", "26.5651\N{DEGREE SIGN}"}),
+    "bevel": ("zerol", [], "pinion", {"pinion, 15 teeth", "(\u230060)", "\u230070.527", "26.5651\N{DEGREE SIGN}"}),
 }
 
 

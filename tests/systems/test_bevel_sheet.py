@@ -18,7 +18,9 @@ from scipy.interpolate import LinearNDInterpolator
 from scipy.optimize import brentq
 
 import gearmesh as gm
+from gearmesh.drawing.gear_data import facts_of
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
@@ -33,6 +35,8 @@ from gearmesh.teeth.region import Side
 TAPERED = "Dimensions [ISO 23509]"
 CUT = "Teeth as cut, measured on their flanks"
 PAIR = "Ratios, depths and backlash"
+#: rows of drawings that are measured
+DRAWN_AS_CUT = ("h_ae", "h_e", "d_ae", "s_mnc", "h_amc", "beta_m")
 MAKERS = "Machine settings by the makers' names"
 
 
@@ -216,13 +220,50 @@ def test_the_chord_is_what_a_calliper_reads(name: str) -> None:
     blank = basic_blank(gears.design)
     for k, member in enumerate(gears.members.values(), start=1):
         tip, up, along = mean_frame(member, blank.gear.mean_cone_distance)
-        depth, across = tables[TAPERED]["hamc"][k], np.cross(up, along)
+        depth, across = tables[CUT]["h_amc"][k], np.cross(up, along)
         ends = []
         for which in Side:
             r = member.tooth.flank_grid(which, np.linspace(0.0, 1.0, 121), np.linspace(0.35, 0.65, 121)).points - tip
             place = np.stack((r @ along, r @ up), axis=-1).reshape(-1, 2)
             ends.append(float(LinearNDInterpolator(place, (r @ across).ravel())(0.0, -depth)))
         assert abs(ends[0] - ends[1]) == pytest.approx(tables[CUT]["s_mnc"][k], abs=2e-4)
+
+
+def test_sheet_and_drawing_have_the_dimensions_of_the_teeth_as_they_are_cut() -> None:
+    """Of a pair whose formulas are up to 30 um and 0.4 mm off: thickness from grids of the flanks, tip and root from points."""
+    gears, tables = gm.build(design_named("spiral_bevel_formate")), tables_of("spiral_bevel_formate")
+    mean = tables["Pair"]["mean cone distance"][1]
+    for k, member in enumerate(gears.members.values(), start=1):
+        tooth, pitch = member.tooth, np.radians(tables["Blank"]["pitch angle"][k])
+        up, (toe, heel) = np.array([np.cos(pitch), -np.sin(pitch)]), tooth.blank.extent
+        t = (mean + np.array([-0.1, 0.0, 0.1]) - toe) / (heel - toe)
+        turns, fillets, tips = [], [], []
+        for which in Side:
+            points = tooth.flank_grid(which, np.linspace(0.2, 0.8, 301), t).points
+            height = np.stack((np.hypot(points[..., 0], points[..., 1]), points[..., 2]), axis=-1) @ up
+            angle = np.arctan2(points[..., 1], points[..., 0])
+            turns.append([float(np.interp(0.0, height[:, j], angle[:, j])) for j in range(3)])
+            side = tooth.side(which)
+            end = along(side.fillet, np.array([side.root]), np.array([heel]), tooth.blank.axial)[1].r[0]
+            fillets.append(float(np.array([np.hypot(end[0], end[1]), end[2]]) @ up))
+            tips.append(float(np.hypot(*tooth.flank_grid(which, [1.0], [1.0]).points[0, 0, :2])))
+        (right, left), radius = np.array(turns), mean * np.sin(pitch)
+        spiral = np.arctan(radius * 0.5 * (abs(right[2] - right[0]) + abs(left[2] - left[0])) / 0.2)
+        thickness = radius * abs(right[1] - left[1]) * np.cos(spiral)
+        assert tables["Blank"]["mean normal thickness"][k] == pytest.approx(thickness, abs=2e-4)
+        assert abs(tables[TAPERED]["smn"][k] - thickness) > 5e-3
+        rows = {row.symbol: row.value for row in facts_of(gears, member).rows}
+        drawn = {key: float(rows[key].split()[0].rstrip("\N{DEGREE SIGN}")) for key in DRAWN_AS_CUT}
+        # the root in the middle of the space: between the ends of both fillets
+        assert drawn["h_e"] - drawn["h_ae"] == pytest.approx(-np.mean(fillets), abs=5e-3)
+        assert abs(tables[TAPERED]["he"][k] - drawn["h_e"]) > 0.05
+        assert drawn["d_ae"] == pytest.approx(2.0 * max(tips), abs=1e-4)
+        assert drawn["beta_m"] == pytest.approx(np.degrees(spiral), abs=2e-3)
+        for key in ("s_mnc", "h_amc"):
+            assert drawn[key] == pytest.approx(tables[CUT][key][k], abs=1e-4)
+    (nominal,) = (table for table in gears.sheet().tables if table.title == TAPERED)
+    words = dict(zip(nominal.symbols, (row[0] for row in nominal.rows), strict=True))
+    assert words["smn"] == "mean normal circular thickness, nominal"
 
 
 def involute(angle: float) -> float:
@@ -262,6 +303,22 @@ def test_the_transverse_contact_ratio_is_that_of_virtual_teeth_in_mesh() -> None
     pair = tables_of("inch")[PAIR]
     assert pair["eps_v_alpha"][1] == pytest.approx(turn / pitch, abs=1e-9)
     assert pair["eps_v_gamma"][1] == pytest.approx(np.hypot(turn / pitch, pair["eps_v_beta"][1]), abs=1e-8)
+
+
+def test_an_edge_radius_by_agma_929_leaves_a_flat_of_0_2_mm_at_the_blade_s_tip() -> None:
+    """Radii at which the rounding of a blade begins and ends, not the formula; lengths of an inch design too."""
+    unit = design_named("inch").mm_per_unit
+    cut = bevel_teeth(design_named("inch").in_mm()).cut
+    table = tables_of("inch")[CUT]
+    for k, sides in ((1, cut.pinion), (2, cut.gear)):
+        width, edge = unit * table["W_B"][k], unit * table["rho_a0_B"][k]
+        assert 2.0 * width == pytest.approx(unit * table["W_i"][k] + 0.05, abs=1e-7)
+        flats = []
+        for side in sides.values():
+            blade = replace(side.blade, edge_radius=edge)
+            flats.append(width - abs(blade.land_radius - blade.tip_radius))
+        assert min(flats) == pytest.approx(0.2, abs=1e-7)
+        assert table["rho_a0_B"][k] < table["rho_a0_w"][k]
 
 
 @pytest.mark.sweep

@@ -1,15 +1,18 @@
 """The dimension sheet of a bevel pair: what ISO 23509 has of it, and what its teeth, as they are cut, measure.
 
-Thicknesses by formula go by the cutters' blades where these meet the pitch line, so that a point width that is given counts;
-lengths are in the design's units. What is measured is measured on the exact flanks, see `tooth_measures`.
+The dimensions of ISO 23509 are nominal. Their thicknesses follow from the cutters' blades where these meet the pitch line, so that
+a given point width counts, but not from given machine settings. Measures are taken on the exact flanks and roots, see
+`tooth_measures`; lengths are in the design's units.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import member_rows
@@ -25,6 +28,21 @@ from gearmesh.teeth.region import Side
 from gearmesh.tools.head_cutter import Blade
 
 MEMBERS = ("pinion", "gear")
+CUT = "Teeth as cut, measured on their flanks"
+#: symbols of dimensions of ISO 23509 that teeth as they are cut need not have
+NOMINAL = frozenset(
+    (
+        *("theta_a", "delta_f", "theta_f", "beta_e", "beta_m", "beta_i"),
+        *("ham", "hfm", "hae", "hfe", "he", "hai", "hfi", "hi"),
+        *("xsm", "smn", "smt", "smnc", "hamc", "dae", "dai", "dfe", "dfi", "txo", "txi", "tzR"),
+    )
+)
+#: width (mm) by which two blades together are wider than the narrowest slot [AGMA 929]
+BLADE_OVERLAP = 0.05
+#: width (mm) of the flat that a rounding leaves at the tip of a blade [AGMA 929]
+BLADE_FLAT = 0.2
+#: number of the mean among the stations of the measures
+MEAN = 1
 #: sums of dedendum angles (rad) that count as those of a taper
 ALIKE = 1e-9
 INCH = 25.4
@@ -32,52 +50,60 @@ INCH = 25.4
 
 @dataclass(frozen=True)
 class CutPair:
-    """A pair as it is cut: its blank, sides by "concave" and "convex", members, and the normal backlash (mm) that is asked for,
-    None where it is what the cutters leave."""
+    """A pair as it is cut.
+
+    `blank`, sides of both by "concave" and "convex", `members`; `backlash`: normal backlash (mm) between contacts of both sides at
+    their mean points; `at_once`: True if one cutter cuts both sides of the pinion.
+    """
 
     blank: BevelBlank
     pinion: dict[str, Generated]
     gear: dict[str, Generated]
     members: tuple[Member, Member]
-    asked_backlash: float | None
+    backlash: float
+    at_once: bool
 
-    @property
-    def gear_space(self) -> float:
-        """Normal width (mm) of the gear's spaces on the pitch cone, at the mean: between the blades there."""
-        return _between(self.gear, self.blank.gear)
+    @cached_property
+    def measures(self) -> tuple[ToothMeasures, ToothMeasures]:
+        """Measures of the teeth of pinion and gear at inner, mean and outer cone distance."""
+        sides = self.pinion, self.gear
+        first, second = (
+            measures_of(member, own, each)
+            for member, own, each in zip(self.members, self.blank.members, sides, strict=True)
+        )
+        return first, second
 
     @property
     def thicknesses(self) -> tuple[float, float]:
-        """Mean normal circular thicknesses (mm) of pinion and gear."""
-        pitch = np.pi * self.blank.mean_normal_module
-        if self.asked_backlash is None:
-            pinion = pitch - _between(self.pinion, self.blank.pinion)
-        else:
-            pinion = self.gear_space - self.asked_backlash / np.cos(self.blank.pressure_angle)
-        return float(pinion), float(pitch - self.gear_space)
+        """Mean normal circular thicknesses (mm) of pinion and gear as they are cut."""
+        first, second = (float(measures.pitch_lines.normal_thicknesses[MEAN]) for measures in self.measures)
+        return first, second
 
     @property
-    def backlash(self) -> float:
-        """Normal backlash (mm) at the mean point."""
-        if self.asked_backlash is not None:
-            return self.asked_backlash
-        return float((self.gear_space - self.thicknesses[0]) * np.cos(self.blank.pressure_angle))
+    def nominal_thicknesses(self) -> tuple[float, float]:
+        """The same by the cutters' blades: from the normal width of the gear's spaces between the blades at the pitch line."""
+        pitch, gear_space = np.pi * self.blank.mean_normal_module, _between(self.gear, self.blank.gear)
+        if self.at_once:
+            pinion = pitch - _between(self.pinion, self.blank.pinion)
+        else:
+            pinion = gear_space - self.backlash / np.cos(self.blank.pressure_angle)
+        return float(pinion), float(pitch - gear_space)
 
     @property
     def point_widths(self) -> tuple[float | None, float]:
         """Distances (mm) between the tips of the blades of one cutter; None where the pinion's sides have one each."""
         pinion, gear = point_width(self.pinion), point_width(self.gear)
-        return (pinion if self.asked_backlash is None else None), gear
+        return (pinion if self.at_once else None), gear
 
     def dimensions(self, k: int) -> MemberDimensions:
-        """The member `k` in the terms of ISO 23509."""
+        """The nominal member `k` in the terms of ISO 23509."""
         blank = self.blank
         own = blank.members[k]
         mean, (inner, outer), angle = own.mean_cone_distance, own.extent, own.pitch_angle
         module, alpha = blank.mean_normal_module, blank.pressure_angle
-        across = (1.0 - (np.sin(own.spiral_angle) * np.cos(alpha)) ** 2) * np.cos(angle)
         depth, other = blank.standard_depths[k], blank.standard_depths[1 - k]
-        thicker = self.thicknesses[k] - 0.5 * np.pi * module - (depth.addendum - other.addendum) * np.tan(alpha)
+        thickness = self.nominal_thicknesses[k]
+        thicker = thickness - 0.5 * np.pi * module - (depth.addendum - other.addendum) * np.tan(alpha)
         return MemberDimensions(
             teeth=own.teeth,
             pitch_angle=angle,
@@ -95,9 +121,21 @@ class CutPair:
             spiral_angles=own.end_spiral_angles,
             mean_depth=depth,
             thickness_modification=float(0.5 * thicker / module),
-            normal_thickness=self.thicknesses[k],
-            normal_diameter=2.0 * own.mean_radius / float(across),
+            normal_thickness=thickness,
+            normal_diameter=normal_diameter(own, alpha),
         )
+
+
+def normal_diameter(own: MemberBlank, pressure_angle: float) -> float:
+    """d_mn [ISO 23509 (213)]: diameter (mm) of the virtual gear in the normal section at the mean point."""
+    across = (1.0 - (np.sin(own.spiral_angle) * np.cos(pressure_angle)) ** 2) * np.cos(own.pitch_angle)
+    return 2.0 * own.mean_radius / float(across)
+
+
+def measures_of(member: Member, own: MemberBlank, sides: dict[str, Generated]) -> ToothMeasures:
+    """Measures of a member's tooth at inner, mean and outer cone distance."""
+    stations = np.array([own.inner_cone_distance, own.mean_cone_distance, own.outer_cone_distance])
+    return ToothMeasures(member.tooth, sides["concave"].hand, stations, own.pitch_cone)
 
 
 def point_width(sides: dict[str, Generated]) -> float:
@@ -123,14 +161,14 @@ def dimension_tables(
         ("z", "teeth", "-", tuple(member.teeth for member in dimensions)),
     ]
     iso += [
-        (symbol, words, kind, (value, other[3]))
+        (symbol, f"{words}, nominal" if symbol in NOMINAL else words, kind, (value, other[3]))
         for (symbol, words, kind, value), other in zip(*rows, strict=True)
     ]  # fmt: skip
     iso += _mounting(cut, dimensions)
     return (
         table("Ratios, depths and backlash", ("",), _scale(_pair(cut, dimensions), unit, noun)),
         table("Dimensions [ISO 23509]", MEMBERS, _scale(iso, unit, noun)),
-        measured_table(_teeth(cut, dimensions, slots), cut.blank.clearance, unit, noun),
+        measured_table(_teeth(cut, slots), cut.blank, unit, noun),
     )
 
 
@@ -173,7 +211,7 @@ def _pair(cut: CutPair, dimensions: tuple[MemberDimensions, MemberDimensions]) -
             "mm",
             sum(member.depth(member.cone_distances[0]).addendum for member in dimensions),
         ),
-        ("c", "clearance", "mm", blank.clearance),
+        ("c", "clearance, nominal", "mm", blank.clearance),
         ("j_mn", "mean normal backlash", "mm", cut.backlash),
         ("j_mt", "mean transverse backlash", "mm", transverse),
         ("j_en", "outer normal backlash", "mm", transverse * steeper * outer / mean),
@@ -240,32 +278,23 @@ def _mounting(cut: CutPair, dimensions: tuple[MemberDimensions, MemberDimensions
 
 @dataclass(frozen=True)
 class CutTooth:
-    """A tooth as it is cut: its member with blank and sides, and the narrowest `slot` (mm).
-
-    `chordal_addendum`: depth (mm) of a calliper's tongue, None where no mating gear is known, which has a part in it; `around`:
-    whether contact also goes round the member.
-    """
+    """A tooth as it is cut: its member with blank and sides, its `measures` at inner, mean and outer cone distance, and the
+    narrowest `slot` (mm). `around`: True if contact also goes round the member."""
 
     member: Member
     own: MemberBlank
     sides: dict[str, Generated]
+    measures: ToothMeasures
     slot: float
     point_width: float | None
-    chordal_addendum: float | None = None
     around: bool = False
 
-    @property
-    def measures(self) -> ToothMeasures:
-        """At inner, mean and outer cone distance."""
-        own = self.own
-        stations = np.array([own.inner_cone_distance, own.mean_cone_distance, own.outer_cone_distance])
-        return ToothMeasures(self.member.tooth, self.sides["concave"].hand, stations, own.pitch_cone)
-
-    def rows(self, clearance: float) -> list[tuple[str, str, str, float | None]]:
-        """Symbol, words, unit and value of all that is measured; `clearance`: mm."""
+    def rows(self, blank: BevelBlank) -> list[tuple[str, str, str, float | None]]:
+        """Symbol, words, unit and value of all that is measured; `blank`: of the pair."""
         measures, lines = self.measures, self.measures.pitch_lines
         spirals = np.mean([lines.spiral_angles(which) for which in Side], axis=0)
         transverse, normal, lands = lines.transverse_thicknesses, lines.normal_thicknesses, measures.top_lands
+        addenda, root = self.own.addendum_at(measures.stations), measures.root_heights
         rows: list[tuple[str, str, str, float | None]] = []
         for k, (letter, place) in enumerate((("i", "inner"), ("m", "mean"), ("e", "outer"))):
             rows += [
@@ -273,54 +302,84 @@ class CutTooth:
                 (f"s_{letter}t", f"{place} transverse circular thickness", "mm", float(transverse[k])),
                 (f"s_{letter}n", f"{place} normal circular thickness", "mm", float(normal[k])),
                 (f"s_a{letter}n", f"{place} normal top land", "mm", float(lands[k])),
+                (f"h_a{letter}", f"{place} addendum", "mm", float(addenda[k])),
+                (f"h_{letter}", f"{place} whole depth, in the middle of the space", "mm", float(addenda[k] - root[k])),
             ]
-        depth = self.chordal_addendum
-        chord = None if depth is None else measures.chord(1, depth)
+        tongue = self._chordal_addendum(float(normal[MEAN]), float(addenda[MEAN]), blank.pressure_angle)
         turn = float(np.mean([measures.advance(which) for which in Side]) / self.member.tooth.pitch_angle)
-        clearing = min(_clearing_edge(side.blade, clearance) for side in self.sides.values())
+        clearing = min(_clearing_edge(side.blade, blank.clearance) for side in self.sides.values())
         return [
             *rows,
-            ("s_mnc", "mean normal chordal thickness, at the chordal addendum", "mm", chord),
+            ("s_mnc", "mean normal chordal thickness, at the chordal addendum", "mm", measures.chord(MEAN, tongue)),
+            ("h_amc", "mean chordal addendum", "mm", tongue),
+            *self._outline(root),
             ("W_0", "point width of a cutter that cuts both sides", "mm", self.point_width),
             ("W_i", "narrowest slot: between the blades' edges at the root", "mm", self.slot),
             ("eps_beta", "face contact ratio of the pitch lines", "-", None if self.around else turn),
+            ("W_B", "point width of a blade, by the narrowest slot [AGMA 929]", "mm", self.blade_point_width),
+            (
+                "rho_a0_B",
+                "largest edge radius of a blade of that point width [AGMA 929]",
+                "mm",
+                min(_blade_edge(side.blade, self.blade_point_width) for side in self.sides.values()),
+            ),
             (
                 "rho_a0_w",
-                "largest edge radius of the blades: by the narrowest slot",
+                "edge radius with which both roundings meet in the narrowest slot",
                 "mm",
                 _fitting_edge(self.sides, self.slot),
             ),
-            ("rho_a0_c", "the same: by the mating tip, clearance", "mm", clearing),
+            ("rho_a0_c", "edge radius whose rounding ends where the mating tip reaches, clearance", "mm", clearing),
+        ]
+
+    @property
+    def blade_point_width(self) -> float:
+        """Point width W_B (mm) of one blade [AGMA 929]: outside and inside blade together cut a little more than the narrowest
+        slot."""
+        return 0.5 * (self.slot + BLADE_OVERLAP)
+
+    def _chordal_addendum(self, thickness: float, addendum: float, pressure_angle: float) -> float:
+        """Depth (mm) of a calliper's tongue [ISO 23509 (215)] for a mean normal circular `thickness` and `addendum` (mm)."""
+        diameter = normal_diameter(self.own, pressure_angle)
+        rise = 1.0 - np.cos(thickness / diameter)
+        return float(addendum + 0.5 * diameter * np.cos(self.own.pitch_angle) * rise)
+
+    def _outline(self, root: Array) -> list[tuple[str, str, str, float | None]]:
+        """Rows of the tip at the heel, and of the line through the middle of the root from toe to heel, at `root` (3,) heights (mm)
+        over the pitch cone."""
+        own, (inner, _, outer) = self.own, self.measures.stations
+        c, s = np.cos(own.pitch_angle), np.sin(own.pitch_angle)
+        (toe_rho, toe_z), (heel_rho, heel_z) = (
+            (distance * s + height * c, distance * c - height * s - own.pitch_apex)
+            for distance, height in ((inner, root[0]), (outer, root[2]))
+        )
+        slope = (heel_rho - toe_rho) / (heel_z - toe_z)
+        return [
+            ("d_ae", "outer tip diameter", "mm", float(2.0 * (outer * s + own.addendum_at(outer) * c))),
+            ("t_xo", "crossing point to crown along the axis", "mm", own.crown(outer)),
+            ("d_fe", "outer root diameter", "mm", float(2.0 * heel_rho)),
+            ("delta_f", "root angle", "deg", float(np.degrees(np.arctan(slope)))),
+            ("t_zR", "root apex beyond crossing point", "mm", float(heel_rho / slope - heel_z)),
         ]
 
 
-def measured_table(teeth: tuple[CutTooth, ...], clearance: float, unit: float, noun: str) -> SheetTable:
-    """What teeth measure, a column each; `clearance` in mm, lengths over `unit` (mm) in `noun`."""
-    columns = [tooth.rows(clearance) for tooth in teeth]
+def measured_table(teeth: tuple[CutTooth, ...], blank: BevelBlank, unit: float, noun: str) -> SheetTable:
+    """What teeth of a `blank` measure, a column each; lengths over `unit` (mm) in `noun`."""
+    columns = [tooth.rows(blank) for tooth in teeth]
     rows: list[Row] = [
         (symbol, words, kind, (value, *(other[k][3] for other in columns[1:])))
         for k, (symbol, words, kind, value) in enumerate(columns[0])
     ]
     names = tuple(tooth.member.name for tooth in teeth)
-    return table("Teeth as cut, measured on their flanks", names, _scale(rows, unit, noun))
+    return table(CUT, names, _scale(rows, unit, noun))
 
 
-def _teeth(
-    cut: CutPair, dimensions: tuple[MemberDimensions, MemberDimensions], slots: tuple[float, float]
-) -> tuple[CutTooth, ...]:
+def _teeth(cut: CutPair, slots: tuple[float, float]) -> tuple[CutTooth, ...]:
     return tuple(
         # across an offset the contact also goes round the pinion
-        CutTooth(
-            member,
-            own,
-            sides,
-            slot,
-            width,
-            own_dimensions.chordal_addendum,
-            bool(cut.blank.offset) and own is cut.blank.pinion,
-        )
-        for member, own, sides, slot, width, own_dimensions in zip(
-            cut.members, cut.blank.members, (cut.pinion, cut.gear), slots, cut.point_widths, dimensions, strict=True
+        CutTooth(member, own, sides, measures, slot, width, bool(cut.blank.offset) and own is cut.blank.pinion)
+        for member, own, sides, measures, slot, width in zip(
+            cut.members, cut.blank.members, (cut.pinion, cut.gear), cut.measures, slots, cut.point_widths, strict=True
         )
     )
 
@@ -332,10 +391,19 @@ def _last_angle(blade: Blade) -> float:
     return blade.angle_at(0.0)
 
 
+def _taken(blade: Blade) -> float:
+    """Width that a rounding takes from the tip of a blade, over its radius: tan(45 deg - alpha/2)."""
+    return float(np.tan(0.25 * np.pi - 0.5 * _last_angle(blade)))
+
+
+def _blade_edge(blade: Blade, width: float) -> float:
+    """Largest edge radius (mm) of a blade of a point width (mm) [AGMA 929]; 0 where the blade is too narrow for any."""
+    return max(0.0, width - BLADE_FLAT) / _taken(blade)
+
+
 def _fitting_edge(sides: dict[str, Generated], slot: float) -> float:
     """Edge radius (mm) with which the roundings of both blades meet in the middle of a slot."""
-    taken = [np.cos(angle) / (1.0 + np.sin(angle)) for angle in (_last_angle(side.blade) for side in sides.values())]
-    return float(slot / sum(taken))
+    return slot / sum(_taken(side.blade) for side in sides.values())
 
 
 def _clearing_edge(blade: Blade, clearance: float) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from gearmesh.systems.spiral_bevel.build import cut_alone
 from gearmesh.systems.spiral_bevel.machine.pair import SIDES, index_angles
 from gearmesh.systems.spiral_bevel.sheet.accuracy import tolerance_table
-from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutTooth, measured_table, point_width
+from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutTooth, measured_table, measures_of, point_width
 from gearmesh.systems.spiral_bevel.sheet.sheet import (
     fit_edge_radius,
     member_rows,
@@ -42,6 +42,7 @@ def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
         member,
         own,
         sides,
+        measures_of(member, own, sides),
         float(slots.min()),
         point_width(sides) if one_cutter else None,
         around=pinion and bool(blank.offset),
@@ -56,6 +57,6 @@ def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
             unit,
             noun,
         ),
-        measured_table((tooth,), blank.clearance, unit, noun),
+        measured_table((tooth,), blank, unit, noun),
         tolerance_table(own_design.accuracy_grade, blank, (name,)),
     )

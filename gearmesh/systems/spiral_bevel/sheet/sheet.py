@@ -62,8 +62,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
     made_sides = [*pinion.values(), *gear.values()]
     members = teeth["pinion"], teeth["gear"]
     slots = [slot_widths_of(member.tooth, own_blank) for member, own_blank in zip(members, blank.members, strict=True)]
-    asked = indexed_backlash(made.cut) if own.indexed else own.backlash
-    cut = CutPair(blank, pinion, gear, members, None if own.completing else asked)
+    cut = CutPair(blank, pinion, gear, members, indexed_backlash(made.cut), own.completing)
     sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in SIDES)
     narrowest = float(slots[0].min()), float(slots[1].min())
     tables = tables_of(
@@ -310,7 +309,7 @@ def _value(side: Generated, key: str, unit: float) -> float:
 
 
 def _with_thicknesses(cut: CutPair) -> tuple[MemberBlank, ...]:
-    """The members' blanks with the thicknesses that the cutters leave."""
+    """The members' blanks with the thicknesses of the teeth as they are cut."""
     return tuple(
         replace(own, thickness=thickness) for own, thickness in zip(cut.blank.members, cut.thicknesses, strict=True)
     )

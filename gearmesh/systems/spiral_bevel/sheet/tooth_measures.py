@@ -14,6 +14,7 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, polar_angle
 from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.kernel.surface.levels import ConeLevel, Level, SlantedLevel, station_normal
+from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.common.pattern.targets import on_flank
 from gearmesh.teeth.region import Side
@@ -125,6 +126,25 @@ class ToothMeasures:
             tangents.append(way * np.sign(dot(way, self._levels[0].gradient(jet.r[0])))[:, None])
         return width_across((ends[0], ends[1]), tangents[0] + tangents[1])
 
+    @property
+    def root_heights(self) -> Array:
+        """Heights (T,) over the pitch cone, mm, of the middle of the root between two teeth; < 0."""
+        axial, height = self._levels
+        bottom = self.tooth.bottom
+        if bottom is not None:
+            middle = np.full_like(self.stations, 0.5 * sum(bottom.ends))
+            return np.asarray(height.value(along(bottom.surface, middle, self.stations, axial)[1].r))
+        return np.array([self._section_point(number, self.tooth.blank.root)[2] for number in range(len(self.stations))])
+
+    def _section_point(self, number: int, cone: ConeLevel) -> Array:
+        """Point of a cone in the axial plane at a station, by its `number`: (rho, z, height over the pitch cone), mm."""
+        axial, height = self._levels
+        # both levels are linear in rho and z
+        rows = [station_normal(level) for level in (axial, cone)]
+        offsets = [float(level.value(np.array([1e-300, 0.0, 0.0]))) for level in (axial, cone)]
+        rho, z = np.linalg.solve(np.array(rows), np.array([self.stations[number] - offsets[0], -offsets[1]]))
+        return np.array([rho, z, float(height.value(np.array([rho, 0.0, z])))])
+
     def advance(self, which: Side) -> float:
         """Angle (rad) about the axis by which a flank's pitch line goes on from the first station to the last."""
         angles = np.unwrap(polar_angle(self.pitch_lines.jets[which].r))
@@ -135,13 +155,10 @@ class ToothMeasures:
 
         It stands across the tooth and square to the pitch cone; NaN where it finds no flank.
         """
-        axial, height = self._levels
+        height = self.pitch_cone
         r = [self.pitch_lines.jets[which].r[number] for which in (Side.RIGHT, Side.LEFT)]
         angles = np.unwrap([float(polar_angle(point)) for point in r])
-        # tip cone at the station: both are linear in rho and z
-        rows = [station_normal(level) for level in (axial, self.tooth.blank.tip)]
-        offsets = [float(level.value(np.array([1e-300, 0.0, 0.0]))) for level in (axial, self.tooth.blank.tip)]
-        rho, z = np.linalg.solve(np.array(rows), np.array([self.stations[number] - offsets[0], -offsets[1]]))
+        rho, z, _ = self._section_point(number, self.tooth.blank.tip)
         middle = float(np.mean(angles))
         tip = np.array([rho * np.cos(middle), rho * np.sin(middle), z])
         up = unit_vector(height.gradient(tip))
