@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from oracles.built import built, contact_of, pair_of
 from oracles.examples import some
+from oracles.places import SAMPLES
 from oracles.swept_cutter import along_to_cone, power_series, shift, turn
 
 import gearmesh as gm
@@ -299,6 +300,25 @@ def test_a_completing_cutter_leaves_its_point_width_and_the_backlash_that_follow
     assert more == pytest.approx(0.1 * np.cos(np.radians(20.0)), rel=0.05)
     with pytest.raises(GearmeshError, match=r"pinion\.concave\.tip_radius = .* too thick for the gear's tooth space"):
         gm.build(design_of(**completing(1.0)))
+
+
+def test_blades_of_one_cutter_that_cross_are_refused_for_their_point_width() -> None:
+    """As summaries of pinions have them whose sides are cut one by one: no tooth thickness is worked out, no width advised."""
+    crossed = completing(-0.4)
+    why = "point width negative: the blades of one cutter cross; allowed is more than"
+    refused = rf'{why} .*; or cut side by side: process = "fixed_setting"$'
+    with pytest.raises(GearmeshError, match=rf"^pinion\.concave\.tip_radius = \S+ mm: {refused}"):
+        design_of(**crossed)
+    alone = gm.build(design_of(**{**crossed, "process": "fixed_setting"}))
+    assert alone.contact(phi1=0.0).path.kind[0] == "point"
+
+
+def test_refused_teeth_of_given_machines_name_edge_radii_and_index_angles() -> None:
+    given = gm.load(SAMPLES / "spiral_bevel_abdullah_straight.toml").with_values({"backlash": 3.0})
+    edges = r"a smaller pinion\.concave\.edge_radius and pinion\.convex\.edge_radius \(such as 0\.01\)"
+    angles = r"another pinion\.concave\.index_angle and pinion\.convex\.index_angle"
+    with pytest.raises(GearmeshError, match=rf"pinion: .*; with these machine settings also {edges}, or {angles}"):
+        gm.build(given)
 
 
 REFUSED = [

@@ -385,6 +385,11 @@ class BevelBody(GearBody):
     web: Web | None = None
     holes: Holes | None = None
 
+    @property
+    def given_sides(self) -> tuple[str, ...]:
+        """Tables of the sides of the teeth whose flanks given machine settings move."""
+        return ()
+
 
 class BevelMember(BevelBody):
     """What both members have."""
@@ -426,6 +431,10 @@ class BevelPinion(BevelMember):
     ] = None
     concave: PinionSide = PinionSide()
     convex: PinionSide = PinionSide()
+
+    @property
+    def given_sides(self) -> tuple[str, ...]:
+        return tuple(f"pinion.{name}" for name in ("concave", "convex") if self.side(name).moves_flank)
 
     def side(self, name: str) -> PinionSide:
         """The keys of a side of the pinion's teeth.
@@ -780,7 +789,23 @@ class FaceMilledDesign(BevelDesign):
                 if getattr(self.pinion.side(name), key) is None:
                     why = f'missing; process = "{self.process}" derives no settings of the pinion: give them all'
                     raise conflict(f"pinion.{name}.{key}", None, reason=why)
+        self._refuse_crossed_blades()
         return self
+
+    def _refuse_crossed_blades(self) -> None:
+        """Refuse blades of one cutter that cross: its outside blade cuts the concave side, its inside blade the convex one."""
+        outside, inside = self.pinion.concave.tip_radius, self.pinion.convex.tip_radius
+        if outside is None or inside is None or outside > inside:
+            return
+        alone = self.process.replace("completing", "fixed" if self.formate else "fixed_setting")
+        why = "point width negative: the blades of one cutter cross"
+        more = f"more than pinion.convex.tip_radius, {value_text(inside)}"
+        raise conflict(
+            "pinion.concave.tip_radius",
+            outside,
+            reason=why,
+            allowed=f'{more}; or cut side by side: process = "{alone}"',
+        )
 
     def _alike(self, key: str, one: Any, other: Any) -> bool:
         """Whether a setting is the same on both sides: lengths, in the design's unit, but for rounding."""

@@ -40,6 +40,8 @@ ALLOWED = {
     "tip": "settings whose cutter generates the whole tooth: check face width, spiral angle and cutter radius",
     "crossing": "a toprem_angle nearer to the blade angle, a smaller toprem_height or a toprem_radius",
 }
+#: what may be wrong with a tooth because of its edge radii
+OF_EDGES = ("flank", "crossing")
 #: the keys that this is about, and whether they have to be larger (1) or smaller (-1)
 REMEDIES = {
     "pointed": {"addendum_factor": 0, "spiral_angle": -1, "face_width": -1},
@@ -74,7 +76,8 @@ def bevel_member(
         root,
         _body(name, spec, blank, own, root),
     )
-    tooth = with_tip_edge(name, _fitting_tooth(name, own.teeth, body, by_flank, places), spec)
+    fitting = _fitting_tooth(name, own.teeth, body, by_flank, places, spec.given_sides)
+    tooth = with_tip_edge(name, fitting, spec)
     letter = {"pinion": "P", "gear": "G"}[name]
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
@@ -106,9 +109,17 @@ def _body(name: str, spec: BevelBody, blank: BevelBlank, own: MemberBlank, root:
 
 
 def _fitting_tooth(
-    name: str, teeth: int, body: Blank, sides: dict[Side, Generated], places: dict[Side, float]
+    name: str,
+    teeth: int,
+    body: Blank,
+    sides: dict[Side, Generated],
+    places: dict[Side, float],
+    given_sides: tuple[str, ...],
 ) -> Tooth:
-    """The tooth, its free edge radii as large as the fillets of neighbouring teeth leave room for, in steps of EDGE_SHARES."""
+    """The tooth, its free edge radii as large as the fillets of neighbouring teeth leave room for, in steps of EDGE_SHARES.
+
+    Of `given_sides` edge radii may also be what leaves no flank. They are tried where they are free, and named in a refusal.
+    """
 
     def prove(share: float) -> Tooth:
         flanks = {which: side.with_edge(share) for which, side in sides.items()}
@@ -121,12 +132,14 @@ def _fitting_tooth(
                 tooth.prove_root(np.array([0.0, 0.5, 1.0]))
             tooth.prove()
         except TrimError as failure:
-            if failure.what == "root" and share > 0.0:
+            if share > 0.0 and (failure.what == "root" or (given_sides and failure.what in OF_EDGES)):
                 raise
-            raise _refusal(name, tooth, failure) from failure
+            raise _refusal(name, tooth, failure, given_sides) from failure
         except ValueError as failure:
             raise VagueError(
-                name, reason="the fillets do not end in a smooth line along the face", allowed=ALLOWED["tip"]
+                name,
+                reason="the fillets do not end in a smooth line along the face",
+                allowed=ALLOWED["tip"] + _given_remedy(given_sides),
             ) from failure
         return tooth
 
@@ -141,11 +154,19 @@ def _fitting_tooth(
     return sharp
 
 
-def _refusal(name: str, tooth: Tooth, failure: TrimError) -> VagueError:
+def _refusal(name: str, tooth: Tooth, failure: TrimError, given_sides: tuple[str, ...]) -> VagueError:
     return VagueError(
         name,
         reason=f"{failure.reason} at the cone distance {tooth.stations(failure.station):.5g} mm",
-        allowed=ALLOWED[failure.what].format(name=name),
+        allowed=ALLOWED[failure.what].format(name=name) + _given_remedy(given_sides),
         topic=f"{name}: {failure.what}",
         remedies=REMEDIES.get(failure.what),
     )
+
+
+def _given_remedy(given_sides: tuple[str, ...]) -> str:
+    """What also helps where machine settings of sides are given: their fillets, and how thick they make the tooth."""
+    if not given_sides:
+        return ""
+    edges, angles = (" and ".join(f"{side}.{key}" for side in given_sides) for key in ("edge_radius", "index_angle"))
+    return f"; with these machine settings also a smaller {edges} (such as 0.01), or another {angles}"

@@ -136,7 +136,7 @@ class ToothMeasures:
             return np.asarray(height.value(along(bottom.surface, middle, self.stations, axial)[1].r))
         return np.array([self._section_point(number, self.tooth.blank.root)[2] for number in range(len(self.stations))])
 
-    def _section_point(self, number: int, cone: ConeLevel) -> Array:
+    def _section_point(self, number: int, cone: Level) -> Array:
         """Point of a cone in the axial plane at a station, by its `number`: (rho, z, height over the pitch cone), mm."""
         axial, height = self._levels
         # both levels are linear in rho and z
