@@ -7,16 +7,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.polynomial import Polynomial
+from numpy.polynomial import Polynomial, chebyshev
+from oracles.built import pair_of
 from oracles.examples import some
+from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.check.members import roll_flanks
-from gearmesh.contact.flanks import analyse
+from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.contact.path import ContactPath
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross, unit
+from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.build import build
 from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES, nominal_base, without_errors
 from gearmesh.systems.spiral_bevel.synthesis import teeth_choice
@@ -389,3 +393,64 @@ def test_the_contact_of_a_side_is_looked_for_once(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(teeth_choice, "contact_choice", looked_for)
     gm.build(gm.parse({"kind": "hypoid", **FORMATE, "backlash": 0.11}))
     assert sorted(sides) == ["concave", "convex"]
+
+
+def surface_polynomials(x: Array, y: Array, values: Array, order: int) -> Array:
+    """Coefficients (order + 1, order + 1) of Chebyshev polynomials through values at points from -1 to 1."""
+    basis = chebyshev.chebvander2d(x.ravel(), y.ravel(), [order, order])
+    return np.asarray(np.linalg.lstsq(basis, values.ravel(), rcond=None)[0].reshape(order + 1, order + 1))
+
+
+@pytest.mark.parametrize(
+    ("side", "radii"),
+    [("concave", {-0.05: 77.25, 0.0: 78.17, 0.05: 79.05}), ("convex", {-0.05: 79.82, 0.0: 77.84, 0.05: 74.97})],
+)
+def test_an_offset_error_moves_drive_and_coast_contact_to_opposite_ends(side: str, radii: dict[float, float]) -> None:
+    """At an offset angle of 17.23 deg dV = +0.05 moves contact of the drive side to the heel, of the coast side to the toe.
+
+    Second route: rotation of the gear, about its own axis, that brings its flank to points of the pinion's displaced flank, by
+    polynomials through points of both flanks. The pinion is moved towards the gear's axis by what is taken from the offset.
+    """
+    sample = SAMPLES / "hypoid.toml"
+    pair = pair_of(load(sample, [f"contact.side=pinion_{side}"]))
+    pinion, gear = pair.pinion.mount, pair.gear.mount
+    x = np.cos(np.pi * (np.arange(40) + 0.5) / 40)
+    share = 0.5 * (1.0 + x)
+    own, mating = (
+        member.mount.at(0.0).point(member.tooth.flank_grid(which, share, share).points)
+        for member, which in zip((pair.pinion, pair.gear), pair.flanks, strict=True)
+    )
+
+    def about_axis(points: Array) -> tuple[Array, Array]:
+        """(rho, z) and angle about the gear's axis."""
+        r = (points - gear.base.translation) @ gear.base.rotation
+        angle = np.arctan2(r[..., 1], r[..., 0]) - middle
+        return np.stack((np.hypot(r[..., 0], r[..., 1]), r[..., 2]), axis=-1), (angle + np.pi) % (2.0 * np.pi) - np.pi
+
+    middle = 0.0
+    middle = float(np.median(about_axis(mating)[1]))
+    meridian, angle = about_axis(mating)
+    centre = meridian.reshape(-1, 2).mean(axis=0)
+    directions = np.linalg.svd(meridian.reshape(-1, 2) - centre, full_matrices=False)[2]
+    size = np.abs((meridian - centre) @ directions.T).max(axis=(0, 1))
+    flat = (meridian - centre) @ directions.T / size
+    flank = surface_polynomials(flat[..., 0], flat[..., 1], angle, 11)
+    perpendicular = unit(np.cross(pinion.axis, gear.axis))
+    perpendicular *= np.sign((gear.origin - pinion.origin) @ perpendicular)
+    for error, radius in radii.items():
+        meridian, angle = about_axis(own + error * perpendicular)
+        flat = (meridian - centre) @ directions.T / size
+        ahead = angle - chebyshev.chebval2d(flat[..., 0], flat[..., 1], flank)
+        near = (np.abs(flat) <= 1.02).all(axis=-1)
+        across, along_face = (each[near] for each in np.meshgrid(x, x, indexing="ij"))
+        ahead_of = (1.0 if side == "convex" else -1.0) * surface_polynomials(across, along_face, ahead[near], 13)
+        radii_of, at = surface_polynomials(across, along_face, meridian[near][:, 0], 9), np.zeros(2)
+        for reach in (0.8, 0.1, 0.01, 1e-3):
+            grid = [each + np.linspace(-reach, reach, 81) for each in at]
+            i, j = np.unravel_index(chebyshev.chebgrid2d(*grid, ahead_of).argmin(), (81, 81))
+            at = np.array([grid[0][i], grid[1][j]])
+        found = float(chebyshev.chebval2d(*at, radii_of))
+        assert found == pytest.approx(radius, abs=0.03)
+        misplaced = pair_of(load(sample, [f"contact.side=pinion_{side}", f"assembly.dV={error}"]))
+        point = contact_path(solver_pair(misplaced), np.zeros(1), edges=False).point[0]
+        assert np.linalg.norm(np.cross(point - gear.origin, gear.axis)) == pytest.approx(found, abs=0.01)

@@ -68,8 +68,8 @@ class CutPair:
         """Measures of the teeth of pinion and gear at inner, mean and outer cone distance."""
         sides = self.pinion, self.gear
         first, second = (
-            measures_of(member, own, each)
-            for member, own, each in zip(self.members, self.blank.members, sides, strict=True)
+            measures_of(member, own, member_sides)
+            for member, own, member_sides in zip(self.members, self.blank.members, sides, strict=True)
         )
         return first, second
 
@@ -391,19 +391,19 @@ def _last_angle(blade: Blade) -> float:
     return blade.angle_at(0.0)
 
 
-def _taken(blade: Blade) -> float:
+def _rounding_share(blade: Blade) -> float:
     """Width that a rounding takes from the tip of a blade, over its radius: tan(45 deg - alpha/2)."""
     return float(np.tan(0.25 * np.pi - 0.5 * _last_angle(blade)))
 
 
 def _blade_edge(blade: Blade, width: float) -> float:
     """Largest edge radius (mm) of a blade of a point width (mm) [AGMA 929]; 0 where the blade is too narrow for any."""
-    return max(0.0, width - BLADE_FLAT) / _taken(blade)
+    return max(0.0, width - BLADE_FLAT) / _rounding_share(blade)
 
 
 def _fitting_edge(sides: dict[str, Generated], slot: float) -> float:
     """Edge radius (mm) with which the roundings of both blades meet in the middle of a slot."""
-    return slot / sum(_taken(side.blade) for side in sides.values())
+    return slot / sum(_rounding_share(side.blade) for side in sides.values())
 
 
 def _clearing_edge(blade: Blade, clearance: float) -> float:
