@@ -15,6 +15,7 @@ import gearmesh as gm
 from gearmesh.answers.inspection.correction import correct_settings, residual_text
 from gearmesh.design.core import Design
 from gearmesh.errors import GearmeshError
+from gearmesh.metrology.correction import setting_changes
 from gearmesh.systems import system as systems
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
 from gearmesh.teeth.region import Side
@@ -142,7 +143,58 @@ def test_settings_that_act_alike_are_named(hypoid: Design, tmp_path: Path) -> No
     assert made.warnings[-1].startswith(
         "concave.cradle_angle, concave.index_angle: some move the flanks as others would"
     )
+    # what the one turns the flank by, the other turns it back: by 1 / ratio of roll, and nothing is known of either
+    (exchange,) = made._exchanges
+    assert sorted(exchange.settings) == names[1:]
+    roll = hypoid.in_mm().pinion.concave.ratio_of_roll  # type: ignore[attr-defined]
+    changes = dict(zip(exchange.settings, exchange.changes, strict=True))
+    ratio = gm.build(hypoid).sheet().values["pinion.concave.ratio_of_roll"] if roll is None else roll
+    assert changes[names[1]] / changes[names[2]] == pytest.approx(-ratio, rel=1e-4)
+    assert (exchange.moves, exchange.uncertainty, exchange.units) == (0.0, None, ["deg", "deg"])
+    assert abs(exchange.correlation) > 0.999
+    assert [spread is None for spread in made.to_dict()["uncertainty"]] == [False, True, True]
     assert correct_settings(hypoid, "pinion", path, settings=names[::2]).warnings == made.warnings[:-1]
+
+
+def test_tilt_is_told_with_its_sense_and_zero(hypoid: Design, tmp_path: Path) -> None:
+    path = tmp_path / "pinion.csv"
+    measured(path, hypoid, {"radial": 0.005})
+    made = correct_settings(hypoid, "pinion", path, settings=["concave.tilt"])
+    (note,) = (line for line in made.warnings if line.startswith("concave.tilt: "))
+    assert "0 is the cutter's axis parallel to the cradle's; > 0 leans its end in the blank" in note
+    assert "swivel of 0 deg" in note
+
+
+def test_settings_that_can_stand_for_one_another_are_named_with_what_tells_them_apart() -> None:
+    """Three settings that nearly do what one another do, one that does the same as two others, one alone; against drawn noise."""
+    rng, count, noise = np.random.default_rng(53), 200, 2e-4
+    first, second, other, alone = rng.normal(size=(4, count))
+    near = first + 0.01 * other
+    sensitivity = np.stack([first, 2.0 * near, alone], axis=-1)
+    found = setting_changes(noise * rng.normal(size=count), sensitivity, noise)
+    (exchange,) = found.exchanges
+    assert sorted(exchange.settings) == [0, 1]
+    # 1 of the one and 0.5 of the other, against each other, leave what 0.01 of the third vector does
+    one = exchange.settings.index(0)
+    changes = exchange.changes / exchange.changes[one]
+    assert changes[1 - one] == pytest.approx(-0.5, rel=0.01)
+    left = sensitivity[:, list(exchange.settings)] @ exchange.changes
+    assert exchange.moves == pytest.approx(float(np.sqrt(np.mean(left**2))), rel=1e-6)
+    assert exchange.alone == pytest.approx(float(np.sqrt(np.mean(sensitivity[:, exchange.settings[0]] ** 2))), rel=1e-9)
+    draws = np.linalg.lstsq(sensitivity, noise * rng.normal(size=(count, 4000)), rcond=None)[0]
+    np.testing.assert_allclose(found.uncertainties, draws.std(axis=1), rtol=0.06)
+    assert exchange.spread == pytest.approx(draws[exchange.settings[0]].std(), rel=0.06)
+    assert exchange.correlation == pytest.approx(np.corrcoef(draws[list(exchange.settings)])[0, 1], abs=1e-3)
+    # what others do exactly is not known at all
+    exact = np.stack([first, second, first + second, alone], axis=-1)
+    found = setting_changes(noise * rng.normal(size=count), exact, noise)
+    assert np.isinf(found.uncertainties[:3]).all()
+    assert found.uncertainties[3] == pytest.approx(noise / np.linalg.norm(alone), rel=0.05)
+    (exchange,) = found.exchanges
+    assert (exchange.moves, exchange.spread, sorted(exchange.settings)) == (0.0, np.inf, [0, 1, 2])
+    assert np.abs(exact[:, list(exchange.settings)] @ exchange.changes).max() < 1e-12
+    # settings that have little in common have none
+    assert setting_changes(noise * alone, np.stack([first, second], axis=-1), noise).exchanges == ()
 
 
 def test_wrong_input_is_one_line(hypoid: Design, tmp_path: Path) -> None:

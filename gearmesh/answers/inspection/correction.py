@@ -45,6 +45,10 @@ from gearmesh.teeth.tooth import Tooth
 
 #: mm by which points of a row may differ in roll length, of a column along the face, to be a grid of a topography
 ALIGNED = 1e-6
+#: title of the table of settings that can stand for one another
+EXCHANGEABLE = "Settings that can stand for one another: root mean square, um"
+#: change of what is free beside settings for which an exchange is stated: rad, mm
+STATED_ROTATION, STATED_THICKNESS = 60.0 * ARCSEC, 0.01
 #: Newton's steps at most, and the largest move of the flank, mm, that counts as none
 MOST_STEPS, ENOUGH = 10, 1e-9
 
@@ -57,8 +61,31 @@ class CorrectedSettingFigures(Figures):
     before: float = figure("value in the design, which cut the measured flank")
     after: float = figure("value that takes the deviations away")
     change: float = figure("change of the value")
-    uncertainty: float = figure("standard deviation of the change by the noise of the measurement")
+    uncertainty: float | None = figure(
+        "standard deviation of the change by the noise of the measurement; none where other settings move the flanks alike"
+    )
     unit: str = figure("unit of the values")
+
+
+@dataclass(frozen=True)
+class ExchangeFigures(Figures):
+    """Settings that can stand for one another: the flanks hardly tell a change of one from changes of the others."""
+
+    settings: list[str] = figure(
+        "names, the one with the largest part first; rotation of the teeth, and thickness, where free"
+    )
+    changes: list[float] = figure(
+        "changes of all that leave the flanks nearly as they are, of the first 0.01 mm, 1 arcmin or 0.0001"
+    )
+    units: list[str] = figure("units of the changes")
+    moves: float = figure("root mean square by which these changes together move the flanks", "um")
+    alone: float = figure("the same of the first setting's change alone", "um")
+    uncertainty: float | None = figure(
+        "standard deviation of the first setting by the noise, exchanged so; none where the flanks do not move at all"
+    )
+    correlation: float = figure(
+        "correlation of the first two settings by the covariance of what is known at least as well"
+    )
 
 
 @dataclass(frozen=True)
@@ -104,6 +131,7 @@ class CorrectionFigures(Figures):
     thickness: float | None = figure("normal tooth thickness more than nominal", "um", optional=True)
     noise: float = figure("standard deviation of a measured deviation, as given or by what no setting takes away", "um")
     directions: int = figure("combinations of settings that the deviations show", whole=True)
+    exchanges: list[ExchangeFigures] = figure("settings that can stand for one another")
     singular_values: list[float] = figure("singular values of the sensitivity, each setting over its root mean square")
     effects: list[EffectFigures] = figure("sensitivity of the flanks to each setting")
     residuals: Mapping[str, ResidualFigures] = figure("deviations of right and left flanks")
@@ -200,11 +228,12 @@ class Correction(Result):
     def warnings(self) -> list[str]:
         """What is to be noted of the files and of the outcome."""
         alike = [self.settings[k].name for k in self.solution.alike if k < len(self.settings)]
+        notes = [*self.notes, *(_tilt_note(self._flanks, setting) for setting in self.settings if setting.tilts)]
         if not alike:
-            return list(self.notes)
+            return notes
         names, as_rotation = ", ".join(alike), "" if self.rotation is None else " or a rotation of the gear"
         return [
-            *self.notes,
+            *notes,
             f"{names}: some move the flanks as others{as_rotation} would; the changes are the smallest that do; "
             "name fewer settings to choose",
         ]
@@ -220,6 +249,7 @@ class Correction(Result):
             thickness=None if self.thickness is None else UM * self.thickness,
             noise=UM * self.solution.noise,
             directions=self.solution.directions,
+            exchanges=self._exchanges,
             singular_values=self.solution.singular_values.tolist(),
             effects=self._effects,
             residuals={str(side): _residual(flanks[side].values, own.values) for side, own in self.residual.items()},
@@ -244,6 +274,18 @@ class Correction(Result):
             [f"{e.setting}, {e.flank}", *(round(value, 4) + 0.0 for value in list(e.row.values())[2:])]
             for e in own.effects
         ]
+        exchanged = [
+            [
+                ", ".join(
+                    f"{name} {change:+.4g} {unit}".rstrip()
+                    for name, change, unit in zip(e.settings, e.changes, e.units, strict=True)
+                ),
+                e.moves,
+                e.alone,
+                e.correlation,
+            ]
+            for e in own.exchanges
+        ]
         left = [[side, *r.row.values()] for side, r in own.residuals.items()]
         contact = [
             [name, c.contact_ratio, c.mesh_te_peak_to_peak]
@@ -265,6 +307,11 @@ class Correction(Result):
                 settings,
             ),
             Listing("Fit", ("", ""), of_fit),
+            *(
+                [Listing(EXCHANGEABLE, ("changes together", "moves", "first alone", "correlation"), exchanged)]
+                if exchanged
+                else []
+            ),
             Listing(
                 "Sensitivity, to second order: um, angles in arcsec",
                 ("setting, flank", "by", "thickness", "pressure", "to heel", "profile cr.", "length cr.", "twist"),
@@ -286,10 +333,38 @@ class Correction(Result):
     @property
     def _settings(self) -> list[CorrectedSettingFigures]:
         rows = zip(self.settings, self.solution.changes.tolist(), self.solution.uncertainties.tolist(), strict=False)
-        values = [(s, self._flanks.value(s), change, spread) for s, change, spread in rows]
+        values = [(s, self._flanks.value(s), change, _finite(spread)) for s, change, spread in rows]
         return [
             CorrectedSettingFigures(s.name, v, v + c, c, spread, self._flanks.unit(s)) for s, v, c, spread in values
         ]
+
+    @property
+    def _exchanges(self) -> list[ExchangeFigures]:
+        made = []
+        for exchange in self.solution.exchanges:
+            names, stated, shown, units = zip(*(self._stated_change(k) for k in exchange.settings), strict=True)
+            by = stated[0]
+            made.append(
+                ExchangeFigures(
+                    list(names),
+                    (by * exchange.changes * np.array(shown)).tolist(),
+                    list(units),
+                    UM * abs(by) * exchange.moves,
+                    UM * abs(by) * exchange.alone,
+                    _finite(exchange.spread * shown[0]),
+                    exchange.correlation,
+                )
+            )
+        return made
+
+    def _stated_change(self, number: int) -> tuple[str, float, float, str]:
+        """Name, stated change, factor by which changes are shown and their unit, of a setting by its number; settings are followed
+        by what is free besides: rotation (rad, in arc seconds) and thickness (mm)."""
+        if number < len(self.settings):
+            setting = self.settings[number]
+            return setting.name, self._flanks.stated_change(setting), 1.0, self._flanks.unit(setting)
+        free = [] if self.rotation is None else [("rotation", STATED_ROTATION, 1.0 / ARCSEC, "arcsec")]
+        return [*free, ("thickness", STATED_THICKNESS, 1.0, "mm")][number - len(self.settings)]
 
     @property
     def _effects(self) -> list[EffectFigures]:
@@ -452,6 +527,19 @@ def _smooth(tooth: Tooth, side: Side, grid: DeviationGrid) -> DeviationGrid:
     s, t = smooth.inside(lowest_share(tooth, side))
     nominal = tooth.flank_grid(side, s, t)
     return DeviationGrid(nominal.points, nominal.normals, smooth.at(s, t))
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _tilt_note(flanks: CutFlanks, setting: MovableSetting) -> str:
+    """Sense and zero of a tilt that a correction moves."""
+    swivel = flanks.swivel_of(setting)
+    return (
+        f"{setting.name}: 0 is the cutter's axis parallel to the cradle's; > 0 leans its end in the blank, at the swivel of "
+        f"{swivel:.6g} deg that this side has, by that angle from growing cradle angle towards the machine centre"
+    )
 
 
 def _rms(values: Array) -> float:

@@ -78,6 +78,11 @@ class MovableSetting:
         first, _, rest = self.name.partition(".")
         return rest if first in (*MACHINES, *Side) else self.name
 
+    @property
+    def tilts(self) -> bool:
+        """True for the tilt of a cutter, whose sense depends on its swivel."""
+        return self.plain_name == "tilt"
+
 
 def movable_settings(design: Design, name: str) -> tuple[MovableSetting, ...]:
     """All that a correction of a member may move. Raises DesignError for members that no machine with settings cuts."""
@@ -176,6 +181,10 @@ class CutFlanks:
         if not setting.order:
             return float(value)
         return float(value[setting.order - 1]) if len(value) >= setting.order else 0.0
+
+    def swivel_of(self, setting: MovableSetting) -> float:
+        """Swivel (deg) of the cutter that a tilt belongs to."""
+        return float(self._value(f"{setting.keys[0].rpartition('.')[0]}.swivel") or 0.0)
 
     def unit(self, setting: MovableSetting) -> str:
         """Of a setting: the design's unit of length, deg, or none."""

@@ -36,6 +36,7 @@ EdgeRadius = Annotated[
 MOST = 1.0
 #: orders of the polynomials in the cradle's rotation
 ORDERS = 6
+_TILT = "tilt i of the cutter's axis, 0 = parallel to the cradle axis; > 0 leans its end in the blank by the swivel"
 _THICKNESS = "mean normal circular thickness s_mn of the tooth as it is cut"
 _MOTION = "by the cradle's rotation q in rad: a1 q + a2 q^2 + ..."
 
@@ -117,7 +118,7 @@ class Machine(Table):
     modified_roll_c4: Annotated[float, Key("number", "modified roll, fourth order", low=-1, high=1)] = 0.0
     modified_roll_c5: Annotated[float, Key("number", "modified roll, fifth order", low=-1, high=1)] = 0.0
     modified_roll_c6: Annotated[float, Key("number", "modified roll, sixth order", low=-1, high=1)] = 0.0
-    tilt: Annotated[float, Key("angle", "tilt i of the cutter's axis", low=-40, high=40, source="[LF04] 21")] = 0.0
+    tilt: Annotated[float, Key("angle", _TILT, low=-40, high=40, source="[LF04] 21")] = 0.0
     swivel: Annotated[
         float,
         Key(
@@ -214,7 +215,7 @@ class PinionSide(Machine):
         float,
         Key(
             "angle",
-            "tilt i of the cutter's axis",
+            _TILT,
             low=-40,
             high=40,
             default="0; where the gear is not generated the cutter is upright on the root line",
