@@ -305,6 +305,27 @@ def test_zerol_and_straight_teeth_are_the_same_system_at_spiral_angle_0() -> Non
         assert (abs(trace[0] - 2.0 * trace[2] + trace[4]) < 1e-3) == straight
 
 
+def test_teeth_as_straight_as_can_be_have_the_largest_cutter_that_works() -> None:
+    """12/30, m 2: a radius of 800 mm has no pinion, and stays refused; the largest that works leaves 0.8 deg at the ends."""
+    straight = {"kind": "spiral_bevel", "module": 2, "spiral_angle": 0, "face_width": 10, "pinion": {"teeth": 12}}
+    design: Any = parse({**straight, "gear": {"teeth": 30, "cutter": {"straightest": True}}})
+    radius = design.gear.cutter.tip_radius
+    assert 450.0 < radius < 459.8
+    assert not design.sets("gear.cutter.tip_radius")
+    gears = gm.build(design)
+    cut = gears.sheet().plain_tables["Teeth as cut, measured on their flanks"]
+    assert max(abs(angle) for end in "ie" for angle in cut[f"beta_{end}"][1:]) < 0.8
+    # others of the same table: the range is looked through anew, and what is given counts
+    assert 450.0 < gm.build(design.with_values({"assembly.dA": 0.01})).design.gear.cutter.tip_radius < 459.8
+    given: Any = design.with_values({"gear.cutter.tip_radius": 60.0})
+    assert gm.build(given).design.gear.cutter.tip_radius == 60.0
+    assert gm.build(design, alone=True).members["gear"].tooth.volume() == pytest.approx(
+        gears.members["gear"].tooth.volume(), rel=1e-12
+    )
+    with pytest.raises(gm.GearmeshError, match=r"^gear.cutter.tip_radius = 800 mm: allowed is at most 4\d\d"):
+        gm.build(parse({**straight, "gear": {"teeth": 30, "cutter": {"tip_radius": 800}}}))
+
+
 @pytest.mark.sweep_cases("pinion")
 @pytest.mark.parametrize("name", ["pinion", "gear"])
 def test_keyway_and_hub(name: str) -> None:

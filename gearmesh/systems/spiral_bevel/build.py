@@ -6,7 +6,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import open_factors
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import upright_cutter
 from gearmesh.systems.spiral_bevel.machine.pair import MATING, SIDES, bevel_pair, undercut_warnings
@@ -24,6 +29,13 @@ from gearmesh.teeth.gear_train import GearTrain
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
     from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, CutAlone
+
+
+#: key of the radius of the gear's cutter, which makes teeth straight
+STRAIGHT = "gear.cutter.tip_radius"
+#: the largest radius that is tried, in mean cone distances; halvings of the range, and part of the largest radius that is taken:
+#: next to it the contact that is chosen may have no pinion
+STRAIGHT_ENOUGH, STRAIGHT_ROUNDS, STRAIGHT_SHARE = 100.0, 12, 0.99
 
 
 def build(design: FaceMilledDesign) -> GearTrain:
@@ -60,6 +72,8 @@ def pinion_part(design: FaceMilledDesign) -> ToolPart:
 
 def cut_alone(design: FaceMilledDesign, name: str) -> CutAlone:
     """The member "pinion" or "gear" of a design in mm, without more of the other than it depends on. Raises as `build`."""
+    radius = _straightest_radius(design)
+    design = design.fill(radius) if radius else design
     if name == "pinion":
         return pinion_alone(_leant(design))
     return gear_alone(_leant(design) if open_factors(design) else design)
@@ -76,13 +90,48 @@ def _leant(design: FaceMilledDesign) -> FaceMilledDesign:
 
 
 def left_to_geometry(design: FaceMilledDesign) -> dict[str, float]:
-    """Settings that only geometry knows, in the design's units, by dotted key: tilt and swivel for a gear that is not generated,
-    sliding bases of tilted cutters and of pairs with offset.
+    """Settings that only geometry knows, in the design's units, by dotted key: the radius of the straightest teeth, tilt and swivel
+    for a gear that is not generated, sliding bases of tilted cutters and of pairs with offset.
 
     Raises DesignError and NoSolutionError as `build`.
     """
+    radius = _straightest_radius(design)
+    design = design.fill(radius) if radius else design
     leaning = _leaning(design)
-    return {**leaning, **_sliding_bases(design.fill(leaning) if leaning else design)}
+    return {**radius, **leaning, **_sliding_bases(design.fill(leaning) if leaning else design)}
+
+
+def _straightest_radius(design: FaceMilledDesign) -> dict[str, float]:
+    """Radius of the gear's cutter that a design with `straightest` leaves out, by dotted key: the largest that works.
+
+    Raises as `build` where not even a cutter as large as the mean cone distance does.
+    """
+    cutter = design.gear.cutter
+    if not cutter.straightest or cutter.tip_radius is not None:
+        return {}
+
+    def with_radius(radius: float) -> FaceMilledDesign:
+        return design.fill({STRAIGHT: radius})
+
+    def works(logarithms: Array, _: NDArray[np.intp]) -> NDArray[np.bool_]:
+        return np.array([_is_made(with_radius(float(radius))) for radius in np.exp(logarithms)])
+
+    least = basic_blank(design.in_mm()).gear.mean_cone_distance / design.mm_per_unit
+    try_build(with_radius(least).in_mm())
+    most = STRAIGHT_ENOUGH * least
+    if _is_made(with_radius(most)):
+        return {STRAIGHT: float(at_most(most))}
+    low, _ = last_true(works, np.log([least]), np.log([most]), rounds=STRAIGHT_ROUNDS)
+    return {STRAIGHT: float(at_most(max(least, STRAIGHT_SHARE * float(np.exp(low[0])))))}
+
+
+def _is_made(design: FaceMilledDesign) -> bool:
+    """True where a design can be built."""
+    try:
+        try_build(design.in_mm())
+    except (DesignError, NoSolutionError):
+        return False
+    return True
 
 
 def _leaning(design: FaceMilledDesign) -> dict[str, float]:

@@ -372,6 +372,13 @@ class GearCutter(Machine):
             "length", "mean of inside and outside tip radius", low=0, above=True, default="ISO 23509", source="[AB] (5)"
         ),
     ] = None
+    straightest: Annotated[
+        bool,
+        Key(
+            "flag",
+            "where tip_radius is left out, the largest with which the pair can be made: teeth as straight as can be",
+        ),
+    ] = False
     point_width: Annotated[
         float | None,
         Key("length", "outside minus inside tip radius", low=0, default="by the tooth thickness", source="[AB] (5)"),
@@ -734,6 +741,11 @@ class FaceMilledDesign(BevelDesign):
         """
         return "contact.ease_off" if self.pinion.side(name).ease_off is None else f"pinion.{name}.ease_off"
 
+    @property
+    def complete(self) -> bool:
+        cutter = self.gear.cutter
+        return super().complete and not (cutter.straightest and cutter.tip_radius is None)
+
     def plain(self) -> dict[str, Any]:
         tables = super().plain()
         if self.pinion.thickness is not None:
@@ -899,6 +911,8 @@ class FaceMilledDesign(BevelDesign):
             return not OF_BACKLASH & values.keys()
         # a sliding base is that of the cones; machine settings that are given with them, as a sheet has them, are of the old one
         whole = any(key.endswith(".radial") for key in values)
+        if dotted == "gear.cutter.tip_radius":
+            return all(f"{key}.".startswith(BESIDE_CONES) for key in values)
         return (
             whole or not dotted.endswith(".sliding_base") or all(f"{key}.".startswith(BESIDE_CONES) for key in values)
         )

@@ -143,7 +143,7 @@ class _Remembered:
     def of(cls, design: FaceMilledDesign) -> _Remembered:
         own = [(key, value) for key, value in design.own() if not key.startswith(ASIDE) and not key.endswith(BASE)]
         cutters = design.pinion.concave, design.pinion.convex, design.gear.cutter
-        derived = [(cutter.sliding_base, cutter.tilt, cutter.swivel) for cutter in cutters]
+        derived = [(cutter.sliding_base, cutter.tilt, cutter.swivel, cutter.tip_radius) for cutter in cutters]
         return cls(repr((type(design), own, derived, design.contact.delta)), design)
 
     @property
