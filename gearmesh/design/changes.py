@@ -191,6 +191,17 @@ CHANGES: tuple[Change, ...] = (
         "the same, also where the throat ends",
         "of steep threads a few were pointed there, and no fine mesh was found",
     ),
+    *(
+        Change(
+            "0.18.0",
+            BEVEL,
+            f"pinion.{side}.mesh_angle",
+            "where it touches the gear at the mean point",
+            'the same; 0, as it is cut, of given settings with mean_point = "cradle_zero"',
+            "given machines define phi1 = 0",
+        )
+        for side in ("concave", "convex")
+    ),
 )
 
 

@@ -265,7 +265,7 @@ class PinionSide(Machine):
             "with index_angle",
             low=-360,
             high=360,
-            default="where it touches the gear at the mean point",
+            default='where it touches the gear at the mean point; 0 of given settings with mean_point = "cradle_zero"',
         ),
     ] = None
     te_at_change: Annotated[
