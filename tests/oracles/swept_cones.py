@@ -88,7 +88,13 @@ def _pinion(radial: float, cradle: float, offset: float, along: float, roll: flo
 
 
 def _gear(tip: float, blade: float) -> Cut:
-    return Cut(1, 72.0 + 25.0 / 60.0, 73.10027, 58.6364, 0.0, 0.0, 0.973748, tip, blade)
+    """The gear's settings to all digits [AB 4-7]: cutter diameter 152.399 mm, spiral angle 35 deg at the mean cone distance."""
+    root, spiral, radius = 72.0 + 25.0 / 60.0, np.radians(35.0), 76.1995
+    pitch = 0.5 * np.pi - np.arctan(TEETH[0] / TEETH[1])
+    dedendum = np.cos(pitch - np.radians(root))
+    x, y = 81.94 * dedendum - radius * np.sin(spiral), radius * np.cos(spiral)
+    radial, cradle = float(np.hypot(x, y)), float(np.degrees(np.arctan2(y, x)))
+    return Cut(1, root, radial, cradle, 0.0, 0.0, float(np.sin(pitch) / dedendum), tip, blade)
 
 
 #: pinion and gear of either side of the pinion [AB Tables 2, 3]
@@ -104,11 +110,28 @@ PAIRS = {
 }
 
 
-def transmission_error(side: str, phi1: Array, axial: float = 0.0, across: float = 0.0) -> Array:
-    """phi2 - phi1 N1/N2 (P,), rad, relative to phi1[0], with the pinion displaced along its axis and across both (mm)."""
+@dataclass(frozen=True)
+class SweptContact:
+    """Contact at rotations phi1 (P,) from where the pinion was cut at cradle rotation 0: rotations of the gear phi2 (P,), rad, from
+    where it was cut, and points (P, 3), mm, with z along the pinion's axis and x from there towards the pitch line."""
+
+    phi1: Array
+    phi2: Array
+    points: Array
+
+    @property
+    def transmission_error(self) -> Array:
+        """phi2 - phi1 N1/N2 (P,), rad, relative to phi1[0]."""
+        error = self.phi2 - self.phi1 * TEETH[0] / TEETH[1]
+        return np.asarray(error - error[0])
+
+
+def contact(side: str, phi1: Array, axial: float = 0.0, across: float = 0.0) -> SweptContact:
+    """Contact with the pinion displaced along its axis and across both axes (mm)."""
     first, second = PAIRS[side]
     x = np.array([*first.start(4.3), *second.start(4.2), 0.0])
-    found = []
+    angles, points = [], []
+    own = np.stack((np.cross(Y, first.axis), Y, first.axis))
     for turn in phi1:
         about, shift = turned(first.axis, float(turn)), axial * first.axis + across * Y
 
@@ -121,5 +144,6 @@ def transmission_error(side: str, phi1: Array, axial: float = 0.0, across: float
         x = fsolve(apart, x, xtol=1e-12)
         assert np.abs(apart(x)).max() < 1e-9
         # the gear turns against the pinion's sense about its own axis
-        found.append(-x[4] - turn * TEETH[0] / TEETH[1])
-    return np.array(found) - found[0]
+        angles.append(-x[4])
+        points.append(own @ (about @ first.at(x[0], x[1])[0] + shift))
+    return SweptContact(phi1, np.array(angles), np.array(points))

@@ -11,13 +11,15 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.contact.fit.fit import fit
 from gearmesh.design.core import Design
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.systems.spiral_bevel.sheet.sheet import settings_sheet
 from gearmesh.teeth.region import Side
 
 #: all settings printed, and a backlash of 0.05 mm
 GIVEN = SAMPLES / "spiral_bevel_abdullah_straight.toml"
 BACKLASH = 0.05
+#: rotation (rad) of the pinion by which the printed settings miss contact at the mean point, at most
+CLOSURE = 3.0 * ARCSEC
 
 
 def index_angles(design: Design) -> dict[str, float]:
@@ -51,13 +53,20 @@ def test_another_zero_of_the_cradle_is_another_index_and_the_same_tooth(shift: f
     assert before["concave"] - after["concave"] == pytest.approx(shift / design.pinion.concave.ratio_of_roll, abs=1e-8)
     assert after["convex"] == before["convex"]
     np.testing.assert_allclose(points_of(moved), points_of(design), rtol=0, atol=1e-8)
+    # the position as cut is that of contact within a tenth of a pitch only: else phi1 = 0 is contact at the mean point
+    zeros = [gm.build(each).pairs[0].pinion.mount.zero for each in (design, moved)]
+    apart = np.radians(shift) / design.pinion.concave.ratio_of_roll
+    near = abs(apart) < 0.1 * 2.0 * np.pi / design.pinion.teeth
+    assert zeros[1] - zeros[0] == pytest.approx(-apart if near else 0.0, abs=2.0 * CLOSURE)
 
 
 @pytest.mark.sweep
 def test_given_settings_leave_the_backlash_asked_for_and_touch_at_phi1_0() -> None:
     design = gm.load(GIVEN)
-    contact = gm.build(design).contact(phi1=0.0)
+    contact = gm.build(design.with_values({"mean_point": "mean_cone_distance"})).contact(phi1=0.0)
     assert abs(contact.path.phi2[0]) < 1e-11
+    # at the mean point that cradle rotation 0 generates phi1 = 0 is the position as cut
+    assert 0.1 * ARCSEC < abs(gm.build(design).contact(phi1=0.0).path.phi2[0]) < CLOSURE
     # the gear leads at the change of teeth, which takes some um
     assert backlash_of(design) == pytest.approx(BACKLASH, abs=8e-3)
     assert backlash_of(design.with_values({"backlash": 0.3})) - backlash_of(design) == pytest.approx(0.25, rel=0.02)

@@ -41,10 +41,7 @@ def settings_values(design: FaceMilledDesign, train: GearTrain) -> Values:
         "depth_factor": depth,
         "addendum_factor": share,
         "thickness_factor": suggested_thickness_factor(teeth) if thicker is None else thicker,
-        **{
-            f"pinion.{name}.mesh_angle": float(np.degrees(side.hand * side.turned))
-            for name, side in made.cut.pinion.items()
-        },
+        **{f"pinion.{name}.mesh_angle": float(np.degrees(angle)) for name, angle in made.cut.mesh_angles.items()},
         **dict.fromkeys((*sheet.replaced, "pinion.thickness")),
     }
     return _one_machine(values) if design.completing else values

@@ -53,7 +53,7 @@ def build(design: ConjugateDesign) -> GearTrain:
         }
         for sides, teeth, give in ((pinion, blank.pinion.teeth, away), (gear, blank.gear.teeth, 0.0))
     )
-    cut = CutSides(blank, pinion, gear, (places[0], places[1]), dict.fromkeys(SIDES, 0.0))
+    cut = CutSides(blank, pinion, gear, (places[0], places[1]), *(dict.fromkeys(SIDES, 0.0) for _ in range(2)))
     wheel = cut_member(design, cut, "gear")
     return bevel_pair(design, cut, cut_member(design, cut, "pinion"), wheel)
 

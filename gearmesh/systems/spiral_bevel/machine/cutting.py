@@ -8,6 +8,7 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.spiral_bevel.machine.index import FARTHEST
 from gearmesh.systems.spiral_bevel.machine.pair import (
     HANDS,
     MATING,
@@ -43,7 +44,8 @@ def cut_sides(design: FaceMilledDesign, blank: BevelBlank, choices: Choices) -> 
     gear = gear_sides(design, blank)
     pinion, turns = cut_pinion(design, blank, choices, gear)
     places = pinion_places(design, blank, pinion, turns)
-    cut = CutSides(blank, pinion, gear, (places, beside_space(gear, blank.gear.teeth)), turns)
+    starts = {name: _start(design, blank, name, side.turned) for name, side in pinion.items()}
+    cut = CutSides(blank, pinion, gear, (places, beside_space(gear, blank.gear.teeth)), turns, starts)
     if design.pinion.thickness is not None:
         _refuse_thicker(design.pinion.thickness, cut)
     elif design.completing and not design.indexed:
@@ -60,6 +62,17 @@ def cut_pinion(design: FaceMilledDesign, blank: BevelBlank, choices: Choices, ge
     means = {name: mean_point(design, blank, gear[MATING[name]], nominal, choices[name]) for name in SIDES}
     pinion = {name: pinion_side(design, blank, name, means[name]) for name in SIDES}
     return pinion, {name: mean.gear_turn for name, mean in means.items()}
+
+
+def _start(design: FaceMilledDesign, blank: BevelBlank, name: str, turned: float) -> float:
+    """Rotation (rad) of the pinion from contact at the mean point, where a side is `turned` (rad) since it was cut, to phi1 = 0.
+
+    Machines that generate the mean point at cradle rotation 0 define phi1 = 0: the position as cut. A cradle angle that counts from
+    elsewhere, as in a maker's summary, puts that position far from any contact; phi1 = 0 is then contact at the mean point.
+    """
+    far = abs(turned) >= FARTHEST * 2.0 * np.pi / blank.pinion.teeth
+    fixed = design.pinion.side(name).mesh_angle is not None
+    return 0.0 if far or fixed or design.mean_point != "cradle_zero" else -turned
 
 
 def pinion_places(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, gear_turns: Angles) -> Angles:

@@ -1,7 +1,8 @@
 """Pairs of bevel gears from their generated sides: which flanks mesh, their positions, and the assembly errors.
 
 Fixed frame: the pinion's own at its nominal place. phi1 grows in the sense in which the pinion's concave side drives;
-phi1 = 0 and, but for what given settings miss, phi2 = 0 is contact at the mean point of the side asked for.
+phi1 = 0 and, but for what given settings miss, phi2 = 0 is contact at the mean point of the side asked for. Where given settings
+generate that point at cradle rotation 0, phi1 = 0 is the pinion's position as cut then.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ class CutSides:
     """Both sides of (pinion, gear) of a `blank` as they are cut, by their own names.
 
     `places`: how far (rad) each side of (pinion, gear) is turned, as cut, to stand in its tooth on +x; `turns`: how far the gear,
-    as cut, is turned when it meets a side of the pinion, as cut, at its mean point.
+    as cut, is turned when it meets a side of the pinion, as cut, at its mean point; `starts`: rotations (rad) of the pinion from
+    that contact to phi1 = 0.
     """
 
     blank: BevelBlank
@@ -49,6 +51,13 @@ class CutSides:
     gear: Sides
     places: tuple[Angles, Angles]
     turns: Angles
+    starts: Angles
+
+    @property
+    def mesh_angles(self) -> Angles:
+        """Mesh angles (rad) of the pinion's sides: rotation of the pinion, in the sense of a growing cradle angle, from cutting a
+        side to its position at phi1 = 0."""
+        return {name: side.hand * (side.turned + self.starts[name]) for name, side in self.pinion.items()}
 
     @property
     def index_angles(self) -> Angles:
@@ -95,7 +104,7 @@ def bevel_pair(design: BevelDesign, cut: CutSides, pinion: CutMember, gear: CutM
     """The pair of a design (in mm) whose members are made of the sides that are cut."""
     name, blank, (places, turns) = design.contact.pinion_side, cut.blank, (cut.places, cut.turns)
     mating = MATING[name]
-    first, second = _mounts(design, blank, places[0][name], turns[name] - places[1][mating])
+    first, second = _mounts(design, blank, places[0][name] - cut.starts[name], turns[name] - places[1][mating])
     pair = GearPair(
         pinion=replace(pinion.member, mount=first),
         gear=replace(gear.member, mount=second),
