@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 if TYPE_CHECKING:
     import numpy as np
@@ -33,8 +33,30 @@ _LENGTHS = re.compile(
 LIKE = 0.55
 #: the same of keys of figures, which are long and which people shorten
 SHORTENED = 0.2
+#: words before an upper and a lower bound in `allowed`
+_UPPER, _LOWER = "at most|less than|smaller than|below", "at least|more than|larger than|above"
+_QUANTITY = r"(?:about )?(?:[^\d;:]*? |[^;:]*?, )?(?P<{0}>-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)(?: (?P<{0}_unit>mm/mm|1/mm|mm|inch|deg))?"
+#: `allowed` as bounds of the value itself: a range, or one bound or two; what follows does not say that they are of something else
+_RANGE = rf"(?P<range>from|between) {_QUANTITY.format('least')},? (?:to|and) {_QUANTITY.format('most')}"
+_LOW = rf"(?P<lower>{_LOWER}) {_QUANTITY.format('low')}(?:,? and (?P<under>{_UPPER}) {_QUANTITY.format('top')})?"
+_HIGH = rf"(?P<upper>{_UPPER}) {_QUANTITY.format('high')}"
+_ALLOWED = re.compile(rf"(?:{_RANGE}|{_LOW}|{_HIGH})(?=$|[,:]| with | or | either way)")
+_BOUND_GROUPS = (("least", "low"), ("most", "top", "high"))
+_ANY_BOUND = re.compile(rf"(?:{_UPPER}|{_LOWER}) {_QUANTITY.format('any')}")
+_IN_PARENTHESES = re.compile(r" \([^()]*\)")
 #: what figures are made of
 _FIGURES = str.maketrans("", "", "0123456789.-+")
+
+
+class Bounds(NamedTuple):
+    """Least and greatest allowed value in `unit`, None where there is none; `includes_low` and `includes_high` are true where the
+    bound itself is allowed."""
+
+    low: float | None
+    high: float | None
+    unit: str
+    includes_low: bool = True
+    includes_high: bool = True
 
 
 class GearmeshError(Exception):
@@ -112,6 +134,51 @@ class GearmeshError(Exception):
     def topic(self) -> str:
         """What went wrong, the same for the same trouble with other figures."""
         return f"{self.key}: {self.reason.translate(_FIGURES)}" if self._topic is None else self._topic
+
+    @property
+    def bounds(self) -> Bounds | None:
+        """Bounds of the value that `allowed` states; None where it states none, or those of something else.
+
+        Returns
+        -------
+        Bounds or None
+            With the unit that `allowed` names.
+
+        Examples
+        --------
+        >>> gm.DesignError("bore", 50.0, unit="mm", allowed="less than the root, 31 mm").bounds.high
+        31.0
+        """
+        stated = _ALLOWED.match(_IN_PARENTHESES.sub("", self.allowed))
+        if stated is None:
+            return None
+        part = {name: text for name, text in stated.groupdict().items() if text is not None}
+        low, high = (next((float(part[name]) for name in names if name in part), None) for names in _BOUND_GROUPS)
+        unit = next((part[name] for name in part if name.endswith("_unit")), "")
+        return Bounds(
+            low,
+            high,
+            unit,
+            includes_low=part.get("range", "from") == "from" and part.get("lower", "at least") == "at least",
+            includes_high=part.get("range", "from") == "from"
+            and {part.get("upper"), part.get("under")} <= {"at most", None},
+        )
+
+    @property
+    def bounds_another(self) -> bool:
+        """True if `allowed` states bounds, but of another quantity than the value.
+
+        Returns
+        -------
+        bool
+            False also where it states none.
+
+        Examples
+        --------
+        >>> gm.DesignError("addendum", 4.0, allowed="a tip diameter of at most 46.067 mm").bounds_another
+        True
+        """
+        return self.bounds is None and _ANY_BOUND.search(self.allowed) is not None
 
     @property
     def subject(self) -> str:

@@ -4,7 +4,8 @@ A tooth that cannot exist is noticed deep in a build, where only defaults and de
 the design wants to know is the key that he set himself. It is found by trying: each of his keys is left out, or moved step by
 step, and the one that has to change least, alone, is named with the bound at which the gears can just be built. What was put in
 anew is tried first, then the keys that the refusal itself names as remedies; and of what cannot be left out that which counts from
-0 to either side, as an offset. The bound of the key that is named alone is refined. The search ends when it has taken so much
+0 to either side, as an offset. A refusal that already names a key that is set, and bounds it, stays if the gears can be built with
+that bound. The bound of the key that is named alone is refined. The search ends when it has taken so much
 effort: where its bound is not known to ROUGH then, the value that is refused is given as well.
 """
 
@@ -13,12 +14,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
-from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, VagueError, shown_value
+from gearmesh.errors import Bounds, DesignError, GearmeshError, NoSolutionError, VagueError, shown_value
 from gearmesh.kernel.numeric.effort import Effort, EffortSpentError, limit_effort
 
 D = TypeVar("D", bound=Design)
@@ -40,7 +41,7 @@ SHOWN_DIGITS = 7
 #: bound is only said to be about there
 FINE, FAIR, ROUGH = 1e-4, 1.5e-3, 5e-3
 #: how far, by a factor either way, and in how many steps a value is looked for in the place of one that is derived
-FARTHEST, ASKED = 64.0, 12
+FARTHEST, ASKED = 64.0, 24
 #: builds that are tried at most for what mends a design, and for what mends what was noticed of it; keys that are named at most
 MOST_TRIALS, MOST_FOR_NOTICED, MOST_NAMED = 80, 30, 2
 #: effort of all trials, about the seconds that they take: bounds are as fine as it allows; and the part of one of them, at most
@@ -51,6 +52,14 @@ OF_BUILD, OF_DESIGN = 0.015, 0.005
 LIGHT = 0.022
 #: part of it that has to be left for the bound of a second key to be refined
 FOR_SECOND = 0.3
+#: part of a bound that is not allowed itself by which a value is tried beside it
+INSIDE = 1e-5
+#: parts of a stated bound that is refused by which values are tried inside it
+PARTS_INSIDE = (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.4)
+#: first step, as a part of a bound, and how many steps of which each is doubled, towards the other end of what is allowed
+FAR_STEP, FAR_STEPS = 0.01, 7
+#: units of keys in mm as bounds name them
+_UNITS_IN_MM = {"length": "mm", "angle": "deg", "curvature": "1/mm"}
 #: keys that are named at most where none alone makes the design infeasible
 MOST_TOGETHER = 3
 
@@ -59,18 +68,23 @@ def diagnose(design: Design, failure: GearmeshError, build: Build) -> GearmeshEr
     """The refusal of a design with the key in front that its owner set, and a bound of it that was tried; or as it was.
 
     Where no single key mends the design one is named that mends what was noticed, of which something else is left. The refusal
-    stays as it is where it names a key that the design sets and is not vague, and where nothing mends it.
+    stays as it is where it names a key that the design sets, is not vague and has a true bound, and where nothing mends it.
     """
     own = dict(design.own())
     named = [key for key in own if key == failure.key]
-    if named and not isinstance(failure, VagueError | NoSolutionError):
-        return failure
     keys = [key for key, value in own.items() if _movable(key, value)]
     trials = _Trials(type(design), own, build, Effort(MOST_EFFORT), _changed_keys(design, own))
+    groups = _suspects(design, keys, failure)
+    if named:
+        failure = _with_value(design, failure, own[failure.key])
+        if not isinstance(failure, VagueError | NoSolutionError):
+            if failure.key not in keys or trials.hold(failure, _bounds_in_units(design, failure)):
+                return failure
+            groups = [named, *groups]
     for noticed in (None, failure.topic):
         trials.ask(noticed)
         intervals: list[_Interval] = []
-        for group in _suspects(design, keys, failure):
+        for group in groups:
             intervals += trials.leave_out(group) if intervals else trials.mending(group, named, failure.remedies)
             if intervals and not trials.light:
                 break
@@ -78,9 +92,33 @@ def diagnose(design: Design, failure: GearmeshError, build: Build) -> GearmeshEr
             break
     else:
         return failure if trials.effort.spent else _together(design, failure, own)
-    first, *others = [_refusal_of(design, bound) for bound in trials.refine(intervals)]
+    bounds = trials.refine(intervals)
+    if named and failure.remedies.get(failure.key) == 0:
+        bounds = [trials.with_far_end(bound) if bound.key == failure.key else bound for bound in bounds]
+    first, *others = [_refusal_of(design, bound) for bound in bounds]
     made = DiagnosedNoSolutionError if isinstance(failure, NoSolutionError) else DiagnosedError
     return made(first, tuple(others), failure, whole=noticed is None)
+
+
+def _with_value(design: Design, failure: GearmeshError, value: Any) -> GearmeshError:
+    """The refusal of a key with the value that the design sets, if it has none."""
+    if failure.value is not None or not isinstance(value, int | float) or isinstance(value, bool):
+        return failure
+    key = type(design).key_at(failure.key)
+    made = copy(failure)
+    made.value = value if key is None or not key.power else value * design.mm_per_unit**key.power
+    made.unit = failure.unit or (_unit(design, failure.key) if key is None or key.power != 1 else "mm")
+    return made
+
+
+def _bounds_in_units(design: Design, failure: GearmeshError) -> Bounds | None:
+    """Bounds that a refusal states of its key, in the design's units; None if it states none, or those of another quantity."""
+    key, bounds = type(design).key_at(failure.key), failure.bounds
+    if key is None or bounds is None or bounds.unit != _UNITS_IN_MM.get(key.unit, ""):
+        return None
+    scale = design.mm_per_unit**key.power
+    low, high = (None if end is None else end / scale for end in (bounds.low, bounds.high))
+    return bounds._replace(low=low, high=high)
 
 
 def _refusal_of(design: Design, bound: KeyBound) -> GearmeshError:
@@ -95,7 +133,10 @@ def _refusal_of(design: Design, bound: KeyBound) -> GearmeshError:
         )
     most = "at least" if bound.larger else "at most"
     allowed = f"{most} {shown_value(float(bound.value), unit)}"
-    if bound.rough:
+    if bound.far is not None:
+        low, high = sorted((float(bound.value), float(bound.far)))
+        allowed = f"from {shown_value(low)} to {shown_value(high, unit)}"
+    elif bound.rough:
         refused = shown_value(float(f"{bound.refused:.{DIGITS}g}"), unit)
         allowed = f"{most} about {shown_value(float(bound.value), unit)}, {refused} is refused as well"
     return DesignError(bound.key, value, unit=unit, allowed=allowed)
@@ -157,11 +198,12 @@ class _Diagnosis(GearmeshError):
     def __str__(self) -> str:
         bounds = ", or ".join([super().__str__(), *map(str, self.others)])
         rest = "" if self.whole else " (another refusal then follows)"
-        # a key that was named already is named once
+        # a key that was named already is named once, and the bound that was tried is the one that holds
         told = copy(self.noticed)
-        if self.subject == told.subject:
+        if self.key == told.key:
+            told.allowed = "" if told.bounds is not None else told.allowed
             told.key, told.value = "", None
-        return f"{bounds}, with the other keys unchanged{rest}: {told}"
+        return ": ".join(part for part in (f"{bounds}, with the other keys unchanged{rest}", str(told)) if part)
 
 
 class DiagnosedError(_Diagnosis, DesignError):
@@ -176,13 +218,15 @@ class DiagnosedNoSolutionError(_Diagnosis, NoSolutionError):
 class KeyBound:
     """A value of a key that its owner set with which the gears can be built; None: only if the key is left out.
 
-    `refused`: the nearest value that is known to be refused; `larger` is true where the key has to be larger.
+    `refused`: the nearest value that is known to be refused; `larger` is true where the key has to be larger; `far`: the other end
+    of the range of values that are allowed, if it was asked for.
     """
 
     key: str
     value: float | None
     refused: float
     larger: bool
+    far: float | None = None
 
     @property
     def rough(self) -> bool:
@@ -251,10 +295,33 @@ class _Trials(Generic[D]):
 
     def __post_init__(self) -> None:
         self.allowed = self.effort.left
+        #: values within the bound that the refusal of a key states, where that bound is refused
+        self._beyond: dict[str, tuple[float, ...]] = {}
 
     def ask(self, noticed: str | None) -> None:
         """From now on builds work that are not refused for what was `noticed`; None: that are not refused."""
         self.noticed, self.count = noticed, 0
+
+    def hold(self, failure: GearmeshError, bounds: Bounds | None) -> bool:
+        """True unless the bounds, in the design's units, are known to be refused, or do not exclude the value of the key.
+
+        A refusal whose `allowed` is in words, or that says what to do, needs no bounds.
+        """
+        if bounds is None:
+            in_words = failure.bounds is None and not failure.bounds_another
+            return in_words and bool(failure.allowed or failure.remedy)
+        own: float = self.own[failure.key]
+        for end, included, inwards in ((bounds.low, bounds.includes_low, 1), (bounds.high, bounds.includes_high, -1)):
+            if end is None or (own - end) * inwards > 0.0 or (included and own == end):
+                continue
+            self._beyond[failure.key] = tuple(
+                self._like(failure.key, end + inwards * part * abs(end)) for part in PARTS_INSIDE
+            )
+            apart = 0.0 if included else inwards * (1 if isinstance(own, int) else INSIDE * (abs(end) or 1.0))
+            # figures that messages show are rounded inwards
+            outcome = self._outcome(failure.key, self._like(failure.key, end + apart), self.effort.left)
+            return outcome.built or not outcome.known
+        return False
 
     def mending(self, keys: list[str], named: list[str], remedies: Mapping[str, int]) -> list[_Interval]:
         """Those of the keys that mend the design, alone: `remedies`, of which the direction is known, moved that way."""
@@ -350,7 +417,11 @@ class _Trials(Generic[D]):
         return round(value) if round(value) != own else own + (1 if step > 0.0 else -1)
 
     def _beside(self, key: str) -> float | None:
-        """A value of a key that works, within a factor of FARTHEST; None where none is found."""
+        """A value of a key that works, near the bound that its refusal states or within a factor of FARTHEST; None where none is
+        found."""
+        for value in self._beyond.get(key, ()):
+            if self.works(key, value):
+                return value
         for step in range(1, ASKED + 1):
             for factor in (FARTHEST ** (step / ASKED), FARTHEST ** (-step / ASKED)):
                 value = self._like(key, self.own[key] * factor)
@@ -434,6 +505,27 @@ class _Trials(Generic[D]):
         fits = short != of.good and (self.effort.spent or self._works(self._outcome(of.key, short, self.effort.left)))
         # what is shown of it is not to be beyond it
         return KeyBound(of.key, short if fits else _round(of.good, larger, SHOWN_DIGITS), of.bad, larger)
+
+    def with_far_end(self, bound: KeyBound) -> KeyBound:
+        """The bound with the other end of the range of values that work, if one is found within FAR_STEPS doubled steps."""
+        if bound.value is None or bound.rough:
+            return bound
+        good, way = bound.value, 1.0 if bound.larger else -1.0
+        for step in range(FAR_STEPS):
+            tried = self._like(bound.key, bound.value + way * FAR_STEP * 2.0**step * (abs(bound.value) or 1.0))
+            if not self.works(bound.key, tried):
+                break
+            good = tried
+        else:
+            return bound
+        # whether a bound is larger is whether its key has to be
+        own, bad = self.own[bound.key], tried
+        interval = _Interval(bound.key, own, good, bad, kept=True, divisions=1)
+        while self._bisect(interval):
+            pass
+        assert interval.good is not None, "it only moves towards what is refused"
+        far = _round(interval.good, not bound.larger)
+        return replace(bound, far=far) if interval.width <= ROUGH and self.works(bound.key, far) else bound
 
     def _like(self, key: str, value: float) -> float:
         """A whole number where the key is one."""

@@ -357,7 +357,15 @@ def complete_design(design: D) -> D:
 
 def _fill(design: D) -> D:
     derive = system_of(design).derive
-    return design if derive is None or design.complete else design.fill(derive(design))
+    if derive is None or design.complete:
+        return design
+    try:
+        return design.fill(derive(design))
+    except DesignError:
+        # values are derived in the design's units, refusals are in mm
+        if design.units != "mm":
+            derive(design.in_mm())
+        raise
 
 
 def _train(design: Design) -> GearTrain:

@@ -65,6 +65,8 @@ STEEP, SCREW_PLACES, SAME_SCREW = 1.8, 3, 1e-6
 MOST_APART = 0.5
 #: samples of a flank in which its tip is looked for, and how far from the form point, over what it is nominally
 TIP_SAMPLES, FARTHEST_TIP = 33, 1.5
+#: radius of a tip, over that of the form point, from which on the tooth is followed up to it, at so many points of its flanks
+FAR_TIP, WAY_STATIONS = 2.0, 65
 #: stations of a stretch of the face along which the width of a land is followed
 LAND_STATIONS = 9
 #: stations at which a tooth is tried before anything else is made of it
@@ -1078,8 +1080,25 @@ class Tooth:
             raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap")
         return width
 
+    @cached_property
+    def _crosses_below_tip(self) -> bool:
+        """Whether the sides cross at mid face below a tip far above the form point: where the width of the tooth falls through half
+        a turn on the way, the angle at the tip alone looks like land."""
+        t = np.array([0.5])
+        station, (tip, at_tip) = self.stations(t), self._tip(self.right, self.stations(t), t)
+        form_point = along(self.right.flank, np.array([self.right.form_point[0]]), station, self.blank.axial)[1].r
+        if not self.joint.radius(at_tip.r)[0] > FAR_TIP * self.joint.radius(form_point)[0]:
+            return False
+        share, angles = np.linspace(0.0, 1.0, WAY_STATIONS), []
+        for side, end in ((self.right, tip[0]), (self.left, self._tip(self.left, station, t)[0][0])):
+            p = side.form_point[0] + share * (end - side.form_point[0])
+            angles.append(self.joint.angle(along(side.flank, p, np.full_like(p, station[0]), self.blank.axial)[1].r))
+        return bool((self.joint.running(self.joint.within(angles[1] - angles[0])) <= 0.0).any())
+
     def _width_of_land(self, right: Array, left: Array, t: Array) -> Array:
         """Angle (T,), rad, between the tips of both sides at t (T,). Raises TrimError where the tooth is pointed."""
+        if self._crosses_below_tip:
+            raise TrimError("pointed", 0.5, "the tooth is pointed")
         width = self.joint.within(left - right)
         if (width <= 0.0).any():
             width = np.where(width <= 0.0, width + self._turns_of_land(t), width)

@@ -22,8 +22,9 @@ from gearmesh.check.members import roll_members
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.engagement.symmetry import image
 from gearmesh.contact.first_touch.first_touch import first_touch
+from gearmesh.contact.fit import freeing as freeing_module
 from gearmesh.contact.fit.fit import fit, reversed_pair
-from gearmesh.contact.fit.freeing import freeing_shift, shift_gear
+from gearmesh.contact.fit.freeing import MOST_EFFORT, OF_SLACK, FreeingShift, freeing_shift, shift_gear
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.motion.rigid import Rigid
@@ -228,8 +229,10 @@ def test_a_jammed_pair_overlaps_and_a_moved_one_does_not() -> None:
     assert found.normal_backlash[0] < -0.1
     (rolled,) = roll_members(gears, 0.05, 20)
     assert found.backlash[0] - 0.05 * ARCSEC < rolled.backlash < found.backlash[1] + 0.05 * ARCSEC
-    shift = freeing_shift(gears, found)
-    assert shift is not None
+    freeing = freeing_shift(gears, found, np.inf)
+    assert freeing is not None
+    assert freeing.least
+    shift = freeing.length
     # the backlash of 0.06 mm is used up 0.0864 mm before the nominal distance, by the involutes
     base, distance = 30.0 * 3.0 * np.cos(np.radians(20.0)), np.linspace(89.9, 90.0, 200_001)
     angle, nominal = np.arccos(base / distance), np.radians(20.0)
@@ -247,6 +250,29 @@ def test_a_jammed_pair_overlaps_and_a_moved_one_does_not() -> None:
         assert bool(pieces) == thick
 
 
+def test_the_search_for_a_freeing_shift_ends_after_so_much_effort(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tips of an undercut pinion in fillets took twelve solutions of the whole engagement, each as long as the pair's own."""
+    tables = {"pinion": {"teeth": 20, "face_width": 20, "profile_shift": -0.9}, "gear": {"teeth": 40, "face_width": 20}}
+    (gears,) = gm.build(gm.parse({"kind": "cylindrical", "module": 2, **tables})).train.pairs
+    found, least, tried = fit(gears), 0.2722, []
+    assert found is not None
+
+    def slack(moved: GearPair) -> float:
+        """The depth of the tips in the fillets, to about what the engagement gives, and the backlash beyond."""
+        tried.append(float(moved.gear.mount.origin[0] - gears.gear.mount.origin[0]))
+        return 0.13 if tried[-1] > least else -1.1 * (least - tried[-1]) ** 2 - 1e-4
+
+    monkeypatch.setattr(freeing_module, "slack_of", slack)
+    for effort, is_least in ((MOST_EFFORT, False), (np.inf, True)):
+        tried.clear()
+        freeing = freeing_shift(gears, found, effort)
+        assert freeing is not None
+        assert freeing.least == is_least
+        assert (len(tried) <= MOST_EFFORT / OF_SLACK) != is_least
+        assert freeing.length == pytest.approx(min(shift for shift in tried if shift > least), rel=1e-12)
+        assert least < freeing.length < (1.008 if is_least else 1.25) * least
+
+
 @pytest.mark.sweep
 @pytest.mark.parametrize(
     ("keys", "sense"),
@@ -257,8 +283,9 @@ def test_the_shift_that_is_told_is_the_least_that_frees(keys: tuple[str, ...], s
     gears = sample(*keys)
     found = fit(gears)
     assert found is not None
-    shift = freeing_shift(gears, found)
-    assert shift is not None
+    freeing = freeing_shift(gears, found, np.inf)
+    assert freeing is not None
+    shift = freeing.length
     assert np.sign(shift) == sense
     there = [fit(shift_gear(gears, share * shift)) for share in (1.0, 0.98)]
     assert [each is not None and each.fits for each in there] == [True, False]
@@ -371,8 +398,10 @@ def test_teeth_that_meet_nowhere_are_told_of(capsys: pytest.CaptureFixture[str])
 @pytest.mark.sweep
 def test_gears_that_jam_on_fillets_have_no_transmission_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """By how much they overlap is what whole members roll to; figures are null, positions say why, the remedy frees them."""
-    shifts: list[float | None] = []
-    monkeypatch.setattr(warned, "freeing_shift", lambda *asked: shifts.append(freeing_shift(*asked)) or shifts[-1])
+    shifts: list[FreeingShift | None] = []
+    monkeypatch.setattr(
+        warned, "freeing_shift", lambda *asked: shifts.append(freeing_shift(*asked, np.inf)) or shifts[-1]
+    )
     contact = contact_of(load(CORPUS / "jammed_spiral_bevel_geometry1.toml"))
     found = contact.fit
     assert found is not None
@@ -385,8 +414,9 @@ def test_gears_that_jam_on_fillets_have_no_transmission_error(monkeypatch: pytes
     assert contact.document()["fit"]["jammed"]
     (rolled,) = roll_members(contact.pair, 0.0, 16)
     assert found.play(np.zeros(1))[0] == pytest.approx(rolled.backlash, rel=1e-3)
-    (shift,) = shifts
-    assert shift is not None
+    (freeing,) = shifts
+    assert freeing is not None
+    shift = freeing.length
     there = [fit(shift_gear(contact.pair, share * shift)) for share in (1.0, 0.98)]
     assert [each is not None and each.fits for each in there] == [True, False]
 

@@ -83,7 +83,8 @@ def test_starts_by_diameter_or_roll_length_are_one() -> None:
         ),
         (
             {"tip_relief": {"amount": 2, "start_roll_length": 13}},
-            "pinion.modifications.tip_relief.amount = 2 mm: the flank would get a slope of 0.319 mm/mm; allowed is at most 0.1",
+            "pinion.modifications.tip_relief.amount = 2 mm: the flank would get a slope of 0.319 mm/mm, above 0.1 mm/mm; "
+            "allowed is at most 0.62",
         ),
         (
             {"end_relief_heel": {"amount": 0.01, "length": 30}},

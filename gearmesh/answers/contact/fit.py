@@ -279,9 +279,10 @@ def _place(point: Array) -> str:
 
 def _remedy(pair: GearPair, fit: Fit) -> str:
     """The remedy that frees the pair, in words; empty where moving the gear does not."""
-    shift = freeing_shift(pair, fit)
-    if shift is None:
+    freeing = freeing_shift(pair, fit)
+    if freeing is None:
         return ""
+    shift = freeing.length
     apart, size = centre_distance(pair), abs(shift)
     # three digits, of which the last is rounded up: what is reported frees
     places = 2 - math.floor(math.log10(size))
@@ -290,6 +291,8 @@ def _remedy(pair: GearPair, fit: Fit) -> str:
         return f"; to free it move the {pair.gear.name} {by} mm {'away' if shift > 0.0 else 'closer'}"
     if apart is not None:
         bound = f"{abs(_up(math.copysign(apart + shift, shift), places)):.{max(places, 0)}f} mm"
+        if not freeing.least:
+            return f"; free with a centre distance of {bound}"
         return (
             f"; free with a centre distance of at least {bound}"
             if shift > 0.0

@@ -2,13 +2,15 @@
 
 The slack, the distance left before anything interferes, is signed: negative where teeth overlap, positive where they are free. Its
 sign changes between a shift that does not free the pair and one that does, and the bracket of both is closed to a hundredth. Where
-a tip leaves a fillet the slack jumps from 0 to the backlash; so the sign changes by what overlaps.
+a tip leaves a fillet the slack jumps from 0 to the backlash; so the sign changes by what overlaps. The search ends when its effort
+is spent: the answer is then the least shift that was found to free the pair, if there is one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,6 +29,7 @@ from gearmesh.contact.fit.fit import (
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.motion.rigid import PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.effort import Effort, EffortSpentError, limit_effort
 from gearmesh.teeth.gear_train import GearPair
 
 #: apart by less (mm) are axes that meet
@@ -35,6 +38,11 @@ APART = 1e-6
 TIGHT, LEAST = 0.008, 2e-5
 #: shifts that are tried at most as teeth touch, and by what the field samples; part of the slack that is near enough to none there
 TRIES, SAMPLED_TRIES, NEAR = 24, 8, 0.03
+#: effort of the whole search, about the seconds that it takes; of one slack as teeth touch, and of one that the field samples,
+#: beside what these count themselves
+MOST_EFFORT, OF_SLACK, OF_SAMPLED = 2.0, 0.4, 0.04
+#: part of the way to where a tip leaves a fillet by which a shift goes there, and a little beyond
+BEYOND_FILLET = 1.15
 
 
 def shift_gear(pair: GearPair, shift: float) -> GearPair:
@@ -55,23 +63,49 @@ def direction(pair: GearPair) -> Array:
     return across / apart if apart > APART else second.axis
 
 
-def freeing_shift(pair: GearPair, fit: Fit) -> float | None:
-    """How far (mm) the gear must be moved along `direction` for the pair to fit, within TIGHT of the least; None where that does
-    not help.
+class FreeingShift(NamedTuple):
+    """Movement of the gear along `direction`, `length` (mm), that frees a pair; `least`: no shorter one does, within TIGHT."""
+
+    length: float
+    least: bool
+
+
+def freeing_shift(pair: GearPair, fit: Fit, most_effort: float = MOST_EFFORT) -> FreeingShift | None:
+    """The least movement of the gear for the pair to fit, or what was found with so much effort; None where moving does not help.
 
     Where to begin, and by how much more a shift leaves, is estimated from the play that the field samples.
     """
     if not np.isfinite(fit.slack):
         return None
+    effort = Effort(most_effort)
+
+    def limited(slack: Callable[[GearPair], float | None], at_least: float, standing: GearPair) -> float | None:
+        """A slack that takes so much effort `at_least`; raises EffortSpentError where none is left."""
+        effort.left -= at_least
+        if effort.spent:
+            raise EffortSpentError
+        with limit_effort(effort):
+            return slack(standing)
+
     for sense in (1.0, -1.0):
 
         def standing(at: float, sense: float = sense) -> GearPair:
             return shift_gear(pair, sense * at)
 
-        begin = _begin(lambda at: _sampled_slack(standing(at), fit), max(0.5 * abs(fit.slack), 1e-3))
-        shift = None if begin is None else _least_shift(lambda at: slack_of(standing(at)), fit.slack, *begin)
+        try:
+            begin = _begin(
+                lambda at: limited(lambda moved: _sampled_slack(moved, fit), OF_SAMPLED, standing(at)),
+                max(0.5 * abs(fit.slack), 1e-3),
+            )
+        except EffortSpentError:
+            return None
+        shift = (
+            None
+            if begin is None
+            else _least_shift(lambda at: limited(slack_of, OF_SLACK, standing(at)), fit.slack, *begin)
+        )
         if shift is not None:
-            return sense * shift
+            return shift._replace(length=sense * shift.length)
     return None
 
 
@@ -95,12 +129,15 @@ def _begin(slack: Callable[[float], float | None], first: float) -> tuple[float,
     return None
 
 
-def _least_shift(slack: Callable[[float], float | None], start: float, at: float, slope: float) -> float | None:
-    """The least shift (mm) at which a `slack` (mm) that is `start` at 0 is not negative any more, tried at `at` first; `slope` of
+def _least_shift(slack: Callable[[float], float | None], start: float, at: float, slope: float) -> FreeingShift | None:
+    """The least shift at which a `slack` (mm) that is `start` at 0 is not negative any more, tried at `at` first; `slope` of
     the play, as far as it is known. None where slack does not grow."""
     short, high, at_high, width = [(0.0, start)], np.inf, np.inf, np.inf
     for _ in range(TRIES):
-        there = slack(at)
+        try:
+            there = slack(at)
+        except EffortSpentError:
+            break
         if there is None:
             break
         if there >= -NOTHING:
@@ -112,16 +149,16 @@ def _least_shift(slack: Callable[[float], float | None], start: float, at: float
         low, tight = short[-1][0], max(TIGHT * min(at, high), LEAST)
         # where play alone is in the way, its slope tells how far it is from 0
         if high - low <= tight or at_high <= 0.4 * tight * slope:
-            return high
+            return FreeingShift(high, least=True)
         root = _root(short, (high, at_high), slope)
         if np.isinf(high):
-            at = max(root + 0.3 * tight, low + 2.0 ** (len(short) - 2) * tight)
+            at = max(root + 0.3 * tight, low + 2.0 ** (len(short) - 2) * tight, _left_fillet(short))
         elif not low < root < high or high - low > 0.5 * width:
             at = 0.5 * (low + high)
         else:
             at = root + 0.3 * tight if root + 0.6 * tight < high else high - 0.9 * tight
         width = high - low
-    return None if np.isinf(high) else high
+    return None if np.isinf(high) else FreeingShift(high, least=False)
 
 
 def _root(short: list[tuple[float, float]], free: tuple[float, float], slope: float) -> float:
@@ -137,6 +174,16 @@ def _root(short: list[tuple[float, float]], free: tuple[float, float], slope: fl
     elif at_high < -at_low:
         return high - at_high / slope
     return low - at_low / slope if slope > 0.0 else low
+
+
+def _left_fillet(short: list[tuple[float, float]]) -> float:
+    """About where a tip has left a fillet, from the last two shifts (mm) that fall short: its depth falls with the square of what
+    is left of the shift; 0 before there are two."""
+    if len(short) < 3:
+        return 0.0
+    (before, at_before), (low, at_low) = short[-2:]
+    first, last = np.sqrt(-at_before), np.sqrt(-at_low)
+    return float(low + BEYOND_FILLET * (low - before) * last / (first - last)) if first > last else 0.0
 
 
 def _sampled_slack(pair: GearPair, fit: Fit) -> float | None:

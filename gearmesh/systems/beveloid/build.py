@@ -21,7 +21,7 @@ from gearmesh.systems.beveloid.design import TIP_RADIUS
 from gearmesh.systems.common.axes import shifts, tilts
 from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
-from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import Roll, member
@@ -152,11 +152,15 @@ def _displaced_bases(design: BeveloidDesign, train: GearTrain, errors: Mapping[s
 DISPLACEMENTS: Displacements[BeveloidDesign] = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced_bases)
 
 
-def _no_working_angle(design: BeveloidDesign, reason: str, allowed: str) -> DesignError:
-    """The refusal of both profile shifts, of the one that is set first."""
+def _no_working_angle(
+    design: BeveloidDesign, reason: str, *, least: float | None = None, most: float | None = None
+) -> DesignError:
+    """The refusal of the profile shift that is set first; the sum of both has to be more than `least` or less than `most`."""
     shifts = [("pinion", design.pinion.profile_shift), ("gear", design.gear.profile_shift)]
     (first, own), (second, other) = shifts if "profile_shift" in design.pinion.model_fields_set else shifts[::-1]
     beside = f"with {second}.profile_shift = {other:g}"
+    allowed = "" if least is None else f"more than {at_least(least - other)}"
+    allowed = allowed if most is None else f"less than {at_most(most - other)}"
     return DesignError(f"{first}.profile_shift", own, reason=f"{beside} {reason}", allowed=allowed)
 
 
@@ -174,15 +178,13 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
         )
         least = -0.5 * (np.tan(transverse) - transverse) * (design.pinion.teeth + design.gear.teeth) / np.tan(alpha)
         if involute <= 0.0:
-            raise _no_working_angle(
-                design, "there is no working pressure angle", f"a sum of more than {at_least(least)}"
-            )
+            raise _no_working_angle(design, "there is no working pressure angle", least=least)
         working = bracketed_root(lambda a, _: np.tan(a) - a - involute, np.zeros(1), np.array([STEEPEST]))
         if not working.converged[0]:
             steepest = np.tan(STEEPEST) - STEEPEST - np.tan(transverse) + transverse
             most = 0.5 * steepest * (design.pinion.teeth + design.gear.teeth) / np.tan(alpha)
             above = f"the working pressure angle would be above {np.degrees(STEEPEST):.4g} deg"
-            raise _no_working_angle(design, above, f"a sum of less than {most:.6g}")
+            raise _no_working_angle(design, above, most=most)
         given = reference * np.cos(transverse) / np.cos(float(working.values[0]))
     elif given <= reference * np.cos(transverse) and not (pinion.cone or gear.cone):
         raise DesignError(

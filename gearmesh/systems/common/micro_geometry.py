@@ -31,8 +31,8 @@ from gearmesh.teeth.tooth_side import ToothSide
 #: points, across and along a flank, at which that is proved
 SAMPLES = 33
 
-#: a key, its value as messages show it, and the field that it asks for
-Asked = tuple[str, str, FlankField]
+#: a key, its amount in mm, or its text, and the field that it asks for, which is proportional to an amount
+Asked = tuple[str, float | str, FlankField]
 
 
 def with_modifications(member: Member, spec: Modified, *, internal: bool = False) -> Member:
@@ -96,7 +96,7 @@ def _fields(name: str, table: Modifications, true: TrueFlank) -> Iterator[Asked]
     ):
         amount = getattr(table, key)
         if amount:
-            yield f"{name}.{key}", f"{amount:g} mm", make(amount, e)
+            yield f"{name}.{key}", float(amount), make(amount, e)
     reliefs: dict[ProfileEnd, ProfileRelief | None] = {"tip": table.tip_relief, "root": table.root_relief}
     for end, relief in reliefs.items():
         if relief is not None:
@@ -135,13 +135,13 @@ def _profile_relief(key: str, table: ProfileRelief, true: TrueFlank, end: Profil
             allowed=f"between the flank's own ends, above {at_least(bounds[0])} and below {at_most(bounds[1])} mm",
         )
     make = fields.tip_relief if end == "tip" else fields.root_relief
-    return f"{key}.amount", f"{table.amount:g} mm", make(table.amount, start, e, _shape(table.shape))
+    return f"{key}.amount", float(table.amount), make(table.amount, start, e, _shape(table.shape))
 
 
 def _end_relief(key: str, table: EndRelief, e: Extent, end: FaceEnd) -> Asked:
     _check_length(key, table.length, e)
     field = fields.end_relief(table.amount, table.length, e, end, _shape(table.shape))
-    return f"{key}.amount", f"{table.amount:g} mm", field
+    return f"{key}.amount", float(table.amount), field
 
 
 def _triangular(key: str, table: TriangularRelief, true: TrueFlank, end: ProfileEnd) -> Asked:
@@ -149,7 +149,7 @@ def _triangular(key: str, table: TriangularRelief, true: TrueFlank, end: Profile
     if abs(true.lean) < 1e-9:
         raise DesignError(key, reason="contact lines of spur gears have no such corner; allowed on helical teeth only")
     field = fields.triangular_end_relief(table.amount, table.length, true.extent, true.lean, end)
-    return f"{key}.amount", f"{table.amount:g} mm", field
+    return f"{key}.amount", float(table.amount), field
 
 
 def _check_length(key: str, length: float, e: Extent) -> None:
@@ -177,15 +177,22 @@ def _topography(key: str, grid: TopographyGrid, true: TrueFlank) -> FlankField:
     return Topography(lengths, grid.z, grid.amounts)
 
 
-def _prove(key: str, value: str, field: FlankField, e: Extent) -> None:
+def _prove(key: str, value: float | str, field: FlankField, e: Extent) -> None:
     """Refuse a field too steep to be micro-geometry: the flank would bend back."""
     length, z = np.meshgrid(np.linspace(e.root, e.tip, SAMPLES), np.linspace(e.toe, e.heel, SAMPLES))
     jet = field.jet(length, z)
     steepest = float(max(np.abs(jet.a_l).max(), np.abs(jet.a_z).max()))
-    if not steepest <= STEEPEST:
-        raise DesignError(
-            key,
-            value,
-            reason=f"the flank would get a slope of {steepest:.3g} mm/mm",
-            allowed=f"at most {STEEPEST:g} mm/mm: a smaller amount or a greater length",
-        )
+    if steepest <= STEEPEST:
+        return
+    reason, remedy = f"the flank would get a slope of {steepest:.3g} mm/mm", "a smaller amount or a greater length"
+    if isinstance(value, str):
+        raise DesignError(key, value, reason=f"{reason}, above {STEEPEST:g} mm/mm", allowed=remedy)
+    bound = value * STEEPEST / steepest
+    allowed = f"at most {at_most(bound)}" if value > 0.0 else f"at least {at_least(bound)}"
+    raise DesignError(
+        key,
+        value,
+        unit="mm",
+        reason=f"{reason}, above {STEEPEST:g} mm/mm",
+        allowed=f"{allowed} mm, or a greater length",
+    )

@@ -633,9 +633,8 @@ class HalvesKeys(CylindricalKeys):
             raise conflict("helix_angle", 0.0, must_be="above 0 for double helical gears")
         for name, spec in self.specs.items():
             if self.double_helical and spec.face_width <= self.gap:
-                raise conflict(
-                    f"{name}.face_width", spec.face_width, must_be=f"above gap, {self.gap:g}, which is part of it"
-                )
+                narrowest = min(member.face_width for member in self.specs.values())
+                raise conflict("gap", self.gap, must_be=f"below the face width, {narrowest:g}, which it is part of")
             if spec.gap_diameter is not None and self.gap == 0.0:
                 raise conflict(f"{name}.gap_diameter", spec.gap_diameter, reason="needs a gap above 0")
         return self

@@ -265,7 +265,10 @@ def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
     asked = f"{pointed}: the tip diameter is {2 * highest:.6g} mm at mid face"
     if not fits(_with_tip(tooth, radius), 1.0):
         return DesignError(f"{name}.{tip_key}", reason=f"{asked}; no other tip diameter leaves a tooth")
-    return DesignError(f"{name}.{tip_key}", reason=asked, allowed=f"at most {at_most(2.0 * radius)} mm")
+    most = f"at most {at_most(2.0 * radius)} mm"
+    if tip_key != "tip_diameter":
+        return DesignError(f"{name}.{tip_key}", reason=asked, allowed=f"a tip diameter of {most}")
+    return DesignError(f"{name}.{tip_key}", reason=asked, allowed=most)
 
 
 def _with_tip(tooth: Tooth, radius: float) -> Tooth:

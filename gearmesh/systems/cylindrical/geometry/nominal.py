@@ -90,7 +90,7 @@ def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> DesignEr
         design.name_in_texts(f"{first}.profile_shift"),
         own,
         reason=f"with {design.name_in_texts(second)}.profile_shift = {other:g} there is no working pressure angle",
-        allowed=f"a sum between {at_least(ends[0])} and {at_most(ends[1])}",
+        allowed=f"between {at_least(ends[0] - other)} and {at_most(ends[1] - other)}",
     )
 
 

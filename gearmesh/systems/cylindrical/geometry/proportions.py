@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gearmesh.design.keys import given_or
+from gearmesh.errors import DesignError
 from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, root_radius, sharp_shaper
 from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut, LastCut
@@ -113,6 +114,7 @@ def derived_values(design: CylindricalDesign) -> dict[str, float]:
     Raises DesignError for a centre distance or profile shifts that no working pressure angle belongs to.
     """
     defaults = still_open(design, dict(zip(_keys("profile_shift"), shifts(design), strict=True)))
+    _refuse_large_shifts(design, defaults)
     made = design.fill(defaults)
     nominal = nominal_mesh(made)
     tips = dict(zip(_keys("tip_alteration"), tip_alterations(made, nominal), strict=True))
@@ -126,6 +128,24 @@ def derived_values(design: CylindricalDesign) -> dict[str, float]:
     mesh = with_allowances(made, nominal)
     roundings = {f"{name}.tool_tip_radius": _rounding(made, name, mesh) for name in MEMBERS}
     return defaults | still_open(design, {**roundings, "backlash": mesh.normal_backlash})
+
+
+def _refuse_large_shifts(design: CylindricalDesign, derived: dict[str, float]) -> None:
+    """Refuse a centre distance whose sum of profile shifts asks for more of one member than its key takes."""
+    distance = design.assembly.center_distance
+    ranges = {name: type(design).key_at(name) for name in derived}
+    large = [name for name, key in ranges.items() if key is not None and not key.low <= derived[name] <= key.high]
+    if distance is None or not large:
+        return
+    shifts = [derived.get(f"{name}.profile_shift", getattr(design, name).profile_shift) for name in MEMBERS]
+    raise DesignError(
+        "assembly.center_distance",
+        distance,
+        unit="mm",
+        reason=f"needs profile shifts that add up to {sum(shifts):.2f}, {design.name_in_texts(large[0])} = "
+        f"{derived[large[0]]:.4g} among them",
+        remedies={"assembly.center_distance": 0},
+    )
 
 
 def _keys(key: str) -> list[str]:

@@ -276,7 +276,9 @@ def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
             pitch if bolts.pitch is not None else bolts.count,
             unit="mm" if bolts.pitch is not None else "",
             reason="the holes break out of the ends of the bar",
-            allowed=f"a pitch of less than {at_most(most)} mm" if most > bolts.diameter else "fewer or smaller holes",
+            allowed=f"{'' if stated == 'pitch' else 'a pitch of '}less than {at_most(most)} mm"
+            if most > bolts.diameter
+            else "fewer or smaller holes",
         )
     width = float(np.ptp(tooth.blank.extent))
     if bolts.depth is not None and not bolts.depth < width:

@@ -1,0 +1,153 @@
+"""Keys of a kind pushed until they are refused, and the refusals held to their own fields.
+
+A refusal names a key of the kind with the value that the design sets; a bound that it states is a value of that key, in its unit,
+excludes the value, is accepted when it is put back, and refused a twentieth beyond.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+from unittest.mock import patch
+
+from pydantic_core import PydanticCustomError
+
+import gearmesh as gm
+from gearmesh.design.core import Design
+from gearmesh.design.dotted import with_keys
+from gearmesh.design.keys import Key, Table
+from gearmesh.errors import GearmeshError
+from gearmesh.systems import diagnosis
+from gearmesh.systems.system import complete_design, design_class
+
+#: tables that have no part in the geometry
+ASIDE = ("fe", "mesh", "material", "mount", "contact", "measured", "rexs")
+#: values of keys without a default, by the units of the keys: a length in modules
+FIRST = {"length": 1.0, "angle": 1.0, "number": 0.5, "coefficient": 0.5, "count": 5, "curvature": 0.01}
+#: factors of a value, steps from 0 in units of its first value, and a count's
+FACTORS, STEPS, COUNTS = (1.2, 2.0, 5.0, 25.0), (0.1, 0.5, 2.0, 10.0, 40.0), (1, 2, 5, 15, 90)
+#: by how much of a bound a value lies beyond it, and inside one that is not allowed itself
+BEYOND, INSIDE = 0.05, 1e-5
+#: units of bounds of keys
+UNITS = {"length": "mm", "angle": "deg", "curvature": "1/mm"}
+#: keys that others need beside them, by the table
+BESIDE: dict[str, dict[str, Any]] = {
+    "end_relief_toe": {"amount": 0.02, "length": 2.0},
+    "keyway": {"width": 3.0, "depth": 1.0},
+    "hub": {"diameter": 24.0, "length": 5.0},
+    "toe_hub": {"diameter": 24.0, "length": 5.0},
+    "bolts": {"count": 4, "diameter": 3.0},
+    "spokes": {"count": 4, "width": 3.0},
+    "web": {"thickness": 5.0},
+    "holes": {"count": 4},
+    "shaper": {"teeth": 20},
+    "hob": {"protuberance": 0.05},
+}
+
+
+def numeric_keys(kind: str) -> list[str]:
+    """Dotted keys of a kind that take one number and have a part in the geometry."""
+    return [name for name, key in _leaves(design_class(kind)) if key.unit in FIRST and not key.most]
+
+
+def _leaves(table: type[Table], prefix: str = "") -> Iterator[tuple[str, Key]]:
+    for name in table.names():
+        below, key = table.table_of(name), table.key_of(name)
+        if below is not None and name not in ASIDE:
+            yield from _leaves(below, f"{prefix}{name}.")
+        elif key is not None and below is None:
+            yield prefix + name, key
+
+
+def faults(kind: str, dotted: str) -> list[str]:
+    """What is wrong with the refusals of a key that is pushed up and down from its value in the example of a kind."""
+    cls = design_class(kind)
+    plain = cls(**cls.example)
+    whole, key = complete_design(plain), cls.key_at(dotted)
+    assert key is not None, "a key of the kind"
+    value: Any = whole
+    for name in dotted.split("."):
+        value = getattr(value, name, None)
+    found, table = [], dotted.split(".")[-2:-1]
+    keys = {**dict(plain.own())}
+    for other, given in BESIDE.get(table[0] if table else "", {}).items():
+        keys[dotted.rpartition(".")[0] + f".{other}"] = given
+    first = FIRST[key.unit] * (whole.given_module if key.unit == "length" else 1.0)
+    value = keys.get(dotted, value)
+    for tried in _pushed(first if value is None or math.isnan(value) else value, first, key):
+        pushed = next(
+            (
+                number
+                for number in tried
+                if _takes(key, number) and refusal(cls, {**keys, dotted: number}, diagnosed=False)
+            ),
+            None,
+        )
+        if pushed is not None:
+            found += _untrue(cls, {**keys, dotted: pushed}, f"{dotted} = {pushed:.6g}")
+    return found
+
+
+def _pushed(value: float, first: float, key: Key) -> tuple[list[float], list[float]]:
+    """Ever larger and ever smaller values."""
+    if key.unit == "count":
+        return [value + step for step in COUNTS], [value - step for step in COUNTS]
+    if value == 0.0:
+        return [step * first for step in STEPS], [-step * first for step in STEPS]
+    return [value * factor for factor in FACTORS], [value / factor for factor in FACTORS]
+
+
+def _takes(key: Key, value: float) -> bool:
+    """Whether a value is in the range of its key, in whatever design."""
+    try:
+        key.check(int(value) if key.unit == "count" else value, 1.0)
+    except PydanticCustomError:
+        return False
+    return True
+
+
+def refusal(cls: type[Design], keys: dict[str, Any], *, diagnosed: bool = True) -> GearmeshError | None:
+    """The refusal of a design; None if it can be built."""
+    try:
+        with patch.object(diagnosis, "MOST_EFFORT", diagnosis.MOST_EFFORT if diagnosed else 0.0):
+            gm.build(cls(**with_keys({}, keys.items())))
+    except GearmeshError as error:
+        return error
+    return None
+
+
+def _untrue(cls: type[Design], keys: dict[str, Any], about: str) -> list[str]:
+    error = refusal(cls, keys)
+    assert error is not None, "it is refused"
+    bounds, key = error.bounds, cls.key_at(error.key)
+    where = f"{about}: {error}"
+    if key is None or error.key not in keys:
+        # a part of the gears, or a key that is missing
+        return [f"{where}: bounds of what is no key"] if key is not None and bounds is not None and error.value else []
+    if error.value != keys[error.key]:
+        return [f"{where}: the value is {error.value!r}"]
+    if bounds is None:
+        return [f"{where}: bounds another quantity"] if error.bounds_another else []
+    if bounds.unit != UNITS.get(key.unit, ""):
+        return [f"{where}: the bound's unit is {bounds.unit}"]
+    return [f"{where}: {fault}" for fault in _bound_faults(cls, keys, error)]
+
+
+def _bound_faults(cls: type[Design], keys: dict[str, Any], error: GearmeshError) -> Iterator[str]:
+    value, bounds = keys[error.key], error.bounds
+    assert bounds is not None, "of refusals that state some"
+    outside = False
+    for end, included, inwards in ((bounds.low, bounds.includes_low, 1), (bounds.high, bounds.includes_high, -1)):
+        if end is None or (value - end) * inwards > 0.0 or (included and value == end):
+            continue
+        outside, whole = True, isinstance(value, int)
+        inside = end if included else end + inwards * (1 if whole else INSIDE * (abs(end) or 1.0))
+        beyond = end - inwards * (1 if whole else BEYOND * (abs(end) or 1.0))
+        told = refusal(cls, {**keys, error.key: int(inside) if whole else inside}, diagnosed=False)
+        if told is not None:
+            yield f"refused when it is put back, {told}"
+        if refusal(cls, {**keys, error.key: int(beyond) if whole else beyond}, diagnosed=False) is None:
+            yield f"{beyond:.6g} is accepted"
+    if not outside:
+        yield "the bounds do not exclude the value"

@@ -1,0 +1,81 @@
+"""Bounds that refusals state, over the keys of every kind: values of the key that is named, and true."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from oracles.refusals import faults, numeric_keys, refusal
+
+import gearmesh as gm
+from gearmesh.errors import DesignError
+from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.system import design_class
+
+#: kinds whose gears are built in milliseconds, and how many of their keys are pushed by default
+QUICK_KINDS, QUICK_KEYS = ("cylindrical", "beveloid", "rack"), 2
+
+
+def _some() -> list[tuple[str, str]]:
+    rng = np.random.default_rng(53)
+    return [
+        (kind, str(key)) for kind in QUICK_KINDS for key in rng.choice(numeric_keys(kind), QUICK_KEYS, replace=False)
+    ]
+
+
+@pytest.mark.parametrize(("kind", "key"), _some())
+def test_bounds_are_values_of_the_key_that_build(kind: str, key: str) -> None:
+    assert faults(kind, key) == []
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("kind", KINDS)
+def test_bounds_of_every_key_are_values_that_build(kind: str) -> None:
+    assert [fault for key in numeric_keys(kind) for fault in faults(kind, key)] == []
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "bound"),
+    [
+        # half the tip diameter at which the tooth is pointed, 42.0408 mm, less the reference radius, over the module
+        ("pinion.addendum", 4.0, 1.5102),
+        ("pinion.tip_diameter", 150.0, 42.0408),
+        # the slope is proportional to the amount, and 0.1 at most
+        ("pinion.modifications.helix_crowning", 2.0, 0.5),
+    ],
+)
+def test_bounds_are_of_the_key_and_not_of_what_follows_from_it(key: str, value: float, bound: float) -> None:
+    """A tip diameter was stated for an addendum that is too large; a tip far beyond the pointed tooth was accepted."""
+    cls = design_class("cylindrical")
+    error = refusal(cls, {**dict(cls(**cls.example).own()), key: value})
+    assert error is not None
+    assert error.bounds is not None
+    assert (error.key, error.value) == (key, value)
+    assert error.bounds.high == pytest.approx(bound, rel=5e-4)
+
+
+def test_a_centre_distance_out_of_reach_says_its_sum_of_shifts_and_the_range() -> None:
+    """inv(alpha_w) - inv(alpha) = 2 tan(alpha) (x1 + x2) / (z1 + z2), cos(alpha_w) = 61 cos(alpha) / 75."""
+    pair = {"pinion": {"teeth": 20, "face_width": 20}, "gear": {"teeth": 41, "face_width": 20}}
+    with pytest.raises(
+        DesignError, match=r"^assembly.center_distance = 75 mm: allowed is from .* add up to 10\.73,"
+    ) as found:
+        gm.parse({"kind": "cylindrical", "module": 2, **pair, "assembly": {"center_distance": 75}})
+    bounds = found.value.bounds
+    assert bounds is not None
+    assert bounds.low is not None
+    assert bounds.high is not None
+    cls, own = design_class("cylindrical"), {"module": 2, "pinion": pair["pinion"], "gear": pair["gear"]}
+    for distance, good in (
+        (bounds.low, True),
+        (bounds.high, True),
+        (0.99 * bounds.low, False),
+        (1.01 * bounds.high, False),
+    ):
+        assert (refusal(cls, {**own, "assembly.center_distance": distance}, diagnosed=False) is None) is good
+
+
+def test_refusals_of_derived_values_are_in_the_units_of_the_design() -> None:
+    """They were in the design's units and counted as mm: 2.0 inch was shown as 0.0787402 inch."""
+    pair = {"pinion": {"teeth": 20, "face_width": 0.8}, "gear": {"teeth": 41, "face_width": 0.8}}
+    with pytest.raises(DesignError, match=r"^assembly.center_distance = 2 inch: .* 2\.29285 inch"):
+        gm.parse({"kind": "cylindrical", "units": "inch", "module": 0.08, **pair, "assembly": {"center_distance": 2.0}})
