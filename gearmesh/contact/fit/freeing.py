@@ -79,7 +79,7 @@ def freeing_shift(pair: GearPair, fit: Fit, most_effort: float = MOST_EFFORT) ->
         return None
     effort = Effort(most_effort)
 
-    def limited(slack: Callable[[GearPair], float | None], at_least: float, standing: GearPair) -> float | None:
+    def limit_slack(slack: Callable[[GearPair], float | None], at_least: float, standing: GearPair) -> float | None:
         """A slack that takes so much effort `at_least`; raises EffortSpentError where none is left."""
         effort.left -= at_least
         if effort.spent:
@@ -94,7 +94,7 @@ def freeing_shift(pair: GearPair, fit: Fit, most_effort: float = MOST_EFFORT) ->
 
         try:
             begin = _begin(
-                lambda at: limited(lambda moved: _sampled_slack(moved, fit), OF_SAMPLED, standing(at)),
+                lambda at: limit_slack(lambda moved: _sampled_slack(moved, fit), OF_SAMPLED, standing(at)),
                 max(0.5 * abs(fit.slack), 1e-3),
             )
         except EffortSpentError:
@@ -102,7 +102,7 @@ def freeing_shift(pair: GearPair, fit: Fit, most_effort: float = MOST_EFFORT) ->
         shift = (
             None
             if begin is None
-            else _least_shift(lambda at: limited(slack_of, OF_SLACK, standing(at)), fit.slack, *begin)
+            else _least_shift(lambda at: limit_slack(slack_of, OF_SLACK, standing(at)), fit.slack, *begin)
         )
         if shift is not None:
             return shift._replace(length=sense * shift.length)
