@@ -289,7 +289,7 @@ class Gears(ModelledGears):
         return correct_settings(self.design, member, file, flank, settings, noise)
 
     def composite(self, *, pair: int | str = 0) -> CompositeTest:
-        """Single-flank and double-flank test of a pair with the pitch deviations that its design has.
+        """Single-flank and double-flank test of a pair with the pitch deviations, or the eccentricities, that its design has.
 
         Parameters
         ----------
@@ -304,7 +304,7 @@ class Gears(ModelledGears):
         Raises
         ------
         DesignError
-            Where turns are too many, and for eccentric members, whose eccentricity pitch deviations have in them.
+            Where turns are too many, and for eccentric members with pitch deviations, which contain the eccentricity.
         NoSolutionError
             Where the teeth do not meet all the time.
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from gearmesh.design.keys import Table
 from gearmesh.design.shown import shown_key, value_text
+from gearmesh.design.unusual import likely_meaning
 from gearmesh.errors import LIKE, DesignError, nearest, shown_value
 from gearmesh.numerals import with_point
 
@@ -48,7 +49,9 @@ def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int, g
         return DesignError(key, reason="missing", must_be=allowed, more=more)
     own, value = table.key_of(str(last)), detail["input"]
     least = own.least(units) if own is not None and detail["type"] == "too_small" else ""
-    must_be = f"{allowed}{least}{_with_unit(table, str(last), value)}"
+    hand = any("hand" in where.model_fields for where in (table, design))
+    meant = "" if own is None else likely_meaning(own, str(last), value, hand=hand)
+    must_be = f"{allowed}{least}{_with_unit(table, str(last), value)}{meant}"
     remedy = with_point(value) if isinstance(value, str) and own is not None and own.is_numeric else ""
     return DesignError(key, value, shown=value_text(value), must_be=must_be, remedy=remedy, more=more)
 

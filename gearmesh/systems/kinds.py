@@ -77,3 +77,69 @@ KINDS = {
         "worm_drive",
     ),
 }
+
+#: words of the field that are given as a kind, without "gear" and the like, and the kind with the keys that make it
+FIELD_WORDS = {
+    "spur": 'kind = "cylindrical"',
+    "helical": 'kind = "cylindrical" with helix_angle',
+    "involute": 'kind = "cylindrical"',
+    "parallel": 'kind = "cylindrical"',
+    "external": 'kind = "cylindrical"',
+    "double helical": 'kind = "cylindrical" with helix_angle and arrangement = "double_helical"',
+    "herringbone": 'kind = "cylindrical" with helix_angle and arrangement = "double_helical"',
+    "internal": 'kind = "cylindrical" with negative gear.teeth, or gear.internal = true',
+    "ring": 'kind = "cylindrical" with negative gear.teeth, or gear.internal = true',
+    "annulus": 'kind = "cylindrical" with negative gear.teeth, or gear.internal = true',
+    "planet": 'kind = "planetary"',
+    "sun": 'kind = "planetary"',
+    "epicyclic": 'kind = "planetary"',
+    "rack and pinion": 'kind = "rack"',
+    "crossed": 'kind = "beveloid" with pinion.helix_angle and gear.helix_angle, whose sum is the shaft angle',
+    "crossed helical": 'kind = "beveloid" with pinion.helix_angle and gear.helix_angle, whose sum is the shaft angle',
+    "screw": 'kind = "beveloid" with pinion.helix_angle and gear.helix_angle, whose sum is the shaft angle',
+    "conical involute": 'kind = "beveloid" with pinion.cone_angle and gear.cone_angle',
+    "wildhaber": 'kind = "novikov"',
+    "wildhaber novikov": 'kind = "novikov"',
+    "circular arc helical": 'kind = "circular_arc"',
+    "bevel": 'kind = "spiral_bevel", straight where spiral_angle = 0',
+    "straight bevel": 'kind = "spiral_bevel" with spiral_angle = 0',
+    "zerol": 'kind = "spiral_bevel" with spiral_angle = 0',
+    "zerol bevel": 'kind = "spiral_bevel" with spiral_angle = 0',
+    "miter": 'kind = "spiral_bevel" with as many teeth on the pinion as on the gear',
+    "crown": 'kind = "face_gear"',
+    "face": 'kind = "face_gear"',
+    "contrate": 'kind = "face_gear"',
+    "worm": 'kind = "worm_drive"',
+    "worm wheel": 'kind = "worm_drive"',
+    "worm and wheel": 'kind = "worm_drive"',
+}
+#: words that a kind is given with and that say nothing of it
+_BESIDE_KIND = ("gears", "gear", "gearing", "pair", "set", "wheels")
+
+
+def kind_of_words(kind: str) -> str:
+    """The kind that makes gears which the field calls so, as "bevel: kind = ..."; empty where the word is not known.
+
+    Parameters
+    ----------
+    kind : str
+        As it was given.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> kind_of_words("Worm gear")
+    'worm: kind = "worm_drive"'
+    """
+    words = kind.lower().replace("_", " ").replace("-", " ").split()
+    whole = " ".join(words)
+    bare = " ".join(word for word in words if word not in _BESIDE_KIND)
+    name = next((name for name in (whole, bare) if name in FIELD_WORDS), None)
+    if name is not None:
+        return f"{name}: {FIELD_WORDS[name]}"
+    # a kind of its own, in other words
+    joined = next((known for known in ("_".join(words), bare.replace(" ", "_")) if known in KINDS), None)
+    return "" if joined is None else f'did you mean "{joined}"?'

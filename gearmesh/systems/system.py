@@ -7,10 +7,14 @@ from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
+<<<<<<< HEAD
 from gearmesh.arguments import checks_arguments
+=======
+from gearmesh.design.unusual import unusual_settings
+>>>>>>> Unusual settings are reported; composite tests take runout alone; play of eccentric gears is that of one gear
 from gearmesh.errors import ArgumentError, DesignError, FileError, NoSolutionError
 from gearmesh.figures import Summary
-from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.kinds import KINDS, kind_of_words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -310,8 +314,9 @@ def system(kind: Any) -> System[Any]:
     from gearmesh.design.shown import value_text
     from gearmesh.errors import nearest
 
-    close = nearest(kind, kinds()) if isinstance(kind, str) else None
-    hint = f'; did you mean "{close}"?' if close else ""
+    made_by = kind_of_words(kind) if isinstance(kind, str) else ""
+    close = nearest(kind, kinds()) if isinstance(kind, str) and not made_by else None
+    hint = f"; {made_by}" if made_by else f'; did you mean "{close}"?' if close else ""
     raise DesignError("kind", kind, shown=value_text(kind), must_be=f"{one_of_kinds()}{hint}")
 
 
@@ -425,7 +430,8 @@ def build(design: Design) -> GearTrain:
     """The gear set of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
     whole = complete_design(design)
     train = _refused_by_name(whole, _train)
-    return replace(train, warnings=(*train.warnings, *_of_small_teeth(whole), *_of_other_defaults(whole)))
+    notes = (*_of_small_teeth(whole), *unusual_settings(whole), *_of_other_defaults(whole))
+    return replace(train, warnings=(*train.warnings, *notes))
 
 
 def member(design: Design, name: str) -> ToolPart:

@@ -147,3 +147,40 @@ def test_composite_deviations_of_a_pair() -> None:
     assert "F_i''" in answer.headline
     with pytest.raises(DesignError, match="must be one of pinion, gear"):
         composite_test(design, gm.build(design).train, {"ring": MeasuredTeeth()})
+
+
+def eccentric_pair(teeth: tuple[int, int], **assembly: float) -> gm.Gears:
+    members = {name: {"teeth": count, "face_width": 20} for name, count in zip(("pinion", "gear"), teeth, strict=True)}
+    return gm.build(gm.parse({"kind": "cylindrical", "module": 2, "backlash": 0.1, **members, "assembly": assembly}))
+
+
+def test_play_of_an_eccentric_gear_is_that_of_one_gear() -> None:
+    """Displaced involutes: 2 e tan(alpha) / r either way. The coast flanks were those of a gear whose eccentricity stands a pitch
+    beside: the play was a fifth too small."""
+    turns = full_turns(eccentric_pair((17, 17), gear_eccentricity=0.02).train.pairs[0])
+    closed = 4.0 * 0.02 * math.tan(math.radians(20.0)) / 17.0
+    assert np.ptp(turns.backlash) == pytest.approx(closed, rel=1e-2)
+
+
+@pytest.mark.sweep
+def test_runout_alone_is_a_composite_deviation() -> None:
+    """Displaced involutes: F_i' = 2 e / cos(alpha) on the reference circle, F_i'' = 2 e. Pairs that were only eccentric were
+    refused as if they had pitch deviations."""
+    own = eccentric_pair((17, 17), gear_eccentricity=0.02).composite().figures
+    assert own.single_flank_total == pytest.approx(40.0 / math.cos(math.radians(20.0)), rel=2e-3)
+    assert own.double_flank_total == pytest.approx(40.0, rel=4e-3)
+    assert own.turns_pinion == 1.0
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize(("phase", "total"), [(26.0, 74.95), (71.0, 66.50)])
+def test_two_eccentricities_depend_on_their_phase(phase: float, total: float) -> None:
+    """20/40 teeth, 0.02 mm each, at the extremes of phase: ranges of sin(2 x) + sin(x) and cos(2 x) + cos(x) times e / cos(alpha),
+    not the sum 2 (e1 + e2) / cos(alpha), 85.1 um."""
+    assembly = {"pinion_eccentricity": 0.02, "gear_eccentricity": 0.02, "gear_phase": phase}
+    own = eccentric_pair((20, 40), **assembly).composite().figures
+    assert own.single_flank_total == pytest.approx(total, abs=0.25)
+    turn = np.linspace(0.0, 2.0 * np.pi, 100_001)
+    least, most = (20.0 * np.ptp(wave(2.0 * turn) + wave(turn)) for wave in (np.cos, np.sin))
+    assert own.double_flank_total is not None
+    assert 0.995 * least < own.double_flank_total < 1.005 * most

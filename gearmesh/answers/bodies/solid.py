@@ -39,6 +39,8 @@ LEAST = 0.3
 MOST_ROUNDING = 0.5
 
 
+#: tolerance in modules from which on it is likely to be meant in another unit
+COARSEST_MODULES = 0.1
 #: what all members in mesh are called where one could be named
 TOGETHER = ("both", "all")
 
@@ -400,7 +402,18 @@ def member_solid(
         offset=extract.offset or None,
     )
     own = Summary(*(() if extra is None else (extra,)), *made.own)
-    return Solid(design, made.mesh, figures, (*warnings, *made.warnings), made.genus is None, own, made.member)
+    warnings = (*warnings, *made.warnings, *_coarse(tolerance, design.given_module * design.mm_per_unit))
+    return Solid(design, made.mesh, figures, warnings, made.genus is None, own, made.member)
+
+
+def _coarse(tolerance: float, module: float) -> tuple[str, ...]:
+    """A note on a tolerance (mm) that is large beside the teeth, as one in um that was counted as mm."""
+    if tolerance <= COARSEST_MODULES * module:
+        return ()
+    return (
+        f"the tolerance of {tolerance:g} mm is {tolerance / module:.2g} modules: numbers without a unit are in the design's unit "
+        f'of length; "{tolerance:g}um" is in um',
+    )
 
 
 def mesh_within(

@@ -1,4 +1,4 @@
-"""Single-flank and double-flank test of gears with pitch deviations: transmission error and centre distance."""
+"""Single-flank and double-flank test of gears with pitch deviations or runout: transmission error and centre distance."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from gearmesh.answers.inspection.figures import UM
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing, csv_text, figures
 from gearmesh.contact.engagement.pitch_turns import pitch_turns
-from gearmesh.contact.engagement.turns import FullTurns
+from gearmesh.contact.engagement.turns import FullTurns, full_turns
 from gearmesh.contact.fit.fit import centre_distance
 from gearmesh.contact.fit.tight_mesh import TightMesh, tight_mesh
 from gearmesh.design.core import Design
@@ -66,8 +66,8 @@ class TightPositions(Figures):
 
 @dataclass(frozen=True, repr=False)
 class CompositeTest(Result):
-    """A pair with pitch deviations over whole turns: `single`, on its driving flanks, and `double`, pressed together, on parallel
-    axes alone; `radius` (mm) of the gear's reference circle."""
+    """A pair with pitch deviations or eccentric members over whole turns: `single`, on its driving flanks, and `double`, pressed
+    together, on parallel axes alone; `radius` (mm) of the gear's reference circle."""
 
     design: Design
     pair: GearPair
@@ -156,8 +156,9 @@ def composite_test(
     """Of one `mesh`, by default the first, of a gear set with what was `measured` of its members, by their names; where nothing is
     given the pitch deviations that the design has.
 
-    Sides without pitch deviations have none. Raises DesignError for other members, for other numbers of teeth and where turns are
-    too many, NoSolutionError where the teeth do not meet.
+    Sides without pitch deviations have none; the eccentricity of members is their runout. Raises DesignError for other members, for
+    other numbers of teeth, for eccentric members with pitch deviations, which contain the runout, and where turns are too many,
+    NoSolutionError where the teeth do not meet.
     """
     pair = train.pairs[0] if mesh is None else mesh
     given = measured or {}
@@ -174,7 +175,7 @@ def composite_test(
     pair = replace(pair, pinion=at_places(pair.pinion), gear=at_places(pair.gear))
     parallel = centre_distance(pair) is not None
     with part(0.0, SINGLE if parallel else 1.0):
-        single = pitch_turns(pair)
+        single = full_turns(pair) if pair.eccentric and not pair.uneven else pitch_turns(pair)
     with part(SINGLE, 1.0):
         double = tight_mesh(pair) if parallel else None
     return CompositeTest(design, pair, single, double, radii[pair.gear.name], train.warnings)

@@ -110,8 +110,12 @@ def full_turns(pair: GearPair) -> FullTurns:
             allowed=f"up to {MOST}; teeth with a common divisor, or one eccentric member alone, need fewer",
         )
     per_pitch = max(LEAST, min(PER_PITCH, PLENTY // pitches))
-    forwards, carrier = _advance(pair, pitches, per_pitch)
-    backwards, _ = _advance(reversed_pair(pair), pitches, per_pitch)
+    both = (pair, reversed_pair(pair))
+    first, second = (_concentric_engagement(own) for own in both)
+    forwards, carrier = _advance(pair, first, pitches, per_pitch)
+    # the coast flanks of the same gear, which is turned by whole pitches from where its flank touches that of the same number
+    turned = -pair.drive * _pitches_apart(pair, first, second) * pair.gear.tooth.pitch_angle
+    backwards, _ = _advance(both[1], second, pitches, per_pitch, turned)
     te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
     waves = waves_of_turns(pair, pitches, phi1, te)
     return FullTurns(
@@ -131,16 +135,40 @@ def pitches_until_repeat(pair: GearPair) -> int:
     return math.lcm(1, *teeth)
 
 
-def _advance(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[np.intp]]:
-    """Transmission advances (P,), rad, of the gears over the turns, and the tooth pairs in contact (P,)."""
-    concentric = solver_pair(_concentric(pair))
-    followed = whole_engagement(concentric, pair.pitch)
+def _concentric_engagement(pair: GearPair) -> Engagement:
+    """The engagement without eccentricities. Raises NoSolutionError where the teeth never touch."""
+    followed = whole_engagement(solver_pair(concentric_pair(pair)), pair.pitch)
     if followed is None:
         raise NoSolutionError(reason="the teeth never touch, so there is no transmission error over whole turns")
+    return followed
+
+
+def _pitches_apart(pair: GearPair, forwards: Engagement, backwards: Engagement) -> int:
+    """Pitches of the gear that `play` adds to the advances of both sides, whose flanks touch those of the same number."""
+    total = np.zeros(1)
+    for followed in (forwards, backwards):
+        whole = np.flatnonzero(np.abs(followed.phi1 / pair.pitch - np.round(followed.phi1 / pair.pitch)) < SAME)
+        total += np.max(followed.contacts.advance[whole], initial=-np.inf)
+    return (
+        0
+        if not np.isfinite(total).all()
+        else round(float((-total - play(pair, total))[0] / pair.gear.tooth.pitch_angle))
+    )
+
+
+def _advance(
+    pair: GearPair, followed: Engagement, pitches: int, per_pitch: int, turned: float = 0.0
+) -> tuple[Array, NDArray[np.intp]]:
+    """Transmission advances (P,), rad, of the gears over the turns, and the tooth pairs in contact (P,).
+
+    `followed`: the engagement without eccentricities; `turned` (rad): rotation of the gear beside its phi2, which its eccentricity
+    has as well.
+    """
+    concentric = followed.pair
     low, high = engagement_range(followed, pair.pitch)
     step, more = pair.pitch / per_pitch, BEYOND * pair.pitch
     places = np.arange(math.floor((low - more) / step), math.ceil((high + more) / step) + 1)
-    turns = _Turns.of(pair, concentric, followed, pitches, per_pitch, places)
+    turns = _Turns.of(pair, concentric, followed, pitches, per_pitch, places, turned)
     advance, carrier = turns.greatest()
     if not np.isfinite(advance).all():
         raise NoSolutionError(
@@ -150,7 +178,7 @@ def _advance(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArr
     return advance, carrier
 
 
-def _concentric(pair: GearPair) -> GearPair:
+def concentric_pair(pair: GearPair) -> GearPair:
     """The pair without eccentricities."""
 
     def centre(member: Member) -> Member:
@@ -162,7 +190,8 @@ def _concentric(pair: GearPair) -> GearPair:
 @dataclass(frozen=True)
 class _Turns:
     """All tooth pairs over their engagement: `places` (Q,), in steps of a pitch, at which the `pair` without eccentricity touches
-    as in `contacts` (Q,), and the numbers of those that are `worth` looking at (W,); `mounts`: with eccentricity."""
+    as in `contacts` (Q,), and the numbers of those that are `worth` looking at (W,); `mounts`: with eccentricity; the gear is
+    `turned` (rad) beside its phi2."""
 
     pair: Pair
     mounts: tuple[Mount, Mount]
@@ -171,10 +200,17 @@ class _Turns:
     places: NDArray[np.intp]
     contacts: Contacts
     worth: NDArray[np.intp]
+    turned: float
 
     @staticmethod
     def of(
-        gears: GearPair, pair: Pair, followed: Engagement, pitches: int, per_pitch: int, places: NDArray[np.intp]
+        gears: GearPair,
+        pair: Pair,
+        followed: Engagement,
+        pitches: int,
+        per_pitch: int,
+        places: NDArray[np.intp],
+        turned: float,
     ) -> _Turns:
         contacts = followed.at(places.astype(float) * (gears.pitch / per_pitch))
         own = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < CORNER))
@@ -183,7 +219,7 @@ class _Turns:
         np.maximum.at(most, phase, contacts.advance)
         behind = BEHIND * sum(amplitude for amplitude, _ in _closed_waves(gears).values())
         worth = np.flatnonzero(contacts.advance >= most[phase] - behind - SAME)
-        return _Turns(pair, gears.mounts, pitches, per_pitch, places, contacts, worth)
+        return _Turns(pair, gears.mounts, pitches, per_pitch, places, contacts, worth, turned)
 
     @cached_property
     def unlike(self) -> list[tuple[int, int]]:
@@ -237,7 +273,7 @@ class _Turns:
         first, second = self.mounts
         turned = tooth * self.pair.pitch
         at_phi1 = first.off(self._phi1(place) + turned)
-        at_phi2 = second.off(phi2 + self.pair.ratio * turned)
+        at_phi2 = second.off(phi2 + self.pair.ratio * turned + self.turned)
         return replace(
             self.pair,
             pinion=self.pair.pinion.remount(self.pair.pinion.mount.shift(at_phi1)),
@@ -316,7 +352,7 @@ def _wave(rate: float, phi1: Array, te: Array) -> tuple[float, float]:
 
 def _closed_waves(pair: GearPair) -> dict[str, tuple[float, float]]:
     """Amplitude and phi1 of the first crest by member, rad, of first order [CR3553 3.4.7, 3.4.11]."""
-    centred = _concentric(pair)
+    centred = concentric_pair(pair)
     path = contact_path(solver_pair(centred), np.zeros(1))
     lever = dot(path.normal[0], pair.gear.mount.velocity(path.point[0]))
     waves = {}

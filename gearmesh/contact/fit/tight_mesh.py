@@ -1,7 +1,8 @@
 """Double-flank test: members on parallel axes roll without backlash, and their centre distance changes.
 
-At the centre distance where unshifted teeth have no play, b = 0, pitch deviations give it at every rotation; the axes move by what
-takes it away, -b / (db/da). Quantities of the second order in the deviations are neglected, b of unshifted teeth is not.
+At the centre distance where unshifted teeth have no play, b = 0, pitch deviations or eccentricities give it at every rotation; the
+axes move by what takes it away, -b / (db/da). Quantities of the second order in the deviations are neglected, b of unshifted teeth
+is not.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearmesh.contact.engagement.pitch_turns import pitches_until_repeat, refuse_too_many, shifted_advance
+from gearmesh.contact.engagement.turns import concentric_pair, full_turns
 from gearmesh.contact.fit.fit import centre_distance, play, reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.errors import DesignError, NoSolutionError
@@ -54,18 +56,25 @@ class TightMesh:
 
 
 def tight_mesh(pair: GearPair) -> TightMesh:
-    """A pair with the pitch deviations of its members, rolling without backlash over the turns after which it repeats.
+    """A pair with the pitch deviations or eccentricities of its members, rolling without backlash over the turns after which it
+    repeats.
 
     Raises DesignError where axes are not parallel or turns too many, NoSolutionError where no centre distance leaves no play.
     """
     distance = centre_distance(pair)
     if distance is None:
         raise DesignError("pair", pair.name, reason="its axes are not parallel", allowed="pairs with a centre distance")
-    refuse_too_many(pair)
+    if pair.uneven or not pair.eccentric:
+        refuse_too_many(pair)
     # the number of its steps is not known
     with listening(None):
-        moved, slope = _tight(_even(pair), distance)
+        moved, slope = _tight(concentric_pair(_even(pair)), distance)
     tell(FOUND)
+    if pair.eccentric:
+        with part(FOUND, 1.0):
+            turns = full_turns(_apart(pair, moved))
+        displaced = distance + moved - turns.backlash / slope
+        return TightMesh(turns.phi1, np.asarray(displaced), distance + moved, turns.per_pitch)
     pitches = pitches_until_repeat(pair)
     with part(FOUND, 1.0):
         b = _play(_apart(pair, moved), pitches)

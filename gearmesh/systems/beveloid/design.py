@@ -87,8 +87,17 @@ class BeveloidMember(TurnedTip, MemberTable, Modified):
         return self
 
 
+#: says what sets the shaft angle where it is given
+SHAFT_ANGLE = (
+    "the cone and helix angles of the members give it: without cones it is pinion.helix_angle + gear.helix_angle, without helices "
+    "pinion.cone_angle + gear.cone_angle; the data sheet (gearmesh describe DESIGN) has it"
+)
+
+
 class BeveloidAssembly(PairRunout):
     """Position of the gear against its nominal one: assembly errors."""
+
+    absent: ClassVar[Mapping[str, str]] = {"shaft_angle": SHAFT_ANGLE}
 
     dx: Annotated[float, Key("length", "offset of the gear along x_g", source="[LT02] 5")] = 0.0
     dy: Annotated[float, Key("length", "offset of the gear along y_g", source="[LT02] 5")] = 0.0
@@ -120,7 +129,7 @@ class BeveloidDesign(PairDesign):
     about: ClassVar[str] = KINDS["beveloid"].about
     called: ClassVar[str] = "Beveloid gears"
     absent: ClassVar[Mapping[str, str]] = {
-        "shaft_angle": "the cone and helix angles of the members give it; its data sheet (gearmesh describe DESIGN) has it",
+        "shaft_angle": SHAFT_ANGLE,
     }
 
     pressure_angle: Annotated[
