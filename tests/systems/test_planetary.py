@@ -95,6 +95,20 @@ def test_all_planets_mesh_alike() -> None:
         assert np.ptp(ratios) < 1e-9
 
 
+def test_angles_as_a_drawing_prints_them_are_taken_where_planets_can_be_assembled() -> None:
+    """30 and 60 steps of 360/91 deg to four decimals were refused for 15 nm on the planets' circle; 0.01 deg stay refused."""
+    teeth, step = (18, 27, 73), 360.0 / 91.0
+    angles = f"0, {30.0 * step:.4f}, {60.0 * step:.4f}"
+    gears = planetary(*teeth, backlash=0.05, assembly={"planet_angles": angles})
+    assert gears.design.angles == pytest.approx([0.0, 30.0 * step, 60.0 * step], abs=1e-12)
+    (line,) = (line for line in gears.warnings if "planet_angles" in line)
+    assert line.startswith("assembly.planet_angles: 118.6813, 237.3626 deg: taken as 118.6813187, 237.3626374 deg")
+    exact = planetary(*teeth, backlash=0.05, assembly={"planet_angles": f"0, {30.0 * step!r}, {60.0 * step!r}"})
+    assert not [line for line in exact.warnings if "planet_angles" in line]
+    with pytest.raises(DesignError, match=r"planet_angles = 118.69: the planet cannot be assembled"):
+        planetary(*teeth, backlash=0.05, assembly={"planet_angles": "0 118.69 237.3626"})
+
+
 @pytest.mark.parametrize(
     ("teeth", "keys", "named"),
     [
@@ -106,7 +120,11 @@ def test_all_planets_mesh_alike() -> None:
         ((18, 27, 72), {"planets": 3, "assembly": {"planet_angles": "0 120 241"}}, "planet_angles = 241"),
         ((18, 27, 72), {"planets": 4, "assembly": {"planet_angles": "0 120 240"}}, "planets = 4: must be 3"),
         ((18, 27, 72), {"assembly": {"planet_angles": "0 120 x"}}, "assembly.planet_angles"),
-        ((18, 45, 108), {"planets": 6}, "planets = 6: tips of neighbouring planets"),
+        (
+            (18, 45, 108),
+            {"planets": 6},
+            "planets = 6: allowed is at most 3, with the other keys unchanged: tips of neighbouring planets",
+        ),
         ((18, 27, 20), {}, "ring.teeth = 20"),
         ((18, 27, 40), {}, "ring"),
         (

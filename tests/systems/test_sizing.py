@@ -7,11 +7,13 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from oracles.command_line import refused, run
 from oracles.examples import some
 
 import gearmesh as gm
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
 
 #: wishes whose pairs are few enough to be built: spur, helical, internal, some with faults, all undercut
 WISHES: dict[str, dict[str, Any]] = {
@@ -156,3 +158,46 @@ def test_wishes_that_cannot_be_are_refused(more: str, message: str) -> None:
     words = more.split()
     kept = [word for option, value in wish.items() if option not in words for word in (option, value)]
     assert refused("size", *kept, *words).startswith(message)
+
+
+def room_of_tip_corners(keys: dict[str, Any]) -> float:
+    """Least arc (mm) between the corners of either member's tips and the flanks that they may enter, over a pitch; negative inside.
+
+    In the plane, by involutes alone: the pinion about the origin, the ring's axis at -a, a space of the ring on a tooth at +x.
+    """
+    geometry = proportions(gm.parse(keys))
+    mesh, (tip, ring_tip) = geometry.mesh, geometry.tips
+    members = ((mesh.pinion, tip, 0.0, mesh.distance), (mesh.gear, ring_tip, math.pi / mesh.gear.teeth, -mesh.distance))
+    turn = np.linspace(0.0, 2.0 * np.pi / mesh.pinion.teeth, 600, endpoint=False)[:, None]
+    least = math.inf
+    for (own, radius, at, away), (other, far, other_at, _) in (members, members[::-1]):
+        turned, other_turned = (turn * mesh.pinion.teeth / member.teeth for member in (own, other))
+        corners = np.arange(own.teeth) * 2.0 * np.pi / own.teeth
+        for half in (own.half_angle(radius), -own.half_angle(radius)):
+            angle = turned + at + corners + half
+            x, y = radius * np.cos(angle) + away, radius * np.sin(angle)
+            r = np.hypot(x, y)
+            within = (r > far) if other.internal else (r < far) & (r > other.base_radius)
+            tooth = np.mod(np.arctan2(y, x) - other_turned - other_at + np.pi / other.teeth, 2.0 * np.pi / other.teeth)
+            from_middle = np.abs(tooth - np.pi / other.teeth)
+            room = [
+                (f - other.half_angle(float(at))) * at for f, at in zip(from_middle[within], r[within], strict=True)
+            ]
+            least = min([least, *room])
+    return least
+
+
+def test_internal_pairs_of_few_teeth_difference_have_stub_tips_that_pass() -> None:
+    """38/-40 at a working pressure angle of 40 deg: with full teeth the tips collide, and only that was reported."""
+    found = gm.size(ratio=40 / 38, center_distance=2.453363, module=2.0, internal=True, tolerance=0.001)
+    (number,) = (k for k, each in enumerate(found.rows, start=1) if each.row["teeth_pinion"] == 38)
+    assert found.rows[number - 1].row["eps_alpha"] > 1.2
+    assert not found.rows[number - 1].row["faults"]
+    keys = dict(found.keys(number))
+    assert keys["pinion"]["tip_diameter"] > keys["pinion"]["teeth"] * 2.0
+    # the flanks touch, and nothing is deeper
+    assert room_of_tip_corners(keys) == pytest.approx(0.0, abs=2e-3)
+    full = {
+        name: {key: value for key, value in keys[name].items() if key != "tip_diameter"} for name in ("pinion", "gear")
+    }
+    assert room_of_tip_corners({**keys, **full}) < -0.1

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import VagueError
 from gearmesh.systems.cylindrical.geometry.interference import reserves
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, form_roll_length, undercut_reserve
 from gearmesh.systems.cylindrical.geometry.measures import thickness_at
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 #: what a sound mesh has at least: contact ratio, tip thickness in modules
 LEAST_RATIO, LEAST_TIP = 1.1, 0.2
+#: the fault of tips that meet outside the path of contact
+INTERFERENCE = "interference"
 #: mm that are nothing but rounding
 ROUNDING = 1e-9
 
@@ -54,7 +56,7 @@ def mesh_merit(design: CylindricalDesign) -> MeshMerit:
     first, second = tip_thicknesses(geometry)
     for name, thickness, tip in zip(MEMBERS, (first, second), geometry.tips, strict=True):
         if thickness <= 0.0:
-            raise DesignError(
+            raise VagueError(
                 f"{name}.addendum", reason=f"the tooth is pointed below its tip diameter of {2.0 * tip:.6g} mm"
             )
     undercut = min(undercut_reserve(gear) for gear in geometry.gears)
@@ -62,7 +64,7 @@ def mesh_merit(design: CylindricalDesign) -> MeshMerit:
     passing = reserves(mesh, geometry.tips).trochoid if design.gear.internal else math.inf
     faults = {
         "undercut": undercut < -ROUNDING,
-        "interference": min(interference, passing) < -ROUNDING,
+        INTERFERENCE: min(interference, passing) < -ROUNDING,
         f"tip below {LEAST_TIP:g} modules": min(first, second) < LEAST_TIP,
         f"contact ratio below {LEAST_RATIO:g}": eps_alpha < LEAST_RATIO,
     }

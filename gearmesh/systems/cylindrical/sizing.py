@@ -2,7 +2,8 @@
 
 For every pair of tooth numbers within the tolerance of the ratio the helix angle is one that the range names: its ends, the whole
 degrees between, and the one with which the profile shifts add up to nothing. The sum of the shifts is what the centre distance
-leaves, shared so that specific sliding is the same at both ends of contact, or nearly so where a tip would be too thin.
+leaves, shared so that specific sliding is the same at both ends of contact, or nearly so where a tip would be too thin. Internal
+pairs whose teeth would interfere have stub tips, and other shares, where these pass each other.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from gearmesh.progress import in_turn
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, sum_of_shifts
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
-from gearmesh.systems.cylindrical.merit import LEAST_TIP, MeshMerit, mesh_merit, tip_thicknesses
+from gearmesh.systems.cylindrical.merit import INTERFERENCE, LEAST_TIP, MeshMerit, mesh_merit, tip_thicknesses
+from gearmesh.systems.cylindrical.stub_tips import stub_keys
 from gearmesh.systems.system import complete_design
 
 #: fewest teeth of a pinion that are proposed
@@ -170,9 +172,21 @@ def _with_shift(keys: dict[str, Any], shift: float) -> dict[str, Any]:
 def _judge(keys: dict[str, Any]) -> Candidate:
     """A pair with its shifts shared. Raises DesignError for teeth that cannot exist."""
     keys = share_shifts(keys)
-    design = complete_design(CylindricalDesign(**keys))
-    merit = mesh_merit(design)
+    merit = mesh_merit(complete_design(CylindricalDesign(**keys)))
+    if INTERFERENCE in merit.faults and (stub := _with_stub_tips(keys)) is not None:
+        keys, merit = stub
     return Candidate(**{field.name: getattr(merit, field.name) for field in fields(merit)}, keys=keys)
+
+
+def _with_stub_tips(keys: dict[str, Any]) -> tuple[dict[str, Any], MeshMerit] | None:
+    """An internal pair with stub teeth that pass each other, and what it is worth; None where there are none with fewer faults."""
+    if not keys["gear"].get("internal") or (stub := stub_keys(keys)) is None:
+        return None
+    try:
+        merit = mesh_merit(complete_design(CylindricalDesign(**stub)))
+    except DesignError:
+        return None
+    return None if INTERFERENCE in merit.faults else (stub, merit)
 
 
 def _nothing(wanted: Wanted, refusal: DesignError | None) -> str:

@@ -7,7 +7,7 @@ turn about fixed axes; phi1 of a mesh counts the sun clockwise about +z, or the 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
@@ -162,7 +162,7 @@ def build(design: PlanetaryDesign) -> GearTrain:
                 delta=design.contact.delta,
             )
         )
-    warnings = dict.fromkeys([*warnings_of(halves[0], inner), *warnings_of(halves[1], outer)])
+    warnings = dict.fromkeys([*warnings_of(halves[0], inner), *warnings_of(halves[1], outer), *_snapped(design)])
     if design.double_helical:
         warnings[HALF] = None
     return GearTrain(design.kind, tuple(made), tuple(warnings), (*[0] * len(angles), *[len(angles)] * len(angles)))
@@ -208,6 +208,16 @@ def _check_assembly(design: PlanetaryDesign, distance: float, tip: float) -> Non
                 reason=f"tips of neighbouring planets are {-apart:.4g} mm too close",
                 allowed=f"at least {at_least(least)} deg from planet to planet",
             )
+
+
+def _snapped(design: PlanetaryDesign) -> Iterator[str]:
+    """A note on angles of planets that are given with few decimals."""
+    if design.assembly.planet_angles is None:
+        return
+    moved = [(given, taken) for given, taken in design.angles_taken if given != taken]
+    if moved:
+        given, taken = (", ".join(f"{angle:.10g}" for angle in angles) for angles in zip(*moved, strict=True))
+        yield f"assembly.planet_angles: {given} deg: taken as {taken} deg, where planets can be assembled"
 
 
 def _divisors(total: int) -> str:

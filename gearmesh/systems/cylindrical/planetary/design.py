@@ -17,6 +17,8 @@ from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
 from gearmesh.systems.kinds import KINDS
 
+#: deg within which an angle of a planet is taken for where it can be assembled, and differences that are nothing but rounding
+SNAP, ROUNDED = 1e-3, 1e-9
 #: Members as a design names them.
 SUN, PLANET, RING = "sun", "planet", "ring"
 
@@ -119,10 +121,22 @@ class PlanetaryDesign(HalvesKeys):
 
     @property
     def angles(self) -> list[float]:
-        """Angles of the planets about the sun, deg."""
+        """Angles of the planets about the sun, deg; given ones within SNAP of where a planet can be assembled are moved there."""
         if self.assembly.planet_angles is not None:
-            return self._angles_given
+            return [taken for _, taken in self.angles_taken]
         return [360.0 * k / self.planets for k in range(self.planets)]
+
+    @property
+    def angles_taken(self) -> list[tuple[float, float]]:
+        """Angles (deg) of the planets as they are given and as they are taken: whole steps of the teeth of sun and ring from the
+        first, as far as they are within SNAP of them."""
+        given = self._angles_given
+        step = 360.0 / (self.sun.teeth + self.ring.teeth)
+        places = [given[0] + step * round((angle - given[0]) / step) for angle in given]
+        return [
+            (angle, place if ROUNDED < abs(angle - place) <= SNAP else angle)
+            for angle, place in zip(given, places, strict=True)
+        ]
 
     @property
     def counted_teeth(self) -> int:
