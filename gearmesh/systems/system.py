@@ -7,11 +7,8 @@ from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
-<<<<<<< HEAD
 from gearmesh.arguments import checks_arguments
-=======
 from gearmesh.design.unusual import unusual_settings
->>>>>>> Unusual settings are reported; composite tests take runout alone; play of eccentric gears is that of one gear
 from gearmesh.errors import ArgumentError, DesignError, FileError, NoSolutionError
 from gearmesh.figures import Summary
 from gearmesh.systems.kinds import KINDS, kind_of_words
