@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
@@ -95,13 +96,13 @@ def _passing(geometry: PairProportions, forms: tuple[float, float]) -> Iterator[
     for part in ADDENDUM_PARTS:
         first = pinion.radius - part * heights[0]
 
-        def longest(parts: Array, _: object, first: float = first) -> Array:
-            return np.array([passes((first, ring.radius + share * heights[1])) for share in parts])
+        def longest(parts: Array, _: NDArray[np.intp], first: float = first) -> NDArray[np.bool_]:
+            return np.array([passes((first, ring.radius + share * heights[1])) for share in parts], dtype=np.bool_)
 
-        if not longest(np.array([LEAST_PART]), None)[0]:
+        if not passes((first, ring.radius + LEAST_PART * heights[1])):
             continue
         share = 1.0
-        if not longest(np.array([1.0]), None)[0]:
+        if not passes((first, ring.radius + heights[1])):
             share = float(last_true(longest, np.array([LEAST_PART]), np.array([1.0]), rounds=HALVINGS)[0][0])
         tips = first, ring.radius + share * heights[1]
         if min(thickness_at(own, tip) / own.module for own, tip in zip((pinion, ring), tips, strict=True)) >= LEAST_TIP:
