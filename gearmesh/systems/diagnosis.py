@@ -305,11 +305,10 @@ class _Trials(Generic[D]):
     def hold(self, failure: GearmeshError, bounds: Bounds | None) -> bool:
         """True unless the bounds, in the design's units, are known to be refused, or do not exclude the value of the key.
 
-        A refusal whose `allowed` is in words, or that says what to do, needs no bounds.
+        A refusal that states no bounds, but words, needs none.
         """
         if bounds is None:
-            in_words = failure.bounds is None and not failure.bounds_another
-            return in_words and bool(failure.allowed or failure.remedy)
+            return failure.bounds is None and not failure.bounds_another
         own: float = self.own[failure.key]
         for end, included, inwards in ((bounds.low, bounds.includes_low, 1), (bounds.high, bounds.includes_high, -1)):
             if end is None or (own - end) * inwards > 0.0 or (included and own == end):

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import VagueError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import shifts, tilts
@@ -101,8 +101,10 @@ def _toothed_member(gear: GearProportions) -> Member:
     tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
     if (tip - root) * own.sense <= 0.0:
         order = "larger" if own.internal else "smaller"
-        raise DesignError(
-            f"{name}.{tip_key}", reason=f"the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)"
+        raise VagueError(
+            f"{name}.{tip_key}",
+            reason=f"the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)",
+            remedies={f"{name}.{tip_key}": 0},
         )
     if not spec.hobbed:
         made = shaped_member(name, spec, cut_of(gear), tip_key, f"theta_{letter}", f"u_{letter}")

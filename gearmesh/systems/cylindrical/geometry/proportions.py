@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gearmesh.design.keys import given_or
-from gearmesh.errors import DesignError
+from gearmesh.errors import VagueError
 from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, root_radius, sharp_shaper
 from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut, LastCut
@@ -138,7 +138,7 @@ def _refuse_large_shifts(design: CylindricalDesign, derived: dict[str, float]) -
     if distance is None or not large:
         return
     shifts = [derived.get(f"{name}.profile_shift", getattr(design, name).profile_shift) for name in MEMBERS]
-    raise DesignError(
+    raise VagueError(
         "assembly.center_distance",
         distance,
         unit="mm",
