@@ -166,7 +166,7 @@ class GearmeshError(Exception):
 
     @property
     def bounds_another(self) -> bool:
-        """True if `allowed` states bounds, but of another quantity than the value.
+        """True if `allowed` begins with bounds, but of another quantity than the value; "0 or at least 5 mm" does not.
 
         Returns
         -------
@@ -178,7 +178,7 @@ class GearmeshError(Exception):
         >>> gm.DesignError("addendum", 4.0, allowed="a tip diameter of at most 46.067 mm").bounds_another
         True
         """
-        return self.bounds is None and _ANY_BOUND.search(self.allowed) is not None
+        return self.bounds is None and not self.allowed[:1].isdigit() and _ANY_BOUND.search(self.allowed) is not None
 
     @property
     def subject(self) -> str:

@@ -80,7 +80,7 @@ def diagnose(design: Design, failure: GearmeshError, build: Build) -> GearmeshEr
         if not isinstance(failure, VagueError | NoSolutionError):
             if failure.key not in keys or trials.hold(failure, _bounds_in_units(design, failure)):
                 return failure
-            groups = [named, *groups]
+            return _with_own_bound(design, failure, trials)
     for noticed in (None, failure.topic):
         trials.ask(noticed)
         intervals: list[_Interval] = []
@@ -98,6 +98,16 @@ def diagnose(design: Design, failure: GearmeshError, build: Build) -> GearmeshEr
     first, *others = [_refusal_of(design, bound) for bound in bounds]
     made = DiagnosedNoSolutionError if isinstance(failure, NoSolutionError) else DiagnosedError
     return made(first, tuple(others), failure, whole=noticed is None)
+
+
+def _with_own_bound(design: Design, failure: GearmeshError, trials: _Trials[Design]) -> GearmeshError:
+    """The refusal of a key that is set with the bound that builds instead of the one that it states; itself, if none is found."""
+    trials.ask(None)
+    intervals = trials.mending([failure.key], [failure.key], {})
+    first = next(iter(trials.refine(intervals)), None)
+    if first is None or first.value is None:
+        return failure
+    return DiagnosedError(_refusal_of(design, first), (), failure, whole=True)
 
 
 def _with_value(design: Design, failure: GearmeshError, value: Any) -> GearmeshError:
@@ -201,7 +211,7 @@ class _Diagnosis(GearmeshError):
         # a key that was named already is named once, and the bound that was tried is the one that holds
         told = copy(self.noticed)
         if self.key == told.key:
-            told.allowed = "" if told.bounds is not None else told.allowed
+            told.allowed = "" if told.reason and told.bounds is not None else told.allowed
             told.key, told.value = "", None
         return ": ".join(part for part in (f"{bounds}, with the other keys unchanged{rest}", str(told)) if part)
 
