@@ -67,6 +67,8 @@ MOST_APART = 0.5
 TIP_SAMPLES, FARTHEST_TIP = 33, 1.5
 #: radius of a tip, over that of the form point, from which on the tooth is followed up to it, at so many points of its flanks
 FAR_TIP, WAY_STATIONS = 2.0, 65
+#: fewest teeth of which this is done: threads of worms are wider than half a turn at their form point
+FEWEST_TEETH = 3
 #: stations of a stretch of the face along which the width of a land is followed
 LAND_STATIONS = 9
 #: stations at which a tooth is tried before anything else is made of it
@@ -1084,6 +1086,8 @@ class Tooth:
     def _crosses_below_tip(self) -> bool:
         """Whether the sides cross at mid face below a tip far above the form point: where the width of the tooth falls through half
         a turn on the way, the angle at the tip alone looks like land."""
+        if self.teeth < FEWEST_TEETH:
+            return False
         t = np.array([0.5])
         station, (tip, at_tip) = self.stations(t), self._tip(self.right, self.stations(t), t)
         form_point = along(self.right.flank, np.array([self.right.form_point[0]]), station, self.blank.axial)[1].r

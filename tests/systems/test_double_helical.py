@@ -179,7 +179,7 @@ def test_cad_and_sections(name: str) -> None:
     ("keys", "named"),
     [
         ({"helix_angle": 0}, "helix_angle = 0 deg: must be above 0"),
-        ({"gap": 46}, "gear.face_width = 46 mm: must be above gap, 46"),
+        ({"gap": 46}, "gap = 46 mm: must be below the face width, 46"),
         ({"arrangement": "single"}, 'gap = 8 mm: needs arrangement = "double_helical"'),
         ({"assembly": {"dz": 0.1}}, "assembly.dz = 0.1 mm: must be 0 for double helical"),
         ({"gap": 0, "gear": {**GEAR, "gap_diameter": 100}}, "gear.gap_diameter = 100 mm: needs a gap above 0"),
@@ -278,7 +278,7 @@ def test_a_planetary_set_of_halves_of_other_widths_meshes_on_both() -> None:
     ("keys", "named"),
     [
         ({"helix_angle": 0}, "helix_angle = 0 deg: must be above 0"),
-        ({"gap": 24}, "planet.face_width = 24 mm: must be above gap, 24"),
+        ({"gap": 24}, "gap = 24 mm: must be below the face width, 24"),
         ({"arrangement": "single"}, 'gap = 6 mm: needs arrangement = "double_helical"'),
         ({"sun": {"teeth": 18, "face_width": 30, "gap_diameter": 60}}, "sun.gap_diameter = 60 mm: allowed is between"),
         (

@@ -228,7 +228,7 @@ def test_as_much_protuberance_as_stock_leaves_the_plain_tooth() -> None:
         (
             {"protuberance": 0.1, "protuberance_angle": 20},
             {},
-            "pinion.hob.protuberance_angle = 20 deg: allowed is less",
+            "allowed is less than the pressure angle, 20 deg",
         ),
         ({"protuberance": 0.3, "protuberance_angle": 18}, {}, "its line of 18 deg is longer than the flank"),
         ({"chamfer_diameter": 45.0}, {}, "pinion.hob.chamfer_diameter = 45 mm: allowed is between"),

@@ -367,8 +367,12 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
     ("kind", "settings", "message"),
     [
         ("novikov", "gear.parabola=0.02", r"gear.parabola = 0.02 1/mm: must be smaller than pinion.parabola, 0.016739"),
-        ("novikov", "backlash=30", r"backlash = 30 mm: leaves no tooth of the pinion; allowed is less than 17.0165 mm"),
-        ("novikov", "worm.pitch_radius=2", r"worm.pitch_radius = 2 mm: must be above threads m_n / 2 = 2.54 mm"),
+        (
+            "novikov",
+            "backlash=30",
+            r"backlash = 30 mm: allowed is at most 4.78\d? mm, .*: leaves no tooth of the pinion",
+        ),
+        ("novikov", "worm.pitch_radius=2", r"worm.pitch_radius = 2 mm: .*must be above threads m_n / 2 = 2.54 mm"),
         (
             "novikov",
             "rack_parameter=0.2",

@@ -147,7 +147,7 @@ def test_broken_edges_take_their_own_section_off(edge: str) -> None:
         ),
         (
             {"modifications": {"tip_relief": {"amount": 0.01, "start_height": 2.5}}},
-            "rack.modifications.tip_relief.start_height = 2.5 mm: allowed is between the flank's own ends, above -1.99",
+            "allowed is between the flank's own ends, above -1.99",
         ),
         (
             {"modifications": {"triangular_end_relief_tip": {"amount": 0.01, "length": 2}}},
