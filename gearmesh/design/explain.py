@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.design.keys import Table
+from gearmesh.design.keys import Key, Table
 from gearmesh.design.shown import shown_key, value_text
-from gearmesh.design.unusual import likely_meaning
 from gearmesh.errors import LIKE, DesignError, nearest, shown_value
 from gearmesh.numerals import with_point
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 _ORDER = {"extra_forbidden": 0, "missing": 1}
 #: likeness of a misspelt key in one table and a key of another that is meant; letters with which a key may begin to stand for it
 MUCH_ALIKE, LEAST_BEGINNING = 0.8, 4
+#: angles that are degrees in every design, and the largest value (rad) that is taken for radians
+MAIN_ANGLES = ("helix_angle", "spiral_angle", "pressure_angle", "transverse_pressure_angle")
+LARGEST_RADIANS = 1.0
 
 
 def explain(
@@ -50,7 +53,7 @@ def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int, g
     own, value = table.key_of(str(last)), detail["input"]
     least = own.least(units) if own is not None and detail["type"] == "too_small" else ""
     hand = any("hand" in where.model_fields for where in (table, design))
-    meant = "" if own is None else likely_meaning(own, str(last), value, hand=hand)
+    meant = "" if own is None else _likely_meaning(own, str(last), value, hand=hand)
     must_be = f"{allowed}{least}{_with_unit(table, str(last), value)}{meant}"
     remedy = with_point(value) if isinstance(value, str) and own is not None and own.is_numeric else ""
     return DesignError(key, value, shown=value_text(value), must_be=must_be, remedy=remedy, more=more)
@@ -119,3 +122,16 @@ def _dotted_keys(table: type[Table], prefix: str = "") -> Iterator[str]:
         yield prefix + name
         if below is not None:
             yield from _dotted_keys(below, f"{prefix}{name}.")
+
+
+def _likely_meaning(key: Key, name: str, value: Any, *, hand: bool) -> str:
+    """Hint for an angle that its key refuses, radians or the sign of the other hand; empty where nothing else is
+    likely."""
+    if key.unit != "angle" or name not in MAIN_ANGLES or isinstance(value, bool) or not isinstance(value, int | float):
+        return ""
+    if value < 0.0 and key.low == 0.0 and hand and -value <= key.high:
+        return '; the key hand, "right" or "left", says the hand of the pinion'
+    degrees = math.degrees(abs(value))
+    if 0.0 < abs(value) <= LARGEST_RADIANS and key.low <= degrees <= key.high:
+        return f"; {value:g} rad is {math.degrees(value):.4g} deg"
+    return ""
