@@ -162,7 +162,7 @@ def build(design: PlanetaryDesign) -> GearTrain:
                 delta=design.contact.delta,
             )
         )
-    warnings = dict.fromkeys([*warnings_of(halves[0], inner), *warnings_of(halves[1], outer), *_snapped(design)])
+    warnings = dict.fromkeys([*warnings_of(halves[0], inner), *warnings_of(halves[1], outer), *_snap_notes(design)])
     if design.double_helical:
         warnings[HALF] = None
     return GearTrain(design.kind, tuple(made), tuple(warnings), (*[0] * len(angles), *[len(angles)] * len(angles)))
@@ -210,7 +210,7 @@ def _check_assembly(design: PlanetaryDesign, distance: float, tip: float) -> Non
             )
 
 
-def _snapped(design: PlanetaryDesign) -> Iterator[str]:
+def _snap_notes(design: PlanetaryDesign) -> Iterator[str]:
     """A note on angles of planets that are given with few decimals."""
     if design.assembly.planet_angles is None:
         return
