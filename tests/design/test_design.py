@@ -531,7 +531,7 @@ def test_a_key_of_a_table_changes_no_default_of_another(kind: str) -> None:
 @pytest.mark.quick
 def test_derived_values_out_of_range_have_the_digits_of_other_figures() -> None:
     """A shift that follows from the centre distance, not what somebody typed with 17 digits."""
-    with pytest.raises(DesignError, match=r"gear.profile_shift = 5\.910421: must be a multiple of the normal module"):
+    with pytest.raises(DesignError, match=r"gear.profile_shift = 5\.91 among them$"):
         load(SAMPLES / "helical.toml", ["assembly.center_distance=220"])
     with pytest.raises(DesignError, match=r"pinion.profile_shift = 12.3456789: must be"):
         load(SAMPLES / "helical.toml", ["pinion.profile_shift=12.3456789"])
