@@ -149,11 +149,10 @@ def _pitches_apart(pair: GearPair, forwards: Engagement, backwards: Engagement) 
     for followed in (forwards, backwards):
         whole = np.flatnonzero(np.abs(followed.phi1 / pair.pitch - np.round(followed.phi1 / pair.pitch)) < SAME)
         total += np.max(followed.contacts.advance[whole], initial=-np.inf)
-    return (
-        0
-        if not np.isfinite(total).all()
-        else round(float((-total - play(pair, total))[0] / pair.gear.tooth.pitch_angle))
-    )
+    if not np.isfinite(total).all():
+        return 0
+    added = -total - play(pair, total, wound=forwards.pair.wound)
+    return round(float(added[0] / pair.gear.tooth.pitch_angle))
 
 
 def _advance(
