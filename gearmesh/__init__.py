@@ -38,6 +38,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gearmesh.answers.bodies.cad import Cad, CadFigures, CadSurfaceFigures
+    from gearmesh.answers.bodies.face_names import FaceNameFigures, FaceNames
     from gearmesh.answers.bodies.finite_element_model import FiniteElementModel, UnloadedFiniteElements
     from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
     from gearmesh.answers.bodies.measuring_grid import MeasuringGridFigures, MeasuringGrids, PointColumns
@@ -387,6 +388,8 @@ __all__ = [
     "FaceGearMachine",
     "FaceGearPinion",
     "FaceGearWorm",
+    "FaceNameFigures",
+    "FaceNames",
     "Figure",
     "FigureClass",
     "Figures",
@@ -653,6 +656,10 @@ _HOMES = {
         "Cad",
         "CadFigures",
         "CadSurfaceFigures",
+    ),
+    "gearmesh.answers.bodies.face_names": (
+        "FaceNameFigures",
+        "FaceNames",
     ),
     "gearmesh.answers.bodies.finite_element_model": (
         "FiniteElementModel",

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working
 from gearmesh.cad.suffixes import AXIAL, DXF, SECTIONS, STEP
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.lengths import in_mm
@@ -14,6 +15,7 @@ from gearmesh.lengths import in_mm
 if TYPE_CHECKING:
     from gearmesh import Gears
     from gearmesh.answers.bodies.cad import Cad
+    from gearmesh.answers.bodies.face_names import FaceNames
     from gearmesh.answers.bodies.section import Section
     from gearmesh.answers.bodies.solid import Solid, Solids
 
@@ -35,6 +37,7 @@ class PartFile:
     space: bool = False
     phi1: float | None = None
     sector: int | None = None
+    names: Path | None = None
 
     @property
     def suffix(self) -> str:
@@ -65,6 +68,8 @@ class PartFile:
                 raise ArgumentError(
                     name, value, must_be=f"left out for {suffix}; formats of sections are {', '.join(SECTIONS)}"
                 )
+        if self.names is not None and suffix not in STEP:
+            raise ArgumentError("names", self.names, must_be=f"left out for {suffix}; faces are named in {STEP[0]}")
         if self.phi1 is not None and member not in (BOTH, ALL):
             raise ArgumentError(
                 "phi1", self.phi1, must_be=f"left out for --member = {member}, which is in its own frame"
@@ -73,7 +78,10 @@ class PartFile:
             from gearmesh.cad.dxf import require_ezdxf
 
             require_ezdxf()
-        refuse_unwritable(self.output)
+        if self.names is not None:
+            refuse_suffix(self.names, ".csv", ".json")
+        for file in (self.output, self.names):
+            refuse_unwritable(file)
         self._lengths()
 
     def _refuse_extract(self, member: str) -> None:
@@ -107,6 +115,7 @@ class PartFile:
             of = "section"
         with working("solids" if every else f"{of} of the {member}"):
             made: Cad | Section | Solid | Solids
+            names: Callable[[], FaceNames] | None = None
             if self.suffix in SECTIONS:
                 made = gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away)
             elif self.suffix in STEP:
@@ -120,6 +129,7 @@ class PartFile:
                     offset=away,
                     phi1=self.phi1 or 0.0,
                 )
+                names = made.face_names
             elif every:
                 made = gears.solids(tolerance, offset=away, file=self.output, phi1=self.phi1 or 0.0)
             else:
@@ -134,5 +144,7 @@ class PartFile:
                     file=self.output,
                 )
             made.save(self.output)
+            if names is not None and self.names is not None:
+                names().save(self.names)
         show(made.listings)
         warn(made.warnings, made.complaints)

@@ -124,13 +124,14 @@ def _angles(r: Array, axes: Array, halves: Array) -> Array:
 
 @dataclass(frozen=True)
 class BarLink:
-    """A link of the section of the whole bar: its region, name, corner (2, 3), mm, on toe and heel where it begins, and its arc;
-    None where it is a plane."""
+    """A link of the section of the whole bar: its region, name, corner (2, 3), mm, on toe and heel where it begins, its arc,
+    None where it is a plane, and the number of its tooth, None for the roots at the ends of the bar."""
 
     region: Region
     name: str
     corner: Array
     arc: BarArc | None = None
+    tooth: int | None = None
 
 
 def bar_part(member: Member) -> tuple[Part, float]:
@@ -159,7 +160,7 @@ def bar_part(member: Member) -> tuple[Part, float]:
             shape = _plane(corners[n, 0], np.cross(corners[n + 1, 0] - corners[n, 0], way), sides)
         else:
             shape = _extrude(link.arc, way, sides)
-        faces.append(NamedFace(shape, link.name, link.region))
+        faces.append(NamedFace(shape, link.name, link.region, tooth=link.tooth))
     down = [[straight_edge(vertices[n][row], under[n][row]) for row in (0, 1)] for n in (0, -1)]
     across_back = [straight_edge(*column) for column in under]
     along_back = [straight_edge(under[0][row], under[1][row]) for row in (0, 1)]
@@ -225,7 +226,7 @@ def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
             toe, heel = (across[n][row] for row in patch.rows)
             span = slice(*patch.rows)
             shape = patch.face(_move(patch.surface, ways[k]), Sides(toe, along[n + 1][span], heel, along[n][span]))
-            faces.append(NamedFace(shape, f"{patch.region}_{k + 1}", patch.region))
+            faces.append(NamedFace(shape, f"{patch.region}_{k + 1}", patch.region, tooth=k + 1))
     toe, heel = (
         BarEnd.of(teeth, end, ([column[row] for column in vertices], [edges[row] for edges in across]), ways)
         for end, row in enumerate((rows[0], rows[-1]))
@@ -342,7 +343,7 @@ def _links(member: Member) -> tuple[list[BarLink], Array, float]:
             arc = arcs.get(region)
             if arc is not None:
                 arc = BarArc(arc.centre + way, arc.axes, arc.halves, arc.first, arc.last)
-            links.append(BarLink(region, f"{region}_{k}", corner, arc))
+            links.append(BarLink(region, f"{region}_{k}", corner, arc, k))
     last = grids[wide[-1]][-1] + tooth.joint.to(places[-1] * pitch).translation
     if roots:
         links.append(BarLink(Region.ROOT, f"root_{len(places) + 1}", last))

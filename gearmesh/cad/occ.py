@@ -16,13 +16,15 @@ from gearmesh.kernel.numeric.algebra import Array
 #: edges and vertices are this exact (mm) where nothing else is known: what OpenCASCADE takes for the same point
 PRECISION = 1e-7
 
-#: what OpenCASCADE 7, with which CadQuery 2.8 comes, calls the arrays of OpenCASCADE 8, and in which modules it has them
-_ARRAYS_OF_7 = {
+#: what OpenCASCADE 7, with which CadQuery 2.8 comes, calls the collections of OpenCASCADE 8, and in which modules it has them
+_COLLECTIONS_OF_7 = {
     "Array1_double": ("TColStd", "TColStd_Array1OfReal"),
     "Array1_int": ("TColStd", "TColStd_Array1OfInteger"),
     "Array1_gp_Pnt": ("TColgp", "TColgp_Array1OfPnt"),
     "Array1_gp_Pnt2d": ("TColgp", "TColgp_Array1OfPnt2d"),
     "Array2_gp_Pnt": ("TColgp", "TColgp_Array2OfPnt"),
+    "List_TopoDS_Shape": ("TopTools", "TopTools_ListOfShape"),
+    "IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher": ("TopTools", "TopTools_IndexedMapOfShape"),
 }
 
 
@@ -129,7 +131,7 @@ def spline_curve(control: Array, knots: Array) -> Any:
     """Geom_BSplineCurve from a control polygon (K, 3) and its clamped knot vector."""
     from OCP.Geom import Geom_BSplineCurve
 
-    poles = _array("Array1_gp_Pnt")(1, len(control))
+    poles = collection("Array1_gp_Pnt")(1, len(control))
     for i, r in enumerate(control.tolist()):
         poles.SetValue(i + 1, point(r))
     return Geom_BSplineCurve(poles, *_knots(knots), len(knots) - len(control) - 1)
@@ -149,7 +151,7 @@ def spline_curve2d(control: Array, knots: Array) -> Any:
     from OCP.Geom2d import Geom2d_BSplineCurve
     from OCP.gp import gp_Pnt2d
 
-    poles = _array("Array1_gp_Pnt2d")(1, len(control))
+    poles = collection("Array1_gp_Pnt2d")(1, len(control))
     for i, (u, v) in enumerate(control.tolist()):
         poles.SetValue(i + 1, gp_Pnt2d(u, v))
     return Geom2d_BSplineCurve(poles, *_knots(knots), DEGREE)
@@ -167,7 +169,7 @@ def spline_surface(control: Array, s_knots: Array, t_knots: Array) -> Any:
     """Geom_BSplineSurface from a control net (S, T, 3) and its knot vectors."""
     from OCP.Geom import Geom_BSplineSurface
 
-    poles = _array("Array2_gp_Pnt")(1, control.shape[0], 1, control.shape[1])
+    poles = collection("Array2_gp_Pnt")(1, control.shape[0], 1, control.shape[1])
     for i, row in enumerate(control.tolist()):
         for j, r in enumerate(row):
             poles.SetValue(i + 1, j + 1, point(r))
@@ -179,17 +181,30 @@ def spline_surface(control: Array, s_knots: Array, t_knots: Array) -> Any:
 def _knots(knots: Array) -> tuple[Any, Any]:
     """Different knots and how often each occurs."""
     values, counts = np.unique(knots, return_counts=True)
-    different, often = (_array(name)(1, values.size) for name in ("Array1_double", "Array1_int"))
+    different, often = (collection(name)(1, values.size) for name in ("Array1_double", "Array1_int"))
     for i, (value, count) in enumerate(zip(values.tolist(), counts.tolist(), strict=True)):
         different.SetValue(i + 1, value)
         often.SetValue(i + 1, count)
     return different, often
 
 
-def _array(name: str) -> Any:
-    """A class of OpenCASCADE's arrays, by its name in OpenCASCADE 8."""
+def mapped_shapes(shape: Any, kind: str) -> Any:
+    """Map of the solids or faces (`kind` "SOLID" or "FACE") of a shape, each once, in the order in which they are found.
+
+    `FindKey` and `FindIndex` count from 1.
+    """
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopExp import TopExp
+
+    parts = collection("IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher")()
+    TopExp.MapShapes_s(shape, getattr(TopAbs_ShapeEnum, f"TopAbs_{kind}"), parts)
+    return parts
+
+
+def collection(name: str) -> Any:
+    """Class of OpenCASCADE's collections, by its name in OpenCASCADE 8."""
     try:
         return getattr(import_module("OCP.collections"), name)
     except ModuleNotFoundError:
-        module, own_name = _ARRAYS_OF_7[name]
+        module, own_name = _COLLECTIONS_OF_7[name]
         return getattr(import_module(f"OCP.{module}"), own_name)

@@ -169,7 +169,7 @@ def tooth_faces(
             )
             shape = part.face(place(part.surface, n), sides)
             name = f"{part.region}_{k + 1}{teeth.half.suffix}"
-            faces.append(NamedFace(shape, name, part.region, 0 if k else teeth.count))
+            faces.append(NamedFace(shape, name, part.region, 0 if k else teeth.count, k + 1))
     ends = [
         Loop(
             tuple(edges[row] for edges in across),

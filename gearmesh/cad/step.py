@@ -35,12 +35,14 @@ class NamedFace:
     """A TopoDS_Face, its name in the file, and its region, by which it is coloured.
 
     `copies` counts the faces of the part that are this one turned about the axis, itself among them; 0 is one of these.
+    `tooth` is the number of the tooth that has the face, from 1; None for faces of the body.
     """
 
     shape: Any
     name: str
     region: str
     copies: int = 1
+    tooth: int | None = None
 
 
 @dataclass(frozen=True)
@@ -175,9 +177,10 @@ def _document(made: Part | PartAssembly) -> Any:
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
     if isinstance(made, Part):
-        _add_part(made, shapes, colours)
+        _add_part(made, region_colours(1)[0], shapes, colours)
         return document
-    labels = {id(part): _add_part(part, shapes, colours) for part in made.parts}
+    palette = region_colours(len(made.parts))
+    labels = {id(part): _add_part(part, own, shapes, colours) for part, own in zip(made.parts, palette, strict=True)}
     assembly = shapes.NewShape()
     _name(assembly, made.name)
     for occurrence in made.occurrences:
@@ -187,18 +190,26 @@ def _document(made: Part | PartAssembly) -> Any:
     return document
 
 
-def _add_part(part: Part, shapes: Any, colours: Any) -> Any:
+def _add_part(part: Part, own_colour: tuple[float, float, float], shapes: Any, colours: Any) -> Any:
+    """Label of a part in a document, with names and colours.
+
+    The solid has a colour of its own, for readers that have one colour a part: they took that of a face.
+    """
     from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
     from OCP.XCAFDoc import XCAFDoc_ColorType
 
+    def paint(item: Any, colour: tuple[float, float, float]) -> None:
+        painted = Quantity_Color(*colour, Quantity_TypeOfColor.Quantity_TOC_sRGB)
+        colours.SetColor(item, painted, XCAFDoc_ColorType.XCAFDoc_ColorSurf)
+
     label = shapes.AddShape(part.solid, False)
     _name(label, part.name)
+    paint(label, own_colour)
     palette = dict(zip(part.regions, region_colours(len(part.regions)), strict=True))
     for face in part.faces:
         own = shapes.AddSubShape(label, face.shape)
         _name(own, face.name)
-        colour = Quantity_Color(*palette[face.region], Quantity_TypeOfColor.Quantity_TOC_sRGB)
-        colours.SetColor(own, colour, XCAFDoc_ColorType.XCAFDoc_ColorSurf)
+        paint(own, palette[face.region])
     return label
 
 

@@ -37,7 +37,7 @@ PYTHON = (
         "bodies",
         "Solids, sections, drawings, tool paths",
         "",
-        ("Solid", "Solids", "Cad", "Section", "WorkshopDrawing", "ToolPathAnswer", "ToolMotion"),
+        ("Solid", "Solids", "Cad", "FaceNames", "Section", "WorkshopDrawing", "ToolPathAnswer", "ToolMotion"),
     ),
     (
         "finite_elements",

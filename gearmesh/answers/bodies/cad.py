@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     import build123d
     import cadquery
 
+    from gearmesh.answers.bodies.face_names import FaceNames
     from gearmesh.cad.step import Part, PartAssembly
     from gearmesh.systems.system import ToolPart
 
@@ -116,6 +117,23 @@ class Cad(Result):
     @property
     def sections(self) -> Mapping[str, Content]:
         return {**header(self.design), "cad": self.figures, "warnings": self.warnings}
+
+    def face_names(self) -> FaceNames:
+        """Names of the faces of the STEP file by their numbers, for programs that drop names, as gmsh does.
+
+        Returns
+        -------
+        FaceNames
+            Number, member, name, region, side and tooth of each face.
+
+        Examples
+        --------
+        >>> gears.cad("pinion").face_names().faces[0].face
+        1
+        """
+        from gearmesh.answers.bodies.face_names import face_names
+
+        return face_names(self.design, self.made)
 
     def to_build123d(self) -> build123d.Solid | build123d.Compound:
         """The solid for build123d, or the assembly, handed over in memory.

@@ -8,7 +8,7 @@ import numpy as np
 
 from gearmesh.cad.brep import SplineTooth
 from gearmesh.cad.nodes import DEGREE
-from gearmesh.cad.occ import PRECISION, spline_surface
+from gearmesh.cad.occ import PRECISION, collection, mapped_shapes, spline_surface
 from gearmesh.cad.solid_part import turn_about_z
 from gearmesh.cad.step import NamedFace, Part
 from gearmesh.errors import DesignError
@@ -34,11 +34,10 @@ def sector_part(whole: Part, member: Member, teeth: SplineTooth, pitches: int) -
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Splitter
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Transform
     from OCP.BRepCheck import BRepCheck_Analyzer
-    from OCP.collections import List_TopoDS_Shape
 
     first = BRepBuilderAPI_MakeFace(_cut_surface(member, teeth), PRECISION).Face()
     last = BRepBuilderAPI_Transform(first, turn_about_z(pitches * member.tooth.pitch_angle), True).Shape()
-    solids, cuts = List_TopoDS_Shape(), List_TopoDS_Shape()
+    solids, cuts = (collection("List_TopoDS_Shape")() for _ in range(2))
     solids.Append(whole.solid)
     for cut in (first, last):
         cuts.Append(cut)
@@ -110,27 +109,17 @@ def _face_names(splitter: Any, solid: Any, sources: tuple[NamedFace, ...]) -> tu
     """The faces of a solid that a splitter made, with the names of what they are parts of."""
     from OCP.TopoDS import TopoDS
 
-    faces, named = _map(solid, "FACE"), []
+    faces, named = mapped_shapes(solid, "FACE"), []
     for source in sources:
         pieces = list(splitter.Modified(source.shape)) or [source.shape]
         places = [faces.FindIndex(piece) for piece in pieces if faces.Contains(piece)]
         for number, place in enumerate(places, 1):
             name = source.name if number == 1 else f"{source.name}_piece_{number}"
-            named.append(NamedFace(TopoDS.Face(faces.FindKey(place)), name, source.region))
+            named.append(NamedFace(TopoDS.Face(faces.FindKey(place)), name, source.region, tooth=source.tooth))
     return tuple(named)
 
 
 def _shapes(shape: Any, kind: str) -> list[Any]:
     """Its solids or faces, each once."""
-    parts = _map(shape, kind)
+    parts = mapped_shapes(shape, kind)
     return [parts.FindKey(k) for k in range(1, parts.Extent() + 1)]
-
-
-def _map(shape: Any, kind: str) -> Any:
-    from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher
-    from OCP.TopAbs import TopAbs_ShapeEnum
-    from OCP.TopExp import TopExp
-
-    parts = IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher()
-    TopExp.MapShapes_s(shape, getattr(TopAbs_ShapeEnum, f"TopAbs_{kind}"), parts)
-    return parts

@@ -112,7 +112,8 @@ class _Row:
                 part.surface.Transformed(self._moves[k]),
                 Sides(toe, self._along(n + 1)[span], heel, self._along(n)[span]),
             )
-            made.append(NamedFace(shape, f"{part.region}_{k + 1}{self.teeth.half.suffix}", part.region))
+            name = f"{part.region}_{k + 1}{self.teeth.half.suffix}"
+            made.append(NamedFace(shape, name, part.region, tooth=k + 1))
         return made
 
     def _link_curves(self, i: int) -> LinkCurves:

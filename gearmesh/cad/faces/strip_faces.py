@@ -86,9 +86,8 @@ def strip_row(
         low = point_edge(inner[n], last) if patch.link is None else below[k * links + patch.link]
         toe, heel = (low, above) if end else (above, low)
         shape = drawn[j].face(drawn[j].surface.Transformed(move), Sides(toe, [lines[after]], heel, [lines[n]]))
-        faces.append(
-            NamedFace(shape, f"{region}_{k + 1}{teeth.half.suffix}", region, 1 if span else 0 if k else teeth.count)
-        )
+        name, copies = f"{region}_{k + 1}{teeth.half.suffix}", 1 if span else 0 if k else teeth.count
+        faces.append(NamedFace(shape, name, region, copies, k + 1))
     return StripRow(faces, outer, lines, edges)
 
 

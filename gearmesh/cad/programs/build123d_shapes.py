@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gearmesh.cad.occ import location
 from gearmesh.cad.programs.requirements import require
@@ -21,7 +21,8 @@ def build123d_shape(made: Part | PartAssembly) -> build123d.Solid | build123d.Co
     """A part as a Solid in its own frame, open shells as a Compound, or an assembly as a Compound of placed Solids; with names and
     colours.
 
-    What occurs several times has one colour, and one shape in memory. Raises OutputError where build123d is missing.
+    Occurrences of one part have one colour and the same surfaces, and each a topology of its own. Raises OutputError where
+    build123d is missing.
     """
     require_build123d()
     import build123d
@@ -29,8 +30,20 @@ def build123d_shape(made: Part | PartAssembly) -> build123d.Solid | build123d.Co
     if isinstance(made, Part):
         kind = build123d.Solid if made.closed else build123d.Compound
         return kind(made.solid, label=made.name)
-    solids = [
-        build123d.Solid(own.part.solid.Moved(location(own.place)), label=own.name, color=build123d.Color(*colour))
-        for own, colour in zip(made.occurrences, made.colours, strict=True)
-    ]
+    known, solids = set[int](), []
+    for own, colour in zip(made.occurrences, made.colours, strict=True):
+        shape = _copy_topology(own.part.solid) if id(own.part) in known else own.part.solid
+        known.add(id(own.part))
+        placed = shape.Moved(location(own.place))
+        solids.append(build123d.Solid(placed, label=own.name, color=build123d.Color(*colour)))
     return build123d.Compound(label=made.name, children=solids)
+
+
+def _copy_topology(shape: Any) -> Any:
+    """TopoDS_Shape with the same curves and surfaces.
+
+    build123d's export_step gives all solids that share a shape the label of the last one (version 0.13.0).
+    """
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
+
+    return BRepBuilderAPI_Copy(shape, False).Shape()

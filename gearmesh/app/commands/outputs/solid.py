@@ -79,11 +79,21 @@ def solid(
         int | None,
         sector_option("Only the first K pitches, closed by two congruent cut faces through the middles of roots."),
     ] = None,
+    names: Annotated[
+        Path | None,
+        typer.Option(
+            "--names",
+            metavar="FILE",
+            help="With .step: write a table of its faces too, .csv or .json: number, member, name, region, side, tooth, for "
+            "programs that number faces and drop their names, as gmsh.",
+            show_default=False,
+        ),
+    ] = None,
     settings: Set = None,
 ) -> None:
     """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids; or a section of one; or the space
     between two teeth, flanks alone, or a sector."""
-    file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space, phi1, sector)
+    file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space, phi1, sector, names)
     file.refuse(member)
     together = member in (BOTH, ALL, WORM)
     gears = load_gears(design_file, settings) if together else load_alone(design_file, settings)
