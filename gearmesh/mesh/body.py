@@ -29,6 +29,8 @@ from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RA
 ROUNDS = 10_000
 #: rounds of turning the edges of an end face: there they save vertices inside, which a single one may leave
 TURNS = 8
+#: step of the grid on which polygons are triangulated, of their largest coordinate
+TRIANGULATION_STEP = 2.0**-24
 #: rings on a plane that are closer to each other than so many times the tolerance have as many points
 NARROW = 4.0
 
@@ -221,10 +223,20 @@ def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
 
 
 def triangulate(polygon: Array) -> Index:
-    """Triangles (n, 3), counterclockwise, of a simple counterclockwise polygon (K, 2) without new points."""
+    """Triangles (n, 3), counterclockwise, of a simple counterclockwise polygon (K, 2) without new points.
+
+    Teeth are symmetric, so that two diagonals are often equally good. Vertices on a grid far coarser than rounding let no
+    processor's last digits choose between them.
+    """
     import manifold3d
 
-    return np.asarray(manifold3d.triangulate([polygon]), dtype=np.int64)
+    step = TRIANGULATION_STEP * float(np.abs(polygon).max())
+    for points in (np.rint(polygon / step) * step, polygon):
+        triangles = np.asarray(manifold3d.triangulate([points]), dtype=np.int64)
+        (x, y), (u, v) = (np.moveaxis(polygon[triangles[:, k]] - polygon[triangles[:, 0]], -1, 0) for k in (1, 2))
+        if (x * v > y * u).all():
+            break
+    return triangles
 
 
 def thickness(corners: Array) -> Array:

@@ -41,6 +41,8 @@ Chains = tuple[int, int, tuple[Index, Index]]
 CORNERS = ((True, True), (True, False), (False, True), (False, False))
 #: gain (mm) from which on a diagonal is turned: below it is rounding
 GAIN = 1e-12
+#: rises of levels, in rows of nodes, that differ by less are equal but for rounding
+LEVEL_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -187,12 +189,12 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
         for left, right, toe, heel in strips
     ]
     from_left, from_right, to_right, to_left = miss(np.array(diagonals).reshape(-1, 2)).reshape(-1, 4).T
-    starts, ends = from_left <= from_right, to_right <= to_left
+    starts, ends = from_left <= from_right + GAIN, to_right <= to_left + GAIN
     corners = []
     for k, (left, right, *_) in enumerate(strips):
         rise = 0.5 * float(level[right[0]] + level[right[-1]] - level[left[0]] - level[left[-1]])
         row = float(level[left[-1]] - level[left[0]]) / (len(left) - 1)
-        if abs(rise) >= 0.5 * row:
+        if abs(rise) >= (0.5 - LEVEL_ROUNDING) * row:
             corners.append((rise > 0.0, rise > 0.0))
         else:
             # a line of two nodes has none for a chain that starts and ends on it

@@ -1,0 +1,52 @@
+"""What meshio and VTK make of our finite-element files, as the README's table says it."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+
+#: one tooth of a pinion, few elements
+SMALL = ("fe.torque=20.0", "fe.teeth=1", "fe.flank=4", "fe.fillet=3")
+
+
+@cache
+def model(order: int) -> gm.FiniteElements | gm.UnloadedFiniteElements:
+    gears = gm.build(gm.load(SAMPLES / "spur.toml", [*SMALL, f"fe.order={order}"]))
+    return gears.finite_elements(members=["pinion"])
+
+
+@pytest.mark.parametrize(("order", "kind"), [(1, "C3D8RH"), (2, "C3D20RH")])
+def test_meshio_rewrites_elements_and_numbers(order: int, kind: str, tmp_path: Path) -> None:
+    ours, theirs = tmp_path / "ours.inp", tmp_path / "theirs.inp"
+    model(order).save(ours)
+    read = meshio.read(ours)
+    assert sum(len(block.data) for block in read.cells) == model(order).measured.elements
+    assert "pinion_flank_right_1" in read.point_sets
+    read.write(theirs)
+    lines = theirs.read_text().splitlines()
+    words = {line.split(",")[0] for line in lines if line.startswith("*")}
+    assert words == {"*HEADING", "*NODE", "*ELEMENT", "*ELSET", "*NSET"}
+    assert f"*ELEMENT, TYPE={kind}" in lines
+    node = lines[lines.index("*NODE") + 1].split(",")
+    # CalculiX reads 20 characters a field; ours fit
+    assert max(len(field.strip()) for field in node[1:]) >= 22
+    text = ours.read_text().splitlines()
+    assert max(len(field.strip()) for field in text[text.index("*NODE") + 1].split(",")) <= 20
+
+
+def test_vtk_has_no_quality_of_hexahedra_of_second_order() -> None:
+    first, second = (model(order) for order in (1, 2))
+    quality = first.to_pyvista().cell_quality("scaled_jacobian")["scaled_jacobian"]
+    assert quality.min() == pytest.approx(first.measured.min_scaled_jacobian, rel=1e-9)
+    assert first.to_pyvista().compute_cell_sizes()["Volume"].sum() == pytest.approx(first.measured.volume, rel=1e-9)
+    quality = second.to_pyvista().cell_quality("scaled_jacobian")["scaled_jacobian"]
+    np.testing.assert_array_equal(quality, -1.0)
+    assert second.measured.min_scaled_jacobian > 0.5
+    assert second.to_pyvista().compute_cell_sizes()["Volume"].sum() == pytest.approx(second.measured.volume, rel=3e-3)
