@@ -16,7 +16,7 @@ from gearmesh import samples
 from gearmesh.errors import DesignError, OutputError
 
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-TOP = {"README.md", "gearmesh", "pyproject.toml", "samples", "scripts", "tests"}
+TOP = {"README.md", "findings", "gearmesh", "pyproject.toml", "samples", "scripts", "tests"}
 
 
 def test_all_samples_have_a_name_and_a_headline() -> None:
