@@ -2,7 +2,7 @@
 # VTK 9.7.2 (PyVista 0.49.1): the scaled Jacobian of every quadratic hexahedron is -1, that of a perfect cube too.
 # Expected: 1 for a cube with its mid-side nodes in the middles, as for the linear hexahedron.
 # Seen: -1, which is what VTK has for cells that it knows no quality of. As a quality it says "inside out", and a filter
-#   "below 0.2" marks all cells of a good second-order mesh. Linear hexahedra and quadratic tetrahedra are compared beside it.
+#   "below 0.2" marks all cells of a good second-order mesh. A linear cube is compared beside it, whose 1 is right.
 # Versions: pyvista 0.49.1, vtk 9.7.2.
 # Meets: whoever checks a C3D20 or HEX20 mesh in ParaView or PyVista before solving.
 set -e
