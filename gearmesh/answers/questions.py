@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from gearmesh.answers.gearset import GearSet, number_list
 from gearmesh.arguments import checks_methods
+from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import Progress, silent
 from gearmesh.systems import system as systems
@@ -150,12 +151,15 @@ class SolvedGears(GearSet):
         mesh, meshes = self.train.pair(pair), self.train.like(pair)
         one = f"{mesh.name} is one of {meshes} equally loaded meshes: the torque is that of this mesh alone"
         torques = required_torques(number_list("torque", torque, "Nm").tolist())
+        positions = None if phi1 is None else number_list("phi1", phi1, "deg")
+        if positions is not None and not positions.size:
+            raise ArgumentError("phi1", [], must_be="one position at least, deg")
         return loaded_contact_of(
             self.design,
             mesh,
             torques,
             (*self.warnings, one) if meshes > 1 else self.warnings,
-            None if phi1 is None else np.radians(number_list("phi1", phi1, "deg")),
+            None if positions is None else np.radians(positions),
             progress,
             cycle=fitted_cycle(mesh)[1] if contact is None else contact.cycle,
             mounts=mounts,

@@ -143,6 +143,7 @@ def test_wrong_arguments_are_refused_or_give_a_result(gears: gm.Gears, verb: str
         (lambda g: g.roll(g.design), "contact = "),
         (lambda g: g.solid("pinion", teeth=-1), "teeth = -1: must be a whole number from 1 to 20"),
         (lambda g: g.finite_elements(members=[]), "members = []: must be members of the pair pinion-gear"),
+        (lambda g: g.loaded_contact(5.0, []), "phi1 = []: must be one position at least, deg"),
         (lambda g: g.largest_errors(["assembly.dx"], []), "criteria = []: must be one limit at least"),
         (lambda g: gm.build({"kind": "rack"}), "design = {'kind': 'rack'}: must be a Design"),
     ],
