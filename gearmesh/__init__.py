@@ -123,7 +123,7 @@ if TYPE_CHECKING:
     from gearmesh.contact.engagement.engagement import Engagement
     from gearmesh.contact.engagement.turns import FullTurns, Wave
     from gearmesh.contact.fit.clearance import Clearance
-    from gearmesh.contact.fit.fit import Fit, Gap, Interference
+    from gearmesh.contact.fit.fit import Fit, Gap, Interference, TipCollision
     from gearmesh.contact.fit.tight_mesh import TightMesh
     from gearmesh.contact.flanks import PathHertz
     from gearmesh.contact.path import ContactPath
@@ -254,6 +254,7 @@ if TYPE_CHECKING:
         MissingValue,
         PatternCheck,
         PatternShift,
+        Reserve,
         Setting,
         Sheet,
         SheetTable,
@@ -537,6 +538,7 @@ __all__ = [
     "RejectedSet",
     "Report",
     "ReportPage",
+    "Reserve",
     "ResidualFigures",
     "Resolution",
     "Result",
@@ -599,6 +601,7 @@ __all__ = [
     "Table",
     "ThicknessAllowance",
     "TightMesh",
+    "TipCollision",
     "TipCorner",
     "TipEdge",
     "ToolMotion",
@@ -838,6 +841,7 @@ _HOMES = {
         "Fit",
         "Gap",
         "Interference",
+        "TipCollision",
     ),
     "gearmesh.contact.fit.tight_mesh": ("TightMesh",),
     "gearmesh.contact.flanks": ("PathHertz",),
@@ -1074,6 +1078,7 @@ _HOMES = {
         "MissingValue",
         "PatternCheck",
         "PatternShift",
+        "Reserve",
         "Setting",
         "Sheet",
         "SheetTable",
