@@ -79,6 +79,7 @@ if TYPE_CHECKING:
         Correction,
         CorrectionFigures,
         EffectFigures,
+        ExchangeFigures,
         PrognosisFigures,
         ResidualFigures,
     )
@@ -156,7 +157,7 @@ if TYPE_CHECKING:
     from gearmesh.design.topography_file import TopographyGrid
     from gearmesh.drawing.drawing import WorkshopDrawing
     from gearmesh.drawing.outline import Outline, ToothRow
-    from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
+    from gearmesh.errors import Bounds, DesignError, GearmeshError, NoSolutionError, OutputError
     from gearmesh.fe.results import ContactFigures, ContactTotal, NodalSolution, ReferenceNode
     from gearmesh.figures import Entry, Figure, Figures, Summary
     from gearmesh.kernel.motion.joint import Joint, MotionUnits
@@ -171,7 +172,7 @@ if TYPE_CHECKING:
     from gearmesh.loaded.sharing import LoadedMesh, PairLoad
     from gearmesh.mesh.hexahedra.hexes import HexMesh
     from gearmesh.mesh.triangles import TriangleMesh
-    from gearmesh.metrology.correction import SettingChanges
+    from gearmesh.metrology.correction import Exchange, SettingChanges
     from gearmesh.metrology.evaluation import EvaluatedTrace, TraceRange
     from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
     from gearmesh.metrology.measured_teeth import FlankDeviations, MeasuredTeeth
@@ -316,6 +317,7 @@ __all__ = [
     "BoreSteps",
     "Boss",
     "Bottom",
+    "Bounds",
     "Break",
     "Cad",
     "CadFigures",
@@ -383,6 +385,8 @@ __all__ = [
     "Engagement",
     "Entry",
     "EvaluatedTrace",
+    "Exchange",
+    "ExchangeFigures",
     "FaceGearAssembly",
     "FaceGearDesign",
     "FaceGearGear",
@@ -754,6 +758,7 @@ _HOMES = {
         "Correction",
         "CorrectionFigures",
         "EffectFigures",
+        "ExchangeFigures",
         "PrognosisFigures",
         "ResidualFigures",
     ),
@@ -893,6 +898,7 @@ _HOMES = {
         "ToothRow",
     ),
     "gearmesh.errors": (
+        "Bounds",
         "DesignError",
         "GearmeshError",
         "NoSolutionError",
@@ -942,7 +948,10 @@ _HOMES = {
     ),
     "gearmesh.mesh.hexahedra.hexes": ("HexMesh",),
     "gearmesh.mesh.triangles": ("TriangleMesh",),
-    "gearmesh.metrology.correction": ("SettingChanges",),
+    "gearmesh.metrology.correction": (
+        "Exchange",
+        "SettingChanges",
+    ),
     "gearmesh.metrology.evaluation": (
         "EvaluatedTrace",
         "TraceRange",

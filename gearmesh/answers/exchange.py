@@ -16,7 +16,6 @@ from gearmesh.answers.pinned import Pinned, leaves_of
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
 from gearmesh.arguments import checks_arguments
-from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design, RexsSource
 from gearmesh.design.files import anchor, counted_from, every_key, stated_text
 from gearmesh.errors import ArgumentError, DesignError, FileError
@@ -239,7 +238,6 @@ class RexsExport(Result):
     stage: str
     own_keys: tuple[str, ...]
     warnings: tuple[str, ...] = ()
-    model = Deprecated("_model", "0.18.0", "save() writes it")
 
     @property
     def suffixes(self) -> tuple[str, ...]:

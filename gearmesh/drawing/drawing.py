@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh.answers.gearset import GearSet
-from gearmesh.deprecated import Deprecated
 from gearmesh.drawing.gear_data import facts_of
 from gearmesh.drawing.page import Page, compose, paint
 from gearmesh.drawing.paper import scale_name
@@ -27,7 +26,6 @@ class WorkshopDrawing:
 
     member: str
     _page: Page
-    page = Deprecated("_page", "0.18.0", "save() writes it")
 
     def __repr__(self) -> str:
         return f"<Drawing: {self.member}, {self.sheet} at {self.scale}>"

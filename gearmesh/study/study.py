@@ -17,7 +17,6 @@ from gearmesh import __version__
 from gearmesh.answers.load.loaded import required_torques
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
-from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.errors import ArgumentError, NoSolutionError, OutputError, UnknownFigureError, nearest
@@ -84,7 +83,6 @@ class Study(Result):
     nominal: Summary
     limits: tuple[Limit, ...]
     _work: StudyWork
-    work = Deprecated("_work", "0.18.0", "`plan` has what was asked for")
 
     @property
     def suffixes(self) -> tuple[str, ...]:

@@ -28,7 +28,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from gearmesh.deprecated import Deprecated
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components
 from gearmesh.kernel.numeric.polylines import first_crossing
@@ -179,7 +178,6 @@ class StripPiece:
     outer: tuple[float, float]
     point: Array | None = None
     round: tuple[Array, float, float, float] | None = None
-    arc = Deprecated("_arc", "0.18.0", "`round` says whether there is one")
 
     def edge(self, sigma: Array) -> Array:
         """The sharp edge beside the piece, in the plane of the development.

@@ -122,7 +122,9 @@ class Blade:
         radius = self.blade_radius
         centre_x = self.height + radius * np.sin(self.blade_angle)
         # through (0, +-tip_radius): centre - radius n, n = (sin p, -cos p)
-        centre_y = self.side * self.tip_radius - np.sign(radius) * np.sqrt(radius**2 - centre_x**2)
+        # no number for an arc too small to reach the tip plane, which the bounds of `blade_radius` refuse
+        reach = np.sqrt(radius**2 - centre_x**2) if abs(radius) >= abs(centre_x) else np.nan
+        centre_y = self.side * self.tip_radius - np.sign(radius) * reach
         return Arc((float(centre_x), float(centre_y)), -radius)
 
     @cached_property

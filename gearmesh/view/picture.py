@@ -8,7 +8,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from gearmesh.deprecated import Deprecated
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import scratch_folder
 from gearmesh.view.scene import Scene
@@ -31,7 +30,6 @@ class Picture:
     """A picture of gears; drawing needs off-screen OpenGL."""
 
     _scene: Scene
-    scene = Deprecated("_scene", "0.18.0", "save() and show() draw it")
 
     def __repr__(self) -> str:
         width, height = self._scene.size
@@ -127,7 +125,6 @@ class Animation:
     """Gears that roll through one pitch, over and over; drawing needs off-screen OpenGL."""
 
     _scenes: tuple[Scene, ...]
-    scenes = Deprecated("_scenes", "0.18.0", "save() draws them")
 
     def __repr__(self) -> str:
         return f"<Animation: {self._scenes[0].title}, {len(self._scenes)} pictures>"

@@ -113,7 +113,10 @@ def test_no_verb_takes_an_object_or_a_complex_number(gears: gm.Gears, verb: str)
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("verb", [*METHODS, *VERBS])
-def test_wrong_arguments_are_refused_or_give_a_result(gears: gm.Gears, verb: str, here: Path) -> None:
+def test_wrong_arguments_are_refused_or_give_a_result(
+    gears: gm.Gears, verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     for one in parameters(verb):
         for wrong in WRONG:
             if wrong is one.default:

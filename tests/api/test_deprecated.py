@@ -43,9 +43,6 @@ def test_what_goes_is_there_until_its_version(owner: str, name: str) -> None:
     assert version(gm.__version__) < version(gone)
 
 
-def test_the_scene_of_a_picture() -> None:
-    picture = built_sample("spur").picture("section")
+def test_what_went_is_not_there() -> None:
     assert GOING
-    with pytest.warns(DeprecationWarning, match="Picture.scene"):
-        scene = picture.scene
-    assert scene.title in repr(picture)
+    assert not hasattr(built_sample("spur").picture("section"), "scene")

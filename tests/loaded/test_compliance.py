@@ -266,7 +266,7 @@ def test_what_is_known_of_a_body_is_not_asked_again(monkeypatch: pytest.MonkeyPa
     cells, rings = Cells(flank=3, fillet=2, thickness=2, rim=2, face=3), []
     monkeypatch.setattr(compliance, "_RINGS", {})
     whole = compliance._cuts
-    monkeypatch.setattr(compliance, "_cuts", lambda *given: rings.append(given) or whole(*given))
+    monkeypatch.setattr(compliance, "_cuts", lambda *given, **kinds: rings.append(given) or whole(*given, **kinds))
 
     def of(material: Material, *keys: str) -> FlankCompliance:
         tooth = pair_of(gm.load(SAMPLES / "spur.toml", list(keys))).pinion.tooth

@@ -6,7 +6,10 @@ at the apex, z along the pitch line, x in the axial plane from the pinion to the
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,7 +81,7 @@ class Cut:
             p = middle + turn @ (r - middle)
             return float((turn @ n) @ (np.cross(cradle, p - middle) + np.cross(self.axis, p) / self.roll))
 
-        roll = float(fsolve(meshing, [0.0], xtol=1e-13)[0])
+        roll = float(root_of(meshing, np.zeros(1), 1e-13)[0])
         turn, back = turned(cradle, roll), turned(self.axis, roll / self.roll)
         return back @ (middle + turn @ (r - middle)), back @ turn @ n
 
@@ -126,6 +129,15 @@ class SweptContact:
         return np.asarray(error - error[0])
 
 
+def root_of(equations: Callable[[Array], Any], start: Array, tolerance: float) -> Array:
+    """Root by scipy's fsolve, which warns where rounding stops its progress: the residual says whether it is one."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        x: Array = fsolve(equations, start, xtol=tolerance)
+    assert np.abs(equations(x)).max() < 1e-9
+    return x
+
+
 def contact(side: str, phi1: Array, axial: float = 0.0, across: float = 0.0) -> SweptContact:
     """Contact with the pinion displaced along its axis and across both axes (mm)."""
     first, second = PAIRS[side]
@@ -141,8 +153,7 @@ def contact(side: str, phi1: Array, axial: float = 0.0, across: float = 0.0) -> 
             crossed = 80.0 * np.cross(about @ n1, gear @ n2)
             return np.array([*(about @ r1 + shift - gear @ r2), crossed @ X, crossed @ Z])
 
-        x = fsolve(apart, x, xtol=1e-12)
-        assert np.abs(apart(x)).max() < 1e-9
+        x = root_of(apart, x, 1e-12)
         # the gear turns against the pinion's sense about its own axis
         angles.append(-x[4])
         points.append(own @ (about @ first.at(x[0], x[1])[0] + shift))

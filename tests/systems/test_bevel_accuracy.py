@@ -33,7 +33,7 @@ def test_the_tolerance_diameter_is_in_the_middle_of_the_working_depth() -> None:
 def test_the_sheet_of_a_pair_and_of_one_member_have_them() -> None:
     design = gm.load(SAMPLES / "hypoid.toml").with_values({"accuracy_grade": 6})
     title = "Tolerances [ISO 17485:2006]"
-    alone = gm.build(design, alone="gear").sheet(member="gear").plain_tables[title]
+    alone = gm.build(design, alone=True).sheet(member="gear").plain_tables[title]
     assert alone["B"][1:] == [6]
     sizes = BevelSizes(design.gear.teeth, alone["d_T"][1], basic_blank(design.in_mm()).mean_normal_module)
     assert {symbol: alone[symbol][1] for symbol in ("f_ptT", "F_pT", "F_rT")} == sizes.tolerances(6)

@@ -106,6 +106,8 @@ def test_blades_of_one_cut_leave_no_thickness_to_ask_for() -> None:
     given = dict(gm.load(GIVEN).own())
     one = {key.replace("concave", "convex"): value for key, value in given.items() if key.startswith("pinion.concave.")}
     own = {key: given[key] for key in ("pinion.convex.tip_radius", "pinion.convex.blade_angle")}
+    # the outside blade, which cuts the concave side, is the wider one: blades that cross are refused
+    own["pinion.convex.tip_radius"] = given["pinion.concave.tip_radius"] - 2.0
     bases = {f"pinion.{name}.sliding_base": 0.0 for name in ("concave", "convex")}
     design = gm.load(GIVEN).with_values({**one, **own, **bases, "process": "completing"})
     with pytest.raises(DesignError, match=r'^pinion.thickness = 5.9 mm: process = "completing" determines it by'):

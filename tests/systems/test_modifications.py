@@ -137,7 +137,7 @@ def test_topography_files(tmp_path: Path) -> None:
     np.testing.assert_allclose(amount_of(load(design), *at), amounts, atol=1e-12)
     for text, message in (
         ("r,z,a\n1,2,3\n", r"line 1: allowed is roll_length_mm,z_mm,amount_um or diameter_mm,z_mm,amount_um"),
-        ("roll_length_mm,z_mm,amount_um\n1,2,x\n", r"line 2: \"1,2,x\": a line needs three numbers"),
+        ("roll_length_mm,z_mm,amount_um\n1,2,x\n", r"line 2: amount_um = \"x\": must be a finite number"),
         (
             "roll_length_mm,z_mm,amount_um\n1,2,3\n1,3,3\n2,2,3\n",
             r"3 amounts at 2 places across .* the file must have one for each",

@@ -32,7 +32,6 @@ from gearmesh.answers.bodies.model_figures import (
 from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, cell, figures, round_to
-from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, check_sector, gear_model, grid_of
@@ -63,8 +62,6 @@ class FiniteElements(FiniteElementModel):
     pair: GearPair
     _request: Request
     _built: GearModel
-    request = Deprecated("_request", "0.18.0", "design.fe has what was asked for")
-    built = Deprecated("_built", "0.18.0", "`mesh` and `figures` have what was made")
 
     @property
     def coarse(self) -> str:

@@ -24,7 +24,6 @@ from gearmesh.answers.inspection.measured_files import BOTH, flanks_of_files
 from gearmesh.answers.questions import SolvedGears
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
-from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, topography_text
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
@@ -161,7 +160,6 @@ class Correction(Result):
     residual: Mapping[Side, DeviationGrid]
     notes: tuple[str, ...] = ()
     thickness: float | None = None
-    flanks = Deprecated("_flanks", "0.18.0", "its figures and rows have what is known of them")
 
     @property
     def suffixes(self) -> tuple[str, ...]:
