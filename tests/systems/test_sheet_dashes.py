@@ -24,7 +24,8 @@ def ring(module: float = 2.0, teeth: int = 50, of_both: dict[str, Any] | None = 
     """A pair of 20 teeth and an internal gear; keys of both members, and of the design or, as a table, of the gear."""
     both = {"face_width": 10, **(of_both or {})}
     gear = {"teeth": -teeth, **both, **keys.pop("gear", {})}
-    return gm.parse({"kind": "cylindrical", "module": module, "pinion": {"teeth": 20, **both}, "gear": gear, **keys})
+    pinion = keys.pop("pinion", {"teeth": 20, **both})
+    return gm.parse({"kind": "cylindrical", "module": module, "pinion": pinion, "gear": gear, **keys})
 
 
 @pytest.mark.sweep_cases("much")
@@ -75,6 +76,22 @@ REFUSED = {
 
 
 @pytest.mark.sweep_cases("spiral_bevel_basic", "planetary", "face_gear", "rack")
+@pytest.mark.parametrize(
+    ("pinion_teeth", "ring_teeth", "row", "reason"),
+    [
+        (34, 35, "trimming", "the pinion is larger than the hole of the ring and goes in from its end alone"),
+        (12, 60, "trochoid", "the tips never come near each other"),
+    ],
+)
+def test_a_reserve_without_a_limit_says_which_of_the_two_it_is(
+    pinion_teeth: int, ring_teeth: int, row: str, reason: str
+) -> None:
+    """Both were a dash without a word, though one of them says that the gears cannot be put together."""
+    keys = {"pressure_angle": 25, "pinion": {"teeth": pinion_teeth, "face_width": 10, "addendum": 0.55}}
+    sheet = gm.build(ring(teeth=ring_teeth, **keys)).sheet()
+    assert {(value.symbol, value.column): value.reason for value in sheet.missing}[row, "gear"] == reason
+
+
 @pytest.mark.parametrize("sample", REFUSED)
 def test_no_refused_figure_brings_down_the_sheet(sample: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: object) -> None:

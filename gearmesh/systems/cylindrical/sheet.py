@@ -67,6 +67,8 @@ UNDERCUT = "the tool undercuts the flank"
 NO_SPAN = "no number of teeth has a span that touches the flank within the face width"
 HOLLOW = "flat anvils cannot touch the hollow flanks of a helical internal gear; measure between balls, M_dK"
 PIN_ENDS = "a straight pin touches a helical internal space at its ends; measure between balls, M_dK"
+NEVER_NEAR = "the tips never come near each other"
+LARGER_THAN_HOLE = "the pinion is larger than the hole of the ring and goes in from its end alone"
 NARROW = "the face is narrower than {:.4g} mm, the distance along the axis of the points that it touches"
 NARROW_FOR_PINS = (
     "the face is narrower than {:.4g} mm, over which pins of an odd number of teeth slide to stand opposite"
@@ -720,8 +722,11 @@ def _internal_reserves(pair: SheetPair) -> list[Row]:
         return []
     turns = reserves(pair.mesh, pair.geometry.tips)
 
-    def of_ring(value: float) -> Values:
-        return pair.of_all(lambda k: _degrees(value) if pair.teeth[k].internal else None)
+    def of_ring(reserve: float) -> Values:
+        shown: float | Missing = _degrees(reserve)
+        if math.isinf(reserve):
+            shown = Missing(NEVER_NEAR if reserve > 0.0 else LARGER_THAN_HOLE)
+        return pair.of_all(lambda k: shown if pair.teeth[k].internal else None)
 
     return [
         ("trochoid", "tips passing each other in rotation", "deg", of_ring(turns.trochoid)),
