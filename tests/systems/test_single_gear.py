@@ -91,7 +91,8 @@ def test_is_the_same_gear_as_in_a_pair(name: str, table: str) -> None:
     theirs = pair.sheet().plain_tables
     compared = 0
     for title, rows in alone.sheet().plain_tables.items():
-        if title in ("Derived keys (lengths in mm)", "Gear"):
+        # of the pair the tool's rounding is stated; where it is left open, a tool that is fed has one of its own
+        if title in ("Derived keys (lengths in mm)", "Gear", "As cut by feeding the tool for the allowance"):
             continue
         for symbol, (unit, value) in rows.items():
             assert theirs[title][symbol][0] == unit
