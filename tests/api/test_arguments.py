@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import inspect
 import json
 import multiprocessing
@@ -31,7 +32,15 @@ SMALL: dict[str, Any] = {
     "fe": {"teeth": 1, "flank": 5, "fillet": 4, "thickness": 2, "face": 4, "torque": 10},
 }
 WRONG = (None, [], "x", -1, 1j, object())
-#: what verbs need beside the argument that is wrong
+
+
+@functools.cache
+def small_study() -> gm.Study:
+    """A study of two rows."""
+    return gm.build(gm.parse(SMALL)).study({"assembly.dx": "0:0.01:2"})
+
+
+#: what verbs need beside the argument that is wrong; a function gives it when it is needed
 NEEDED: dict[str, tuple[Any, ...]] = {
     "with_deviations": ("pinion", "left", [[0, 0], [0, 0]]),
     "with_teeth_like": ("pinion", 1),
@@ -47,6 +56,7 @@ NEEDED: dict[str, tuple[Any, ...]] = {
     "place": ({},),
     "places_at": (0.0,),
     "run": ("out",),
+    "save_pictures": (small_study, "pictures"),
     "section": ("pinion",),
     "solid": ("pinion",),
     "theoretical_chart": ("pinion",),
@@ -75,7 +85,8 @@ def gears() -> gm.Gears:
 def call(gears: gm.Gears, verb: str, parameter: str, wrong: Any) -> Any:
     """A verb with one argument that is wrong."""
     function = getattr(gm, verb) if verb in VERBS else getattr(gears, verb)
-    given = inspect.signature(function).bind_partial(*NEEDED.get(verb, ()))
+    needed = (of() if callable(of) else of for of in NEEDED.get(verb, ()))
+    given = inspect.signature(function).bind_partial(*needed)
     if verb == "gear":
         given.arguments["module"] = 1
     given.arguments[parameter] = wrong
@@ -93,6 +104,12 @@ def test_all_public_verbs_check_their_arguments() -> None:
     assert len(METHODS) > 35
     for function in (*(getattr(gm.Gears, name) for name in METHODS), *(getattr(gm, n) for n in VERBS if n != "system")):
         assert function.__code__ is checks_arguments(lambda: None).__code__, function  # type: ignore[attr-defined]
+
+    for name in METHODS:
+        every = inspect.signature(getattr(gm.Gears, name))
+        needed = {one.name for one in every.parameters.values() if one.default is one.empty}
+        missing = needed - {*every.bind_partial(None, *NEEDED.get(name, ())).arguments}
+        assert not missing or missing == {*every.parameters} - {"self"}, f"NEEDED lacks arguments of {name}: {missing}"
 
 
 def parameters_of(function: Callable[..., Any]) -> list[str]:

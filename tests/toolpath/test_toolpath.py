@@ -141,7 +141,7 @@ def test_the_holder_stays_clear_of_the_teeth() -> None:
     teeth = np.concatenate(
         [tooth.joint.to(k * tooth.pitch_angle).point(np.concatenate(points)) for k in (-2, -1, 0, 1)]
     )
-    path = gears.toolpath("gear", "ball:1.3,3.5,5", "200um").path
+    path = gears.toolpath("gear", "ball:1.3,3.5,5", "200um").motion
     at = np.flatnonzero(np.isfinite(path.motion.contacts[:, 0]))[::7]
     way = teeth - path.motion.centres[at][:, None]
     up = np.einsum("nkj,nj->nk", way, path.motion.axes[at])
