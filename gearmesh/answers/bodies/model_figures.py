@@ -75,7 +75,9 @@ class MeshFigures(Figures):
     elements: int = figure("elements", whole=True)
     element_order: int = figure("order of the elements: 1 or 2", whole=True)
     nodes: int = figure("nodes", whole=True)
-    min_scaled_jacobian: float = figure("least scaled Jacobian of the elements")
+    min_scaled_jacobian: float = figure(
+        "least scaled Jacobian of the elements: at corners, of second order at all nodes and integration points"
+    )
     volume: float = figure("volume of the elements", "mm3", "V")
 
 

@@ -261,6 +261,7 @@ def halve(grid: HexGrid) -> HexGrid:
         _with_middles(lines.thickness),
         _with_middles(lines.rim),
         lines.land,
+        halved=True,
     )
     if fine.flank.ndim == 2:
         fine = replace(fine, flank=_with_middles(fine.flank.T).T)

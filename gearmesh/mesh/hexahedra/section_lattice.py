@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.mesh.hexahedra.layers import Chart, Layers
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 
@@ -32,6 +32,8 @@ from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 MEETING = 0.35
 #: least width of the root land, over an even share of its cells, on which these stay
 LEAST_ROOT = 0.4
+#: steps of regula falsi, the first of which halves the interval, towards the place halfway along an edge: within 2 % of its length
+HALVING_STEPS = 3
 #: points at which the lengths of the outline's links are measured
 LENGTH_SAMPLES = 65
 
@@ -70,7 +72,8 @@ class Lines:
 
     `root`: cells from the middle of the root land to the form point; `flank` (F + 1,) or (F + 1, T): places from form point to tip;
     `edge`: cells on a broken tip edge; `thickness` (D + 1,): places from flank to middle; `rim` (R + 1,): from there inwards;
-    `land`: what the length of the root land counts beside that of the fillet where `root` cells are shared out.
+    `land`: what the length of the root land counts beside that of the fillet where `root` cells are shared out. `halved`: every
+    other line is of mid-side nodes, which on flanks lie as far from one corner of their edge as from the other.
     """
 
     root: int
@@ -79,6 +82,7 @@ class Lines:
     thickness: Array
     rim: Array
     land: float = 1.0
+    halved: bool = False
 
 
 @dataclass(frozen=True)
@@ -128,8 +132,9 @@ class _Outline:
 
 def _outline(layers: Layers, side: Side, lines: Lines) -> _Outline:
     links = _Links(layers, side)
-    low, root_cells = links.from_cut_to_form_point(lines.root, lines.land)
-    flank = links.points(FLANKS[side], lines.flank)
+    low, root_cells = links.from_cut_to_form_point(lines.root, lines.land, 2 if lines.halved else 1)
+    places = links.halve(FLANKS[side], lines.flank) if lines.halved else lines.flank
+    flank = links.points(FLANKS[side], places)
     if layers.tooth.tip_edge is not None:
         flank = np.concatenate((flank, links.points(EDGES[side], np.linspace(0.0, 1.0, lines.edge + 1))[1:]))
     return _Outline(low, flank, links.points(Region.LAND, lines.thickness), root_cells)
@@ -150,10 +155,35 @@ class _Links:
             return self._layers.step.point(points) if region is Region.ROOT and not right else points
         return self._layers.grid(region, s if right else 1.0 - s).points
 
-    def from_cut_to_form_point(self, cells: int, land: float) -> tuple[Array, NDArray[np.bool_]]:
+    def halve(self, region: Region, s: Array) -> Array:
+        """Places (2 F + 1, T) of which every other one is halfway between its neighbours by distance; s (2 F + 1,) or (2 F + 1, T).
+
+        Halfway in s is not: where a flank ends near its singular point its length grows with the square of s, and a mid-side node
+        at a quarter of its edge makes the element singular.
+        """
+        first, last = self.points(region, s[:-2:2]), self.points(region, s[2::2])
+        shape = first.shape[:-1]
+        low, middle, high = (
+            np.broadcast_to(part if s.ndim > 1 else part[:, None], shape) for part in (s[:-2:2], s[1::2], s[2::2])
+        )
+        length = np.sqrt(dot(last - first, last - first))
+        nearer, farther = -length, length
+        for _ in range(HALVING_STEPS):
+            there = self.points(region, middle)
+            beyond = np.sqrt(dot(there - first, there - first)) - np.sqrt(dot(last - there, last - there))
+            before = beyond < 0.0
+            low, nearer = np.where(before, middle, low), np.where(before, beyond, nearer)
+            high, farther = np.where(before, high, middle), np.where(before, farther, beyond)
+            middle = low + (high - low) * nearer / (nearer - farther)
+        places = np.empty((len(s), *shape[1:]))
+        places[::2], places[1::2] = s[::2] if s.ndim > 1 else s[::2, None], middle
+        return places
+
+    def from_cut_to_form_point(self, cells: int, land: float, step: int) -> tuple[Array, NDArray[np.bool_]]:
         """Nodes (cells + 1, T, 3) over root land and fillet, and which cells lie on the root land.
 
-        The cells are shared out by the mean lengths of both, of the root land `land` times it, evenly spaced on either.
+        The cells, `step` to an element, are shared out by the mean lengths of both, of the root land `land` times it, evenly spaced
+        on either.
         Where the root land narrows to less than `LEAST_ROOT` of its cells' even share, they reach over to the fillet.
         """
         s = np.linspace(0.0, 1.0, LENGTH_SAMPLES)
@@ -163,7 +193,9 @@ class _Links:
         length = np.concatenate((np.zeros((1, steps.shape[1])), np.cumsum(steps, axis=0)))
         root, whole = length[LENGTH_SAMPLES - 1], length[-1]
         part = land * root / (land * root + whole - root)
-        on_root = int(np.clip(np.round(cells * part.mean()), 1, cells - 1))
+        # lines of corners, not of mid-side nodes, lie between root land and fillet
+        elements = cells // step
+        on_root = step * int(np.clip(np.round(elements * part.mean()), 1, elements - 1))
         change = np.maximum(root, LEAST_ROOT * whole * on_root / cells)
         wanted = np.concatenate(
             (
