@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
 from os import PathLike
@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh import __version__
+from gearmesh.answers.bodies.solid import Solid
 from gearmesh.answers.check import Check
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.staging import staged_contact
@@ -30,14 +31,14 @@ from gearmesh.files.reading import MIB, file_bytes, read_json
 from gearmesh.io.atomic import scratch_folder, whole_text
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.study.summary import StudySummary
-from gearmesh.teeth.gear_train import GearTrain
+from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.view import opengl, pictures
 from gearmesh.view.diagrams.flank_diagrams import plot_flanks
 from gearmesh.view.diagrams.modification_diagrams import is_modified, plot_modifications
 from gearmesh.view.diagrams.turns_plot import plot_turns
 from gearmesh.view.load.loaded_pictures import LoadedPictures
 from gearmesh.view.offscreen.letters import Image
-from gearmesh.view.picture import LOADED_VIEWS, Diagram, saved_bytes
+from gearmesh.view.picture import saved_bytes
 from gearmesh.view.render import render
 from gearmesh.view.report import page as pages
 from gearmesh.view.report.card import Card, mesh_card
@@ -47,6 +48,8 @@ from gearmesh.view.scene import Scene
 
 #: mm: distance of the meshes shown from the exact surfaces
 SHOWN = 0.01
+#: share of the tolerance of the meshes shown from which on a finer mesh that is there is taken
+FINER = 0.25
 #: width and height of pictures, in pixels
 PICTURE_SIZE = (800, 600)
 #: of plots that hold maps
@@ -58,6 +61,14 @@ LIBRARIES = ("numpy", "scipy", "manifold3d", "matplotlib", "pyvista", "vtk")
 SUFFIX = ".html"
 #: largest file of a study that is shown, bytes
 LARGEST = 64 * MIB
+
+
+@dataclass(frozen=True)
+class PagePlots:
+    """Plots of a page, each as its caption and the bytes of a PNG or SVG file: of contact and teeth, and of `loaded` contact."""
+
+    contact: list[tuple[str, bytes]] = field(default_factory=list)
+    loaded: list[tuple[str, bytes]] = field(default_factory=list)
 
 
 @dataclass(frozen=True, repr=False)
@@ -113,14 +124,16 @@ def report_page(
     source: str | None = None,
     studies: Sequence[Path] = (),
     loaded: Mapping[int, LoadedPictures] | None = None,
+    plots: PagePlots | None = None,
 ) -> ReportPage:
     """The page of gears with solved contacts, by the numbers of their pairs.
 
     Of gears that do not mesh there are no contacts, but a workshop drawing and limits. `tolerance` (mm) is that of the meshes
     shown; with a `check` its verdicts are in it; `images` (captions and RGB pixels, all gears first) are drawn where they are not
     given; `source` is the design's file, by default the keys that the design sets; `studies` are the folders of finished ones;
-    `loaded` is the contact under torque of pairs, by their numbers. Raises OutputError for a folder without a study,
-    NoSolutionError where a pair that is not jammed has no contact at any position.
+    `loaded` is the contact under torque of pairs, by their numbers; `plots`, like `images`, are drawn where they are not given. The
+    solids of the check are shown where they are meshed about as finely as asked for. Raises OutputError for a folder without a
+    study, NoSolutionError where a pair that is not jammed has no contact at any position.
     """
     for contact in contacts.values():
         if not contact.path.touching.any() and not contact.stuck:
@@ -130,7 +143,8 @@ def report_page(
             )
     # of gears that are jammed at all positions there are figures, but no contact in pictures
     moving = {k: contact for k, contact in contacts.items() if not contact.stuck}
-    members = [StagedMember.of(member, tolerance) for member in gears.members.values()]
+    solids = {} if check is None else check.solids
+    members = [_staged_member(member, tolerance, solids.get(name)) for name, member in gears.members.items()]
     meshes = {member.member.name: member.whole for member in members}
     overview = _overview(gears, moving, meshes)
     skipped = opengl.missing_opengl_message()
@@ -141,7 +155,9 @@ def report_page(
     staged = [_stage(gears.train, contact, checks.get(k), loads.get(k)) for k, contact in moving.items()]
     data = stage(gears.train, members, staged, overview.camera)
     shots = [(caption, _jpeg(image)) for caption, image in images]
-    sections = _sections(gears, contacts, check, shots, source, studies, loads)
+    sections = _sections(
+        gears, contacts, check, shots, source, studies, loads, plots or draw_plots(gears, moving, loads)
+    )
     lines = (*gears.warnings, *(line for contact in contacts.values() for line in contact.warnings))
     for under in (load.contact for load in loads.values()):
         of = f"{under.pair.name}: " if len(loads) > 1 else ""
@@ -197,6 +213,15 @@ def _overview(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[s
     return pictures.pair_picture(first.pair, dict(meshes), first.path, PICTURE_SIZE)
 
 
+def _staged_member(member: Member, tolerance: float, solid: Solid | None) -> StagedMember:
+    """A member for the view, of a solid that is there if its mesh is within the tolerance (mm) and not far more than that."""
+    if solid is not None and solid.member is member and len(solid.teeth) == 1:
+        (tooth,) = solid.teeth
+        if FINER * tolerance <= tooth.tolerance <= tolerance:
+            return StagedMember.of_mesh(member, solid.mesh, tooth)
+    return StagedMember.of(member, tolerance)
+
+
 def _stage(train: GearTrain, contact: Contact, check: Check | None, loaded: LoadedPictures | None = None) -> StagedPair:
     """A pair for the view, its contact at as many positions as the slider wants, those without contact left out."""
     patches = {} if check is None else {name: check.roll.patches(contact.pair, name) for name in contact.pair.members}
@@ -236,6 +261,7 @@ def _sections(
     source: str | None,
     studies: Sequence[Path],
     loaded: Mapping[int, LoadedPictures],
+    plots: PagePlots,
 ) -> list[PageSection]:
     sections = []
     if contacts:
@@ -248,7 +274,7 @@ def _sections(
             replace(loaded_contact.listings[0], title=f"{loaded_contact.listings[0].title} of {loaded_contact.pair.name}")
             for loaded_contact in (under.contact for under in loaded.values())
         ])  # fmt: skip
-        body = "".join(drawing(*loaded_plot) for loaded_plot in loaded_plots(loaded))
+        body = "".join(drawing(*plot) for plot in plots.loaded)
         sections.append(PageSection("Under load", tables + body))
     if check is not None:
         sections.append(PageSection("Checks", _tables(check.listings)))
@@ -256,9 +282,7 @@ def _sections(
     if shots[1:]:
         body = "".join(picture(*shot) for shot in shots[1:])
         sections.append(PageSection("Pictures", f'<div class="pictures">{body}</div>'))
-    if body := "".join(
-        drawing(*plot) for plot in plots(gears, {k: contact for k, contact in contacts.items() if not contact.stuck})
-    ):
+    if body := "".join(drawing(*plot) for plot in plots.contact):
         sections.append(PageSection("Plots", body))
     sections += [study_section(folder) for folder in studies]
     sections.append(PageSection("Data sheet", _tables(sheet_of(gears).listings)))
@@ -303,43 +327,61 @@ def study_section(folder: Path) -> PageSection:
     return PageSection(f"Study {folder.name}", tables + "".join(drawings))
 
 
-def plots(gears: GearSet, contacts: Mapping[int, Contact]) -> list[tuple[str, bytes]]:
-    """Captions and files of the plots of a page: SVG, and PNG where there are maps, whose contours are long."""
-    drawings = []
+def draw_plots(
+    gears: GearSet, contacts: Mapping[int, Contact], loaded: Mapping[int, LoadedPictures] | None = None
+) -> PagePlots:
+    """The plots of a page: SVG, and PNG where there are maps, whose contours are long."""
+    made = PagePlots()
     with scratch_folder() as folder:
-        te, path, maps = (folder / file for file in ("te.svg", "path.png", "maps.png"))
+        te, maps, curves = (folder / file for file in ("te.svg", "maps.png", "curves.svg"))
         for contact in contacts.values():
-            of = f", {contact.pair.name}" if len(contacts) > 1 else ""
-            rows = pictures.plots(contact, te, path)
-            drawings.append((f"Transmission error{of}", te.read_bytes()))
-            if rows:
-                plot_flanks(path, rows, "", dpi=DPI)
-            drawings.append((f"Contact on the flanks{of}", path.read_bytes()))
-            if (turns := contact.unlike_turns) is not None:
-                plot_turns(path, turns, "", contact.pair.output.reading.error, dpi=DPI)
-                drawings.append((f"Transmission error over whole turns{of}", path.read_bytes()))
+            of = contact.pair.name if len(contacts) > 1 else ""
+            pictures.plot_errors(contact, te)
+            rows = pictures.all_flank_rows(contact)
+            plot_flanks(maps, rows or pictures.driving_flanks(contact, rows), "", dpi=DPI)
+            made.contact.append((te_caption(of), te.read_bytes()))
+            made.contact.append((flanks_caption(of), maps.read_bytes()))
+            made.contact.extend(turns_plots(contact, of))
         for member in gears.members.values():
             if is_modified(member):
                 plot_modifications(maps, member)
-                drawings.append((f"Modifications of the {member.name}", maps.read_bytes()))
-    return drawings
-
-
-def loaded_plots(loaded: Mapping[int, LoadedPictures]) -> list[tuple[str, bytes]]:
-    """Captions and files of the figures of contact under torque."""
-    drawings = []
-    with scratch_folder() as folder:
-        for under_torque in loaded.values():
-            for view in LOADED_VIEWS[1:]:
+                made.contact.append((modifications_caption(member.name), maps.read_bytes()))
+        for under_torque in (loaded or {}).values():
+            note = under_torque.contact.pair.name if loaded and len(loaded) > 1 else ""
+            for view, diagram in under_torque.diagrams(DPI, note).items():
                 # maps are pictures anyhow
-                file = folder / ("maps.png" if view == "loaded_flank" else "curves.svg")
-                drawn = under_torque.picture(
-                    view, dpi=DPI, note=under_torque.contact.pair.name if len(loaded) > 1 else ""
-                )
-                assert isinstance(drawn, Diagram)
-                drawn.save(file)
-                drawings.append((drawn.title, file.read_bytes()))
-    return drawings
+                file = diagram.save(maps if view == "loaded_flank" else curves)
+                made.loaded.append((diagram.title, file.read_bytes()))
+    return made
+
+
+def te_caption(of: str) -> str:
+    """Caption of the transmission error of a pair, named if there are several."""
+    return f"Transmission error{_of(of)}"
+
+
+def flanks_caption(of: str) -> str:
+    """Caption of the contact on the flanks of a pair, named if there are several."""
+    return f"Contact on the flanks{_of(of)}"
+
+
+def modifications_caption(name: str) -> str:
+    """Caption of a member's modifications."""
+    return f"Modifications of the {name}"
+
+
+def turns_plots(contact: Contact, of: str) -> list[tuple[str, bytes]]:
+    """The transmission error over whole turns, with its caption; none of gears whose teeth are alike."""
+    if (turns := contact.unlike_turns) is None:
+        return []
+    with scratch_folder() as folder:
+        file = folder / "turns.png"
+        plot_turns(file, turns, "", contact.pair.output.reading.error, dpi=DPI)
+        return [(f"Transmission error over whole turns{_of(of)}", file.read_bytes())]
+
+
+def _of(name: str) -> str:
+    return f", {name}" if name else ""
 
 
 def given_keys(design: Design) -> str:

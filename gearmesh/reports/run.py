@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from hashlib import file_digest
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,14 @@ from gearmesh.files.reading import MIB, is_file, read_json
 from gearmesh.io.atomic import files_together, whole_text
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
-from gearmesh.reports.report import report_page
+from gearmesh.reports.report import (
+    PagePlots,
+    flanks_caption,
+    modifications_caption,
+    report_page,
+    te_caption,
+    turns_plots,
+)
 from gearmesh.systems.system import system_of
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view import opengl, pictures
@@ -150,7 +158,7 @@ def _frame(file: Path, members: tuple[str, ...]) -> str:
 
 @dataclass
 class RunFolder:
-    """The files of a run of gears, in their order, and the `teeth` that their pictures show.
+    """The files of a run of gears, in their order, and the `solids` among them.
 
     `folder`: where they are written; `target`: where they appear together once all of them are there.
     """
@@ -160,7 +168,12 @@ class RunFolder:
     target: Path
     timing: bool
     files: list[Path] = field(default_factory=list)
-    teeth: pictures.ToothViews = field(default_factory=pictures.ToothViews)
+    solids: dict[str, Solid] = field(default_factory=dict)
+
+    @cached_property
+    def teeth(self) -> pictures.ToothViews:
+        """Teeth to look at, which are those of the solids where these are fine enough."""
+        return pictures.ToothViews(self.solids)
 
     def file(self, name: str, pair: GearPair | None = None) -> Path:
         """A file that is written now; where there are several meshes, the names of those of a `pair` begin with its members."""
@@ -196,7 +209,7 @@ class RunFolder:
 
     def write_solids(self, tolerance: float, progress: Progress) -> dict[str, Solid]:
         """All members as STL, within `tolerance` (mm)."""
-        solids = {}
+        solids = self.solids
         for k, name in enumerate(self.gears.members):
             progress(0.15 + 0.3 * k / len(self.gears.members), f"solid of the {name}")
             target = self.file(f"{name}.stl")
@@ -223,6 +236,27 @@ class RunFolder:
         for name, member in self.gears.members.items():
             if is_modified(member):
                 plot_modifications(self.file(f"{name}_modifications.png"), member)
+
+    def page_plots(self, contacts: Mapping[int, Contact], drawn: Mapping[int, LoadedPictures]) -> PagePlots:
+        """The plots that `write_plots` has written, for the page; what the folder has none of is drawn."""
+        made = PagePlots()
+        for contact in contacts.values():
+            before, of = self.prefix(contact.pair), contact.pair.name if len(contacts) > 1 else ""
+            flanks = self.folder / f"{before}flank.png"
+            made.contact.append((te_caption(of), (self.folder / f"{before}transmission_error.png").read_bytes()))
+            if flanks not in self.files:
+                flanks = self.folder / f"{before}path_of_contact.png"
+            made.contact.append((flanks_caption(of), flanks.read_bytes()))
+            made.contact.extend(turns_plots(contact, of))
+        for name, member in self.gears.members.items():
+            if is_modified(member):
+                file = self.folder / f"{name}_modifications.png"
+                made.contact.append((modifications_caption(name), file.read_bytes()))
+        for under_load in drawn.values():
+            pair = under_load.contact.pair
+            for view, diagram in under_load.diagrams(note=pair.name if len(drawn) > 1 else "").items():
+                made.loaded.append((diagram.title, (self.folder / f"{self.prefix(pair)}{view}.png").read_bytes()))
+        return made
 
     def write_pictures(
         self, contacts: Mapping[int, Contact], check: Check, meshes: dict[str, TriangleMesh]
@@ -302,7 +336,15 @@ def _run_meshes(
         images = written.write_pictures(contacts, check, meshes)
     if page:
         progress(0.9, "report page")
-        html = report_page(gears, contacts, check=check, images=images, source=source, loaded=drawn)
+        html = report_page(
+            gears,
+            contacts,
+            check=check,
+            images=images,
+            source=source,
+            loaded=drawn,
+            plots=written.page_plots(moving, drawn),
+        )
         html.save(written.file(PAGE))
     several = tuple(contacts.values()) if written.several else ()
     under_load = tuple(loaded.values()) if several else ()
@@ -330,7 +372,9 @@ def _run_alone(written: RunFolder, tolerance: float, progress: Progress, page: b
             images.append((scene.title, render(scene, written.file(f"{name}.png"))))
     if page:
         progress(0.9, "report page")
-        report_page(gears, {}, check=check, images=images, source=source).save(written.file(PAGE))
+        report_page(gears, {}, check=check, images=images, source=source, plots=written.page_plots({}, {})).save(
+            written.file(PAGE)
+        )
     return written.finish(lambda files: Report(check, None, written.target, files, skipped, sheet))
 
 

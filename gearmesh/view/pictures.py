@@ -5,6 +5,7 @@ A flank picture meshes the tooth in contact finely and the rest coarsely.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,17 +26,19 @@ from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
 from gearmesh.view.projection import flank_projection
 from gearmesh.view.scene import Scene, ToothView, contact_on
-from gearmesh.view.views import gap_scene, member_scene, pair_scene, pattern_scene, set_scene
+from gearmesh.view.views import flank_pixel, gap_scene, member_scene, pair_scene, pattern_scene, set_scene
 
 if TYPE_CHECKING:
+    from gearmesh.answers.bodies.solid import Solid
     from gearmesh.teeth.generation.tool_in_place import ToolInPlace
     from gearmesh.view.diagrams.flank_diagrams import ContactPanel, FieldPanel, Panel
 
 #: width and height of a picture in pixels
 Size = tuple[int, int]
 SIZE = (1600, 1200)
-#: tolerances (mm) of the tooth looked at, and of what surrounds it
-FINE, COARSE = 0.002, 0.02
+#: tolerances of the tooth looked at, and of what surrounds it, in pixels of a picture of the tooth: that of the tooth is a pixel as
+#: it is drawn, before four of them are one
+FINE, COARSE = 0.5, 1.5
 #: tolerance (mm) of whole members and tools, and points across and along a flank to know where it looks
 WHOLE, TOOL_GRID = 0.05, (3, 3)
 #: exact points across and along a flank on which patterns are drawn
@@ -158,7 +161,9 @@ def tool_contact_picture(member: Member, side: Side, size: Size = SIZE, title: s
 
     name, tooth = member.name, member.tooth.unmodified_tooth
     contact = tool_contact(tooth, side)
-    mesh = teeth_mesh(tessellate(tooth, FINE), name, np.array([0]))
+    s, t = (np.linspace(0.0, 1.0, n) for n in TOOL_GRID)
+    fine = FINE * flank_pixel(tooth.flank_grid(side, s, t).points, SIZE)
+    mesh = teeth_mesh(tessellate(tooth, fine, lean=False), name, np.array([0]))
     shown = f"{name} and its {contact.name}, {side} flank: lines of contact"
     return tool_contact_scene(contact, mesh, _title(title, shown), size)
 
@@ -202,19 +207,37 @@ def plots(contact: Contact, te_file: Path, path_file: Path, title: str = "") -> 
 
     Returns the panels of both sides, to be drawn as they are; none where there is no cycle.
     """
-    from gearmesh.view.diagrams.flank_diagrams import ContactPanel, beside, plot_flanks
+    from gearmesh.view.diagrams.flank_diagrams import plot_flanks
+
+    plot_errors(contact, te_file, title)
+    rows = all_flank_rows(contact)
+    plot_flanks(path_file, driving_flanks(contact, rows), f"{title}: path of contact" if title else "path of contact")
+    return rows
+
+
+def plot_errors(contact: Contact, file: Path, title: str = "") -> None:
+    """TE over the positions with the whole mesh cycle."""
     from gearmesh.view.diagrams.plots import plot_transmission_error
 
-    before, gears, path = f"{title}: " if title else "", contact.pair, contact.path
     # the cycle of eccentric members is that of members that stay displaced: their path is another
-    cycle = None if gears.eccentric else contact.cycle
-    plot_transmission_error(te_file, path, cycle, f"{before}transmission error", gears.output.reading.error)
-    rows = flank_rows(contact) if contact.engagement is not None else []
-    driving = _first_side(rows) if rows else [flank_panel(gears, name, path) for name in gears.members]
-    plot_flanks(
-        path_file, beside([panel for panel in driving if isinstance(panel, ContactPanel)]), f"{before}path of contact"
+    cycle, what = None if contact.pair.eccentric else contact.cycle, "transmission error"
+    plot_transmission_error(
+        file, contact.path, cycle, f"{title}: {what}" if title else what, contact.pair.output.reading.error
     )
-    return rows
+
+
+def all_flank_rows(contact: Contact) -> list[list[Panel]]:
+    """The panels of both sides; none where there is no cycle."""
+    return flank_rows(contact) if contact.engagement is not None else []
+
+
+def driving_flanks(contact: Contact, rows: list[list[Panel]]) -> list[list[Panel]]:
+    """The panels of contact on the driving flanks of both members, those among the `rows` of both sides if there are any."""
+    from gearmesh.view.diagrams.flank_diagrams import ContactPanel, beside
+
+    gears = contact.pair
+    driving = _first_side(rows) if rows else [flank_panel(gears, name, contact.path) for name in gears.members]
+    return beside([panel for panel in driving if isinstance(panel, ContactPanel)])
 
 
 def _first_side(rows: list[list[Panel]]) -> list[Panel]:
@@ -335,39 +358,53 @@ def _side(gears: GearPair, name: str) -> Side:
 
 @dataclass(frozen=True)
 class ToothViews:
-    """Teeth of the members of a gear set to look at, each meshed once, however many pictures and meshes of the set show it; without
-    `lean` not thinned, as for pictures that keep no triangles."""
+    """Teeth of the members of a gear set to look at, each meshed once, however many pictures and meshes of the set show it.
 
-    lean: bool = True
+    `solids`: those of members, by names, that are there already. One that is fine enough for pictures is not meshed again.
+    """
+
+    solids: Mapping[str, Solid] = field(default_factory=dict)
     meshes: dict[str, tuple[TriangleMesh, TriangleMesh]] = field(default_factory=dict)
 
     def of(self, gears: GearPair, name: str) -> ToothView:
         """A member's tooth, finely meshed, in front of the rest of its gear."""
         body = gears.members[name]
-        if name not in self.meshes:
-            self.meshes[name] = _fine_and_rest(body, lean=self.lean)
-        fine, rest = self.meshes[name]
         grid, ends = _pattern_grid(gears, name), end_names(body.tooth.blank.axial)
+        if name not in self.meshes:
+            self.meshes[name] = _fine_and_rest(body, self.solids.get(name), flank_pixel(grid, SIZE))
+        fine, rest = self.meshes[name]
         return ToothView(fine, flank_projection(body, _side(gears, name)), rest, grid, ends=ends)
 
 
 def tooth_view(gears: GearPair, name: str) -> ToothView:
     """A member's tooth to look at, for one picture."""
-    return ToothViews(lean=False).of(gears, name)
+    return ToothViews().of(gears, name)
 
 
-def _fine_and_rest(body: Member, *, lean: bool) -> tuple[TriangleMesh, TriangleMesh]:
-    """The tooth on +x finely meshed, and the gear without it, coarsely."""
-    fine = teeth_mesh(tessellate(body.tooth, FINE, lean=lean), body.name, np.array([0]))
-    rough = tessellate(body.tooth, COARSE, lean=lean)
-    whole = gear_solid(replace(body, features=BodyFeatures()), COARSE, rough)
+def _fine_and_rest(body: Member, solid: Solid | None, pixel: float) -> tuple[TriangleMesh, TriangleMesh]:
+    """The tooth on +x finely meshed, and the gear without it, coarsely: as a `solid` has them, or meshed for a picture whose pixels
+    are so long (mm).
+
+    Nobody keeps the triangles of a picture: they are not thinned.
+    """
+    if (
+        solid is not None
+        and solid.member is body
+        and len(solid.teeth) == 1
+        and solid.teeth[0].tolerance <= FINE * pixel
+    ):
+        (tooth,) = solid.teeth
+        fine, rough = tooth, tooth
+    else:
+        fine, rough = (tessellate(body.tooth, tolerance, lean=False) for tolerance in (FINE * pixel, COARSE * pixel))
+    whole = gear_solid(replace(body, features=BodyFeatures()), rough.tolerance, rough)
     rest = replace(
         whole,
         triangles=whole.triangles[rough.triangles :],
         regions=whole.regions[rough.triangles :],
         normals=whole.normals[rough.triangles :],
     )
-    return fine, rest
+    return teeth_mesh(fine, body.name, np.array([0])), rest
 
 
 def _pattern_grid(gears: GearPair, name: str) -> Array:

@@ -230,6 +230,15 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
     return replace(whole, position=whole.position + shift, focus=whole.focus + shift, height=most, front=front)
 
 
+def flank_pixel(grid: Array, size: tuple[int, int]) -> float:
+    """Least length (mm) of a pixel in a picture of a `size` in which `flank_camera` looks at a flank with points (I, J, 3)."""
+    middle = grid[grid.shape[0] // 2]
+    length = float(np.linalg.norm(np.diff(middle, axis=0), axis=-1).sum())
+    height = float(np.linalg.norm(grid[-1] - grid[0], axis=-1).mean())
+    wide, high = size
+    return max(FILLS * height / high, min(FILLS * length / wide, CUT_OFF * height / high))
+
+
 def _thread_camera(grid: Array, contact: MemberContact, size: tuple[int, int]) -> Camera:
     """Look at a flank of points (I, J, 3) that winds round its axis: at what touches on the side of the axis where the middle of
     the contact is, and at as much of the flank as that takes."""

@@ -19,7 +19,7 @@ from oracles.places import PACKAGE, ROOT, SAMPLES
 import gearmesh as gm
 from gearmesh.errors import OutputError
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.reports.report import plots, report_page, study_section
+from gearmesh.reports.report import PagePlots, draw_plots, report_page, study_section
 from gearmesh.view.report import card
 from gearmesh.view.report.page import script_json
 from gearmesh.view.report.stage import StagedMember
@@ -61,7 +61,7 @@ def _few(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> Non
     """Few positions, and no plots but in the test of the command: what is here is not about them."""
     monkeypatch.setattr("gearmesh.answers.contact.staging.POSITIONS", 7)
     if "command" not in request.node.name:
-        monkeypatch.setattr("gearmesh.reports.report.plots", lambda *_: [("a plot", b"<svg/>")])
+        monkeypatch.setattr("gearmesh.reports.report.draw_plots", lambda *_: PagePlots([("a plot", b"<svg/>")]))
 
 
 def paged(sample: str, *overrides: str) -> tuple[gm.Gears, str]:
@@ -229,7 +229,7 @@ def test_page_holds_finished_studies(tmp_path: Path) -> None:
 @pytest.mark.parametrize("eccentricity", [0.02, 0.0])
 def test_plots_have_eccentric_members_over_whole_turns(eccentricity: float) -> None:
     gears = gm.build(gm.load(SAMPLES / "spur.toml", [f"assembly.pinion_eccentricity={eccentricity}"]))
-    drawn = dict(plots(gears, {0: gears.contact(cycle=False)}))
+    drawn = dict(draw_plots(gears, {0: gears.contact(cycle=False)}).contact)
     caption = "Transmission error over whole turns"
     assert (caption in drawn) == (eccentricity > 0.0)
     assert drawn.get(caption, b"\x89PNG").startswith(b"\x89PNG")

@@ -48,8 +48,8 @@ def test_the_flank_fills_the_picture(sample: str) -> None:
 @pytest.mark.parametrize("sample", ["circular_arc", "internal"])
 def test_all_that_touches_is_seen_and_no_word_lies_on_it(sample: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The path goes from the first touch to the last, whatever positions are asked for, on the flank; of lines there is none."""
-    monkeypatch.setattr(pictures, "FINE", 0.1)
-    monkeypatch.setattr(pictures, "COARSE", 0.1)
+    monkeypatch.setattr(pictures, "FINE", 5.0)
+    monkeypatch.setattr(pictures, "COARSE", 5.0)
     gears, size = gm.build(gm.load(SAMPLES / f"{sample}.toml")), (800, 600)
     scene = gears.picture("contact", size=size)._scene
     drawn = [(curve.label, curve.points[np.isfinite(curve.points[:, 0])]) for curve in scene.curves]
@@ -72,8 +72,8 @@ def test_all_that_touches_is_seen_and_no_word_lies_on_it(sample: str, monkeypatc
 @pytest.mark.sweep
 def test_a_word_for_an_end_beyond_the_picture_is_below_the_root(monkeypatch: pytest.MonkeyPatch) -> None:
     """Face gears touch in the middle of a long pinion's flank: the words at the picture's edges are clear of the flank."""
-    monkeypatch.setattr(pictures, "FINE", 0.1)
-    monkeypatch.setattr(pictures, "COARSE", 0.1)
+    monkeypatch.setattr(pictures, "FINE", 5.0)
+    monkeypatch.setattr(pictures, "COARSE", 5.0)
     gears, size = gm.build(gm.load(SAMPLES / "face_gear.toml")), (800, 600)
     scene = gears.picture("contact", size=size)._scene
     grid = gears.members["pinion"].tooth.flank_grid(gears.pairs[0].flanks[0], [0.0], np.linspace(0.0, 1.0, 9)).points

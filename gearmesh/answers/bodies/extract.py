@@ -16,6 +16,7 @@ from gearmesh.teeth.region import Region, Side
 
 if TYPE_CHECKING:
     from gearmesh.mesh.deviation.bound import DeviationBound
+    from gearmesh.mesh.tessellate import ToothMesh
 
 #: what `flank_only` takes for either flank
 BOTH = "both"
@@ -42,7 +43,8 @@ class SectorFigures(Figures):
 class ExtractMesh:
     """A mesh, its distance from the exact surfaces, its `genus`, None of an open surface, and the `member` that it is all of.
 
-    `own`: its further figures; `warnings`: what of the member it does not have.
+    `own`: its further figures; `warnings`: what of the member it does not have; `teeth`: the meshes of the different teeth of a
+    whole member.
     """
 
     mesh: TriangleMesh
@@ -51,6 +53,7 @@ class ExtractMesh:
     member: Member | None = None
     own: tuple[Figures, ...] = ()
     warnings: tuple[str, ...] = ()
+    teeth: tuple[ToothMesh, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -149,7 +152,7 @@ class Extract:
         whole = gear_solid(member, tolerance, *every)
         bound = solid_bound(member, every, whole)
         if self.sector is None:
-            return ExtractMesh(whole, bound, member.genus, member)
+            return ExtractMesh(whole, bound, member.genus, member, teeth=every)
         mesh = sector(whole, member, self.sector)
         genus, figures = genus_of(mesh, member, self.sector), self.sector_figures(member, mesh)
         return ExtractMesh(mesh, bound, genus, own=figures, warnings=warnings)

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     import trimesh
 
     from gearmesh.cad.step import Part
+    from gearmesh.mesh.tessellate import ToothMesh
 
 #: shares of what the bound calls for that the next meshes are asked for until one is within the tolerance: rows of facets are
 #: whole, so that the bound may stay while a little less is asked for
@@ -71,7 +72,8 @@ class Solid(Result):
     """One part as a triangle mesh (mm, in its own frame), its measured figures, and its `own` beside them, as a worm has.
 
     `open` says that it is the surface of a few teeth, or of flanks, which cannot be watertight; `member` is the one that the mesh
-    is all of, None of parts of one, and `place` takes it from its own frame to that of the mesh.
+    is all of, None of parts of one, and `place` takes it from its own frame to that of the mesh. `teeth` are the meshes of the
+    different teeth of a whole member, which save pictures meshing them again.
     """
 
     design: Design
@@ -82,6 +84,7 @@ class Solid(Result):
     own: Summary = field(default_factory=Summary)
     member: Member | None = None
     place: Rigid = field(default_factory=Rigid.identity)
+    teeth: tuple[ToothMesh, ...] = field(default=(), repr=False, compare=False)
 
     @property
     def figures(self) -> Summary:
@@ -403,7 +406,7 @@ def member_solid(
     )
     own = Summary(*(() if extra is None else (extra,)), *made.own)
     warnings = (*warnings, *made.warnings, *_coarse(tolerance, design.given_module * design.mm_per_unit))
-    return Solid(design, made.mesh, figures, warnings, made.genus is None, own, made.member)
+    return Solid(design, made.mesh, figures, warnings, made.genus is None, own, made.member, teeth=made.teeth)
 
 
 def _coarse(tolerance: float, module: float) -> tuple[str, ...]:

@@ -65,13 +65,17 @@ class LoadedPictures:
         Those on teeth, at the largest torque, only where there is OpenGL. Raises OutputError where one cannot be written.
         """
         files = []
-        for view in LOADED_VIEWS[1:]:
-            files.append(self._figure(view, None, None, 150, "").save(folder / f"{before}{view}.png"))
+        for view, diagram in self.diagrams().items():
+            files.append(diagram.save(folder / f"{before}{view}.png"))
         if opengl.missing_opengl_message() is None:
             largest = int(self.contact.mesh.torque.argmax())
             for name in self.contact.pair.members:
                 files.append(self._tooth(name, largest, None, "").save(folder / f"{before}{name}_loaded.png"))
         return tuple(files)
+
+    def diagrams(self, dpi: int = 150, note: str = "") -> dict[str, Diagram]:
+        """All that need no OpenGL, by their views; `note` stands in their titles."""
+        return {view: self._figure(view, None, None, dpi, note) for view in LOADED_VIEWS[1:]}
 
     def _tooth(self, name: str, torque: int, size: tuple[int, int] | None, note: str) -> Picture:
         contact = self.contact

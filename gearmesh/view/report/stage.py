@@ -17,7 +17,7 @@ from gearmesh.answers.contact.staging import StagedContact, flank_places
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
-from gearmesh.mesh.tessellate import tessellate
+from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.view.load.footprints import Footprints
@@ -66,10 +66,14 @@ class StagedMember:
     def of(member: Member, tolerance: float) -> StagedMember:
         """Meshed within `tolerance`, mm."""
         tooth = tessellate(member.tooth, tolerance)
-        whole = gear_solid(member, tolerance, tooth)
+        return StagedMember.of_mesh(member, gear_solid(member, tolerance, tooth), tooth)
+
+    @staticmethod
+    def of_mesh(member: Member, whole: TriangleMesh, tooth: ToothMesh) -> StagedMember:
+        """The member of a mesh that is there already, and the mesh of the `tooth` that it repeats."""
         plain = whole
         if member.features.is_cut:
-            plain = gear_solid(replace(member, features=member.features.uncut), tolerance, tooth)
+            plain = gear_solid(replace(member, features=member.features.uncut), tooth.tolerance, tooth)
         regions = member.repeated_regions
         repeated = np.isin(plain.regions, [plain.region_names.index(name) for name in regions])
         first = np.flatnonzero(repeated)[: int(repeated.sum()) // member.tooth.teeth]

@@ -1,0 +1,73 @@
+"""A run makes each thing once: a member is meshed once, a figure is drawn once, and nothing meshed for pictures is thinned."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.answers.check import RollTest
+from gearmesh.mesh import tessellate
+from gearmesh.view.diagrams import plots
+from gearmesh.view.pictures import ToothViews
+
+#: both members have a bore, the gear a hub
+SAMPLE = SAMPLES / "helical_hub.toml"
+
+
+@pytest.fixture
+def meshed(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, bool]]:
+    """Teeth that are meshed whole, each as its number of teeth and whether it is thinned."""
+    done: list[tuple[int, bool]] = []
+    alike = tessellate.tessellate_alike
+
+    def counted(teeth: Any, tolerance: float, regions: Any = None, *, lean: bool = True) -> Any:
+        if regions is None:
+            done.extend((tooth.teeth, lean) for tooth in teeth)
+        return alike(teeth, tolerance, regions, lean=lean)
+
+    monkeypatch.setattr(tessellate, "tessellate_alike", counted)
+    return done
+
+
+@pytest.mark.sweep
+def test_a_run_meshes_its_members_once_and_draws_its_plots_once(
+    meshed: list[tuple[int, bool]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The page shows the meshes and the plots of the folder, pictures the teeth of the solids."""
+    drawn: list[str] = []
+    monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: None)
+    monkeypatch.setattr("gearmesh.answers.check.roll_test", lambda *_: RollTest([], ()))
+    monkeypatch.setattr("gearmesh.answers.contact.staging.POSITIONS", 3)
+    for module in ("reports.run", "reports.report"):
+        monkeypatch.setattr(f"gearmesh.{module}.render", lambda *_: np.zeros((600, 800, 3), dtype=np.uint8))
+
+    def save(figure: Any, file: Path) -> None:
+        drawn.append(file.name)
+        file.write_bytes(b"\x89PNG" + file.name.encode())
+
+    for module in ("plots", "flank_diagrams"):
+        monkeypatch.setattr(f"gearmesh.view.diagrams.{module}.save_figure", save)
+    gears = gm.build(gm.load(SAMPLE, ["contact.phi1.count=3"]))
+    gears.run(tmp_path, "5um")
+    assert sorted(meshed) == sorted((member.tooth.teeth, True) for member in gears.members.values())
+    assert sorted(drawn) == ["flank.png", "path_of_contact.png", "transmission_error.png"]
+    assert plots.save_figure is save
+
+
+def test_teeth_of_pictures_are_not_thinned_and_solids_too_coarse_are_not_shown(
+    meshed: list[tuple[int, bool]],
+) -> None:
+    gears = gm.build(gm.load(SAMPLE))
+    pair, solid = gears.pairs[0], gears.solid("pinion", 0.1)
+    meshed.clear()
+    views = ToothViews({"pinion": solid})
+    view = views.of(pair, "pinion")
+    assert [lean for _, lean in meshed] == [False, False]
+    assert views.of(pair, "pinion").fine is view.fine
+    assert len(meshed) == 2
+    assert len(view.fine.triangles) > len(solid.teeth[0].weld().triangles)
