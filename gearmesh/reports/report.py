@@ -74,13 +74,14 @@ class PagePlots:
 @dataclass(frozen=True, repr=False)
 class ReportPage:
     """A page as HTML text; `skipped` says why it has no pictures, None where it has; `stuck`: whether the gears of a mesh are
-    jammed at all positions."""
+    jammed at all positions; `complaints`: failures of the check and of loaded contact, where they are on the page."""
 
     title: str
     html: str
     warnings: tuple[str, ...] = ()
     skipped: str | None = None
     stuck: bool = False
+    complaints: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"<ReportPage: {self.title}, {len(self.html.encode()) / 1e6:.2f} MB>"
@@ -159,10 +160,14 @@ def report_page(
         gears, contacts, check, shots, source, studies, loads, plots or draw_plots(gears, moving, loads)
     )
     lines = (*gears.warnings, *(line for contact in contacts.values() for line in contact.warnings))
+    complaints = list[str]()
     for under in (load.contact for load in loads.values()):
         of = f"{under.pair.name}: " if len(loads) > 1 else ""
-        lines = (*lines, *under.warnings, *(f"{of}{line}" for line in under.complaints))
+        failures = [f"{of}{line}" for line in under.complaints]
+        complaints += failures
+        lines = (*lines, *under.warnings, *failures)
     if check is not None:
+        complaints += check.complaints
         lines = (*lines, *check.warnings, *check.complaints)
     if skipped is not None:
         lines = (*lines, skipped)
@@ -177,7 +182,7 @@ def report_page(
         len(warnings),
     )
     html = pages.page(gears.title, summary, card, warnings, data, shots, sections)
-    return ReportPage(gears.title, html, warnings, skipped, stuck=len(moving) < len(contacts))
+    return ReportPage(gears.title, html, warnings, skipped, len(moving) < len(contacts), tuple(complaints))
 
 
 def _worst(

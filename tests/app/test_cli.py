@@ -398,6 +398,15 @@ def test_run(job: Asked, here: Path) -> None:
 
 
 @pytest.mark.quick
+def test_run_ends_as_the_check_of_the_same_design(job: Asked, here: Path) -> None:
+    """It ended with 0 where the check failed, unless the gears were jammed."""
+    for watertight, status in ((True, 0), (False, NoSolutionError.exit_status)):
+        job.figures = replace(job.figures, watertight=watertight)
+        assert [run(command, INTERSECTED)[0] for command in ("check", "run")] == [status, status]
+        assert (here / "out" / "beveloid_intersected" / "pinion.stl").exists()
+
+
+@pytest.mark.quick
 def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
     job.error = NoSolutionError("nowhere to be found")
     (here / "mine").mkdir()

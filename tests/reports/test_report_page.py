@@ -17,6 +17,7 @@ from oracles.command_line import refused, run
 from oracles.places import PACKAGE, ROOT, SAMPLES
 
 import gearmesh as gm
+from gearmesh.answers.check import Check, RollTest, Verdict
 from gearmesh.errors import OutputError
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.reports.report import PagePlots, draw_plots, report_page, study_section
@@ -175,6 +176,18 @@ def test_card_reads_as_the_solver_says() -> None:
         jammed = [line for line in contact.warnings if "jammed" in line]
         assert (html.escape(jammed[0]) if jammed else "No warnings.") in section
         assert bool(jammed) == (closer < 0.0)
+
+
+def test_command_ends_as_the_check_on_its_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It ended with 0 where the check failed."""
+    gears, target = gm.build(gm.load(SAMPLES / "spur.toml", ["contact.phi1.count=3"])), tmp_path / "a.html"
+    contact, solids = gears.contact(cycle=False), {"pinion": gears.solid("pinion", 0.1)}
+    for ok, status in ((True, 0), (False, 3)):
+        rolled = RollTest([], (), (Verdict("roll: te_difference_arcsec", 2.0, 1.0, ok),))
+        page = report_page(gears, {0: contact}, 0.1, Check(gears.design, solids, rolled), images=[])
+        monkeypatch.setattr(gm.Gears, "report", lambda *_, page=page, **__: page)
+        assert run("report", SAMPLES / "spur.toml", "-o", target)[0] == status
+        assert ("te_difference_arcsec = 2: allowed is 1" in target.read_text(encoding="utf-8")) is not ok
 
 
 @pytest.mark.quick

@@ -61,5 +61,5 @@ def report(
         )
         page.save(target)
     warn(page.warnings)
-    if page.stuck:
+    if page.stuck or page.complaints:
         raise typer.Exit(NoSolutionError.exit_status)

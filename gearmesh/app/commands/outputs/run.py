@@ -56,5 +56,5 @@ def run(
         )
     show(report.listings)
     warn(report.warnings, report.complaints, [report.skipped] if report.skipped else [])
-    if report.stuck:
+    if report.stuck or report.complaints:
         raise typer.Exit(NoSolutionError.exit_status)
