@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any
 from gearmesh.io.atomic import whole_file, whole_folder, whole_text
 
 if TYPE_CHECKING:
-    from gearmesh.io.registry import Scene, formats, mesh_in_file, read, read_scene, write, write_scene
+    from gearmesh.io.registry import Scene, formats, mesh_in_file, most_rounding, read, read_scene, write, write_scene
     from gearmesh.io.single import rounding
 
 __all__ = [
     "Scene",
     "formats",
     "mesh_in_file",
+    "most_rounding",
     "read",
     "read_scene",
     "rounding",

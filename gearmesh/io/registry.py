@@ -14,12 +14,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree.ElementTree import ParseError
 
+import numpy as np
+
 from gearmesh.errors import OutputError
 from gearmesh.files.reading import is_file
 from gearmesh.io.atomic import PathLike
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.triangles import Facets, TriangleMesh
 
-Scene = Mapping[str, TriangleMesh]
+Scene = Mapping[str, Facets]
 Writer = Callable[[Scene, Path], None]
 Reader = Callable[[Path], dict[str, TriangleMesh]]
 
@@ -28,8 +31,11 @@ Reader = Callable[[Path], dict[str, TriangleMesh]]
 class MeshFormat:
     """A file format: `write(scene, path)` writes all meshes whole or not at all, `read(path)` gives them back.
 
+    `write` takes meshes as the file holds them, piece by piece where the format lets it.
+
     `several`: whether one file can hold more than one mesh; without it the scene given to `write` has one.
-    `mesh_in_file(mesh)` is the mesh at the precision of the format, what a reader finds of it.
+    `mesh_in_file(mesh)` is the mesh at the precision of the format, what a reader finds of it; `steps(points)` are the steps
+    between its numbers at coordinates (N, 3), mm.
     `read` raises ValueError, KeyError or the like for a file that it does not understand.
     """
 
@@ -37,10 +43,11 @@ class MeshFormat:
     write: Writer
     read: Reader
     several: bool
-    mesh_in_file: Callable[[TriangleMesh], TriangleMesh]
+    mesh_in_file: Callable[[Facets], Facets]
+    steps: Callable[[Array], Array]
 
 
-def _exactly(mesh: TriangleMesh) -> TriangleMesh:
+def _exactly(mesh: Facets) -> Facets:
     return mesh
 
 
@@ -56,10 +63,11 @@ def register(
     write: Writer,
     read: Reader,
     several: bool = False,
-    mesh_in_file: Callable[[TriangleMesh], TriangleMesh] = _exactly,
+    mesh_in_file: Callable[[Facets], Facets] = _exactly,
+    steps: Callable[[Array], Array] = np.zeros_like,
 ) -> None:
-    """Make a format known under `suffix` (with its dot, lower case); `mesh_in_file` where it is less than exact."""
-    _FORMATS[suffix] = MeshFormat(description, write, read, several, mesh_in_file)
+    """Make a format known under `suffix` (with its dot, lower case); `mesh_in_file` and `steps` where it is less than exact."""
+    _FORMATS[suffix] = MeshFormat(description, write, read, several, mesh_in_file, steps)
 
 
 def formats(*, several: bool = False) -> dict[str, str]:
@@ -67,16 +75,16 @@ def formats(*, several: bool = False) -> dict[str, str]:
     return {suffix: entry.description for suffix, entry in _FORMATS.items() if entry.several or not several}
 
 
-def write(mesh: TriangleMesh, path: PathLike) -> None:
-    """Write one mesh (mm) in the format that the suffix of `path` names, whole or not at all.
+def write(mesh: Facets, path: PathLike, *, as_in_file: bool = False) -> None:
+    """Write one mesh (mm) in the format that the suffix of `path` names, whole or not at all; `as_in_file`: of `mesh_in_file`.
 
     Raises OutputError for an unknown suffix and for a file that cannot be written.
     """
-    write_scene({mesh.name: mesh}, path)
+    write_scene({mesh.name: mesh}, path, as_in_file=as_in_file)
 
 
-def write_scene(scene: Scene, path: PathLike) -> None:
-    """Write meshes (mm, already in one common frame) to one file under their keys as names.
+def write_scene(scene: Scene, path: PathLike, *, as_in_file: bool = False) -> None:
+    """Write meshes (mm, already in one common frame) to one file under their keys as names; `as_in_file`: of `mesh_in_file`.
 
     Raises OutputError as `write` does, for a mesh without triangles, and for several meshes in a format that holds one.
     """
@@ -84,23 +92,28 @@ def write_scene(scene: Scene, path: PathLike) -> None:
     if not scene:
         raise OutputError("cannot write", path, reason="there is no mesh to write")
     for name, mesh in scene.items():
-        if not len(mesh.triangles):
+        if not mesh.triangle_count:
             raise OutputError("cannot write", path, reason=f"the mesh {name} has no triangles")
     if len(scene) > 1 and not entry.several:
         able = ", ".join(suffix for suffix, other in _FORMATS.items() if other.several)
         raise OutputError(
             "cannot write", path, reason=f"{_suffix(path)} holds one mesh, not {len(scene)}; several go into {able}"
         )
-    entry.write(scene, Path(path))
+    entry.write(scene if as_in_file else {name: entry.mesh_in_file(mesh) for name, mesh in scene.items()}, Path(path))
 
 
-def mesh_in_file(mesh: TriangleMesh, path: PathLike) -> TriangleMesh:
+def mesh_in_file(mesh: Facets, path: PathLike) -> Facets:
     """What a file at `path` holds of a mesh: the mesh itself, or for formats of float32 the one rounded to it.
 
     Vertices that float32 cannot distinguish are merged or parted there, so that the surface is as closed as it was: what
     is to be proved of a file is proved of this. Raises OutputError for an unknown suffix.
     """
     return _format_of(path, "write").mesh_in_file(mesh)
+
+
+def most_rounding(points: Array, path: PathLike) -> float:
+    """How far (mm) a file moves vertices like these points (N, 3), mm, at most: by half a step of each coordinate."""
+    return 0.5 * float(np.linalg.norm(_format_of(path, "write").steps(points), axis=1).max())
 
 
 def read(path: PathLike) -> TriangleMesh:

@@ -17,16 +17,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.mesh.gear_mesh import GearMesh
+from gearmesh.mesh.triangles import Facets, TriangleMesh
 
 Indices = NDArray[np.int64]
 Point = tuple[float, float, float]
+Components = tuple[Array, Array, Array]
 
 _CHUNK = 16384
 #: steps of float32 that a coordinate is moved at most
@@ -35,12 +38,42 @@ STEPS = 2
 _KEYS = (np.uint64(0x9E3779B97F4A7C15), np.uint64(0xC2B2AE3D27D4EB4F), np.uint64(0x165667B19E3779F9))
 
 
-def in_single(mesh: TriangleMesh, unit: float = 1.0, finest: float = 0.0) -> TriangleMesh:
+def in_single(mesh: Facets, unit: float = 1.0, finest: float = 0.0) -> Facets:
     """The mesh (mm) with coordinates that are float32 numbers of `unit` mm, what a file of such numbers holds.
 
     With `finest` coordinates are also multiples of it (in `unit`), which matters close to zero, where float32 distinguishes
-    what a reader with an absolute tolerance does not. Facets without area, by their indices, are left out.
+    what a reader with an absolute tolerance does not. Facets without area, by their indices, are left out. A gear of which
+    nothing is to be repaired stays one that repeats its teeth.
     """
+    if isinstance(mesh, GearMesh):
+        written = replace(mesh, rounding=partial(_round_mm, unit, finest))
+        if _is_right(mesh, written, unit):
+            return written
+    return _repair_mesh(mesh.whole(), unit, finest)
+
+
+def _round_mm(unit: float, finest: float, vertices: Array) -> Array:
+    """Vertices (N, 3), mm, as float32 numbers of `unit` mm."""
+    return _round(vertices / unit, finest) * unit
+
+
+def _is_right(mesh: GearMesh, written: GearMesh, unit: float) -> bool:
+    """True where rounding leaves every vertex a point of its own, and no facet without area or turned over."""
+    keys = np.concatenate([_keys(piece / unit) for piece in written.vertex_pieces()])
+    keys.sort()
+    if (keys[1:] == keys[:-1]).any():
+        return False
+    for true, rounded in zip(mesh.corner_pieces(), written.corner_pieces(), strict=True):
+        # exactly the numbers of the file
+        single = (rounded / unit).astype(np.float32).astype(float)
+        before, after = (_areas(*np.ascontiguousarray(np.moveaxis(corners, 0, -1))) for corners in (true, single))
+        if not (_agreement(before, after) > 0.0).all():
+            return False
+    return True
+
+
+def _repair_mesh(mesh: TriangleMesh, unit: float, finest: float) -> TriangleMesh:
+    """The mesh as `in_single` makes it, where rounding may do harm."""
     true = mesh.vertices / unit
     points = _round(true, finest)
     crowd, weak = _coincident(points), _weak(true, points, mesh.triangles)
@@ -51,18 +84,35 @@ def in_single(mesh: TriangleMesh, unit: float = 1.0, finest: float = 0.0) -> Tri
     return repair.result(mesh, unit)
 
 
-def rounding(mesh: TriangleMesh, written: TriangleMesh) -> float:
+def steps(points: Array, unit: float = 1.0, finest: float = 0.0) -> Array:
+    """Distances (N, 3), mm, between the numbers that `in_single` may put in the place of coordinates (N, 3), mm."""
+    single: Array = np.spacing(np.abs(points / unit).astype(np.float32)).astype(float)
+    return np.maximum(single, finest) * unit
+
+
+def rounding(mesh: Facets, written: Facets) -> float:
     """How far (mm) the surface of a mesh is at most from that of the same mesh as a file holds it, `written`.
 
     Where no vertex was merged that is how far the one moved farthest, else what none of them exceeds.
     """
     if written is mesh:
         return 0.0
-    if written.vertices.shape == mesh.vertices.shape and np.array_equal(written.triangles, mesh.triangles):
-        moved = written.vertices - mesh.vertices
-        return float(np.sqrt((moved**2).sum(axis=1).max(initial=0.0)))
+    if _same_triangles(mesh, written):
+        pairs = zip(mesh.vertex_pieces(), written.vertex_pieces(), strict=True)
+        return float(np.sqrt(max(((after - before) ** 2).sum(axis=1).max(initial=0.0) for before, after in pairs)))
     # a step of float32 is at most this share of the number, in whatever unit
-    return float(np.sqrt(3.0) * STEPS * np.finfo(np.float32).eps * np.abs(mesh.vertices).max())
+    largest = max(float(np.abs(piece).max()) for piece in mesh.vertex_pieces())
+    return float(np.sqrt(3.0) * STEPS * np.finfo(np.float32).eps * largest)
+
+
+def _same_triangles(mesh: Facets, written: Facets) -> bool:
+    """True where a file has all vertices of a mesh, and its triangles."""
+    if isinstance(written, GearMesh):
+        # the same teeth, whose vertices are rounded
+        return True
+    if (written.vertex_count, written.triangle_count) != (mesh.vertex_count, mesh.triangle_count):
+        return False
+    return np.array_equal(written.whole().triangles, mesh.whole().triangles)
 
 
 def _round(points: Array, finest: float) -> Array:
@@ -112,22 +162,22 @@ def _weak(true: Array, points: Array, triangles: Indices) -> Indices:
     wrong = []
     for start in range(0, len(triangles), _CHUNK):
         corners = np.ascontiguousarray(triangles[start : start + _CHUNK].T)
-        before, after = _areas(given, corners), _areas(rounded, corners)
-        same = before[0] * after[0]
-        same += before[1] * after[1]
-        same += before[2] * after[2]
-        wrong.append(start + np.flatnonzero(~(same > 0.0)))
+        before, after = (_areas(*points[:, corners].swapaxes(0, 1)) for points in (given, rounded))
+        wrong.append(start + np.flatnonzero(~(_agreement(before, after) > 0.0)))
     return np.concatenate(wrong)
 
 
-def _areas(points: Array, corners: Indices) -> tuple[Array, Array, Array]:
-    """Components of the normals, twice as long as the area, of corners (3, T) among points (3, V)."""
-    a, b, c = corners
-    edges = []
-    for column in points:
-        first = column[a]
-        edges.append((column[b] - first, column[c] - first))
-    (ux, vx), (uy, vy), (uz, vz) = edges
+def _agreement(before: Components, after: Components) -> Array:
+    """Products (T,) of vectors, positive where they look to the same side."""
+    same = before[0] * after[0]
+    same += before[1] * after[1]
+    same += before[2] * after[2]
+    return same
+
+
+def _areas(a: Array, b: Array, c: Array) -> Components:
+    """Components of the normals, twice as long as the area, of triangles by components (3, T) of their corners."""
+    (ux, vx), (uy, vy), (uz, vz) = ((q - p, r - p) for p, q, r in zip(a, b, c, strict=True))
     return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
 
 
@@ -146,7 +196,7 @@ class _Repair:
         subjects[triangles[weak]] = True
         near = np.flatnonzero(subjects[triangles].any(axis=1))
         self.facets = dict(zip(near.tolist(), triangles[near].tolist(), strict=True))
-        reference = np.stack(_areas(true.T, triangles[near].T), axis=-1)
+        reference = np.stack(_areas(*true.T[:, triangles[near].T].swapaxes(0, 1)), axis=-1)
         self.reference = dict(zip(near.tolist(), reference.tolist(), strict=True))
         self.around: dict[int, set[int]] = {vertex: set() for vertex in np.flatnonzero(subjects).tolist()}
         for facet, corners in self.facets.items():

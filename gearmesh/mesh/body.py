@@ -42,12 +42,16 @@ class BodyMesh:
     """Vertices (V, 3) beyond those of the teeth, triangles (n, 3), and regions, indices into BODY_, RARE_, GAP_ and
     FEATURE_REGIONS, one after the other.
 
-    Triangles count vertices from those of the teeth on: index `offset` + k is vertices[k].
+    Triangles count vertices from those of the teeth on: index `offset` + k is vertices[k]. Vertices follow one another in
+    `rings`, sizes (R,): all of a ring, or all inside one end face, tooth by tooth. Triangles follow one another in `blocks`,
+    sizes (B,), each of them tooth by tooth, too.
     """
 
     vertices: Array
     triangles: Index
     regions: NDArray[np.int32]
+    rings: tuple[int, ...]
+    blocks: tuple[int, ...]
 
     def join(self, other: BodyMesh, offset: int) -> BodyMesh:
         """Both of the same teeth, which have `offset` vertices."""
@@ -56,6 +60,8 @@ class BodyMesh:
             np.concatenate((self.vertices, other.vertices)),
             np.concatenate((self.triangles, other.triangles + shift)),
             np.concatenate((self.regions, other.regions)),
+            (*self.rings, *other.rings),
+            (*self.blocks, *other.blocks),
         )
 
 
@@ -104,7 +110,8 @@ def gear_body(
         [listed.index(name) for name in regions],
         [len(t) for t in triangles],
     )
-    return BodyMesh(np.concatenate(vertices), np.concatenate(triangles), labels.astype(np.int32))
+    rings, blocks = (tuple(len(part) for part in parts) for parts in (vertices, triangles))
+    return BodyMesh(np.concatenate(vertices), np.concatenate(triangles), labels.astype(np.int32), rings, blocks)
 
 
 def ring_count(teeth: int, radius: float, tolerance: float) -> int:

@@ -65,22 +65,37 @@ class TeethRing:
         """Which teeth (K,) are of a kind."""
         return np.flatnonzero(self.order == kind)
 
-    def turn(self, kind: int, vectors: Array) -> Array:
-        """Points or vectors (N, 3) of a tooth of some kind, at all teeth of it, (K N, 3)."""
-        rotation = Rigid.about_z(self.places(kind) * self.pitch).rotation
+    def turn(self, kind: int, vectors: Array, places: Index | None = None) -> Array:
+        """Points or vectors (N, 3) of a tooth of some kind, at all teeth of it, or at some `places`, (K N, 3)."""
+        rotation = Rigid.about_z((self.places(kind) if places is None else places) * self.pitch).rotation
         turned: Array = np.einsum("kij,nj->kni", rotation, vectors).reshape(-1, 3)
         return turned
 
-    def numbers(self, kind: int, own: Index) -> Index:
-        """Numbers (K, N) among the vertices of all, at all teeth of a kind, of those that a tooth of it numbers `own` (N,)."""
-        count, places = len(self.kinds[kind].vertices), self.places(kind)
+    def numbers(self, kind: int, own: Index, places: Index | None = None) -> Index:
+        """Numbers (K, N) among the vertices of all, at all teeth of a kind or at some `places`, of those that a tooth of it
+        numbers `own` (N,)."""
+        count, places = len(self.kinds[kind].vertices), self.places(kind) if places is None else places
         following, beyond = (places + 1) % self.teeth, own >= count
         numbers = self._firsts[places][:, None] + own % count
-        on_line = np.zeros(count, dtype=np.int64)
-        on_line[self._lines[kind]] = np.arange(self._lines.shape[1])
-        lines = self._lines[self.order[following]][:, on_line[own[beyond] % count]]
+        lines = self._lines[self.order[following]][:, self.on_next_line(kind, own[beyond]) - count]
         numbers[:, beyond] = self._firsts[following][:, None] + lines
         return numbers
+
+    def on_next_line(self, kind: int, own: Index) -> Index:
+        """Numbers (...,) of a tooth's vertices and then those where the next tooth begins, of those that it numbers `own`."""
+        count = len(self.kinds[kind].vertices)
+        on_line = np.zeros(count, dtype=np.int64)
+        on_line[self._lines[kind]] = np.arange(self._lines.shape[1])
+        return count + on_line[own % count]
+
+    def next_lines(self, places: Index) -> Array:
+        """Vertices (K, N, 3), mm, where the next tooth begins, of the teeth at some places."""
+        following = (places + 1) % self.teeth
+        points = np.empty((len(places), self._lines.shape[1], 3))
+        for kind, own in enumerate(self.kinds):
+            here = self.order[following] == kind
+            points[here] = self.turn(kind, own.vertices[own.first_line], following[here]).reshape(-1, *points.shape[1:])
+        return points
 
     @cached_property
     def _lines(self) -> Index:

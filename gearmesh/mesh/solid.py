@@ -18,14 +18,17 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 from gearmesh.mesh.body import gear_body, ring_count, triangulate, without_needles
+from gearmesh.mesh.gear_mesh import GearMesh
+from gearmesh.mesh.labelled import labelled_mesh
+from gearmesh.mesh.pitch import SLACK_PITCHES, Pitch, least_room
 from gearmesh.mesh.ring import TeethRing
 from gearmesh.mesh.row import row_mesh
 from gearmesh.mesh.tessellate import ToothMesh, tessellate_alike
-from gearmesh.mesh.triangles import TriangleMesh, facet_normals, join, with_area
+from gearmesh.mesh.triangles import Facets, TriangleMesh, facet_normals, join, with_area
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.features import ClosedLine, Slot
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import FILLETS, FLANKS, Region
+from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
     import manifold3d
@@ -34,8 +37,8 @@ if TYPE_CHECKING:
 AROUND = 8
 #: share of the cube of its size below which a solid's volume is rounding
 FLAT = 1e-15
-#: regions whose triangles have the normals of the exact surfaces
-_EXACT = (*FLANKS.values(), *FILLETS.values())
+#: status of a gear whose teeth leave their sectors, so that one pitch does not stand for all of them
+BEYOND_SECTOR = "BeyondSector"
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,13 @@ def gear_solid(member: Member, tolerance: float, *tooth_meshes: ToothMesh, lean:
     `tooth_meshes` of its different teeth, with lines at common stations, save meshing them again; `lean` is that of `tessellate`.
     Raises TrimError for teeth that cannot be trimmed.
     """
+    return gear_facets(member, tolerance, *tooth_meshes, lean=lean).whole()
+
+
+def gear_facets(
+    member: Member, tolerance: float, *tooth_meshes: ToothMesh, lean: bool = True
+) -> GearMesh | TriangleMesh:
+    """The same, of gears without keyway and openings as teeth that repeat, which take little memory."""
     kinds = member.different_teeth
     tooth_meshes = tooth_meshes or tessellate_alike(kinds, tolerance, lean=lean)
     if len(tooth_meshes) != len(kinds):
@@ -77,7 +87,7 @@ def gear_solid(member: Member, tolerance: float, *tooth_meshes: ToothMesh, lean:
     body = member.body
     if not member.features.is_cut:
         return _close(tooth_meshes, body, member)
-    full = _close(tooth_meshes, body if member.keyway is None else body.without_bore, member)
+    full = _close(tooth_meshes, body if member.keyway is None else body.without_bore, member).whole()
     return _with_features(full, member, tolerance)
 
 
@@ -112,26 +122,43 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
     return labelled_mesh(vertices.reshape(-1, 3), triangles, regions, _names(tooth_mesh), normals, name)
 
 
-def prove(mesh: TriangleMesh, genus: int) -> Proof:
+def prove(mesh: Facets, genus: int) -> Proof:
     """Put a solid before manifold3d, and count its edges, each of which must be run along once in either direction.
 
-    trimesh counts the same; it takes as long to load as a gear to mesh, and so judges the files in the tests alone.
+    One pitch proves a gear that repeats its teeth (see `pitch`), unless it leaves its sector; what it does not prove is looked at
+    as a whole. trimesh counts the same; it takes as long to load as a gear to mesh, and so judges the files in the tests alone.
     """
-    body = manifold_of(mesh.vertices, {0: mesh.triangles})
-    ends = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64)
-    there, back = (np.sort(ends[:, k] * len(mesh.vertices) + ends[:, 1 - k]) for k in (0, 1))
+    pitch = Pitch.of(mesh) if isinstance(mesh, GearMesh) else None
+    if pitch is not None and isinstance(mesh, GearMesh):
+        proof = prove_pitch(mesh, pitch, genus)
+        if proof.ok:
+            return proof
+    whole = mesh.whole()
+    body = manifold_of(whole.vertices, {0: whole.triangles})
+    ends = whole.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64)
+    there, back = (np.sort(ends[:, k] * len(whole.vertices) + ends[:, 1 - k]) for k in (0, 1))
     once = bool((there[1:] != there[:-1]).all())
-    edges = distinct(ends.min(axis=1) * len(mesh.vertices) + ends.max(axis=1)).size
-    volume = mesh.volume()
+    edges = distinct(ends.min(axis=1) * len(whole.vertices) + ends.max(axis=1)).size
+    euler = int(distinct(whole.triangles).size - edges + len(whole.triangles))
+    return _proof(body.status().name, once and np.array_equal(there, back), euler, genus, whole)
+
+
+def prove_pitch(mesh: GearMesh, pitch: Pitch, genus: int) -> Proof:
+    """The same of a gear by one of its pitches."""
+    status = BEYOND_SECTOR
+    if least_room(mesh) >= -SLACK_PITCHES:
+        points, triangles = pitch.ring(mesh)
+        status = manifold_of(points, {0: triangles}).status().name
+    return _proof(status, pitch.closed, pitch.euler, genus, mesh)
+
+
+def _proof(status: str, closed: bool, euler: int, genus: int, mesh: Facets) -> Proof:
+    volume, extremes = mesh.volume(), [(piece.min(axis=0), piece.max(axis=0)) for piece in mesh.vertex_pieces()]
+    low, high = np.min([low for low, _ in extremes], axis=0), np.max([high for _, high in extremes], axis=0)
     # less is rounding
-    least = FLAT * float(np.ptp(mesh.vertices, axis=0).max()) ** 3
-    return Proof(
-        status=body.status().name,
-        watertight=once and np.array_equal(there, back) and bool(np.isfinite(mesh.vertices).all()) and volume > least,
-        euler=int(distinct(mesh.triangles).size - edges + len(mesh.triangles)),
-        genus=genus,
-        volume=volume,
-    )
+    least = FLAT * float((high - low).max()) ** 3
+    sound = closed and bool(np.isfinite(high - low).all()) and volume > least
+    return Proof(status=status, watertight=sound, euler=euler, genus=genus, volume=volume)
 
 
 def _names(tooth_mesh: ToothMesh) -> tuple[Region, ...]:
@@ -151,47 +178,24 @@ def _normals(tooth_mesh: ToothMesh, end_rows: int) -> Array:
     return np.concatenate([patch.normals for patch in tooth_mesh.patches] + ends)
 
 
-def _close(tooth_meshes: Sequence[ToothMesh], body: Body, member: Member) -> TriangleMesh:
+def _close(tooth_meshes: Sequence[ToothMesh], body: Body, member: Member) -> GearMesh:
     ring, halves = TeethRing.of(tooth_meshes, member.order, member.halves), member.halves
     axial, tolerance = member.tooth.blank.axial, tooth_meshes[0].tolerance
     rows = max(mesh.end_rows for mesh in tooth_meshes)
-    normals = np.concatenate(
-        [
-            ring.turn(kind, np.concatenate([half.vectors(_normals(mesh, rows)) for half in halves]))
-            for kind, mesh in enumerate(tooth_meshes)
-        ]
-    )
-    regions = np.concatenate(
-        [np.tile(_regions(mesh, rows), len(halves) * ring.places(kind).size) for kind, mesh in enumerate(tooth_meshes)]
-    )
     under = gear_body(ring, member.rows.outer, axial, body, tolerance)
     for gap in member.gaps:
         under = under.join(gear_body(ring, gap.ends, axial, gap.body, tolerance), ring.size)
     names = _names(tooth_meshes[0])
-    return labelled_mesh(
-        np.concatenate((ring.vertices, under.vertices)),
-        np.concatenate((ring.triangles, under.triangles)),
-        np.concatenate((regions, under.regions + np.int32(len(names)))),
+    return GearMesh(
+        ring,
+        under,
+        axial,
         (*names, *member.body_regions),
-        normals,
+        tuple(np.tile(_regions(mesh, rows), len(halves)) for mesh in tooth_meshes),
+        tuple(np.concatenate([half.vectors(_normals(mesh, rows)) for half in halves]) for mesh in tooth_meshes),
+        under.regions + np.int32(len(names)),
         member.name,
     )
-
-
-def labelled_mesh(
-    vertices: Array,
-    triangles: NDArray[np.int64],
-    regions: NDArray[np.int32],
-    names: tuple[Region, ...],
-    tooth_normals: Array,
-    name: str,
-) -> TriangleMesh:
-    """Mesh with facet normals everywhere but on flanks and fillets, where the given normals of the teeth stay."""
-    exact, normals = np.zeros(len(triangles), dtype=bool), np.empty((len(triangles), 3))
-    exact[: len(tooth_normals)] = np.array([name in _EXACT for name in names])[regions[: len(tooth_normals)]]
-    normals[exact] = tooth_normals[exact[: len(tooth_normals)]]
-    normals[~exact] = facet_normals(vertices, triangles[~exact])
-    return TriangleMesh(vertices, triangles.astype(np.int64), regions.astype(np.int32), names, normals, name)
 
 
 def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> TriangleMesh:

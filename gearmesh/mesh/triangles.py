@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,13 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 
 Index = NDArray[np.int64]
+T = TypeVar("T", bound=np.generic)
 
 #: vertices closer to each other, over the largest coordinate, are one: files with single precision take them for one. No farther
 #: apart are nodes of the two cuts of a sector, turned onto each other
 SAME = 2.5e-7
+#: rows of a table that are worked on at once, where all of them would take too much memory
+PIECE = 50_000
 
 
 def facet_normals(vertices: Array, triangles: NDArray[np.int64]) -> Array:
@@ -54,6 +58,69 @@ def with_area(vertices: Array, triangles: Index) -> tuple[Index, Index]:
     if (dot(area, area) <= closeness(vertices) ** 4).any():
         return without_doubles(vertices, triangles, np.arange(len(vertices)))
     return triangles, np.arange(len(triangles))
+
+
+def pieces(table: NDArray[T], size: int = PIECE) -> Iterator[NDArray[T]]:
+    """A table (N, ...) in pieces of so many rows."""
+    for start in range(0, len(table), size):
+        yield table[start : start + size]
+
+
+def enclosed_volume(corners: Iterable[Array]) -> float:
+    """Volume, mm3, between triangles whose corners come in pieces (K, 3, 3), by the divergence theorem."""
+    total = 0.0
+    for a, b, c in (np.moveaxis(piece, 1, 0) for piece in corners):
+        total += float(np.einsum("ij,ij->", a, np.cross(b, c)))
+    return total / 6.0
+
+
+class Facets(Protocol):
+    """Triangles that come in pieces, as writers, bounds and proof take them."""
+
+    @property
+    def name(self) -> str:
+        """The part's name."""
+
+    @property
+    def frame(self) -> str:
+        """As of `TriangleMesh`."""
+
+    @property
+    def region_names(self) -> tuple[str, ...]:
+        """Names of the regions."""
+
+    @property
+    def vertex_data(self) -> Mapping[str, Array]:
+        """As of `TriangleMesh`."""
+
+    @property
+    def vertex_count(self) -> int:
+        """Number of vertices."""
+
+    @property
+    def triangle_count(self) -> int:
+        """Number of triangles."""
+
+    def vertex_pieces(self) -> Iterator[Array]:
+        """All vertices in order, in pieces (K, 3), mm."""
+
+    def triangle_pieces(self, regions: Sequence[int] | None = None) -> Iterator[Index]:
+        """The triangles of all or some regions in order, in pieces (K, 3) of numbers of vertices."""
+
+    def region_pieces(self) -> Iterator[NDArray[np.int32]]:
+        """The regions (K,) of the pieces that `triangle_pieces` makes of all."""
+
+    def corner_pieces(self, regions: Sequence[int] | None = None) -> Iterator[Array]:
+        """The corners (K, 3, 3), mm, of the triangles of all or some regions, in the pieces of `triangle_pieces`."""
+
+    def volume(self) -> float:
+        """The volume that they enclose, mm3."""
+
+    def move(self, transform: Rigid) -> Facets:
+        """The same in another frame, which is called common."""
+
+    def whole(self) -> TriangleMesh:
+        """Arrays of all of them."""
 
 
 @dataclass(frozen=True)
@@ -103,8 +170,108 @@ class TriangleMesh:
         >>> gears.solid("pinion", 0.05).mesh.volume() > 0.0
         True
         """
-        a, b, c = np.moveaxis(self.corners(), 1, 0)
-        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+        return enclosed_volume(self.corner_pieces())
+
+    @property
+    def vertex_count(self) -> int:
+        """Number of vertices."""
+        return len(self.vertices)
+
+    @property
+    def triangle_count(self) -> int:
+        """Number of triangles."""
+        return len(self.triangles)
+
+    def vertex_pieces(self) -> Iterator[Array]:
+        """All vertices in order, in pieces.
+
+        Yields
+        ------
+        ndarray, (K, 3)
+            mm.
+
+        Examples
+        --------
+        >>> mesh = gears.solid("pinion", 0.05).mesh
+        >>> sum(map(len, mesh.vertex_pieces())) == mesh.vertex_count
+        True
+        """
+        yield from pieces(self.vertices)
+
+    def triangle_pieces(self, regions: Sequence[int] | None = None) -> Iterator[Index]:
+        """The triangles of all or some regions in order, in pieces.
+
+        Parameters
+        ----------
+        regions : sequence of int, optional
+            Indices into `region_names`.
+
+        Yields
+        ------
+        ndarray, (K, 3)
+            Numbers of vertices.
+
+        Examples
+        --------
+        >>> mesh = gears.solid("pinion", 0.05).mesh
+        >>> sum(map(len, mesh.triangle_pieces())) == mesh.triangle_count
+        True
+        """
+        yield from pieces(self.triangles if regions is None else self.triangles[np.isin(self.regions, regions)])
+
+    def region_pieces(self) -> Iterator[NDArray[np.int32]]:
+        """The regions of the pieces that `triangle_pieces` makes of all.
+
+        Yields
+        ------
+        ndarray, (K,)
+            Indices into `region_names`.
+
+        Examples
+        --------
+        >>> mesh = gears.solid("pinion", 0.05).mesh
+        >>> sum(map(len, mesh.region_pieces())) == mesh.triangle_count
+        True
+        """
+        yield from pieces(self.regions)
+
+    def corner_pieces(self, regions: Sequence[int] | None = None) -> Iterator[Array]:
+        """The corners of the triangles of all or some regions, in the pieces of `triangle_pieces`.
+
+        Parameters
+        ----------
+        regions : sequence of int, optional
+            Indices into `region_names`.
+
+        Yields
+        ------
+        ndarray, (K, 3, 3)
+            Triangle, corner, coordinate, mm.
+
+        Examples
+        --------
+        >>> mesh = gears.solid("pinion", 0.05).mesh
+        >>> sum(map(len, mesh.corner_pieces())) == mesh.triangle_count
+        True
+        """
+        for piece in self.triangle_pieces(regions):
+            yield self.vertices[piece]
+
+    def whole(self) -> TriangleMesh:
+        """The mesh itself, as of meshes that have no arrays of all.
+
+        Returns
+        -------
+        TriangleMesh
+            It.
+
+        Examples
+        --------
+        >>> mesh = gears.solid("pinion", 0.05).mesh
+        >>> mesh.whole() is mesh
+        True
+        """
+        return self
 
     @property
     def vertex_data(self) -> Mapping[str, Array]:

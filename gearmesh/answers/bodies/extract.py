@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Figures, figure
 from gearmesh.lengths import Length, in_mm
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.mesh.triangles import Facets, TriangleMesh
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.index_angles import EVEN
 from gearmesh.teeth.region import Region, Side
@@ -41,19 +41,25 @@ class SectorFigures(Figures):
 
 @dataclass(frozen=True)
 class ExtractMesh:
-    """A mesh, its distance from the exact surfaces, its `genus`, None of an open surface, and the `member` that it is all of.
+    """A mesh, `facets`, its distance from the exact surfaces, its `genus`, None of an open surface, and the `member` of which it is
+    all.
 
     `own`: its further figures; `warnings`: what of the member it does not have; `teeth`: the meshes of the different teeth of a
     whole member.
     """
 
-    mesh: TriangleMesh
+    facets: Facets
     bound: DeviationBound
     genus: int | None
     member: Member | None = None
     own: tuple[Figures, ...] = ()
     warnings: tuple[str, ...] = ()
     teeth: tuple[ToothMesh, ...] = ()
+
+    @property
+    def mesh(self) -> TriangleMesh:
+        """The mesh with arrays of all of it."""
+        return self.facets.whole()
 
 
 @dataclass(frozen=True)
@@ -127,7 +133,7 @@ class Extract:
         from gearmesh.mesh.extracts.flank_surface import flank_meshes, join_flanks
         from gearmesh.mesh.extracts.sector import genus_of, sector
         from gearmesh.mesh.extracts.space import parts, space_mesh
-        from gearmesh.mesh.solid import gear_solid, some_teeth
+        from gearmesh.mesh.solid import gear_facets, some_teeth
         from gearmesh.mesh.tessellate import tessellate, tessellate_alike
         from gearmesh.teeth.micro_geometry.placed_teeth import placed_teeth
         from gearmesh.teeth.space import Space
@@ -149,11 +155,11 @@ class Extract:
         every = tessellate_alike(member.different_teeth, tolerance)
         if teeth is not None and teeth != member.tooth.teeth:
             return ExtractMesh(some_teeth(member, every, teeth), teeth_bound(member, every), None)
-        whole = gear_solid(member, tolerance, *every)
+        whole = gear_facets(member, tolerance, *every)
         bound = solid_bound(member, every, whole)
         if self.sector is None:
             return ExtractMesh(whole, bound, member.genus, member, teeth=every)
-        mesh = sector(whole, member, self.sector)
+        mesh = sector(whole.whole(), member, self.sector)
         genus, figures = genus_of(mesh, member, self.sector), self.sector_figures(member, mesh)
         return ExtractMesh(mesh, bound, genus, own=figures, warnings=warnings)
 

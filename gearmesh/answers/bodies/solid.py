@@ -5,9 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from gearmesh.answers.bodies.extract import WHOLE, Extract, ExtractMesh
 from gearmesh.answers.gearset import GearSet
@@ -17,9 +20,10 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.mesh.triangles import Facets, TriangleMesh
 from gearmesh.progress import in_turn, tell
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
     import build123d
@@ -71,13 +75,14 @@ class SolidFigures(Figures):
 class Solid(Result):
     """One part as a triangle mesh (mm, in its own frame), its measured figures, and its `own` beside them, as a worm has.
 
-    `open` says that it is the surface of a few teeth, or of flanks, which cannot be watertight; `member` is the one that the mesh
-    is all of, None of parts of one, and `place` takes it from its own frame to that of the mesh. `teeth` are the meshes of the
-    different teeth of a whole member, which save pictures meshing them again.
+    `facets` are its triangles, of which `mesh` has arrays; `in_file` is a suffix, and what files with it hold of them. `open` says
+    that it is the surface of a few teeth, or of flanks, which cannot be watertight; `member` is the one that the mesh is all of,
+    None of parts of one, and `place` takes it from its own frame to that of the mesh. `teeth` are the meshes of the different
+    teeth of a whole member, which save pictures meshing them again.
     """
 
     design: Design
-    mesh: TriangleMesh
+    facets: Facets
     measured: SolidFigures
     warnings: tuple[str, ...] = ()
     open: bool = False
@@ -85,6 +90,12 @@ class Solid(Result):
     member: Member | None = None
     place: Rigid = field(default_factory=Rigid.identity)
     teeth: tuple[ToothMesh, ...] = field(default=(), repr=False, compare=False)
+    in_file: tuple[str, Facets] | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def mesh(self) -> TriangleMesh:
+        """The triangles, with vertices, regions and normals as arrays."""
+        return self.facets.whole()
 
     @property
     def figures(self) -> Summary:
@@ -94,7 +105,7 @@ class Solid(Result):
     @property
     def name(self) -> str:
         """The part's name."""
-        return self.mesh.name
+        return self.facets.name
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -149,7 +160,7 @@ class Solid(Result):
         --------
         >>> moved = gears.solid("gear", 0.05).move(gears.places["gear"])
         """
-        return replace(self, mesh=self.mesh.move(place), place=place @ self.place)
+        return replace(self, facets=self.facets.move(place), place=place @ self.place, in_file=None)
 
     def to_pyvista(self) -> pyvista.PolyData:
         """The mesh for PyVista.
@@ -268,7 +279,10 @@ class Solid(Result):
     def _write(self, target: Path) -> None:
         from gearmesh import io
 
-        io.write(self.mesh, target)
+        if self.in_file is not None and self.in_file[0] == target.suffix.lower():
+            io.write(self.in_file[1], target, as_in_file=True)
+        else:
+            io.write(self.facets, target)
 
 
 @dataclass(frozen=True, repr=False)
@@ -346,7 +360,7 @@ class Solids(Result):
     def _write(self, target: Path) -> None:
         from gearmesh import io
 
-        io.write_scene({name: part.mesh for name, part in self.parts.items()}, target)
+        io.write_scene({name: part.facets for name, part in self.parts.items()}, target)
 
 
 def refuse_parts(**asked: object) -> None:
@@ -395,7 +409,7 @@ def member_solid(
     tell(0.8)
     proof = None if made.genus is None else prove(written, made.genus)
     figures = SolidFigures(
-        triangles=len(written.triangles),
+        triangles=written.triangle_count,
         watertight=proof is not None and proof.ok,
         volume=None if proof is None else proof.volume,
         max_deviation=1e3 * largest,
@@ -406,7 +420,10 @@ def member_solid(
     )
     own = Summary(*(() if extra is None else (extra,)), *made.own)
     warnings = (*warnings, *made.warnings, *_coarse(tolerance, design.given_module * design.mm_per_unit))
-    return Solid(design, made.mesh, figures, warnings, made.genus is None, own, made.member, teeth=made.teeth)
+    in_file = None if file is None or place is not None else (Path(file).suffix.lower(), written)
+    return Solid(
+        design, made.facets, figures, warnings, made.genus is None, own, made.member, teeth=made.teeth, in_file=in_file
+    )
 
 
 def _coarse(tolerance: float, module: float) -> tuple[str, ...]:
@@ -426,20 +443,22 @@ def mesh_within(
     extract: Extract = WHOLE,
     file: str | PathLike[str] | None = None,
     place: Rigid | None = None,
-) -> tuple[ExtractMesh, TriangleMesh, float]:
+) -> tuple[ExtractMesh, Facets, float]:
     """The mesh within `tolerance` (mm), the same as the file holds it, and the bound (mm) of how far this is from the exact
     surfaces; arguments as of `member_solid`.
 
-    The mesher goes by what it measures: where the bound, or the rounding of the file, is above the tolerance it is asked for less.
+    The mesher goes by what it measures: where the bound, or the rounding of the file, is above the tolerance it is asked for less;
+    at once where the rounding alone is sure to be too much.
     """
     from gearmesh import io
 
     # however often it is meshed, an offset is made and proved once
-    member, extract, asked = extract.shift(member), replace(extract, offset=0.0), tolerance
+    member, extract = extract.shift(member), replace(extract, offset=0.0)
+    asked = tolerance if file is None else _less_rounding(member, tolerance, file, place)
     for less in (*LESS, 1.0):
         made = extract.mesh(member, asked, teeth)
         tell(0.5)
-        mesh = made.mesh if place is None else made.mesh.move(place)
+        mesh = made.facets if place is None else made.facets.move(place)
         written = mesh if file is None else io.mesh_in_file(mesh, file)
         rounding = io.rounding(mesh, written)
         largest = made.bound.largest + rounding
@@ -447,6 +466,22 @@ def mesh_within(
             break
         asked *= max(less * (tolerance - rounding) / made.bound.largest, LEAST)
     return made, written, largest
+
+
+def _less_rounding(member: Member, tolerance: float, file: str | PathLike[str], place: Rigid | None) -> float:
+    """Tolerance (mm) to ask for, so that the mesh with the rounding of a file at its `place` is within the tolerance."""
+    from gearmesh import io
+    from gearmesh.mesh.tessellate import SAFETY
+
+    tooth, joint = member.tooth, member.tooth.joint
+    land = tooth.grid(Region.LAND, np.array([0.5]), tooth.even).points.reshape(-1, 3)
+    profile = np.insert(np.array(member.body.profile), 1, 0.0, axis=1)
+    every = joint.to(joint.places(tooth.teeth)[:, None] * tooth.pitch_angle)
+    points = every.point(np.concatenate((land, profile))).reshape(-1, 3)
+    rounding = io.most_rounding(points if place is None else place.point(points), file)
+    if SAFETY * tolerance + rounding <= tolerance or rounding > MOST_ROUNDING * tolerance:
+        return tolerance
+    return tolerance - rounding
 
 
 def solid_of(

@@ -20,8 +20,9 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.io.palette import region_colours
 from gearmesh.io.rebuild import built_mesh, by_name
 from gearmesh.io.registry import Scene, register
-from gearmesh.io.single import in_single
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.io.single import in_single, steps
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.triangles import Facets, TriangleMesh
 
 _METRE = 1000.0
 _MAGIC, _JSON, _BIN = 0x46546C67, 0x4E4F534A, 0x004E4942
@@ -54,7 +55,6 @@ class _Document:
 
     def mesh(self, name: str, mesh: TriangleMesh) -> None:
         """Append a mesh with its node."""
-        mesh = mesh_in_file(mesh)
         points = (mesh.vertices / _METRE).astype("<f4")
         bounds = {"min": points.min(axis=0).tolist(), "max": points.max(axis=0).tolist()}
         shape = {"componentType": _FLOAT, "type": "VEC3", "count": len(points), **bounds}
@@ -91,16 +91,20 @@ def _material(name: str, colour: tuple[float, float, float]) -> dict[str, Any]:
     return {"name": name, "pbrMetallicRoughness": surface}
 
 
-def mesh_in_file(mesh: TriangleMesh) -> TriangleMesh:
+def mesh_in_file(mesh: Facets) -> Facets:
     """The mesh that a file holds: closed where `mesh` is, for readers that join equal vertices too."""
     return in_single(mesh, _METRE)
+
+
+def _steps(points: Array) -> Array:
+    return steps(points, _METRE)
 
 
 def write(scene: Scene, path: Path) -> None:
     """Write all meshes; coordinates keep their axes (glTF viewers show y upward)."""
     document = _Document()
     for name, mesh in scene.items():
-        document.mesh(name, mesh)
+        document.mesh(name, mesh.whole())
     with whole_file(path) as temporary:
         temporary.write_bytes(document.pack())
 
@@ -139,4 +143,5 @@ def _mesh(entry: dict[str, Any], document: dict[str, Any], binary: memoryview) -
     return built_mesh(entry["name"], points, np.concatenate(parts), regions, names)
 
 
-register(".glb", "binary glTF, metres, float32, a coloured primitive for each region", write, read, True, mesh_in_file)
+_DESCRIPTION = "binary glTF, metres, float32, a coloured primitive for each region"
+register(".glb", _DESCRIPTION, write, read, True, mesh_in_file, _steps)

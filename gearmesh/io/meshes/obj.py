@@ -24,11 +24,13 @@ def write(scene: Scene, path: Path) -> None:
         first = 1
         for name, mesh in scene.items():
             file.write(f"o {_word(name)}\n")
-            file.writelines(lines("v %r %r %r\n", mesh.vertices))
+            for piece in mesh.vertex_pieces():
+                file.writelines(lines("v %r %r %r\n", piece))
             for i, region in enumerate(mesh.region_names):
                 file.write(f"g {_word(region)}\n")
-                file.writelines(lines("f %r %r %r\n", mesh.triangles[mesh.regions == i] + first))
-            first += len(mesh.vertices)
+                for triangles in mesh.triangle_pieces([i]):
+                    file.writelines(lines("f %r %r %r\n", triangles + first))
+            first += mesh.vertex_count
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:

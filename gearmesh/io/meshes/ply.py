@@ -17,7 +17,7 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import built_mesh
 from gearmesh.io.registry import Scene, register
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.mesh.triangles import Facets, TriangleMesh
 from gearmesh.numerals import parse_whole_number, parse_whole_numbers
 
 _FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
@@ -40,7 +40,7 @@ _TYPES = {
 def write(scene: Scene, path: Path) -> None:
     """Write the one mesh of the scene; triangles go by region."""
     ((name, mesh),) = scene.items()
-    counts = np.bincount(mesh.regions, minlength=len(mesh.region_names))
+    counts = np.sum([np.bincount(piece, minlength=len(mesh.region_names)) for piece in mesh.region_pieces()], axis=0)
     regions = (f"region {i} {counts[i]} {region}" for i, region in enumerate(mesh.region_names))
     comments = ["unit mm", f"name {name}", *regions]
     names, columns = _vertex_columns(mesh)
@@ -48,28 +48,34 @@ def write(scene: Scene, path: Path) -> None:
         "ply",
         "format binary_little_endian 1.0",
         *("comment " + " ".join(comment.split()) for comment in comments),
-        f"element vertex {len(mesh.vertices)}",
+        f"element vertex {mesh.vertex_count}",
         *(f"property double {axis}" for axis in "xyz"),
         *(f"property double {name}" for name in names),
-        f"element face {len(mesh.triangles)}",
+        f"element face {mesh.triangle_count}",
         "property list uchar int vertex_indices",
         "end_header\n",
     ]
-    faces = np.empty(len(mesh.triangles), _FACE)
-    faces["count"], faces["corners"] = 3, mesh.triangles[np.argsort(mesh.regions, kind="stable")]
     with whole_file(path) as temporary, open(temporary, "wb") as file:
         file.write("\n".join(header).encode())
-        file.write(np.ascontiguousarray(columns, dtype="<f8").data)
-        file.write(faces.view(np.uint8).data)
+        first = 0
+        for vertices in mesh.vertex_pieces():
+            beside = (column[first : first + len(vertices)] for column in columns)
+            file.write(np.concatenate((vertices, *beside), axis=1, dtype="<f8").data)
+            first += len(vertices)
+        for region in range(len(mesh.region_names)):
+            for triangles in mesh.triangle_pieces([region]):
+                faces = np.empty(len(triangles), _FACE)
+                faces["count"], faces["corners"] = 3, triangles
+                file.write(faces.view(np.uint8).data)
 
 
-def _vertex_columns(mesh: TriangleMesh) -> tuple[list[str], Array]:
-    """Names of what vertices have beside x, y, z, and all columns (V, K)."""
-    names, columns = list[str](), [mesh.vertices]
+def _vertex_columns(mesh: Facets) -> tuple[list[str], list[Array]]:
+    """Names of what vertices have beside x, y, z, and its columns (V, K)."""
+    names, columns = list[str](), list[Array]()
     for name, array in mesh.vertex_data.items():
         names += ["nx", "ny", "nz"] if array.ndim == 2 else [name]
         columns.append(array.reshape(len(array), -1))
-    return names, np.concatenate(columns, axis=1)
+    return names, columns
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:

@@ -14,11 +14,11 @@ from gearmesh import __version__
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import built_mesh, facet_normals, merge
 from gearmesh.io.registry import Scene, register
-from gearmesh.io.single import in_single
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.io.single import in_single, steps
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.triangles import Facets, TriangleMesh
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_CHUNK = 16384
 # Coordinates below 0.1 mm are multiples of this (mm), a tenth of an atom: apart for readers that join within 1e-8.
 _FINEST = 2.0**-26
 
@@ -26,11 +26,9 @@ _FINEST = 2.0**-26
 def write(scene: Scene, path: Path) -> None:
     """Write the one mesh of the scene; facet normals are those of the corners."""
     ((name, mesh),) = scene.items()
-    mesh = mesh_in_file(mesh)
     with whole_file(path) as temporary, open(temporary, "wb") as file:
-        file.write(_header(name, mesh.frame) + np.uint32(len(mesh.triangles)).astype("<u4").tobytes())
-        for start in range(0, len(mesh.triangles), _CHUNK):
-            corners = mesh.vertices[mesh.triangles[start : start + _CHUNK]]
+        file.write(_header(name, mesh.frame) + np.uint32(mesh.triangle_count).astype("<u4").tobytes())
+        for corners in mesh.corner_pieces():
             facets = np.zeros(len(corners), _FACET)
             facets["corners"] = corners
             facets["normal"] = facet_normals(corners)
@@ -45,9 +43,13 @@ def _header(name: str, frame: str) -> bytes:
     return re.sub("(?i)solid", "body", text).encode("ascii", "replace")[:80].ljust(80)
 
 
-def mesh_in_file(mesh: TriangleMesh) -> TriangleMesh:
+def mesh_in_file(mesh: Facets) -> Facets:
     """The mesh that a file holds: closed where `mesh` is."""
     return in_single(mesh, finest=_FINEST)
+
+
+def _steps(points: Array) -> Array:
+    return steps(points, finest=_FINEST)
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:
@@ -60,4 +62,4 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     return {path.stem: built_mesh(path.stem, vertices, corner)}
 
 
-register(".stl", "binary STL, mm, float32, no regions", write, read, mesh_in_file=mesh_in_file)
+register(".stl", "binary STL, mm, float32, no regions", write, read, mesh_in_file=mesh_in_file, steps=_steps)

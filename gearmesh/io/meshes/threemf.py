@@ -63,10 +63,12 @@ def _model(scene: Scene) -> Iterator[str]:
             yield f'<base name={quote(region)} displaycolor="#{display}"/>\n'
         yield f'</basematerials>\n<object id="{2 * k + 2}" type="model" name={quote(name)}'
         yield f' pid="{2 * k + 1}" pindex="0"><mesh>\n<vertices>\n'
-        yield from lines('<vertex x="%r" y="%r" z="%r"/>\n', mesh.vertices)
+        for piece in mesh.vertex_pieces():
+            yield from lines('<vertex x="%r" y="%r" z="%r"/>\n', piece)
         yield "</vertices>\n<triangles>\n"
         triangle = f'<triangle v1="%r" v2="%r" v3="%r" pid="{2 * k + 1}" p1="%r"/>\n'
-        yield from lines(triangle, np.column_stack((mesh.triangles, mesh.regions)))
+        for triangles, regions in zip(mesh.triangle_pieces(), mesh.region_pieces(), strict=True):
+            yield from lines(triangle, np.column_stack((triangles, regions)))
         yield "</triangles>\n</mesh></object>\n"
     items = "".join(f'<item objectid="{2 * k + 2}"/>\n' for k in range(len(scene)))
     yield f"</resources>\n<build>\n{items}</build>\n</model>\n"

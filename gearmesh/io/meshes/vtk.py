@@ -116,14 +116,14 @@ def write_vtp(scene: Scene, path: Path) -> None:
     """Write the one mesh of the scene as a surface."""
     (mesh,) = scene.values()
     with whole_file(path) as temporary:
-        write_surface(mesh, temporary)
+        write_surface(mesh.whole(), temporary)
 
 
 def write_vtu(scene: Scene, path: Path) -> None:
     """Write the one mesh of the scene as cells of an unstructured grid."""
     (mesh,) = scene.values()
     with whole_file(path) as temporary:
-        _write_file(mesh, temporary, "UnstructuredGrid", "Cells")
+        _write_file(mesh.whole(), temporary, "UnstructuredGrid", "Cells")
 
 
 def read_piece(path: Path) -> TriangleMesh:

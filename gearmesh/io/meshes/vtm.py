@@ -24,7 +24,7 @@ def write(scene: Scene, path: Path) -> None:
     """Write all meshes; the folder of pieces comes into place before the index that names it."""
     pieces = Path(os.path.realpath(path)).with_name(f"{path.stem}_pieces")
     with whole_file(path) as index, whole_folder(pieces, ".vtp") as folder:
-        blocks = [_write_pieces(mesh, name, folder, pieces.name) for name, mesh in scene.items()]
+        blocks = [_write_pieces(mesh.whole(), name, folder, pieces.name) for name, mesh in scene.items()]
         if len(scene) > 1:
             numbered = enumerate(zip(scene, blocks, strict=True))
             blocks = [f'<Block index="{i}" name={quote(name)}>\n{block}</Block>\n' for i, (name, block) in numbered]

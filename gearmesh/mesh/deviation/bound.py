@@ -23,9 +23,9 @@ from gearmesh.mesh.deviation.edges import Chords, EdgeSide, FaceChords, edge_bou
 from gearmesh.mesh.deviation.facets import FacetBounds, Index, facet_bounds
 from gearmesh.mesh.deviation.revolution import facet_distances, polygon_distance
 from gearmesh.mesh.patch import PatchMesh
-from gearmesh.mesh.solid import chords, gear_solid
+from gearmesh.mesh.solid import chords, gear_facets
 from gearmesh.mesh.tessellate import ToothMesh
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.mesh.triangles import Facets
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RARE_REGIONS, Region
 
@@ -144,14 +144,14 @@ def _end(patch: PatchMesh, measured: FacetBounds, which: int, shared: bool) -> t
     return own, EdgeSide(other(*every), other)
 
 
-def solid_bound(member: Member, tooth_meshes: Sequence[ToothMesh], solid: TriangleMesh) -> DeviationBound:
+def solid_bound(member: Member, tooth_meshes: Sequence[ToothMesh], solid: Facets) -> DeviationBound:
     """Of a whole member, `solid` by the meshes of its different teeth: teeth, and body.
 
     A keyway is plane, and what it and holes cut off is off the surfaces by no more than what they leave.
     """
     bound, tolerance = teeth_bound(member, tooth_meshes), tooth_meshes[0].tolerance
     if member.features.is_cut:
-        solid = gear_solid(replace(member, features=member.features.uncut), tolerance, *tooth_meshes)
+        solid = gear_facets(replace(member, features=member.features.uncut), tolerance, *tooth_meshes)
     return bound.join(body_bound(solid), *_walls(member, tolerance))
 
 
@@ -172,8 +172,8 @@ def teeth_bound(member: Member, tooth_meshes: Sequence[ToothMesh]) -> DeviationB
     return DeviationBound().join(*(tooth_bound(mesh, shared) for mesh in tooth_meshes))
 
 
-def body_bound(solid: TriangleMesh) -> DeviationBound:
+def body_bound(solid: Facets) -> DeviationBound:
     """Of the facets of bodies and end faces, whose corners are on planes across the axis, cylinders and cones."""
-    body = np.isin(solid.regions, [k for k, name in enumerate(solid.region_names) if name in ROUND])
-    distances = facet_distances(solid.vertices[solid.triangles[body]])
-    return DeviationBound.of(distances, distances)
+    body = [k for k, name in enumerate(solid.region_names) if name in ROUND]
+    distances = [facet_distances(corners) for corners in solid.corner_pieces(body)]
+    return DeviationBound().join(*(DeviationBound.of(piece, piece) for piece in distances))

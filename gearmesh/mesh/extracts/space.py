@@ -13,7 +13,7 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.mesh.body import Index, split_long, triangulate
-from gearmesh.mesh.solid import labelled_mesh
+from gearmesh.mesh.labelled import labelled_mesh
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.blank.body import end_regions
