@@ -13,7 +13,7 @@ import numpy as np
 from gearmesh.answers.inspection.composite import CompositeTest
 from gearmesh.answers.inspection.figures import UM
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.diagrams.plots import new_figure, save_figure
 from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, GROUND, INK
 
 #: size (inches) of the figure: its width, and the height of a chart
@@ -22,8 +22,6 @@ WIDTH, HEIGHT = 10.5, 2.9
 
 def plot_composite(file: Path | str, test: CompositeTest) -> None:
     """The charts of a test. Raises OutputError where the file cannot be written."""
-    from matplotlib.figure import Figure
-
     own, single, double = test.figures, test.single, test.double
     charts = [
         (
@@ -45,7 +43,7 @@ def plot_composite(file: Path | str, test: CompositeTest) -> None:
                 f"    a'' {own.tight_center_distance:.4f} mm",
             )
         )
-    figure = Figure(figsize=(WIDTH, HEIGHT * len(charts) + 0.4), dpi=150, layout="constrained")
+    figure = new_figure((WIDTH, HEIGHT * len(charts) + 0.4))
     for axes, chart in zip(figure.subplots(len(charts), 1, squeeze=False)[:, 0], charts, strict=True):
         _draw(axes, *chart)
     figure.suptitle(f"{own.pair}: composite deviations", color=INK)

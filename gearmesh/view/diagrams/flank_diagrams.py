@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array, spread
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.diagrams.flank_plane import FlankPlane
-from gearmesh.view.diagrams.plots import save_figure, sheet
+from gearmesh.view.diagrams.plots import lay_out, new_figure, save_figure, sheet
 from gearmesh.view.palette import COMPOUND, EDGE, FAINT, GROUND, INK, LINES, OUTLINE, PATH, PATTERN
 from gearmesh.view.scene import MemberContact
 
@@ -173,8 +173,6 @@ def plot_flanks(
 
     Raises OutputError where the file cannot be written.
     """
-    from matplotlib.figure import Figure
-
     columns = max(map(len, rows))
     width = (WIDTH if columns == 1 else 15.0) / columns
     windows = [[flank_window(panel.plane.frame.extent, panel.extent, width - BESIDE) for panel in row] for row in rows]
@@ -187,7 +185,7 @@ def plot_flanks(
         for row in windows
     ]
     inches, dots = sheet((width * columns, sum(heights) + 0.8), size, dpi)
-    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
+    figure = new_figure(inches, dots)
     grid = figure.subplots(len(rows), columns, squeeze=False, gridspec_kw={"height_ratios": heights})
     for row, windows_of, places in zip(rows, windows, grid, strict=True):
         for panel, window, axes in zip(row, windows_of, places, strict=False):
@@ -208,7 +206,7 @@ def plot_flanks(
     figure.suptitle(title, color=INK)
     if fields:
         # labels of lines are where there is room for them, which is known when all else has its place
-        figure.draw_without_rendering()
+        lay_out(figure)
         for axes, panel in fields:
             _label_rings(axes, panel.plane.frame.outline)
     save_figure(figure, file)

@@ -22,7 +22,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.region import Side
 from gearmesh.view.diagrams.flank_diagrams import draw_outline, flank_window, name_edges
 from gearmesh.view.diagrams.flank_plane import FlankPlane
-from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.diagrams.plots import new_figure, save_figure
 from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, GROUND, INK
 
 #: size (inches) of the chart, and height of a row of maps, traces, pitch deviations
@@ -38,8 +38,6 @@ ORDER = (Side.LEFT, Side.RIGHT)
 
 def plot_inspection(file: Path | str, inspection: Inspection) -> None:
     """The chart of a measured gear. Raises OutputError where the file cannot be written."""
-    from matplotlib.figure import Figure
-
     rows = [
         (draw, height)
         for draw, height, there in (
@@ -50,7 +48,7 @@ def plot_inspection(file: Path | str, inspection: Inspection) -> None:
         )
         if there
     ]
-    figure = Figure(figsize=(WIDTH, sum(height for _, height in rows) + 0.7), dpi=150, layout="constrained")
+    figure = new_figure((WIDTH, sum(height for _, height in rows) + 0.7))
     axes = figure.subplots(len(rows), 2, squeeze=False, gridspec_kw={"height_ratios": [height for _, height in rows]})
     for own, (draw, _) in zip(axes, rows, strict=True):
         draw(own, inspection)

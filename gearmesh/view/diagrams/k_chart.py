@@ -20,7 +20,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.region import Side
 from gearmesh.view.diagrams.modification_diagrams import IN_CLOSED_FORM, TRACE, flank_map
-from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.diagrams.plots import new_figure, save_figure
 from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, GROUND, INK
 
 #: size (inches) of the figure
@@ -30,8 +30,6 @@ SIZE = (11.0, 7.5)
 def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
     """The charts of both flanks of a member of which nothing was measured. Raises DesignError for flanks that are no involutes, or
     have deviations, OutputError where the file cannot be written."""
-    from matplotlib.figure import Figure
-
     involute = None if inspection.basis is None else inspection.basis.involute
     flanks = [inspection.member.tooth.side(side).flank for side in Side]
     if involute is None or not all(isinstance(flank, IN_CLOSED_FORM) for flank in flanks):
@@ -41,7 +39,7 @@ def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
             reason="its flanks have no theoretical profile and helix charts",
             allowed="cylindrical gears with the modifications of their design alone",
         )
-    figure = Figure(figsize=SIZE, dpi=150, layout="constrained")
+    figure = new_figure(SIZE)
     rows = figure.subplots(2, 2, gridspec_kw={"height_ratios": (1.2, 1.0)})
     for column, side in enumerate((Side.LEFT, Side.RIGHT)):
         own = flank_map(inspection.member, side, TRACE)

@@ -16,7 +16,7 @@ from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Side
-from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.diagrams.plots import new_figure, save_figure
 from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
 
 #: points of a trace, and of a map in each direction
@@ -70,10 +70,8 @@ def plot_modifications(file: Path | str, member: Member) -> None:
 
     Traces at a tenth, the middle and nine tenths of face and profile. Raises OutputError where the file cannot be written.
     """
-    from matplotlib.figure import Figure
-
     maps = [flank_map(member, side, TRACE) for side in (Side.LEFT, Side.RIGHT)]
-    figure = Figure(figsize=(11.0, 8.5), dpi=150, layout="constrained")
+    figure = new_figure((11.0, 8.5))
     rows = figure.subplots(3, 2, gridspec_kw={"height_ratios": (1.0, 0.8, 1.2)})
     low = min(0.0, *(float(flank_map.removed.min()) for flank_map in maps))
     high = max(float(flank_map.removed.max()) for flank_map in maps)

@@ -24,7 +24,7 @@ from gearmesh.view.diagrams.flank_diagrams import (
     name_edges,
 )
 from gearmesh.view.diagrams.flank_plane import FlankPlane
-from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.diagrams.plots import new_figure, save_figure
 from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
 from gearmesh.view.scene import MemberContact
 
@@ -86,15 +86,13 @@ def plot_matrix(
 
     `cells[i][j]` is at the i-th value of the rows. Raises OutputError where the file cannot be written.
     """
-    from matplotlib.figure import Figure
-
     known = [cell for row in cells for cell in row if cell.panel is not None]
     window = _common_window([cell.panel for cell in known if cell.panel is not None])
     (left, right), (low, high), magnified = window
     tall = WIDTH * (high - low) * magnified / (right - left)
     across, down = len(columns[1]), len(rows[1])
     inches = max(across * (WIDTH + 0.15) + LABELS + 0.5, LEGEND), down * (tall + ERROR + 0.3) + 2.0 * LABELS + 0.3
-    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    figure = new_figure(inches, dpi)
     grid = figure.subplots(2 * down, across, squeeze=False, height_ratios=(tall, ERROR) * down)
     errors = _error_limits(known)
     for i in range(down):

@@ -37,6 +37,8 @@ _PLAY_OF_NONE = 1e-3
 _ENTRY = 1.9
 #: size (points) of titles
 TITLE = 12.0
+#: pixels per inch of figures that are read on a screen
+SCREEN_DPI = 100
 #: share of the room that a figure needs in which its words still stand clear
 _LEAST_SHARE = 0.8
 #: pitches that are shown beyond the engagement of a pair
@@ -70,12 +72,10 @@ def plot_transmission_error(
     marked roots, where this is discontinuous, and the amplitudes of its harmonics as bars. `unit`: rad and
     name of the unit that errors are shown in. `size` is in pixels. Raises OutputError where the file cannot be written.
     """
-    from matplotlib.figure import Figure
-
     rad, name = unit[0], unit[1].replace("um", "µm")
     heard = _harmonics(cycle, rad)
     inches, dots = sheet((10.5 if heard.size else 8.0, 5.0), size, dpi)
-    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
+    figure = new_figure(inches, dots)
     axes, *others = figure.subplots(
         1, 1 + bool(heard.size), squeeze=False, width_ratios=(3.2, 1.0)[: 1 + bool(heard.size)]
     )[0]
@@ -105,10 +105,8 @@ def plot_backlash(
 
     `size` is in pixels. Raises OutputError where the file cannot be written.
     """
-    from matplotlib.figure import Figure
-
     inches, dots = sheet((8.0, 5.0), size, dpi)
-    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
+    figure = new_figure(inches, dots)
     axes = figure.subplots()
     axes.plot(curve.phi1, curve.backlash, color=CURVES[0], lw=1.8, label="backlash")
     for label, value, style in (("greatest", curve.greatest, "--"), ("least", curve.least, ":")):
@@ -229,9 +227,7 @@ def plot_cost(file: Path | str, runs: Mapping[str, CostRun], title: str = "Cost 
 
     A run's bound, the fewest triangles possible, is dashed. Raises OutputError where the file cannot be written.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 5.0), dpi=150, layout="constrained")
+    figure = new_figure((11.0, 5.0))
     left, right = figure.subplots(1, 2)
     for i, (label, run) in enumerate(runs.items()):
         style: dict[str, Any] = {"color": CURVES[i % len(CURVES)], "marker": _MARKERS[i % len(_MARKERS)], "ms": 5}
@@ -284,13 +280,34 @@ def sheet(needed: tuple[float, float], size: tuple[int, int] | None, dpi: float)
 
 def _figure() -> tuple[Any, Any]:
     """A figure of one plot with a faint grid."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 5.0), dpi=150, layout="constrained")
+    figure = new_figure((8.0, 5.0))
     axes = figure.subplots()
     axes.grid(True, color=GRID_LINES, lw=0.8)
     axes.set_axisbelow(True)
     return figure, axes
+
+
+def new_figure(inches: tuple[float, float], dpi: float = 150) -> Any:
+    """A figure that finds its margins when it is laid out, and measures letters as the PNG file has them."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    # without a canvas that keeps its renderer every measurement makes one, with all its pixels
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def lay_out(figure: Any) -> None:
+    """Break the title into lines that fit and give all axes their places, once: saving the figure does not look for them again."""
+    engine = figure.get_layout_engine()
+    if engine is None:
+        return
+    if title := figure.get_suptitle():
+        figure.suptitle(fit_title(title, figure, TITLE), fontsize=TITLE)
+    engine.execute(figure)
+    # "none" would leave a place holder, for which a file is drawn twice
+    figure.set_layout_engine(None)
 
 
 def save_figure(figure: Any, file: Path | str) -> None:
@@ -302,8 +319,7 @@ def save_figure(figure: Any, file: Path | str) -> None:
     kind = Path(file).suffix.lower()
     if kind not in _KINDS:
         raise OutputError("cannot write", file, reason=f"the suffix of a plot must be {', '.join(_KINDS)}")
-    if title := figure.get_suptitle():
-        figure.suptitle(fit_title(title, figure, TITLE), fontsize=TITLE)
+    lay_out(figure)
     with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
         figure.savefig(unfinished, metadata=_KINDS[kind])
         if kind == ".svg":

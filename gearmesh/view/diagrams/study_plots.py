@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.diagrams.plots import SCREEN_DPI, new_figure, save_figure
 from gearmesh.view.palette import CURVES, INK
 
 #: lines of a response plot that are distinguished by colour
@@ -42,10 +42,8 @@ def plot_responses(
     title: str,
 ) -> None:
     """Figures over every key (N,): lines where the rows are a grid of one or two keys, else a dot a row."""
-    from matplotlib.figure import Figure
-
     down, across = len(figures), len(keys)
-    figure = Figure(figsize=(max(3.4 * across, 4.4) + 1.4, 2.5 * down + 0.7), layout="constrained")
+    figure = new_figure((max(3.4 * across, 4.4) + 1.4, 2.5 * down + 0.7), SCREEN_DPI)
     figure.suptitle(title)
     axes = figure.subplots(down, across, squeeze=False, sharey="row")
     lines = len(shape) in (1, 2) and all(n <= _LINES for n in shape[:-1] or (1,))
@@ -102,10 +100,8 @@ class ShareBars:
 
 def plot_tornado(file: Path | str, bars: Sequence[SwingBars | ShareBars], title: str) -> None:
     """Sensitivities, a diagram a figure: how far it swings with each key, or which share of its variance is a key's."""
-    from matplotlib.figure import Figure
-
     heights = [1.2 + 0.34 * len(own_bars.keys) for own_bars in bars]
-    figure = Figure(figsize=(7.0, 0.8 + sum(heights)), layout="constrained")
+    figure = new_figure((7.0, 0.8 + sum(heights)), SCREEN_DPI)
     figure.suptitle(title)
     for own, own_bars in zip(
         figure.subplots(len(bars), 1, squeeze=False, height_ratios=heights)[:, 0], bars, strict=True
@@ -159,9 +155,7 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
 
 def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentiles: Sequence[int], title: str) -> None:
     """How often figures have which values, with percentiles and limits; a yield belongs into the title."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.0, 2.4 * len(figures) + 0.6), layout="constrained")
+    figure = new_figure((7.0, 2.4 * len(figures) + 0.6), SCREEN_DPI)
     figure.suptitle(title)
     for own, own_figure in zip(figure.subplots(len(figures), 1, squeeze=False)[:, 0], figures, strict=True):
         known = own_figure.values[np.isfinite(own_figure.values)]

@@ -8,7 +8,7 @@ import numpy as np
 
 from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.view.diagrams.plots import LEAST_RANGE, save_figure, sheet
+from gearmesh.view.diagrams.plots import LEAST_RANGE, new_figure, save_figure, sheet
 from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
 
 #: height of the bars' plot over its tallest bar: room for what its legend says
@@ -29,11 +29,9 @@ def plot_turns(
 
     Raises OutputError where the file cannot be written.
     """
-    from matplotlib.figure import Figure
-
     rad, name = unit[0], unit[1].replace("um", "µm")
     inches, dots = sheet((10.5, 5.0), size, dpi)
-    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
+    figure = new_figure(inches, dots)
     axes, bars = figure.subplots(1, 2, width_ratios=(3.2, 1.0))
     axes.plot(turns.phi1 / (2.0 * np.pi), turns.te / rad, color=CURVES[0], lw=0.9)
     axes.set(xlabel="turns of the pinion, until the same teeth mesh again", ylabel=f"transmission error ({name})")

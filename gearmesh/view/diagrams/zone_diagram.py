@@ -27,7 +27,7 @@ from gearmesh.view.diagrams.flank_diagrams import (
     name_edges,
 )
 from gearmesh.view.diagrams.flank_plane import FlankPlane, strips
-from gearmesh.view.diagrams.plots import save_figure, sheet
+from gearmesh.view.diagrams.plots import new_figure, save_figure, sheet
 from gearmesh.view.palette import CURVES, EDGE, GRID_LINES, INK, LINES, PATH, PATTERN
 from gearmesh.view.scene import contact_on, jumps
 
@@ -56,8 +56,6 @@ def plot_zone(
     file: Path | str, shown: ZoneOfContact, title: str, size: tuple[int, int] | None = None, dpi: int = 150
 ) -> None:
     """The zone of contact, written to a file. Raises OutputError where that cannot be written."""
-    from matplotlib.figure import Figure
-
     pair, width = shown.pair, WIDTH - BESIDE
     panels = [_panel(shown, name) for name in pair.members]
     windows = [_window(shown, panel, width) for panel in panels]
@@ -68,7 +66,7 @@ def plot_zone(
     ]
     heights.append(min(width * (high - low) / (right - left), 0.45 * width) + ABOVE)
     inches, dots = sheet((WIDTH, sum(heights) + 0.8), size, dpi)
-    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
+    figure = new_figure(inches, dots)
     *flanks, below = figure.subplots(3, 1, gridspec_kw={"height_ratios": heights})
     for axes, panel, window in zip(flanks, panels, windows, strict=True):
         _draw_flank(axes, shown, panel, window)

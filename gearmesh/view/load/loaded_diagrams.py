@@ -16,7 +16,7 @@ from gearmesh.loaded.sharing import LoadedMesh, whole_cycle
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view.diagrams.flank_diagrams import draw_outline, flank_window, is_long, name_edges
 from gearmesh.view.diagrams.flank_plane import FlankPlane
-from gearmesh.view.diagrams.plots import save_figure, sheet
+from gearmesh.view.diagrams.plots import new_figure, save_figure, sheet
 from gearmesh.view.load.footprints import Footprints, largest_pressure, scale_limit
 from gearmesh.view.palette import COLOUR_MAP, CURVES, EDGE, FAINT, GRID_LINES, INK
 
@@ -159,7 +159,6 @@ def plot_loaded_flanks(
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
-    from matplotlib.figure import Figure
 
     if is_long([row[0].plane for row in rows]) and len(rows) < len(rows[0]):
         rows = [list(column) for column in zip(*rows, strict=True)]
@@ -171,7 +170,7 @@ def plot_loaded_flanks(
         for row in windows
     ]
     inches, dots = sheet((width * columns + 1.0, sum(heights) + 0.8), size, dpi)
-    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
+    figure = new_figure(inches, dots)
     grid = figure.subplots(len(rows), columns, squeeze=False, gridspec_kw={"height_ratios": heights})
     scale = ScalarMappable(Normalize(0.0, limit), COLOUR_MAP)
     for row, windows_of, places in zip(rows, windows, grid, strict=True):
@@ -378,10 +377,8 @@ def _colours(mesh: LoadedMesh, values: Array) -> list[tuple[Array, str, str]]:
 
 def _figure(count: int, size: tuple[int, int] | None, dpi: int) -> tuple[Any, list[Any]]:
     """A figure of plots side by side."""
-    from matplotlib.figure import Figure
-
     inches, dots = sheet(((8.0, 5.4, 5.0)[count - 1] * count, 5.0), size, dpi)
-    figure = Figure(figsize=inches, dpi=dots, layout="constrained")
+    figure = new_figure(inches, dots)
     return figure, list(figure.subplots(1, count, squeeze=False)[0])
 
 
