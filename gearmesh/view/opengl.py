@@ -40,7 +40,6 @@ _TRIAL = Order(
     parallel=True,
     height=2.0,
     angle=30.0,
-    lights=[],
     peels=0,
     primitives=[
         Primitive(

@@ -10,7 +10,8 @@ from oracles.built import built_sample
 
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
-from gearmesh.view.offscreen.shapes import drawing_order
+from gearmesh.view.offscreen import shapes
+from gearmesh.view.offscreen.shapes import Viewer, drawing_order
 from gearmesh.view.on_tooth import area_edges
 from gearmesh.view.scene import Camera, Scene
 
@@ -29,10 +30,10 @@ def points(primitive) -> np.ndarray:
 
 def test_facets_that_share_a_corner_share_its_place_in_the_picture(scene: Scene) -> None:
     """To the bit, though each goes back by its own slope: else pixels between them are left open, and show what is behind."""
-    askew = Camera(np.array([31.0, 57.0, 93.0]), np.array([0.1, 0.2, 0.3]), np.array([0.2, 1.0, 0.1]), 20.0)
+    askew = Camera(np.array([31.0, 57.0, 93.0]), np.array([0.1, 0.2, 0.3]), np.array([0.2, 1.0, 0.1]), 2000.0)
     for body in scene.bodies:
         alone = Scene((replace(body, yields=False),), camera=askew)
-        (facets,) = (one for one in drawing_order(alone, SIZE)["primitives"] if one["lit"])
+        (facets,) = (one for one in drawing_order(alone, SIZE)["primitives"] if one["colours"] is not None)
         mesh, (x, y, z) = body.mesh, points(facets).T
         assert len(np.unique(z)) > 1.5 * len(mesh.vertices)
         owner = mesh.triangles.ravel()
@@ -62,8 +63,10 @@ def test_facets_that_turn_away_by_their_exact_normals_are_of_the_inside(scene: S
 
     def count(normals: np.ndarray) -> int:
         body = replace(opened, mesh=replace(opened.mesh, normals=normals))
-        primitives = drawing_order(replace(scene, bodies=(body,)), SIZE)["primitives"]
-        (outer,) = (one for one in primitives if one["lit"])
+        # all of it in sight
+        camera = replace(scene.camera, height=100.0 * scene.camera.height)
+        primitives = drawing_order(replace(scene, bodies=(body,), camera=camera), SIZE)["primitives"]
+        (outer,) = (one for one in primitives if one["colours"] is not None)
         return len(outer["cells"]) // 24
 
     mesh = opened.mesh
@@ -72,6 +75,52 @@ def test_facets_that_turn_away_by_their_exact_normals_are_of_the_inside(scene: S
     assert 0 < count(mesh.normals) <= facing.sum() < len(facing)
     away = opened.own_to_scene.vector(mesh.normals) @ scene.camera.axes[2] < 0.0
     assert count(-mesh.normals) == (facing & away).sum() < 0.01 * len(facing)
+
+
+def test_what_is_in_the_picture_is_drawn_as_if_all_were(scene: Scene) -> None:
+    """Triangles beyond its edges are left out, and those kept have the same places and colours, nearest first."""
+    for body in scene.bodies:
+        near = Scene((replace(body, yields=False),), camera=scene.camera)
+        far = replace(near, camera=replace(scene.camera, height=50.0 * scene.camera.height))
+        # the same pixels in mm, so that lines and slopes push alike
+        (few,), (every,) = (
+            [one for one in drawing_order(each, size)["primitives"] if one["colours"] is not None]
+            for each, size in ((near, SIZE), (far, (50 * SIZE[0], 50 * SIZE[1])))
+        )
+        corners, cells = (points(every).reshape(-1, 3, 3), np.frombuffer(every["cells"], dtype=np.int64).reshape(-1, 3))
+        half = 0.5 * scene.camera.height * np.array([SIZE[0] / SIZE[1], 1.0])
+        across = corners[..., :2]
+        inside = ((across.max(axis=1) > -half) & (across.min(axis=1) < half)).all(axis=1)
+        drawn, all_drawn = _coloured(few), _coloured(every)
+        places = [corner.astype(np.float32).tobytes() for corner in corners[inside]]
+        assert set(places) <= set(drawn) <= set(all_drawn)
+        # rounding may take a colour to the next one
+        assert max(int(np.abs(drawn[place] - all_drawn[place]).max()) for place in places) <= 1
+        assert body.yields == (len(drawn) < 0.7 * len(all_drawn))
+        depth = corners[cells[:, 0] // 3, :, 2].max(axis=1)
+        assert (np.diff(depth) <= 0.0).all()
+
+
+def _coloured(primitive) -> dict[bytes, np.ndarray]:
+    """Colours (9,) of triangles by their places."""
+    places = points(primitive).reshape(-1, 9)
+    colours = np.frombuffer(primitive["colours"], dtype=np.uint8).reshape(-1, 9).astype(int)
+    return {place.tobytes(): colour for place, colour in zip(places, colours, strict=True)}
+
+
+@pytest.mark.quick
+def test_lamps_shine_on_what_faces_them_and_colours_are_those_of_paint() -> None:
+    """A normal towards the viewer, at right angles to it, and away, which is seen from inside: in closed form."""
+    camera = Camera(np.array([0.0, 0.0, 1e6]), np.zeros(3), np.array([0.0, 1.0, 0.0]), 10.0)
+    lamps = [(np.array(direction) / np.linalg.norm(direction), strength) for direction, strength in shapes._LIGHTS]
+    normals = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+    found = Viewer(camera, 0.1).light(np.zeros((3, 3)), normals, np.full((3, 3), 100, dtype=np.uint8))
+    for normal, colour in zip(np.abs(normals), found, strict=True):
+        falls = [max(0.0, float(lamp @ normal)) for lamp, _ in lamps]
+        shine = [max(0.0, float((2.0 * (lamp @ normal) * normal - lamp)[2])) ** 20 for lamp, _ in lamps]
+        wanted = 100.0 * (0.25 + sum(fall * strength for fall, (_, strength) in zip(falls, lamps, strict=True)))
+        wanted += 255.0 * 0.12 * sum(s * strength for s, f, (_, strength) in zip(shine, falls, lamps, strict=True) if f)
+        np.testing.assert_allclose(colour, wanted, atol=0.6)
 
 
 @pytest.mark.quick

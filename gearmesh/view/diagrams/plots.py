@@ -308,6 +308,8 @@ def lay_out(figure: Any) -> None:
     engine.execute(figure)
     # "none" would leave a place holder, for which a file is drawn twice
     figure.set_layout_engine(None)
+    for axes in figure.axes:
+        axes.apply_aspect()
 
 
 def save_figure(figure: Any, file: Path | str) -> None:

@@ -11,21 +11,24 @@ from __future__ import annotations
 import marshal
 import os
 import sys
-from collections.abc import Callable
-from typing import IO, Any, TypedDict
+from collections.abc import Callable, Iterator
+from math import atan, degrees, radians, tan
+from typing import IO, Any, TypedDict, cast
+
+#: rows of pixels, at most, that are drawn at once
+STRIP = 400
 
 
 class Primitive(TypedDict):
     """What is drawn in one way; arrays are bytes: float32, indices int64, colours uint8.
 
-    points (V, 3), normals (V, 3) or None, cells of so many `corners` (one for dots, two for lines), one after the other, and where
-    they begin (C + 1,), `colours` (C, 3) of cells, or one `colour` of three parts of 1. `values` (V,) from 0 to `limit` take the
+    points (V, 3), cells of so many `corners` (one for dots, two for lines), one after the other, and where they begin (C + 1,),
+    `colours` (V, 3) of points, or one `colour` of three parts of 1. `values` (V,) from 0 to `limit` take the
     colours of a `table` (256, 4), if there is one; what is beyond `cut` is left out. `front` is a point and a direction away from
     the viewer, before which nothing is shown.
     """
 
     points: bytes
-    normals: bytes | None
     cells: bytes
     starts: bytes
     corners: int
@@ -35,7 +38,6 @@ class Primitive(TypedDict):
     limit: float
     table: bytes | None
     cut: float | None
-    lit: bool
     opacity: float
     width: float
     culled: str
@@ -43,7 +45,7 @@ class Primitive(TypedDict):
 
 
 class Order(TypedDict):
-    """A picture: `size` in pixels, the camera and the lights, positions and strengths, all aimed at the `focus`; lengths in mm.
+    """A picture: `size` in pixels, and the camera, aimed at the `focus`; lengths in mm.
 
     The picture is `height` mm high at the focus, or an `angle` of so many deg where it is not `parallel`; `peels` are the layers of
     translucent bodies that are distinguished.
@@ -56,7 +58,6 @@ class Order(TypedDict):
     parallel: bool
     height: float
     angle: float
-    lights: list[tuple[list[float], float]]
     peels: int
     primitives: list[Primitive]
 
@@ -64,7 +65,6 @@ class Order(TypedDict):
 #: nothing, plainly: what most of what is drawn has in common
 PLAIN = Primitive(
     points=b"",
-    normals=None,
     cells=b"",
     starts=b"",
     corners=3,
@@ -74,7 +74,6 @@ PLAIN = Primitive(
     limit=1.0,
     table=None,
     cut=None,
-    lit=False,
     opacity=1.0,
     width=1.0,
     culled="",
@@ -91,7 +90,7 @@ def receive(stream: IO[bytes]) -> bytes:
     return data
 
 
-def send(stream: IO[bytes], data: bytes | memoryview) -> None:
+def send(stream: IO[bytes], data: bytes) -> None:
     """Write bytes, one at least, after how many they are."""
     stream.write(len(data).to_bytes(8, "little"))
     stream.write(data)
@@ -117,11 +116,18 @@ def main() -> None:
             return
         if order is None:
             return
-        send(answers, draw(order))
+        width, height = order["size"]
+        answers.write((4 * width * height).to_bytes(8, "little"))
+        for part in draw(order):
+            answers.write(part)
+        answers.flush()
 
 
-def drawer() -> Callable[[Order], memoryview]:
-    """What draws: the pixels of an order. All pictures share a window, and so what OpenGL has compiled."""
+def drawer() -> Callable[[Order], Iterator[memoryview]]:
+    """What draws: the pixels of an order, in parts. All pictures share a window, and so what OpenGL has compiled.
+
+    A picture is drawn strip by strip: OpenGL and VTK hold several copies of all pixels of a window.
+    """
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
     from vtkmodules.vtkCommonCore import vtkLogger, vtkUnsignedCharArray
     from vtkmodules.vtkRenderingCore import vtkMapper, vtkRenderer, vtkRenderWindow
@@ -134,10 +140,10 @@ def drawer() -> Callable[[Order], memoryview]:
     window.SetOffScreenRendering(True)
     window.SetMultiSamples(0)
 
-    def draw(order: Order) -> memoryview:
+    def draw(order: Order) -> Iterator[memoryview]:
         renderer = vtkRenderer()
         renderer.SetBackground(1.0, 1.0, 1.0)
-        _aim(renderer, order)
+        _aim(renderer, order, order["size"][1], 0)
         if order["peels"]:
             renderer.SetUseDepthPeeling(True)
             renderer.SetMaximumNumberOfPeels(order["peels"])
@@ -146,36 +152,33 @@ def drawer() -> Callable[[Order], memoryview]:
             renderer.AddActor(_actor(primitive))
         renderer.ResetCameraClippingRange()
         width, height = order["size"]
-        window.SetSize(width, height)
+        strips = -(-height // STRIP)
+        rows, pixels = -(-height // strips), vtkUnsignedCharArray()
+        window.SetSize(width, rows)
         window.AddRenderer(renderer)
-        window.Render()
-        pixels: Any = vtkUnsignedCharArray()
-        window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, pixels, 0)
+        for strip in range(strips):
+            _aim(renderer, order, rows, strip)
+            window.Render()
+            window.GetRGBACharPixelData(0, 0, width - 1, rows - 1, 0, pixels, 0)
+            # the last strip may reach beyond the picture
+            yield memoryview(cast("Any", pixels)).cast("B")[: 4 * width * (height - strip * rows)]
         window.RemoveRenderer(renderer)
-        return memoryview(pixels).cast("B")
 
     return draw
 
 
-def _aim(renderer: Any, order: Order) -> None:
-    """Set camera and lights."""
-    from vtkmodules.vtkRenderingCore import vtkLight
-
+def _aim(renderer: Any, order: Order, rows: int, strip: int) -> None:
+    """Set the camera to a strip of so many rows of pixels, the first of which is at the bottom of the picture."""
+    share = rows / order["size"][1]
     camera = renderer.GetActiveCamera()
     camera.SetPosition(order["position"])
     camera.SetFocalPoint(order["focus"])
     camera.SetViewUp(order["up"])
     camera.SetParallelProjection(order["parallel"])
-    camera.SetParallelScale(order["height"] / 2)
-    camera.SetViewAngle(order["angle"])
-    renderer.AutomaticLightCreationOff()
-    for position, strength in order["lights"]:
-        light = vtkLight()
-        light.SetPosition(position)
-        light.SetFocalPoint(order["focus"])
-        light.SetIntensity(strength)
-        light.PositionalOff()
-        renderer.AddLight(light)
+    camera.SetParallelScale(share * order["height"] / 2)
+    camera.SetViewAngle(degrees(2.0 * atan(share * tan(radians(order["angle"]) / 2.0))))
+    # in halves of the strip from the middle of the picture
+    camera.SetWindowCenter(0.0, (2 * strip + 1) - 1.0 / share)
 
 
 def _actor(primitive: Primitive) -> Any:
@@ -201,12 +204,7 @@ def _actor(primitive: Primitive) -> Any:
     look.SetRenderPointsAsSpheres(primitive["corners"] == 1)
     look.SetBackfaceCulling(primitive["culled"] == "back")
     look.SetFrontfaceCulling(primitive["culled"] == "front")
-    look.SetLighting(primitive["lit"])
-    if primitive["lit"]:
-        look.SetInterpolationToPhong()
-        look.SetAmbient(0.25)
-        look.SetSpecular(0.12)
-        look.SetSpecularPower(20.0)
+    look.SetLighting(False)
     return actor
 
 
@@ -226,10 +224,8 @@ def _poly_data(primitive: Primitive) -> Any:
     surface.SetPoints(points)
     cells.SetData(*(array(vtkTypeInt64Array, data, 1, 8) for data in (primitive["starts"], primitive["cells"])))
     {1: surface.SetVerts, 2: surface.SetLines}.get(primitive["corners"], surface.SetPolys)(cells)
-    if primitive["normals"] is not None:
-        surface.GetPointData().SetNormals(array(vtkFloatArray, primitive["normals"], 3, 4))
     if primitive["colours"] is not None:
-        surface.GetCellData().SetScalars(array(vtkUnsignedCharArray, primitive["colours"], 3, 1))
+        surface.GetPointData().SetScalars(array(vtkUnsignedCharArray, primitive["colours"], 3, 1))
     if primitive["values"] is not None:
         surface.GetPointData().SetScalars(array(vtkFloatArray, primitive["values"], 1, 4))
     return surface if primitive["cut"] is None else _cut(surface, primitive["cut"])

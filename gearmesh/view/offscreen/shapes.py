@@ -39,6 +39,10 @@ OVERSAMPLING = 2
 _EDGE_ON = 1e-6
 # what recedes faster is seen as a line
 _STEEPEST = 50.0
+#: light that is everywhere, what of a lamp is mirrored, and the power of the cosine by which that falls off
+AMBIENT, SPECULAR, SHININESS = 0.25, 0.12, 20
+#: pixels beyond an edge of the picture from which nothing reaches into it
+BESIDE_EDGE = 8.0
 # Layers of translucent bodies one behind the other: a ring has four.
 _PEELS = 8
 
@@ -47,8 +51,8 @@ def drawing_order(scene: Scene, size: tuple[int, int]) -> Order:
     """What is to be drawn of a scene for a picture of a `size` in pixels."""
     scene = _from_camera(scene)
     camera = scene.camera
-    viewer = Viewer(camera, camera.height / size[1])
-    primitives = [one for body in scene.bodies for one in _body(body, viewer)]
+    viewer = Viewer(camera, camera.height / size[1], size[0] / size[1])
+    primitives = sorted((one for body in scene.bodies for one in _body(body, viewer)), key=_late)
     primitives += [one for area in scene.areas for one in _area(area, viewer)]
     primitives += [one for value_map in scene.maps for one in _map(value_map, viewer)]
     primitives += [one for curve in scene.curves for one in _curve(curve, viewer)]
@@ -61,10 +65,6 @@ def drawing_order(scene: Scene, size: tuple[int, int]) -> Order:
         parallel=camera.parallel,
         height=camera.height,
         angle=float(np.degrees(2 * np.arctan2(camera.height / 2, camera.distance))),
-        lights=[
-            ((camera.focus + camera.distance * unit(np.array(direction)) @ camera.axes).tolist(), strength)
-            for direction, strength in _LIGHTS
-        ],
         peels=_PEELS if any(body.opacity < 1.0 for body in scene.bodies) else 0,
         primitives=primitives,
     )
@@ -93,10 +93,11 @@ def _from_camera(scene: Scene) -> Scene:
 
 @dataclass(frozen=True)
 class Viewer:
-    """Who looks at a scene, and the length of a `pixel` (mm) at the focus."""
+    """Who looks at a scene, the length of a `pixel` (mm) at the focus, and the picture's width over its height."""
 
     camera: Camera
     pixel: float
+    shape: float = 4.0 / 3.0
 
     def move_back(self, points: Array, pixels: Array | float) -> Array:
         """Points (..., 3) moved away from the viewer by the length of so many pixels, which does not move them in the picture."""
@@ -105,6 +106,35 @@ class Viewer:
             shifted: Array = points - away * self.camera.axes[2]
             return shifted
         return points + away / self.camera.distance * (points - self.camera.position)
+
+    def sees(self, corners: Array) -> NDArray[np.bool_]:
+        """Which triangles (T, 3, 3) may be in a parallel picture, (T,): those not wholly beyond one of its edges."""
+        if not self.camera.parallel:
+            return np.ones(len(corners), dtype=bool)
+        across = (corners - self.camera.focus) @ self.camera.axes[:2].T
+        edge = 0.5 * self.camera.height * np.array([self.shape, 1.0]) + BESIDE_EDGE * self.pixel
+        inside: NDArray[np.bool_] = ((across.min(axis=1) < edge) & (across.max(axis=1) > -edge)).all(axis=1)
+        return inside
+
+    def light(self, points: Array, normals: Array, colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Colours (N, 3) of points (N, 3) with normals (N, 3), of whichever sense, in the light of all lamps.
+
+        Between the corners of a triangle colours are linear. Lamps in every pixel take twice as long to draw, and change no colour
+        by more than a few parts of 255.
+        """
+        right_up_back = normals @ self.camera.axes.T
+        facing = right_up_back * np.where(right_up_back[:, 2:] < 0.0, -1.0, 1.0)
+        towards = unit((self.camera.position - points) @ self.camera.axes.T)
+        bright, shine = np.full(len(points), AMBIENT), np.zeros(len(points))
+        for direction, strength in _LIGHTS:
+            lamp = unit(np.array(direction))
+            falls = facing @ lamp
+            bright += strength * np.maximum(falls, 0.0)
+            mirrored = 2.0 * falls * dot(facing, towards) - towards @ lamp
+            shine += np.where(falls > 0.0, strength * np.maximum(mirrored, 0.0) ** SHININESS, 0.0)
+        lit = colours * bright[:, None] + 255.0 * SPECULAR * shine[:, None]
+        seen: NDArray[np.uint8] = np.rint(np.minimum(lit, 255.0)).astype(np.uint8)
+        return seen
 
     def slopes(self, corners: Array) -> Array:
         """By how many pixels triangles (T, 3, 3) recede from the viewer over one of the pixels that are drawn, (T,)."""
@@ -185,6 +215,28 @@ def region_edges(mesh: TriangleMesh, seen: NDArray[np.bool_] | None = None) -> N
     return shown
 
 
+def _late(primitive: Primitive) -> int:
+    """When a part of a body is drawn: its outside hides what is behind, which costs less where it is there already."""
+    return 0 if primitive["colours"] is not None else 1 if primitive["corners"] == 3 else 2
+
+
+def _nearest_first(cells: NDArray[np.int64], points: Array) -> NDArray[np.int64]:
+    """Triangles (T, 3) in the order of their depths in the frame of the camera: what is hidden then is not drawn at all."""
+    ordered: NDArray[np.int64] = cells[np.argsort(-points[cells, 2].max(axis=1), kind="stable")]
+    return ordered
+
+
+def _seen_part(mesh: TriangleMesh, viewer: Viewer) -> TriangleMesh:
+    """The triangles of a mesh that may be in the picture, and those that share a vertex with one, by which it is shaded."""
+    seen = viewer.sees(mesh.corners())
+    if seen.all():
+        return mesh
+    near = np.zeros(len(mesh.vertices), dtype=bool)
+    near[mesh.triangles[seen]] = True
+    kept = near[mesh.triangles].any(axis=1)
+    return replace(mesh, triangles=mesh.triangles[kept], regions=mesh.regions[kept], normals=mesh.normals[kept])
+
+
 def _primitive(points: Array, cells: NDArray[np.int64], colour: str, **others: Any) -> Primitive:
     """Points (V, 3) and cells (C, K) in one colour, unlit, but for what `others` say."""
     count, corners = cells.shape
@@ -206,7 +258,8 @@ def _inside(
 ) -> Iterator[Primitive]:
     """The inside of a solid that is cut open, as flat as a section, `behind` by so many pixels: drawn before the lines on it."""
     pixels = behind - 2.0
-    yield _primitive(viewer.move_back(corners.reshape(-1, 3), pixels), cells, colour, front=viewer.front(pixels))
+    points = viewer.move_back(corners.reshape(-1, 3), pixels)
+    yield _primitive(points, _nearest_first(cells, points), colour, front=viewer.front(pixels))
     # a face that is seen as a line has the material behind it on one side alone: lines farther away would stand beside it
     ends = mesh.triangles[viewer.edge_on(corners)]
     if len(ends):
@@ -216,7 +269,9 @@ def _inside(
 
 
 def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
-    mesh = body.mesh.move(body.own_to_scene)
+    mesh = _seen_part(body.mesh.move(body.own_to_scene), viewer)
+    if not len(mesh.triangles):
+        return
     corners = mesh.corners()
     cells = np.arange(corners[..., 0].size).reshape(-1, 3)
     colours = np.array([_rgb(body.paint.of(name)) for name in mesh.region_names], dtype=np.uint8)[mesh.regions]
@@ -230,13 +285,12 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
         yield from _inside(mesh, corners, cells[~turned], body.section or _INSIDE, behind, viewer)
     # sections have no lines that triangles must stay behind, and those that do would reach before the plane of the section
     back = behind if body.section is not None else behind + viewer.slopes(corners)[:, None, None]
+    points = viewer.move_back(corners, back).reshape(-1, 3)
     yield _primitive(
-        viewer.move_back(corners, back).reshape(-1, 3),
-        outer,
+        points,
+        _nearest_first(outer, points),
         body.paint.colour,
-        normals=_floats(corner_normals(mesh)),
-        colours=(colours[turned] if opened else colours).tobytes(),
-        lit=True,
+        colours=viewer.light(points, corner_normals(mesh).reshape(-1, 3), np.repeat(colours, 3, axis=0)).tobytes(),
         opacity=body.opacity,
         front=viewer.front(behind) if opened else None,
     )
