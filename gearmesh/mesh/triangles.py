@@ -185,9 +185,9 @@ class TriangleMesh:
     def vertex_pieces(self) -> Iterator[Array]:
         """All vertices in order, in pieces.
 
-        Yields
-        ------
-        ndarray, (K, 3)
+        Returns
+        -------
+        iterator of ndarray, (K, 3)
             mm.
 
         Examples
@@ -206,9 +206,9 @@ class TriangleMesh:
         regions : sequence of int, optional
             Indices into `region_names`.
 
-        Yields
-        ------
-        ndarray, (K, 3)
+        Returns
+        -------
+        iterator of ndarray, (K, 3)
             Numbers of vertices.
 
         Examples
@@ -222,9 +222,9 @@ class TriangleMesh:
     def region_pieces(self) -> Iterator[NDArray[np.int32]]:
         """The regions of the pieces that `triangle_pieces` makes of all.
 
-        Yields
-        ------
-        ndarray, (K,)
+        Returns
+        -------
+        iterator of ndarray, (K,)
             Indices into `region_names`.
 
         Examples
@@ -243,9 +243,9 @@ class TriangleMesh:
         regions : sequence of int, optional
             Indices into `region_names`.
 
-        Yields
-        ------
-        ndarray, (K, 3, 3)
+        Returns
+        -------
+        iterator of ndarray, (K, 3, 3)
             Triangle, corner, coordinate, mm.
 
         Examples

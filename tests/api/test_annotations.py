@@ -26,8 +26,9 @@ OTHERS = ("build123d", "cadquery", "pyvista", "trimesh", "manifold3d")
 #: itself (InspectionBasis, StageForm, ToolDescription), is what systems are made of: who adds one imports them from their modules
 #: (samples/guides/11-own-gear-system.md), and they may change in any version. What the contact solver goes on working with
 #: (MeshCurve, Pair) has its figures in the answers that hold it, and what it gives back, rotation by rotation, `Engagement`; public
-#: names for both would take eight more for what they consist of.
-WORKING = {"InspectionBasis", "MeshCurve", "Pair", "StageForm", "ToolDescription"}
+#: names for both would take eight more for what they consist of. How a solid is kept until its `mesh` is asked for (Facets,
+#: ToothMesh) saves memory and a second meshing, and says nothing that `mesh` does not.
+WORKING = {"Facets", "InspectionBasis", "MeshCurve", "Pair", "StageForm", "ToolDescription", "ToothMesh"}
 
 
 class Absent:
