@@ -1,7 +1,7 @@
 """Pushes every numeric key of every kind up and down until it is refused, and holds the refusal to its word: `value` is the key's
 value, the bound that it states builds, and a value 5 % beyond is refused.
 
-    python scripts/refusals.py                          all kinds: hours
+    python scripts/refusals.py                          all kinds
     python scripts/refusals.py --kinds rack planetary   some of them
 
 Prints a line for each fault. Exits with 1 if there is one. A seeded choice of keys is in tests/systems/test_refusals.py.

@@ -947,12 +947,18 @@ class Gears(ModelledGears):
         >>> gears.report(0.05).save("report.html").name
         'report.html'
         """
+        from gearmesh.answers.load.loaded import required_torques
         from gearmesh.answers.questions import loaded_meshes
-        from gearmesh.reports.report import SHOWN, report_page
+        from gearmesh.reports.report import SHOWN, report_page, study_section
         from gearmesh.view.load.loaded_pictures import LoadedPictures
 
+        # what is wrong with arguments is refused before anything is solved
+        shown = self.within(tolerance, SHOWN)
+        for study in studies:
+            study_section(Path(study))
         if torque is not None:
             self.train.pair(0)
+            required_torques(number_list("torque", torque, "Nm").tolist())
         contacts = {k: self.contact(pair=k) for k in self.train.different}
         verdicts = None
         if check:
@@ -960,7 +966,7 @@ class Gears(ModelledGears):
         return report_page(
             self,
             contacts,
-            self.within(tolerance, SHOWN),
+            shown,
             verdicts,
             None,
             source,

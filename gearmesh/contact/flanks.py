@@ -70,6 +70,12 @@ class PathHertz:
     share: Array
 
 
+def refuse_torque(torque: float) -> None:
+    """Raise ArgumentError for a torque (Nm) that is not above 0."""
+    if not 0.0 < torque < np.inf:
+        raise ArgumentError("torque", torque, unit="Nm", allowed="a finite number above 0")
+
+
 def hertz_path(
     pair: GearPair,
     path: ContactPath,
@@ -83,8 +89,7 @@ def hertz_path(
     loaded evenly; its curvature is that at its middle. `materials` are those of pinion and gear. Raises DesignError unless
     torque > 0.
     """
-    if not 0.0 < torque < np.inf:
-        raise ArgumentError("torque", torque, unit="Nm", allowed="a finite number above 0")
+    refuse_torque(torque)
     mount, modulus = pair.pinion.mount, contact_modulus(*materials)
     force = np.abs(normal_force(1e3 * torque, path.point, path.normal, mount.origin, mount.axis, share))
     kappa = separation_curvatures(pair, path)

@@ -18,7 +18,7 @@ from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
 from gearmesh.view import pictures
-from gearmesh.view.picture import FIGURES, VIEWS, Animation, Diagram, Picture
+from gearmesh.view.picture import FIGURES, LARGEST, SMALLEST, VIEWS, Animation, Diagram, Picture
 
 if TYPE_CHECKING:
     from gearmesh.answers.contact.rolling import RollingContact
@@ -44,6 +44,8 @@ def picture(
     """The picture that `Gears.picture` promises of gears alone."""
     if view not in VIEWS:
         raise ArgumentError("view", view, must_be=f"one of {', '.join(VIEWS)}")
+    if size is not None:
+        refuse_size(size)
     if view in ALONE and not gears.pairs:
         _refuse_position(view, phi1)
         return _picture_alone(gears, view, member, size or pictures.SIZE, gears.title + (f", {note}" if note else ""))
@@ -102,11 +104,19 @@ def animation(
     from gearmesh.answers.contact.rolling import rolling_contact
     from gearmesh.view.mesh_section import FRAMES
 
+    refuse_size(size)
     mesh = gears.train.pair(pair)
     path = gears.contact(phi1, cycle=False, pair=pair).path
     title = gears.title + (f", {note}" if note else "")
     rolling = rolling_contact(mesh, path, np.arange(FRAMES) / FRAMES)
     return Animation(tuple(_section(gears, mesh, rolling, size, title).scenes()))
+
+
+def refuse_size(size: tuple[int, int]) -> None:
+    """Raise ArgumentError for a size (pixels) that no picture has."""
+    if not all(SMALLEST <= side <= LARGEST for side in size):
+        must_be = f"width and height in pixels, each from {SMALLEST} to {LARGEST}"
+        raise ArgumentError("size", list(size), must_be=must_be)
 
 
 def _refuse_position(view: str, phi1: ArrayLike | None) -> None:

@@ -17,8 +17,9 @@ from gearmesh import __version__, io
 from gearmesh.answers.bodies.solid import Solid, solid_of
 from gearmesh.answers.check import Check
 from gearmesh.answers.contact.contact import Contact
+from gearmesh.answers.gearset import number_list
 from gearmesh.answers.limits import limits_of
-from gearmesh.answers.load.loaded import LoadedContact
+from gearmesh.answers.load.loaded import LoadedContact, required_torques
 from gearmesh.answers.questions import SolvedGears, loaded_meshes
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.sheet import DesignSheet, sheet_of
@@ -298,6 +299,8 @@ def run(
     """
     if gears.pairs or torque is not None:
         gears.train.pair(0)
+    if torque is not None:
+        required_torques(number_list("torque", torque, "Nm").tolist())
     stale = _listed_files(folder)
     with files_together(folder) as temporary:
         written = RunFolder(gears, temporary, folder, timing)

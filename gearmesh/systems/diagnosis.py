@@ -26,6 +26,8 @@ D = TypeVar("D", bound=Design)
 
 #: Makes what can be refused of a design.
 Build = Callable[[Any], object]
+#: Values by dotted keys, in the design's units, of which something was built from a design.
+Values = Callable[[Any, object], Mapping[str, Any]]
 
 #: tables whose keys have no part in the geometry
 ASIDE = ("fe.", "mesh.", "material.", "contact.phi1.", "measured.")
@@ -45,7 +47,7 @@ FARTHEST, ASKED = 64.0, 24
 #: builds that are tried at most for what mends a design, and for what mends what was noticed of it; keys that are named at most
 MOST_TRIALS, MOST_FOR_NOTICED, MOST_NAMED = 80, 30, 2
 #: effort of all trials, about the seconds that they take: bounds are as fine as it allows; and the part of one of them, at most
-MOST_EFFORT, OF_ONE = 4.5, 0.35
+MOST_EFFORT, OF_ONE = 1.9, 0.6
 #: effort of a build beside what it counts itself, and of a design that is refused before it is built
 OF_BUILD, OF_DESIGN = 0.015, 0.005
 #: part of the effort that a build takes, at most, if other keys are looked for that mend as well
@@ -64,23 +66,33 @@ _UNITS_IN_MM = {"length": "mm", "angle": "deg", "curvature": "1/mm"}
 MOST_TOGETHER = 3
 
 
-def diagnose(design: Design, failure: GearmeshError, build: Build) -> GearmeshError:
+def diagnose(
+    design: Design, failure: GearmeshError, build: Build, built_of: Values = lambda design, made: {}
+) -> GearmeshError:
     """The refusal of a design with the key in front that its owner set, and a bound of it that was tried; or as it was.
+
+    `built_of` gives the values that keys have which are left out, of what `build` made.
 
     Where no single key mends the design one is named that mends what was noticed, of which something else is left. The refusal
     stays as it is where it names a key that the design sets, is not vague and has a true bound, and where nothing mends it.
     """
     own = dict(design.own())
-    named = [key for key in own if key == failure.key]
+    named, stated = [key for key in own if key == failure.key], None
     keys = [key for key, value in own.items() if _movable(key, value)]
-    trials = _Trials(type(design), own, build, Effort(MOST_EFFORT), _changed_keys(design, own))
+    trials = _Trials(type(design), own, build, Effort(MOST_EFFORT), _changed_keys(design, own), built_of=built_of)
     groups = _suspects(design, keys, failure)
     if named:
         failure = _with_value(design, failure, own[failure.key])
+        trials.look_inside(failure, _bounds_in_units(design, failure))
         if not isinstance(failure, VagueError | NoSolutionError):
             if failure.key not in keys or trials.hold(failure, _bounds_in_units(design, failure)):
                 return failure
-            return _with_own_bound(design, failure, trials)
+            bounded = _with_own_bound(design, failure, trials)
+            if bounded is not None:
+                return bounded
+            # what the refusal allows is refused for something else
+            stated, failure = failure, copy(failure)
+            failure.allowed = failure.allowed if failure.bounds is None or not failure.reason else ""
     for noticed in (None, failure.topic):
         trials.ask(noticed)
         intervals: list[_Interval] = []
@@ -91,7 +103,10 @@ def diagnose(design: Design, failure: GearmeshError, build: Build) -> GearmeshEr
         if intervals:
             break
     else:
-        return failure if trials.effort.spent else _together(design, failure, own)
+        if stated is not None:
+            stated = copy(stated)
+            stated.allowed += " (another refusal then follows)" if stated.bounds is not None else ""
+        return stated or (failure if trials.effort.spent else _together(design, failure, own))
     bounds = trials.refine(intervals)
     if named and failure.remedies.get(failure.key) == 0:
         bounds = [trials.with_far_end(bound) if bound.key == failure.key else bound for bound in bounds]
@@ -100,13 +115,13 @@ def diagnose(design: Design, failure: GearmeshError, build: Build) -> GearmeshEr
     return made(first, tuple(others), failure, whole=noticed is None)
 
 
-def _with_own_bound(design: Design, failure: GearmeshError, trials: _Trials[Design]) -> GearmeshError:
-    """The refusal of a key that is set with the bound that builds instead of the one that it states; itself, if none is found."""
+def _with_own_bound(design: Design, failure: GearmeshError, trials: _Trials[Design]) -> GearmeshError | None:
+    """The refusal of a key that is set with the bound that builds instead of the one that it states; None if none is found."""
     trials.ask(None)
     intervals = trials.mending([failure.key], [failure.key], {})
     first = next(iter(trials.refine(intervals)), None)
     if first is None or first.value is None:
-        return failure
+        return None
     return DiagnosedError(_refusal_of(design, first), (), failure, whole=True)
 
 
@@ -280,11 +295,12 @@ class _Interval:
 
 
 class _Outcome(NamedTuple):
-    """Whether gears were built, or what their refusal was about; `known`: it was not given up."""
+    """Whether gears were built, or what their refusal was about; `known`: it was not given up; `made`: what was built."""
 
     built: bool
     topic: str | None = None
     known: bool = True
+    made: object = None
 
 
 @dataclass
@@ -302,6 +318,7 @@ class _Trials(Generic[D]):
     noticed: str | None = None
     count: int = 0
     tried: dict[tuple[str, float | None], _Outcome] = field(default_factory=dict)
+    built_of: Values = lambda design, made: {}
 
     def __post_init__(self) -> None:
         self.allowed = self.effort.left
@@ -323,14 +340,22 @@ class _Trials(Generic[D]):
         for end, included, inwards in ((bounds.low, bounds.includes_low, 1), (bounds.high, bounds.includes_high, -1)):
             if end is None or (own - end) * inwards > 0.0 or (included and own == end):
                 continue
-            self._beyond[failure.key] = tuple(
-                self._like(failure.key, end + inwards * part * abs(end)) for part in PARTS_INSIDE
-            )
             apart = 0.0 if included else inwards * (1 if isinstance(own, int) else INSIDE * (abs(end) or 1.0))
             # figures that messages show are rounded inwards
             outcome = self._outcome(failure.key, self._like(failure.key, end + apart), self.effort.left)
             return outcome.built or not outcome.known
         return False
+
+    def look_inside(self, failure: GearmeshError, bounds: Bounds | None) -> None:
+        """Note values a little inside the bound that a refusal states of its key, where that key is moved."""
+        if bounds is None or failure.key not in self.own:
+            return
+        own: float = self.own[failure.key]
+        for end, inwards in ((bounds.low, 1), (bounds.high, -1)):
+            if end is not None and (own - end) * inwards <= 0.0:
+                self._beyond[failure.key] = tuple(
+                    self._like(failure.key, end + inwards * part * abs(end)) for part in PARTS_INSIDE
+                )
 
     def mending(self, keys: list[str], named: list[str], remedies: Mapping[str, int]) -> list[_Interval]:
         """Those of the keys that mend the design, alone: `remedies`, of which the direction is known, moved that way."""
@@ -339,10 +364,11 @@ class _Trials(Generic[D]):
 
     def otherwise(self, keys: list[str], named: list[str]) -> list[_Interval]:
         """Those of the keys that mend the design when they are moved, what was `named` first, and where nothing was, what is
-        unusual."""
+        unusual: towards 0 first."""
         unusual = [] if set(keys) & set(named) else [key for key in keys if self._unusual(key)]
         rest = sorted((key for key in keys if key not in unusual), key=lambda key: key not in named)
-        return list(self.move(unusual)) or list(self.move(rest))
+        to_zero = {key: -1 if self.own[key] > 0.0 else 1 for key in unusual}
+        return list(self.move(unusual, to_zero)) or list(self.move(unusual)) or list(self.move(rest))
 
     def _unusual(self, key: str) -> bool:
         """Whether a number counts from the usual one, 0, to either side, as an offset does; sizes and tooth numbers do not."""
@@ -378,14 +404,14 @@ class _Trials(Generic[D]):
             return _Outcome(built=False, known=False)
         try:
             with limit_effort(own):
-                self.build(design)
+                made = self.build(design)
         except EffortSpentError:
             return _Outcome(built=False, known=False)
         except GearmeshError as error:
             return _Outcome(built=False, topic=error.topic)
         finally:
             self.effort.left -= most - own.left
-        return _Outcome(built=True)
+        return _Outcome(built=True, made=made if value is None else None)
 
     def design_of(self, keys: dict[str, Any]) -> D:
         """The design of the keys that are not None."""
@@ -453,9 +479,10 @@ class _Trials(Generic[D]):
         for name in key.split("."):
             # a table that is left out with its only key has none
             table = getattr(table, name, None)
-        if not isinstance(table, int | float) or not math.isfinite(table):
-            return None
-        return table
+        if isinstance(table, int | float) and math.isfinite(table):
+            return table
+        derived = self.built_of(self.design_of({**self.own, key: None}), self.tried[key, None].made).get(key)
+        return self._like(key, derived) if isinstance(derived, int | float) and math.isfinite(derived) else None
 
     def _interval(self, key: str, good: float | None) -> _Interval:
         """Between a value that works and the one that is set, or what is known to be refused beyond it."""

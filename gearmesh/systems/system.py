@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast
 
 from gearmesh.arguments import checks_arguments
 from gearmesh.design.unusual import unusual_settings
@@ -460,7 +460,17 @@ def _refused_by_name(design: D, make: Callable[[D], T], tried: Callable[[D], obj
 
         # what is made of a design is in mm
         failure.lengths_in = (design.units, design.mm_per_unit)
-        raise diagnose(design, failure, tried or _try_build) from failure
+        raise diagnose(design, failure, tried or _try_build, _derived_values) from failure
+
+
+def _derived_values(design: Design, made: object) -> dict[str, Any]:
+    """Values by dotted keys, in the design's units, of which a gear set was made; none of what is no gear set."""
+    if not hasattr(made, "pairs"):
+        return {}
+    try:
+        return _pinned_values(_fill(design), cast("GearTrain", made))
+    except (DesignError, NoSolutionError):
+        return {}
 
 
 def build_without_one(design: D) -> tuple[D, GearTrain, str] | None:
@@ -489,13 +499,17 @@ def _of_small_teeth(design: Design) -> tuple[str, ...]:
 
 def pin(design: D, train: GearTrain) -> D:
     """A design with everything given that its gear set was built of, so that no default has a part in it any more."""
+    whole = complete_design(design)
+    return whole.with_values(_pinned_values(whole, train))
+
+
+def _pinned_values(whole: Design, train: GearTrain) -> dict[str, Any]:
+    """Values by dotted keys, in the units of a complete design, of which its gear set was built; None of keys that it has not."""
     from gearmesh.systems.common.pinned import body_values
 
-    whole = complete_design(design)
-    own, of_kind = whole.in_mm(), system_of(design).pinned
+    own, of_kind = whole.in_mm(), system_of(whole).pinned
     values = {**body_values(own, train), **({} if of_kind is None else of_kind(own, train))}
-    given = {key: _in_units(whole, key, value) for key, value in values.items() if value is not None}
-    return whole.with_values({**given, **dict.fromkeys(key for key, value in values.items() if value is None)})
+    return {key: None if value is None else _in_units(whole, key, value) for key, value in values.items()}
 
 
 def _in_units(design: Design, dotted: str, value: Any) -> Any:

@@ -12,6 +12,8 @@ from gearmesh.errors import OutputError
 from gearmesh.io.atomic import scratch_folder
 from gearmesh.view.scene import Scene
 
+#: pixels of the sides of pictures
+SMALLEST, LARGEST = 16, 16384
 #: what a picture of gears can show, and those views that are figures on paper
 FIGURES = ("flank", "sliding", "zone", "te", "backlash", "turns")
 VIEWS = ("contact", "pattern", "gap", "pair", "section", "tool", "contact_lines", *FIGURES)

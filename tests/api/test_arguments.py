@@ -7,7 +7,9 @@ import functools
 import inspect
 import json
 import multiprocessing
+import os
 import pickle
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -31,6 +33,8 @@ SMALL: dict[str, Any] = {
     "mesh": {"tolerance": 0.02},
     "fe": {"teeth": 1, "flank": 5, "fillet": 4, "thickness": 2, "face": 4, "torque": 10},
 }
+#: what computes
+WORK = tuple(f"gearmesh{os.sep}{part}{os.sep}" for part in ("kernel", "contact", "mesh", "loaded", "fe"))
 WRONG = (None, [], "x", -1, 1j, object())
 
 
@@ -171,6 +175,48 @@ def test_wrong_arguments_are_refused_or_give_a_result(
 def test_calls_that_ended_in_bare_errors(gears: gm.Gears, ask: Callable[[gm.Gears], Any], message: str) -> None:
     with pytest.raises(ArgumentError) as failure:
         ask(gears)
+    assert str(failure.value).startswith(message)
+
+
+class _WorkError(Exception):
+    """Something was computed."""
+
+
+def _at_work(frame: Any, event: str, _: object) -> None:
+    """Stop what computes: evaluates surfaces, looks for contact, makes meshes."""
+    code = frame.f_code
+    refuses = code.co_name == "<module>" or code.co_name.startswith("refuse")
+    if event == "call" and not refuses and any(part in code.co_filename for part in WORK):
+        raise _WorkError(code.co_filename)
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (lambda g: g.contact(torque=-1), "torque = -1 Nm: allowed is a finite number above 0"),
+        (lambda g: g.report(torque=-1), "torque = -1 Nm: must be one or more finite numbers above 0"),
+        (lambda g: g.report(tolerance=0), "tolerance = 0: must be a length as "),
+        (lambda g: g.report(studies=["nowhere"]), "study = nowhere: holds no finished study"),
+        (lambda g: g.run("out", torque=[5.0, 0.0]), "torque = 0 Nm: must be one or more finite numbers above 0"),
+        (lambda g: g.animation(size=(0, 0)), "size = 0,0: must be width and height in pixels, each from 16 to 16384"),
+        (lambda g: g.picture("te", size=(-1, 100)), "size = -1,100: must be width and height in pixels, each from 16"),
+        (lambda g: g.finite_elements(np.inf), "phi1 = inf: must be finite numbers in deg"),
+        (lambda g: g.finite_element_decks("out", []), "phi1 = []: must be one position at least, deg"),
+        (lambda g: g.finite_element_decks("out", [0.0], program="x"), "program = x: must be calculix or abaqus"),
+    ],
+)
+def test_arguments_are_refused_before_anything_is_computed(
+    gears: gm.Gears, ask: Callable[[gm.Gears], Any], message: str
+) -> None:
+    with contextlib.suppress(gm.GearmeshError):
+        # modules are loaded once
+        ask(gears)
+    sys.setprofile(_at_work)
+    try:
+        with pytest.raises(gm.GearmeshError) as failure:
+            ask(gears)
+    finally:
+        sys.setprofile(None)
     assert str(failure.value).startswith(message)
 
 

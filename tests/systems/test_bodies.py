@@ -278,7 +278,7 @@ def test_finite_element_models_say_what_they_leave_out() -> None:
         ),
         (
             ["pinion.keyway={}", "pinion.bore=0"],
-            "pinion.bore = 0 mm: a keyway needs a bore; allowed is more than 0 mm",
+            "pinion.bore = 0 mm: allowed is at least 6.001 mm, with the other keys unchanged: a keyway needs a bore",
         ),
         (
             ["pinion.keyway={}", "pinion.bore=50"],

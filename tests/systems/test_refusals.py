@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracles.refusals import faults, numeric_keys, refusal
+from oracles.refusals import faults, faults_at, numeric_keys, refusal
 
 import gearmesh as gm
 from gearmesh.errors import DesignError
@@ -24,6 +24,32 @@ def _some() -> list[tuple[str, str]]:
 @pytest.mark.parametrize(("kind", "key"), _some())
 def test_bounds_are_values_of_the_key_that_build(kind: str, key: str) -> None:
     assert faults(kind, key) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "key", "value"),
+    [
+        # without a unit
+        ("rack", "rack.length", 2.4),
+        ("worm_drive", "center_distance", 120.0),
+        # of another key, with which another refusal followed
+        pytest.param("rack", "rack.bolts.pitch", 2.4, marks=pytest.mark.sweep),
+        ("circular_arc", "pinion.bolts.circle", 4.2),
+        # of the number of spokes, stated for their width
+        ("cylindrical", "gear.spokes.count", 94),
+        # from a lower bound to an upper one that is less
+        pytest.param("worm_drive", "worm.spokes.inner_diameter", 4.8, marks=pytest.mark.sweep),
+        # without the value
+        ("planetary", "ring.bore", 2.4),
+        # a bare error of mathematics
+        pytest.param("planetary", "ring.root_diameter", 2.4, marks=pytest.mark.sweep),
+        ("planetary", "ring.tip_diameter", 2.4),
+        # of the pitch angle that follows
+        pytest.param("spiral_bevel", "shaft_angle", 108.0, marks=pytest.mark.sweep),
+    ],
+)
+def test_bounds_that_were_of_something_else(kind: str, key: str, value: float) -> None:
+    assert faults_at(kind, key, value) == []
 
 
 @pytest.mark.parametrize(

@@ -44,6 +44,8 @@ from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.progress import part
 from gearmesh.teeth.gear_train import GearPair
 
+#: programs whose decks are written
+PROGRAMS = ("calculix", "abaqus")
 #: elements up to which models with default numbers of lines get more of them until these resolve the contact pressure
 LARGEST_DEFAULT = 150_000
 #: semi-axes from the middle of an ellipse beyond which no pressure is its peak
@@ -284,6 +286,8 @@ def finite_element_decks_of(
     """
     from gearmesh.io.atomic import whole_text
 
+    if program not in (None, *PROGRAMS):
+        raise ArgumentError("program", program, must_be=f"{' or '.join(PROGRAMS)}")
     request = _request(design, pair, members, rotation, friction)
     places = [place(pair, angle, request.torque, request.materials) for angle in phi1]
     jobs = [f"position_{k:0{len(str(len(places)))}d}" for k in range(1, len(places) + 1)]

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 
+from gearmesh.answers.gearset import number_list
 from gearmesh.answers.questions import SolvedGears
 from gearmesh.arguments import checks_methods
+from gearmesh.errors import ArgumentError
 from gearmesh.lengths import Length, in_mm
 from gearmesh.numerals import parse_number, parse_whole_number
 from gearmesh.progress import Progress, silent
@@ -541,9 +543,16 @@ class ModelledGears(SolvedGears):
             return unloaded_elements_of(self.design, self.train, self.warnings, members, asked, sector)
         from gearmesh.answers.bodies.finite_elements import finite_elements_of
 
-        angle = None if rotation is None else float(np.radians(rotation))
+        angle, (position,) = None if rotation is None else float(np.radians(rotation)), number_list("phi1", phi1, "deg")
         return finite_elements_of(
-            self.design, self.train.pair(pair), self.warnings, float(np.radians(phi1)), members, angle, friction, sector
+            self.design,
+            self.train.pair(pair),
+            self.warnings,
+            float(np.radians(position)),
+            members,
+            angle,
+            friction,
+            sector,
         )
 
     def finite_element_decks(
@@ -590,12 +599,14 @@ class ModelledGears(SolvedGears):
         """
         from gearmesh.answers.bodies.finite_elements import finite_element_decks_of
 
-        angle = None if rotation is None else float(np.radians(rotation))
+        angle, positions = None if rotation is None else float(np.radians(rotation)), number_list("phi1", phi1, "deg")
+        if not positions.size:
+            raise ArgumentError("phi1", [], must_be="one position at least, deg")
         return finite_element_decks_of(
             self.design,
             self.train.pair(pair),
             Path(folder),
-            [float(np.radians(angle)) for angle in phi1],
+            np.radians(positions).tolist(),
             self.warnings,
             members,
             angle,

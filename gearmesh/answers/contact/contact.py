@@ -48,7 +48,7 @@ from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
 from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.contact.first_touch.crossing import crossing_over_a_pitch
 from gearmesh.contact.fit.fit import Fit
-from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, solver_pair
+from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, refuse_torque, solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path, jammed_path
 from gearmesh.design.core import Design
@@ -411,6 +411,8 @@ def contact_of(
     """
     if shares is not None and torque is None:
         raise ArgumentError("load_sharing", True, must_be="left out without a torque that is shared")
+    if torque is not None:
+        refuse_torque(torque)
     flanks = solver_pair(pair)
     following = phi1 is None and by_engagement(design, pair)
     followed = whole_engagement(flanks, pair.pitch) if cycle or following else None

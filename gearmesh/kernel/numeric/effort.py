@@ -11,7 +11,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 
 #: effort of an evaluation of a motion and of each of its points, where the motion is linear in its parameter, and otherwise
-LINEAR, OTHER = (1e-4, 5e-7), (6e-4, 2e-6)
+LINEAR, OTHER = (1e-4, 5e-7), (1.5e-4, 6e-7)
 
 
 class EffortSpentError(Exception):

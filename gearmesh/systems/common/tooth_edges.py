@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 ANGLE = 45.0
 #: halvings to the largest share that fits, of which messages show six digits
 HALVINGS = 24
+#: proofs at most of a tip edge of the largest size that fits at the stations that were looked at
+MOST_PROOFS = 3
 
 
 def tip_edge(spec: BrokenEdges, joint: Joint = REVOLUTE) -> TipEdge | None:
@@ -179,7 +182,22 @@ def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | N
     if edge is None or failure.what not in ("edge", "pointed") or not fits(replace(tooth, tip_edge=None), 1.0):
         return None
     key, size = ("tip_rounding" if edge.rounded else "tip_chamfer"), edge.size
-    limit = largest(lambda share: fits(replace(tooth, tip_edge=replace(edge, size=share * size)), 1.0))
+
+    def tooth_of_share(share: float) -> Tooth:
+        return replace(tooth, tip_edge=replace(edge, size=share * size))
+
+    def trims(most: float, at: Array, share: float) -> bool:
+        return goes(lambda: tooth_of_share(share * most).sections(at))
+
+    stations, limit = np.union1d(stations_on(1.0), failure.station), 1.0
+    for _ in range(MOST_PROOFS):
+        limit *= largest(partial(trims, limit, stations))
+        try:
+            tooth_of_share(limit).prove()
+            break
+        except TrimError as further:
+            # between the stations so far there is less room
+            stations = np.union1d(stations, further.station)
     larger, most = "larger than the tooth's tip allows", f"at most {at_most(limit * size)} mm"
     return DesignError(f"{name}.{key}", size, unit="mm", reason=larger, allowed=most)
 

@@ -104,6 +104,7 @@ def _toothed_member(gear: GearProportions) -> Member:
         raise VagueError(
             f"{name}.{tip_key}",
             reason=f"the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)",
+            allowed=f"{'less' if own.internal else 'more'} than {2 * root:.6g} mm" if tip_key == "tip_diameter" else "",
             remedies={f"{name}.{tip_key}": 0},
         )
     if not spec.hobbed:

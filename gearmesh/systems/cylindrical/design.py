@@ -283,10 +283,10 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
             raise conflict("tip_diameter", tip, must_be=f"{order} than root_diameter, {root:g}")
         if self.internal:
             for key in ("bore", *NOT_INSIDE):
-                if getattr(self, key) is not None:
+                if (given := getattr(self, key)) is not None:
                     raise conflict(
                         key,
-                        None,
+                        None if isinstance(given, Table) else given,
                         reason="an internal gear has none (teeth below 0 mean one); its body is the rim around the teeth",
                     )
         elif self.rim is not None:

@@ -608,7 +608,7 @@ class WormDriveDesign(Design):
             middle = self._zero_shift_distance
             if abs(distance - middle) > far * (1.0 + SAME_SHIFT):
                 reason = f"makes wheel.profile_shift {(distance - middle) / self.axial_module:.4g}"
-                allowed = f"from {at_least(middle - far)} to {at_most(middle + far)}"
+                allowed = f"from {at_least(middle - far)} to {at_most(middle + far)} {self.units}"
                 raise conflict("center_distance", distance, reason=reason, allowed=allowed)
         return self
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from gearmesh.design.core import MemberTable
 from gearmesh.design.keys import Table
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.polylines import contains
 from gearmesh.kernel.surface.levels import station_normal
@@ -536,17 +536,19 @@ def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float], leas
     margin = SPOKE_MARGIN * (room[1] - room[0])
     inner = 2.0 * (room[0] + margin) if spec.inner_diameter is None else spec.inner_diameter
     outer = 2.0 * (room[1] - margin) if spec.outer_diameter is None else spec.outer_diameter
-    for key, given, low, high in (
-        ("inner_diameter", spec.inner_diameter, 2.0 * (least + under.wall), outer),
-        ("outer_diameter", spec.outer_diameter, inner, 2.0 * limit),
-    ):
-        if given is not None and not low <= given <= high:
-            allowed = f"from {at_least(low)} to {at_most(high)} mm"
-            raise DesignError(f"{name}.spokes.{key}", given, unit="mm", allowed=allowed)
+    low, high = 2.0 * (least + under.wall), 2.0 * limit
+    if not low < high or (room[0] >= room[1] and None in (spec.inner_diameter, spec.outer_diameter)):
+        reason = "the body has no room for spokes between bore or hub and rim"
+        raise VagueError(f"{name}.spokes", reason=reason)
+    top = outer if spec.outer_diameter is not None and low < outer <= high else high
+    if spec.inner_diameter is not None and not low <= inner < top:
+        allowed = f"at least {at_least(low)} and less than {at_most(top)} mm"
+        raise DesignError(f"{name}.spokes.inner_diameter", inner, unit="mm", allowed=allowed)
+    if spec.outer_diameter is not None and not inner < outer <= high:
+        allowed = f"more than {at_least(inner)} and at most {at_most(high)} mm"
+        raise DesignError(f"{name}.spokes.outer_diameter", outer, unit="mm", allowed=allowed)
     if not inner < outer:
-        raise DesignError(
-            f"{name}.spokes.inner_diameter", inner, unit="mm", allowed=f"less than outer_diameter, {at_most(outer)} mm"
-        )
+        raise VagueError(f"{name}.spokes.inner_diameter", inner, unit="mm", reason=f"no room up to {at_most(outer)} mm")
     corner = SPOKE_CORNER * 0.5 * (outer - inner) if spec.corner_radius is None else spec.corner_radius
     spokes = Spokes(spec.count, spec.width, inner, outer, corner, math.radians(spec.start_angle))
     if not spokes.fits:
@@ -557,10 +559,17 @@ def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float], leas
                 f"{name}.spokes.corner_radius", corner, unit="mm", allowed=f"less than {at_most(deepest)} mm"
             )
         angle = float(np.arctan2(spokes.corners[0, 1], spokes.corners[0, 0]))
-        fewer = f"at most {max(math.ceil(math.pi / angle) - 1, 1)} spokes or" if angle > 0.0 else "thinner spokes or"
-        most = f"less than {at_most(widest)} mm" if widest > 0.0 else f"{fewer} a smaller corner_radius"
+        reason = "leaves no opening between the spokes"
+        if widest > 0.0 or angle <= 0.0:
+            most = f"less than {at_most(widest)} mm" if widest > 0.0 else "thinner spokes or a smaller corner_radius"
+            raise DesignError(f"{name}.spokes.width", spec.width, unit="mm", reason=reason, allowed=most)
+        fewer = max(math.ceil(math.pi / angle) - 1, 1)
         raise DesignError(
-            f"{name}.spokes.width", spec.width, unit="mm", reason="leaves no opening between the spokes", allowed=most
+            f"{name}.spokes.count",
+            spec.count,
+            reason=reason,
+            allowed=f"at most {fewer}",
+            remedy="or a smaller corner_radius",
         )
     return spokes
 

@@ -80,6 +80,9 @@ class CutterChoice:
     def clears(self, teeth: int, tip: float) -> bool:
         """Whether a cutter that is fed in radially leaves tips of a radius as they are."""
         cutting = self.cutting(teeth)
+        if self.root <= cutting.distance:
+            # a cutter whose tips do not reach beyond its own axis
+            return False
         return reserves(cutting, (self.root - cutting.distance, tip)).trimming >= 0.0
 
     def untrimmed_from(self, teeth: int) -> float:

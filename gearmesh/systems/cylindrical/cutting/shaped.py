@@ -87,13 +87,14 @@ class Shaping(LastCut):
             return
         why = f"the cutter of {teeth} teeth generates no involute up to the tip"
         if spec.shaper is None:
-            value = spec.tip_diameter if spec.tip_diameter is not None else spec.addendum
-            raise DesignError(
-                f"{name}.{tip_key}",
-                value,
-                reason=f"{why}, and no cutter with more teeth does",
-                allowed=f"a tip diameter of at least {at_least(2.0 * least)} mm, instead of {2.0 * self.tip:.7g} mm",
+            none = f"{why}, and no cutter with more teeth does"
+            if spec.tip_diameter is not None:
+                most = f"at least {at_least(2.0 * least)} mm"
+                raise DesignError(f"{name}.{tip_key}", spec.tip_diameter, unit="mm", reason=none, allowed=most)
+            none += (
+                f"; it needs a tip diameter of {at_least(2.0 * least)} mm or more, instead of {2.0 * self.tip:.7g} mm"
             )
+            raise VagueError(f"{name}.{tip_key}", spec.addendum, reason=none, remedies={f"{name}.{tip_key}": -1})
         raise DesignError(
             f"{name}.shaper.teeth",
             teeth,

@@ -171,7 +171,7 @@ class RackKeys(ToothingKeys):
                 raise conflict(
                     "rack.length",
                     self.rack.length,
-                    must_be=f"at least {at_least(teeth * self.pitch)}, the length of {teeth} "
+                    must_be=f"at least {at_least(teeth * self.pitch)} {self.units}, the length of {teeth} "
                     f"{'tooth' if teeth == 1 else 'teeth'}",
                 )
         return self

@@ -196,7 +196,7 @@ class BasicData:
                 np.degrees(self.shaft_angle),
                 unit="deg",
                 reason=f"with {self.teeth[0]} and {self.teeth[1]} teeth the gear's pitch angle is {np.degrees(gear):.4g} deg",
-                allowed="less than 90 deg",
+                allowed=f"less than {at_most(np.degrees(np.arccos(-min(self.teeth) / max(self.teeth))))} deg",
             )
         if not self.face_width < WIDEST * outer:
             raise DesignError(

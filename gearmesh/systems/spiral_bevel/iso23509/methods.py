@@ -97,7 +97,7 @@ class OffsetPair:
                 unit="deg",
                 reason=f"with {self.teeth[0]} and {self.teeth[1]} teeth the wheel's pitch angle without offset is "
                 f"{np.degrees(wheel):.4g} deg",
-                allowed="less than 90 deg",
+                allowed=f"less than {at_most(np.degrees(np.arccos(-min(self.teeth) / max(self.teeth))))} deg",
             )
         width = float(self.diameter / np.sin(self.estimate if self.method == 1 else wheel))
         if not 0.0 < self.face_width < 0.5 * width:
