@@ -101,10 +101,11 @@ class Arcs:
         # a chord passes closer to the axis than its ends
         start, end = corners[..., :2], np.roll(corners, -1, axis=1)[..., :2]
         edge = end - start
-        square = np.maximum((edge**2).sum(-1), np.finfo(float).tiny)
-        along = np.clip(-(start * edge).sum(-1) / square, 0.0, 1.0)
-        closest = np.linalg.norm(start + along[..., None] * edge, axis=-1)
-        return np.stack((closest.min(axis=1), corners[..., 2].min(axis=1)), axis=-1)
+        (x, y), (dx, dy) = np.moveaxis(start, -1, 0), np.moveaxis(edge, -1, 0)
+        square = np.maximum(dx * dx + dy * dy, np.finfo(float).tiny)
+        along = np.clip(-(x * dx + y * dy) / square, 0.0, 1.0)
+        x, y = x + along * dx, y + along * dy
+        return np.stack((_least(np.sqrt(x * x + y * y)), _least(corners[..., 2])), axis=-1)
 
     def slope(self, r: Array, normal: Array) -> Array:
         """Partials of the height by (rho, z), (..., 2) in rad/mm, of surfaces with `normal` at r (..., 3)."""
@@ -318,17 +319,20 @@ class MeshField:
     @cached_property
     def _pieces(self) -> tuple[Array, NDArray[np.int64]]:
         """Parts (K, 3, 3) of the triangles, halved until long and oblique ones fit their boxes, and whose parts they are (K,)."""
-        pieces, whose = self.corners, np.arange(len(self.corners))
+        pieces, whose, small = self.corners, np.arange(len(self.corners)), list[tuple[Array, NDArray[np.int64]]]()
         flat = self.chart.split(pieces)[0]
         large = np.ptp(flat.reshape(-1, 2), axis=0) / PIECES
         for _ in range(HALVINGS):
-            much = (np.ptp(self.chart.split(pieces)[0], axis=1) > large).all(axis=1)
+            x, y = np.moveaxis(self.chart.split(pieces)[0], -1, 0)
+            much = (_greatest(x) - _least(x) > large[0]) & (_greatest(y) - _least(y) > large[1])
             if not much.any():
                 break
+            # what is small enough stays so
+            small.append((pieces[~much], whose[~much]))
             halved = _halve(pieces[much])
-            pieces = np.concatenate((pieces[~much], *halved))
-            whose = np.concatenate((whose[~much], *[whose[much]] * len(halved)))
-        return pieces, whose
+            pieces, whose = np.concatenate(halved), np.concatenate([whose[much]] * len(halved))
+        small.append((pieces, whose))
+        return np.concatenate([own for own, _ in small]), np.concatenate([own for _, own in small])
 
     @cached_property
     def _bounds(self) -> tuple[Array, Array]:
@@ -336,7 +340,20 @@ class MeshField:
 
     def _boxes(self, triangles: Array) -> tuple[Array, Array]:
         """Least and greatest flat coordinates (K, 2) over triangles (K, 3, 3)."""
-        return self.chart.lowest(triangles), self.chart.split(triangles)[0].max(axis=1)
+        x, y = np.moveaxis(self.chart.split(triangles)[0], -1, 0)
+        return self.chart.lowest(triangles), np.stack((_greatest(x), _greatest(y)), axis=-1)
+
+    @cached_property
+    def _reach(self) -> tuple[Array, Array]:
+        """The bounds with a margin for rounding, (2, T)."""
+        low, high = self._bounds
+        margin = 1e-9 * (high.max(axis=0) - low.min(axis=0))
+        return np.ascontiguousarray((low - margin).T), np.ascontiguousarray((high + margin).T)
+
+    @cached_property
+    def _middles(self) -> Array:
+        middles: Array = self.corners.mean(axis=1)
+        return middles
 
     @cached_property
     def _area_vectors(self) -> Array:
@@ -376,19 +393,18 @@ class MeshField:
 
     def at(self, flat: Array) -> Hits:
         query, triangle = self._bins.pairs(flat)
-        low, high = self._bounds
-        margin = 1e-9 * (high.max(axis=0) - low.min(axis=0))
-        near = ((flat[query] >= low[triangle] - margin) & (flat[query] <= high[triangle] + margin)).all(axis=-1)
-        query, triangle = query[near], triangle[near]
+        # column by column: sums and comparisons over two or three numbers each take as long as those over thousands
+        for place, low, high in zip(flat.T, *self._reach, strict=True):
+            along = place[query]
+            near = (along >= low[triangle]) & (along <= high[triangle])
+            query, triangle = query[near], triangle[near]
 
         corner, normal = self.corners[triangle, 0], self._area_vectors[triangle]
         with np.errstate(all="ignore"):  # lines that run along a plane or miss it
-            height = self.chart.plane_height(
-                flat[query], normal, dot(normal, corner), self.corners[triangle].mean(axis=1)
-            )
+            height = self.chart.plane_height(flat[query], normal, dot(normal, corner), self._middles[triangle])
             point = self.chart.join(flat[query], height)
-            weights = np.einsum("nkj,nj->nk", self._duals[triangle], point - corner)
-            hit = (weights >= -INSIDE).all(axis=-1) & (weights.sum(axis=-1) <= 1.0 + INSIDE)
+            one, two = np.einsum("nkj,nj->kn", self._duals[triangle], point - corner)
+            hit = (one >= -INSIDE) & (two >= -INSIDE) & (one + two <= 1.0 + INSIDE)
         query, triangle, height, point = query[hit], triangle[hit], height[hit], point[hit]
 
         first = np.lexsort((-self.side * height, query))
@@ -426,9 +442,20 @@ def _at_level(a: Array, b: Array, level: float) -> Array:
     return point
 
 
+def _least(values: Array) -> Array:
+    """The least of three values each, (T, 3)."""
+    return np.minimum(np.minimum(values[:, 0], values[:, 1]), values[:, 2])
+
+
+def _greatest(values: Array) -> Array:
+    """The greatest of three values each, (T, 3)."""
+    return np.maximum(np.maximum(values[:, 0], values[:, 1]), values[:, 2])
+
+
 def _halve(triangles: Array) -> tuple[Array, Array]:
     """Both halves of triangles (T, 3, 3), cut across their longest edges."""
-    length = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=-1)
+    side = np.roll(triangles, -1, axis=1) - triangles
+    length = np.sqrt(dot(side, side))
     order = (length.argmax(axis=1)[:, None] + np.arange(3)) % 3
     a, b, c = np.moveaxis(np.take_along_axis(triangles, order[..., None], axis=1), 1, 0)
     middle = 0.5 * (a + b)
@@ -467,7 +494,8 @@ class _Bins:
     def pairs(self, flat: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Indices of queries `flat` (N, 2) and of the triangles in their bins."""
         place = (flat - self.origin) / self.size
-        inside = np.all((place >= -1e-6) & (place <= self.shape + 1e-6), axis=-1)
+        within = (place >= -1e-6) & (place <= self.shape + 1e-6)
+        inside = within[:, 0] & within[:, 1]
         cell = np.clip(np.where(inside[:, None], place, 0.0).astype(np.int64), 0, self.shape - 1)
         key = cell[:, 0] * self.shape[1] + cell[:, 1]
         query, step = _expand(np.where(inside, self.start[key + 1] - self.start[key], 0))

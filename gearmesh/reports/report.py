@@ -11,8 +11,6 @@ from io import BytesIO
 from os import PathLike
 from pathlib import Path
 
-import numpy as np
-
 from gearmesh import __version__
 from gearmesh.answers.bodies.solid import Solid
 from gearmesh.answers.check import Check
@@ -248,13 +246,13 @@ def _draw(
 
 def _jpeg(image: Image) -> bytes:
     """RGB pixels as a JPEG file, larger ones at half or less of their size."""
-    from matplotlib.image import imsave
+    from PIL import Image as pillow
 
     fewer = max(1, image.shape[1] // PICTURE_SIZE[0])
     rows, columns = (size // fewer * fewer for size in image.shape[:2])
-    small = image[:rows, :columns].reshape(rows // fewer, fewer, columns // fewer, fewer, 3).mean(axis=(1, 3))
     file = BytesIO()
-    imsave(file, np.rint(small).astype(np.uint8), format="jpeg", pil_kwargs={"quality": QUALITY, "optimize": True})
+    small = pillow.fromarray(image[:rows, :columns]).reduce(fewer)
+    small.save(file, format="jpeg", quality=QUALITY, optimize=True)
     return file.getvalue()
 
 

@@ -186,8 +186,6 @@ def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
 
     Gaps are interpolated bilinearly in the mean plane of the flank, over which a flank is a graph.
     """
-    from scipy.ndimage import map_coordinates
-
     flat = grid.reshape(-1, 3)
     origin = flat.mean(axis=0)
     plane = np.linalg.svd(flat - origin, full_matrices=False)[2][:2]
@@ -200,8 +198,9 @@ def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
             low, high = lattice[known].min(axis=0), lattice[known].max(axis=0)
             near = np.flatnonzero(((places >= low) & (places <= high)).all(axis=1))
             index = _index_in(lattice, known, places[near])
-            here = map_coordinates(np.where(known, gap, np.nan), index.T, order=1, mode="constant", cval=np.nan)
-            smallest[near] = np.fmin(smallest[near], here)
+            within = ((index >= 0.0) & (index <= np.array(known.shape) - 1.0)).all(axis=1)
+            here = _bilinear(np.where(known, gap, np.nan)[..., None], index[within])[:, 0]
+            smallest[near[within]] = np.fmin(smallest[near[within]], here)
     return np.where(np.isfinite(smallest), smallest, np.nan).reshape(grid.shape[:-1])
 
 
@@ -210,8 +209,6 @@ def _index_in(lattice: Array, known: NDArray[np.bool_], places: Array) -> Array:
 
     Newton on the bilinear lattice; where it is not `known` (M, N), its best affine map takes its place.
     """
-    from scipy.ndimage import map_coordinates
-
     index = np.stack(np.meshgrid(*map(np.arange, known.shape), indexing="ij"), axis=-1).astype(float)
     affine = np.concatenate((index, np.ones((*known.shape, 1))), axis=-1)
     filled = np.where(known[..., None], lattice, affine @ np.linalg.lstsq(affine[known], lattice[known])[0])
@@ -223,10 +220,22 @@ def _index_in(lattice: Array, known: NDArray[np.bool_], places: Array) -> Array:
     # steps 5e-4 when the lattice is a whole beveloid flank, whose parameter lines crowd at the fillet.
     for _ in range(10):
         base = np.clip(indices, 0.0, last)
-        here = np.stack([map_coordinates(plane, base.T, order=1) for plane in np.moveaxis(planes, -1, 0)], axis=-1)
-        step = np.linalg.solve(here[:, 2:].reshape(-1, 2, 2), (places - here[:, :2])[..., None])[..., 0]
+        x, y, x_i, x_j, y_i, y_j = _bilinear(planes, base).T
+        dx, dy = places[:, 0] - x, places[:, 1] - y
+        step = np.stack((dx * y_j - dy * x_j, dy * x_i - dx * y_i), axis=-1) / (x_i * y_j - x_j * y_i)[:, None]
         indices = base + step
     return indices
+
+
+def _bilinear(values: Array, index: Array) -> Array:
+    """Values (K, C) at fractional indices (K, 2) within a lattice (M, N, C); scipy.ndimage takes longer to load than this."""
+    first = np.clip(np.floor(index).astype(np.int64), 0, np.maximum(np.array(values.shape[:2]) - 2, 0))
+    (i, j), (u, v) = first.T, (index - first).T[..., None]
+    i_next, j_next = np.minimum(i + 1, values.shape[0] - 1), np.minimum(j + 1, values.shape[1] - 1)
+    low = (1.0 - v) * values[i, j] + v * values[i, j_next]
+    high = (1.0 - v) * values[i_next, j] + v * values[i_next, j_next]
+    mixed: Array = (1.0 - u) * low + u * high
+    return mixed
 
 
 def _last_inside(place: Callable[[Array, NDArray[np.intp]], Array], inside: Array, outside: Array) -> Array:

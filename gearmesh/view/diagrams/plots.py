@@ -37,6 +37,8 @@ _PLAY_OF_NONE = 1e-3
 _ENTRY = 1.9
 #: size (points) of titles
 TITLE = 12.0
+#: inches that numbers, labels and titles take beside axes, about: left, below, right, above
+_GUESSED = (0.6, 0.45, 0.1, 0.25)
 #: pixels per inch of figures that are read on a screen
 SCREEN_DPI = 100
 #: share of the room that a figure needs in which its words still stand clear
@@ -305,11 +307,27 @@ def lay_out(figure: Any) -> None:
         return
     if title := figure.get_suptitle():
         figure.suptitle(fit_title(title, figure, TITLE), fontsize=TITLE)
+    for axes in figure.axes:
+        _guess_first(axes)
     engine.execute(figure)
     # "none" would leave a place holder, for which a file is drawn twice
     figure.set_layout_engine(None)
     for axes in figure.axes:
         axes.apply_aspect()
+
+
+def _guess_first(axes: Any) -> None:
+    """Let axes be measured once. They are asked for their size twice, first to bring them near their places: a guess will do."""
+    from matplotlib.transforms import Bbox
+
+    def estimate(*_: Any, **__: Any) -> Any:
+        del axes.get_tightbbox
+        axes.apply_aspect()
+        left, below, right, above = (inches * axes.figure.dpi for inches in _GUESSED)
+        frame = axes.get_window_extent()
+        return Bbox.from_extents(frame.x0 - left, frame.y0 - below, frame.x1 + right, frame.y1 + above)
+
+    axes.get_tightbbox = estimate
 
 
 def save_figure(figure: Any, file: Path | str) -> None:
