@@ -14,6 +14,7 @@ from gearmesh.cad.contours.curves import Contour, PlaneSpline
 from gearmesh.cad.programs.requirements import require
 from gearmesh.cad.section import MemberSection
 from gearmesh.io.atomic import PathLike, whole_file
+from gearmesh.io.digits import angle_on_grid, curve_on_grid
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 
 #: the oldest version that has splines, which most programs read
@@ -38,7 +39,7 @@ def write_dxf(section: MemberSection, path: PathLike, description: str, joined: 
     with _without_dates():
         document = new(VERSION)
         document.units = units.MM
-        space, reach = document.modelspace(), section.reach
+        space, reach = document.modelspace(), float(curve_on_grid(np.asarray(section.reach)))
         space.reset_extents((-reach, -reach, 0.0), (reach, reach, 0.0))
         for layer, contour in zip(section.layers, section.contours, strict=True):
             if layer not in document.layers:
@@ -59,16 +60,19 @@ def _add(space: Any, curve: PlaneCurve, layer: str) -> None:
     attributes = {"layer": layer}
     if isinstance(curve, PlaneSpline):
         spline = space.add_spline(dxfattribs={**attributes, "degree": 3})
-        spline.control_points = np.column_stack((curve.control, np.zeros(len(curve.control))))
-        spline.knots = curve.knots.tolist()
-    elif not isinstance(curve, PlaneArc):
-        space.add_line(curve.start.tolist(), curve.end.tolist(), dxfattribs=attributes)
-    elif curve.closed:
-        space.add_circle(curve.centre.tolist(), curve.radius, dxfattribs=attributes)
+        spline.control_points = np.column_stack((curve_on_grid(curve.control), np.zeros(len(curve.control))))
+        spline.knots = angle_on_grid(curve.knots).tolist()
+        return
+    if not isinstance(curve, PlaneArc):
+        space.add_line(curve_on_grid(curve.start).tolist(), curve_on_grid(curve.end).tolist(), dxfattribs=attributes)
+        return
+    centre, radius = curve_on_grid(curve.centre).tolist(), float(curve_on_grid(np.asarray(curve.radius)))
+    if curve.closed:
+        space.add_circle(centre, radius, dxfattribs=attributes)
     else:
         # DXF knows counterclockwise arcs only
-        first, last = sorted((np.degrees(curve.first), np.degrees(curve.first + curve.width)))
-        space.add_arc(curve.centre.tolist(), curve.radius, float(first), float(last), dxfattribs=attributes)
+        first, last = angle_on_grid(np.sort(np.degrees((curve.first, curve.first + curve.width)))).tolist()
+        space.add_arc(centre, radius, first, last, dxfattribs=attributes)
 
 
 def _add_joined(space: Any, contour: Contour, layer: str) -> None:
@@ -78,7 +82,10 @@ def _add_joined(space: Any, contour: Contour, layer: str) -> None:
         return
     points = [
         # the bulge is the tangent of a quarter of the arc's angle
-        (*curve.start.tolist(), float(np.tan(0.25 * curve.width)) if isinstance(curve, PlaneArc) else 0.0)
+        (
+            *curve_on_grid(curve.start).tolist(),
+            float(angle_on_grid(np.tan(0.25 * np.asarray(curve.width)))) if isinstance(curve, PlaneArc) else 0.0,
+        )
         for curve in contour.curves
     ]
     space.add_lwpolyline(points, format="xyb", close=True, dxfattribs={"layer": layer})

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.grid import on_grid, significant
 
 #: degree of every spline of a STEP file; a spline takes at least one node more than its degree
 DEGREE = 5
@@ -27,6 +28,10 @@ TARGET, TIGHTER = 0.7, 0.75
 WIDEST = 4.0
 #: rounds of spreading in a plan, and samples of a curve that is planned on: it is known to far below a micrometre then
 ROUNDS, SAMPLES = 6, 65
+#: bits of errors that spacing follows, and least error: points are exact to 1e-6 of what is allowed, which must not move nodes
+EXCESS_BITS, LEAST_EXCESS = 5, 1e-3
+#: steps of the grid on which nodes are placed: last digits of errors, which differ between processors, do not move them
+STEPS_PER_CURVE = 2.0**20
 #: most nodes
 MOST = 200
 
@@ -105,12 +110,15 @@ def _spread(nodes: Array, excess: Array, target: float, degree: int, most: int) 
     """Nodes that give every interval the error `target`: errors go with the spacing to the power of the degree and one."""
     from scipy.interpolate import PchipInterpolator
 
+    excess = significant(np.maximum(excess, LEAST_EXCESS), EXCESS_BITS, 0.0)
     # one interval's error is also its neighbours' doing
-    around = np.pad(np.log(np.maximum(excess, 1e-12)), 1, mode="edge")
+    around = np.pad(np.log(excess), 1, mode="edge")
     error = np.exp(0.25 * (around[:-2] + 2.0 * around[1:-1] + around[2:]))
     wanted = np.maximum((error / target) ** (1.0 / (degree + 1)), 1.0 / WIDEST)
     place = np.concatenate(([0.0], np.cumsum(wanted)))
     count = min(max(int(np.ceil(place[-1])), degree), most + 1)
-    spread = np.asarray(PchipInterpolator(place, nodes)(np.linspace(0.0, place[-1], count + 1)))
+    spread = on_grid(
+        np.asarray(PchipInterpolator(place, nodes)(np.linspace(0.0, place[-1], count + 1))), STEPS_PER_CURVE
+    )
     spread[0], spread[-1] = nodes[0], nodes[-1]
     return spread

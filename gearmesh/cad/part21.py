@@ -2,13 +2,16 @@
 
 OpenCASCADE writes every point, direction and context where it is needed, a border's control points with the edge and again
 with the surfaces on both sides, and for every edge on a plane a curve that every reader projects itself. Without these a gear
-is three fifths of its size. Nothing else changes: values stay to the last digit, and topology (vertices, edges, faces) is left
-alone.
+is three fifths of its size. Points are on the grid of CAD solids, other numbers have
+eleven decimals (`io/digits.py`): last digits, which differ between processors, do not decide which are equal. Topology (vertices,
+edges, faces) is left alone.
 """
 
 from __future__ import annotations
 
 import re
+
+from gearmesh.io.digits import PARAMETER_STEPS_PER_UNIT, POINT_STEPS_PER_MM, STEPS_PER_UNIT, reals_on_grid
 
 #: instances without an identity of their own, each kind after those that it refers to: equal values are one
 _VALUES = (
@@ -34,6 +37,14 @@ _STRING_OR_REFERENCE = re.compile(r"'[^']*'|#(\d+)")
 _PCURVE = re.compile(r"PCURVE\('[^']*',#(\d+),")
 _SURFACE_CURVE = re.compile(r"SURFACE_CURVE\('[^']*',#(\d+),\(([#\d,]+)\),\.\w+\.\)")
 _EDGE_CURVE = re.compile(r"(EDGE_CURVE\('[^']*',#\d+,#\d+,)#(\d+)(,.*)")
+#: instances with reals, and no text but an empty name: points, and others
+_POINT, _PLACEMENT = "CARTESIAN_POINT(", "AXIS2_PLACEMENT_3D("
+_WITH_REALS = (
+    *("DIRECTION(", "VECTOR(", "B_SPLINE_CURVE_WITH_KNOTS(", "B_SPLINE_SURFACE_WITH_KNOTS(", "CIRCLE(", "ELLIPSE("),
+    *("CYLINDRICAL_SURFACE(", "CONICAL_SURFACE(", "TOROIDAL_SURFACE("),
+)
+#: commas of a point in space, beside those of two parameters
+_COMMAS_IN_SPACE = 3
 #: long lists are broken into lines of about so many characters
 _LINE = re.compile(r"(.{400}[^,]*#\d+,)(?=#)")
 
@@ -52,6 +63,7 @@ def condense(text: str) -> str:
     head, data = text.split("DATA;\n", 1)
     data, tail = data.rsplit("ENDSEC;", 1)
     instances = {int(number): _unfold(value) for number, value in _INSTANCE.findall(data)}
+    _on_grid(instances)
     if _INSTANCE.sub("", data).strip():
         return text
     used = {number for value in instances.values() for number in _references(value)}
@@ -77,6 +89,17 @@ def _unfold(value: str) -> str:
     if "\n" not in value:
         return value
     return _STRING_OR_FOLD.sub(lambda match: match[0].replace("\n", "") if match[0][0] == "'" else "", value)
+
+
+def _on_grid(instances: Instances) -> None:
+    """Put numbers on the grids of files; places of planes, cylinders and cones are known better than points on them."""
+    places = {_references(value)[0] for value in instances.values() if value.startswith(_PLACEMENT)}
+    for number, value in instances.items():
+        if value.startswith(_POINT) and number not in places:
+            in_space = value.count(",") == _COMMAS_IN_SPACE
+            instances[number] = reals_on_grid(value, POINT_STEPS_PER_MM if in_space else PARAMETER_STEPS_PER_UNIT)
+        elif value.startswith((_POINT, *_WITH_REALS)):
+            instances[number] = reals_on_grid(value, STEPS_PER_UNIT)
 
 
 def _references(value: str) -> list[int]:

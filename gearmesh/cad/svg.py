@@ -9,13 +9,12 @@ import numpy as np
 from gearmesh.cad.contours.curves import Contour, PlaneSpline
 from gearmesh.cad.section import MemberSection
 from gearmesh.io.atomic import PathLike, whole_text
+from gearmesh.io.digits import curve_on_grid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 
 #: width of the lines, mm, and of the margin round the drawing as a share of its radius
 LINE, MARGIN = 0.1, 0.02
-#: digits after the point, of mm
-DIGITS = 10
 
 
 def write_svg(section: MemberSection, path: PathLike, description: str) -> None:
@@ -64,5 +63,4 @@ def _point(point: Array) -> str:
 
 
 def _number(value: float) -> str:
-    text = f"{value:.{DIGITS}f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
+    return f"{float(curve_on_grid(np.asarray(value))):.9f}".rstrip("0").rstrip(".")

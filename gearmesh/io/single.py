@@ -1,7 +1,8 @@
-"""A mesh as float32 holds it: the same surface, closed where it was closed, proved on the rounded coordinates.
+"""A mesh as files hold it, in float32 or in decimals: the same surface, closed where it was, proved on the rounded coordinates.
 
-At 350 mm one step of float32 is 3e-5 mm. Vertices closer than that become one for whoever joins equal corners, which every
-reader of STL does: an edge with four facets, or a surface pinched at a point. And a facet thinner than a step may turn over.
+Decimals are on the grid of `digits`. At 350 mm one step of float32 is 3e-5 mm. Vertices closer than a step become one for whoever
+joins equal corners, which every reader of STL does: an edge with four facets, or a surface pinched at a point. And a facet thinner
+than a step may turn over.
 
 - Vertices that fall on one point and are joined by an edge are merged, with the two facets between them left out, where
   that keeps the surface a surface: their neighbours in common must be the apexes of those two facets (the link condition).
@@ -16,13 +17,13 @@ to be joined.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.io.digits import VERTEX_STEPS_PER_MM, vertices_on_grid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.gear_mesh import GearMesh
 from gearmesh.mesh.triangles import Facets, TriangleMesh
@@ -32,10 +33,50 @@ Point = tuple[float, float, float]
 Components = tuple[Array, Array, Array]
 
 _CHUNK = 16384
-#: steps of float32 that a coordinate is moved at most
+#: steps that a coordinate is moved at most
 STEPS = 2
 # Odd multipliers with well mixed bits, for the key of a point.
 _KEYS = (np.uint64(0x9E3779B97F4A7C15), np.uint64(0xC2B2AE3D27D4EB4F), np.uint64(0x165667B19E3779F9))
+
+
+@dataclass(frozen=True)
+class _Numbers:
+    """Numbers, of `unit` mm, that coordinates may be.
+
+    They are decimals on their grid, or `single` ones (float32), multiples of a `finest` above 0.
+    """
+
+    single: bool
+    unit: float = 1.0
+    finest: float = 0.0
+
+    def nearest(self, points: Array) -> Array:
+        """Points, in units, as float64; no negative zero, which is another bit pattern of the same number."""
+        if not self.single:
+            return vertices_on_grid(points)
+        single = points.astype(np.float32).astype(float)
+        return (np.rint(single / self.finest) * self.finest if self.finest else single) + 0.0
+
+    def nearest_mm(self, vertices: Array) -> Array:
+        """Vertices (N, 3), mm."""
+        return self.nearest(vertices / self.unit) * self.unit
+
+    def steps(self, points: Array) -> Array:
+        """Steps (...), in units, between neighbours of coordinates (...), in units."""
+        if not self.single:
+            return np.full_like(points, 1.0 / VERTEX_STEPS_PER_MM)
+        single: Array = np.spacing(np.abs(points).astype(np.float32)).astype(float)
+        return np.maximum(single, self.finest)
+
+
+def in_decimals(mesh: Facets) -> Facets:
+    """The mesh with its coordinates (mm) on the grid of decimals. Facets without area, by their indices, are left out."""
+    return _in_numbers(mesh, _Numbers(single=False))
+
+
+def decimal_steps(points: Array) -> Array:
+    """Distances (N, 3), mm, between the numbers that `in_decimals` may put in the place of coordinates (N, 3), mm."""
+    return _Numbers(single=False).steps(points)
 
 
 def in_single(mesh: Facets, unit: float = 1.0, finest: float = 0.0) -> Facets:
@@ -45,49 +86,47 @@ def in_single(mesh: Facets, unit: float = 1.0, finest: float = 0.0) -> Facets:
     what a reader with an absolute tolerance does not. Facets without area, by their indices, are left out. A gear of which
     nothing is to be repaired stays one that repeats its teeth.
     """
+    return _in_numbers(mesh, _Numbers(True, unit, finest))
+
+
+def _in_numbers(mesh: Facets, numbers: _Numbers) -> Facets:
     if isinstance(mesh, GearMesh):
-        written = replace(mesh, rounding=partial(_round_mm, unit, finest))
-        if _is_right(mesh, written, unit):
+        written = replace(mesh, rounding=numbers.nearest_mm)
+        if _is_right(mesh, written, numbers):
             return written
-    return _repair_mesh(mesh.whole(), unit, finest)
+    return _repair_mesh(mesh.whole(), numbers)
 
 
-def _round_mm(unit: float, finest: float, vertices: Array) -> Array:
-    """Vertices (N, 3), mm, as float32 numbers of `unit` mm."""
-    return _round(vertices / unit, finest) * unit
-
-
-def _is_right(mesh: GearMesh, written: GearMesh, unit: float) -> bool:
+def _is_right(mesh: GearMesh, written: GearMesh, numbers: _Numbers) -> bool:
     """True where rounding leaves every vertex a point of its own, and no facet without area or turned over."""
-    keys = np.concatenate([_keys(piece / unit) for piece in written.vertex_pieces()])
+    keys = np.concatenate([_keys(piece / numbers.unit) for piece in written.vertex_pieces()])
     keys.sort()
     if (keys[1:] == keys[:-1]).any():
         return False
     for true, rounded in zip(mesh.corner_pieces(), written.corner_pieces(), strict=True):
         # exactly the numbers of the file
-        single = (rounded / unit).astype(np.float32).astype(float)
-        before, after = (_areas(*np.ascontiguousarray(np.moveaxis(corners, 0, -1))) for corners in (true, single))
+        in_file = numbers.nearest(rounded / numbers.unit)
+        before, after = (_areas(*np.ascontiguousarray(np.moveaxis(corners, 0, -1))) for corners in (true, in_file))
         if not (_agreement(before, after) > 0.0).all():
             return False
     return True
 
 
-def _repair_mesh(mesh: TriangleMesh, unit: float, finest: float) -> TriangleMesh:
-    """The mesh as `in_single` makes it, where rounding may do harm."""
-    true = mesh.vertices / unit
-    points = _round(true, finest)
+def _repair_mesh(mesh: TriangleMesh, numbers: _Numbers) -> TriangleMesh:
+    """The mesh as files hold it, where rounding may do harm."""
+    true, unit = mesh.vertices / numbers.unit, numbers.unit
+    points = numbers.nearest(true)
     crowd, weak = _coincident(points), _weak(true, points, mesh.triangles)
     if not (len(crowd) or len(weak)):
         return replace(mesh, vertices=points * unit)
-    repair = _Repair(true, points, mesh.triangles, crowd, weak, finest)
+    repair = _Repair(true, points, mesh.triangles, crowd, weak, numbers)
     repair.run(_groups(points, crowd), weak.tolist())
     return repair.result(mesh, unit)
 
 
 def steps(points: Array, unit: float = 1.0, finest: float = 0.0) -> Array:
     """Distances (N, 3), mm, between the numbers that `in_single` may put in the place of coordinates (N, 3), mm."""
-    single: Array = np.spacing(np.abs(points / unit).astype(np.float32)).astype(float)
-    return np.maximum(single, finest) * unit
+    return _Numbers(True, unit, finest).steps(points / unit) * unit
 
 
 def rounding(mesh: Facets, written: Facets) -> float:
@@ -102,7 +141,8 @@ def rounding(mesh: Facets, written: Facets) -> float:
         return float(np.sqrt(max(((after - before) ** 2).sum(axis=1).max(initial=0.0) for before, after in pairs)))
     # a step of float32 is at most this share of the number, in whatever unit
     largest = max(float(np.abs(piece).max()) for piece in mesh.vertex_pieces())
-    return float(np.sqrt(3.0) * STEPS * np.finfo(np.float32).eps * largest)
+    step = max(float(np.finfo(np.float32).eps) * largest, 1.0 / VERTEX_STEPS_PER_MM)
+    return float(np.sqrt(3.0)) * STEPS * step
 
 
 def _same_triangles(mesh: Facets, written: Facets) -> bool:
@@ -115,15 +155,9 @@ def _same_triangles(mesh: Facets, written: Facets) -> bool:
     return np.array_equal(written.whole().triangles, mesh.whole().triangles)
 
 
-def _round(points: Array, finest: float) -> Array:
-    """Nearest float32 numbers, as float64; no negative zero, which is another bit pattern of the same number."""
-    single = points.astype(np.float32).astype(float)
-    return (np.rint(single / finest) * finest if finest else single) + 0.0
-
-
 def _keys(points: Array) -> NDArray[np.uint64]:
     """A number (N,) for each of the points (N, 3), equal for equal points and hardly ever otherwise."""
-    bits = points.astype(np.float32).view(np.uint32).astype(np.uint64)
+    bits = np.ascontiguousarray(points).view(np.uint64)
     key = np.zeros(len(points), np.uint64)
     for column, factor in zip(bits.T, _KEYS, strict=True):
         key = (key ^ column) * factor
@@ -185,9 +219,9 @@ class _Repair:
     """The facets round the vertices in trouble, and what is done to them."""
 
     def __init__(
-        self, true: Array, points: Array, triangles: Indices, crowd: Indices, weak: Indices, finest: float
+        self, true: Array, points: Array, triangles: Indices, crowd: Indices, weak: Indices, numbers: _Numbers
     ) -> None:
-        self.true, self.points, self.finest = true, points, finest
+        self.true, self.points, self.numbers = true, points, numbers
         keys = _keys(points)
         self.order = np.argsort(keys, kind="stable")
         self.ranked = keys[self.order]
@@ -350,13 +384,13 @@ class _Repair:
             del self.at[self.moved[vertex]]
 
     def _step(self, vertex: int) -> float:
-        """The step of float32 at the largest coordinate of a vertex."""
-        return max(float(np.spacing(np.float32(np.abs(self.true[vertex]).max()))), self.finest)
+        """The step of the numbers at the largest coordinate of a vertex."""
+        return float(self.numbers.steps(np.abs(self.true[vertex]).max(keepdims=True))[0])
 
     def _candidates(self, vertex: int, steps: int) -> Iterator[Point]:
-        """Points that float32 holds within so many steps of a vertex, nearest first."""
+        """Points that the file holds within so many steps of a vertex, nearest first."""
         offsets = self._step(vertex) * np.array([*product(range(-steps, steps + 1), repeat=3)])
-        points = np.unique(_round(self.true[vertex] + offsets, self.finest), axis=0)
+        points = np.unique(self.numbers.nearest(self.true[vertex] + offsets), axis=0)
         away = ((points - self.true[vertex]) ** 2).sum(axis=1)
         yield from map(_point, points[np.argsort(away, kind="stable")].tolist())
 

@@ -1,4 +1,4 @@
-"""Wavefront OBJ: text in mm with exact coordinates, an object for each mesh, a group for each region."""
+"""Wavefront OBJ: text in mm with seven decimals, an object for each mesh, a group for each region."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import Indices, built_mesh, by_name, used_part
 from gearmesh.io.registry import Scene, register
 from gearmesh.io.rows import lines
+from gearmesh.io.single import decimal_steps, in_decimals
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.numerals import parse_numbers, parse_whole_numbers
@@ -73,4 +74,5 @@ def _word(name: str) -> str:
     return "_".join(name.split()) or "unnamed"
 
 
-register(".obj", "Wavefront OBJ, mm, text with exact coordinates, a group for each region", write, read, several=True)
+_DESCRIPTION = "Wavefront OBJ, mm, text with seven decimals, a group for each region"
+register(".obj", _DESCRIPTION, write, read, True, in_decimals, decimal_steps)

@@ -1,4 +1,4 @@
-"""3MF: unit millimetre, exact coordinates, an object for each mesh, regions as coloured base materials.
+"""3MF: unit millimetre, seven decimals, an object for each mesh, regions as coloured base materials.
 
 Follows the 3MF Core Specification 1.3: an Open Packaging zip with content types, one relationship and the model.
 """
@@ -20,6 +20,7 @@ from gearmesh.io.palette import region_colours
 from gearmesh.io.rebuild import built_mesh, by_name
 from gearmesh.io.registry import Scene, register
 from gearmesh.io.rows import lines
+from gearmesh.io.single import decimal_steps, in_decimals
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.numerals import parse_numbers, parse_whole_numbers
 
@@ -101,4 +102,5 @@ def _mesh(element: Element, materials: dict[str, tuple[str, ...]]) -> TriangleMe
     return built_mesh(name, points, cells, regions, names or ("surface",))
 
 
-register(".3mf", "3MF, millimetre, exact coordinates, a base material for each region", write, read, several=True)
+_DESCRIPTION = "3MF, millimetre, seven decimals, a base material for each region"
+register(".3mf", _DESCRIPTION, write, read, True, in_decimals, decimal_steps)

@@ -7,14 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.grid import significant
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Link, Sections, parameter
 from gearmesh.teeth.tooth import Tooth
 
 #: points per link on which second forms are sampled, across and along
 SAMPLES = (25, 9)
-#: step of t over which the ends of the links are differentiated
-STEP = 1e-6
+#: step of t over which the ends of the links are differentiated: ends are known to 1e-11, which of which 1e-6 showed too much
+STEP = 1e-4
+#: bits of forms, and the share of the largest of a link below which one is rounding: what is planned by them does not hang on last
+#: digits, which differ between processors
+BITS, LEAST_SHARE = 12, 2.0**-20
 #: a triangle within eps of a surface covers at most so many times eps over sqrt(|k1 k2|): where k1 k2 > 0, and where < 0
 BOWL, SADDLE = 1.5 * 3.0**0.5, 2.0 * 5.0**0.5
 #: a link narrower than this part of its length is a line, as the fillet of a sharp root corner: what its lines turn by is rounding
@@ -52,7 +56,10 @@ class Forms:
         curves = np.stack([grid.points[:, [0, -1]] for grid in grids])
         second = np.stack([np.zeros(SAMPLES) if grid.v is None else grid.v for grid in grids])
         sideways = np.stack([_sideways(grid.points, s[1], t[1]) for grid in grids])
-        return Forms(length, twist, face, _outline(curves, s), second, sideways)
+        length, twist, face, outline, sideways = (
+            _without_last_digits(form) for form in (length, twist, face, _outline(curves, s), sideways)
+        )
+        return Forms(length, twist, face, outline, second, sideways)
 
     def seam_cells(self, tolerance: float, *, whole: bool) -> Array:
         """Fewest edges (R + 1,) of the seams before and after links within a tolerance, mm, of the surfaces on both sides of them;
@@ -73,6 +80,11 @@ class Forms:
         s, t = (np.linspace(0.0, 1.0, samples) for samples in SAMPLES)
         outline = np.ceil(np.trapezoid(np.sqrt(self.outline[link] / (8.0 * tolerance)), s, axis=-1)).sum()
         return float(max(np.trapezoid(np.trapezoid(density, t), s), on_seams + outline - 2.0))
+
+
+def _without_last_digits(forms: Array) -> Array:
+    """Forms (R, ..., ...) of links with as many digits as planning needs."""
+    return np.stack([significant(form, BITS, LEAST_SHARE * float(np.abs(form).max())) for form in forms])
 
 
 def _second_form(

@@ -6,9 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.grid import on_grid
 
 Index = NDArray[np.int64]
 
+#: steps of a link's grid on which nodes are placed: last digits of curvatures, which differ between processors, do not move them
+STEPS_PER_LINK = 2.0**30
 #: parts of a cell that are rounding
 ROUNDING = 0.02
 #: cells that need not be as narrow are made wider by no more than that
@@ -44,6 +47,7 @@ def stations(along: Array, fixed: Array, staggered: NDArray[np.bool_]) -> tuple[
     apart = total[:, -1].max() + 1.0
     whole = (total + apart * np.arange(len(total))[:, None]).ravel()
     t = np.interp(value + apart * line, whole, np.tile(knots, len(total)))
+    t = on_grid(t, STEPS_PER_LINK)
     t[place == 0] = ends[part[place == 0]]
     return t, np.concatenate(([0], np.cumsum(count.sum(axis=1))))
 
@@ -84,7 +88,7 @@ def nodes(s: Array, per_unit: Array, seams: Array) -> Array:
     parts = []
     for low, high, end in zip(ends[:-1], ends[1:], [*seams, 1.0], strict=True):
         count = max(1, int(np.ceil(high - low - ROUNDING)))
-        parts.append(np.interp(np.linspace(low, high, count + 1), total, s)[1:])
+        parts.append(on_grid(np.interp(np.linspace(low, high, count + 1), total, s)[1:], STEPS_PER_LINK))
         parts[-1][-1] = end
     return np.concatenate(([0.0], *parts))
 

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.grid import on_grid
 from gearmesh.mesh.links.collapse import edges_of
 from gearmesh.mesh.links.forms import Forms
-from gearmesh.mesh.links.lines import between, integral, nodes, rows, stations
+from gearmesh.mesh.links.lines import STEPS_PER_LINK, between, integral, nodes, rows, stations
 from gearmesh.mesh.links.measure import PLACES, deviations_of, off_chords
 from gearmesh.mesh.links.plan import LinkPlan
 from gearmesh.mesh.links.thinning import thin
@@ -31,6 +32,8 @@ SectionCurve = Callable[[Array, Array], Array]
 
 #: below this (mm) a deviation is rounding
 FLOOR = 1e-9
+#: steps of the grid of levels in a row of nodes: levels on the same are equal but for rounding
+STEPS_PER_ROW = 2.0**30
 #: rounds of turning diagonals, and more of them where a mesh misses the tolerance, after the best ones were taken
 TURNS = (1, 6)
 #: share of its densest nodes that a section curve has where it is straight
@@ -127,26 +130,31 @@ def mesh_link(
     numbers = [np.arange(low, high) for low, high in pairwise(lines.begins)]
     sizes = np.cumsum([lines.t.size, *(piece.size for piece in pieces)])
     inner = [np.arange(low, high) for low, high in pairwise(sizes)]
-    level = between(plan.level, s, t)
-    triangulation = StripTriangulation.of(numbers, inner[: count - 1], inner[count - 1 :], level, points.arch)
+    level = on_grid(between(plan.level, s, t), STEPS_PER_ROW)
+
+    def arch(edges: Index) -> Array:
+        return on_grid(points.arch(edges), 1.0 / FLOOR)
+
+    triangulation = StripTriangulation.of(numbers, inner[: count - 1], inner[count - 1 :], level, arch)
     on_break = np.isin(t, tooth.face_breaks)
     held, crease = np.where(on_break, t, 0.0), on_break | np.isin(s, breaks(link)) | (link.surface is None)
     for turns in TURNS:
         for _ in range(turns):
-            turned = triangulation.flip(points.arch, held)
+            turned = triangulation.flip(arch, held)
             if turned is triangulation:
                 break
             triangulation = turned
         triangles, strip = triangulation.triangles()
         edges, side = edges_of(triangles, s.size)
         edge, peaks, normals = deviations_of(points, triangles, edges, side, crease)
+        edge, peaks = on_grid(edge, 1.0 / FLOOR), on_grid(peaks, 1.0 / FLOOR)
         if peaks.max() <= tolerance or turns == TURNS[-1]:
             break
         bad, fixed = (
             np.bincount(strip[of], minlength=count - 1) > 0
             for of in (peaks > tolerance, np.any(held[triangles] > 0.0, axis=1))
         )
-        triangulation = triangulation.best(points.arch, t, bad & ~fixed)
+        triangulation = triangulation.best(arch, t, bad & ~fixed)
     strips, off = np.full(count - 1, FLOOR), np.full(count, FLOOR)
     np.maximum.at(strips, strip, peaks)
     on_line = (line[edges[:, 0]] == line[edges[:, 1]]) & (line[edges[:, 0]] >= 0)
@@ -228,7 +236,7 @@ def _outline_nodes(s: Array, count: Index, even: Array, density: tuple[Array, Ar
     ends = np.interp(s, density[0], even)
     cell = np.repeat(np.arange(count.size), count)
     place = np.arange(cell.size) - (np.cumsum(count) - count)[cell]
-    nodes = np.interp(place * (np.diff(ends) / count)[cell] + ends[cell], even, density[0])
+    nodes = on_grid(np.interp(place * (np.diff(ends) / count)[cell] + ends[cell], even, density[0]), STEPS_PER_LINK)
     nodes[place == 0] = s[:-1]
     return np.append(nodes, s[-1])
 

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.numeric.grid import on_grid
 from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, independent, within_link
 from gearmesh.mesh.links.measure import PLACES, deviations_of, off_chords
 from gearmesh.mesh.links.prediction import Prediction
@@ -44,6 +45,8 @@ REACH, CLOSER, SEARCHES = 0.2, 0.4, 4
 LIKELY, NEAR = 3.0, 1.5
 #: share of the tolerance below which errors are nothing
 TINY = 1e-9
+#: steps of the grid of measured distances in the tolerance: of equal ones last digits do not choose
+STEPS_PER_TOLERANCE = 2.0**20
 #: edges tried at once
 BLOCK = 20_000
 #: and patches relaxed at once
@@ -389,7 +392,8 @@ class Net:
         moved = np.flatnonzero((places != self.st[which]).any(axis=1))
         _put(nodes, moved, self.place(*places[moved].T))
         errors = self.miss(nodes, corners, self.crease[which])
-        return errors, np.maximum(errors, self.off_ends(nodes, corners, self.edge[which])), nodes
+        off = on_grid(self.off_ends(nodes, corners, self.edge[which]), STEPS_PER_TOLERANCE / self.tolerance)
+        return errors, np.maximum(errors, off), nodes
 
     def _apply(self, new: Collapses, cost: Array) -> NDArray[np.bool_]:
         """Collapse edges where the exact surface agrees with the cost (C,), mm, and say which (C,) did."""
@@ -462,5 +466,5 @@ def _miss(nodes: LinkNodes, triangles: Index, crease: NDArray[np.bool_], toleran
     longest = np.sqrt(np.maximum(np.maximum(dot(b - a, b - a), dot(c - b, c - b)), dot(a - c, a - c)))
     good = (dot(square, normals) >= UPRIGHT * size) & (size >= tolerance * longest)
     inside = np.abs(nodes.height(triangles[:, INSIDE].reshape(-1, len(INSIDE[0])))[0]).reshape(-1, len(INSIDE))
-    errors = np.maximum(errors, inside.max(axis=1, initial=0.0))
+    errors = on_grid(np.maximum(errors, inside.max(axis=1, initial=0.0)), STEPS_PER_TOLERANCE / tolerance)
     return np.where(good, errors, np.inf)
