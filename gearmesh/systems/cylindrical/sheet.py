@@ -38,8 +38,9 @@ from gearmesh.systems.cylindrical.geometry.interference import reserves
 from gearmesh.systems.cylindrical.geometry.line_of_action import (
     Flank,
     LineOfAction,
+    SetBackFillet,
     form_roll_length,
-    least_shift,
+    set_back_fillet,
     tight_distance,
     undercut_reserve,
 )
@@ -222,18 +223,18 @@ class SheetPair(SheetGears):
 
     def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
         """A warning for each of pinion and gear, called by `names`, below whose flank the mating gear's tip reaches."""
-        return self.line.fillet_interference(names, self.undercut_shifts)
+        return self.line.fillet_interference(names, self.set_back_fillets)
 
     @property
-    def undercut_shifts(self) -> list[float | None]:
-        """Least profile shifts of the gears that are undercut, None of others."""
-        return [least_shift(gear) for gear in self.geometry.gears]
+    def set_back_fillets(self) -> list[SetBackFillet | None]:
+        """Reasons why fillets lie behind the involutes of their flanks, None of those that do not."""
+        return [set_back_fillet(gear) for gear in self.geometry.gears]
 
     def interference_reserves(self, number: int, names: tuple[str, str]) -> tuple[Reserve, ...]:
         """What the pair, of a `number` in its gear set, has left until its teeth interfere; `names`: those of pinion and gear."""
         reserves_of_pair = [
             Reserve(number, f"interference_{name}", value, "mm")
-            for name, value in zip(names, self.line.fillet_reserves(self.undercut_shifts), strict=True)
+            for name, value in zip(names, self.line.fillet_reserves(self.set_back_fillets), strict=True)
             if value is not None
         ]
         if any(teeth.internal for teeth in self.teeth):

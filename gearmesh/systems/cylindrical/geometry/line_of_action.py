@@ -47,12 +47,32 @@ def undercut_reserve(gear: GearProportions) -> float:
     return float(gear.own.roll_length(made.tip) - made.generator)
 
 
-def least_shift(gear: GearProportions) -> float | None:
-    """Least profile shift at which the hob of an external member that it undercuts no longer does; None of others."""
+@dataclass(frozen=True)
+class SetBackFillet:
+    """Reason why a member's fillet lies behind the involute of its flank: tips that reach below the flank lose contact there.
+
+    cause: the word that a warning begins with, and what ends the flank.
+    remedy: what avoids it; the member's name comes before.
+    """
+
+    cause: str
+    remedy: str
+
+
+def set_back_fillet(gear: GearProportions) -> SetBackFillet | None:
+    """Undercut by the hob, or relief by its protuberance, of an external member; None of others."""
     lost = -undercut_reserve(gear)
-    if not gear.spec.hobbed or gear.own.internal or lost <= ROUNDING * gear.own.module:
+    if not gear.spec.hobbed or gear.own.internal:
         return None
-    return gear.own.shift + lost * math.sin(gear.own.alpha_t) / gear.own.module
+    if lost > ROUNDING * gear.own.module:
+        shift = gear.own.shift + lost * math.sin(gear.own.alpha_t) / gear.own.module
+        return SetBackFillet("undercut: the flank", f"profile_shift of at least {at_least(shift)} avoids undercut")
+    hob = gear.spec.hob
+    if hob is not None and hob.protuberance - (hob.stock if hob.finished else 0.0) > ROUNDING * gear.own.module:
+        return SetBackFillet(
+            "relief: the flank above what the protuberance cuts", "hob.protuberance must be smaller to avoid it"
+        )
+    return None
 
 
 @dataclass(frozen=True)
@@ -110,21 +130,21 @@ class LineOfAction:
         bound = f"at least {at_least(diameter)}" if mating.internal else f"at most {at_most(diameter)}"
         return f"{name}.tip_diameter {bound} mm"
 
-    def fillet_interference(self, names: tuple[str, str], shifts: Sequence[float | None]) -> tuple[str, ...]:
+    def fillet_interference(self, names: tuple[str, str], set_back: Sequence[SetBackFillet | None]) -> tuple[str, ...]:
         """A warning for each of pinion and gear, called by `names`, below whose flank the mating gear's tip reaches.
 
-        Fillets of members that are undercut, which their least profile shifts `shifts` would avoid, lie back behind the involute.
+        Where a fillet is set back, contact is lost and nothing interferes.
         """
         warnings = []
         both = ((self.mesh.pinion, *names), (self.mesh.gear, *names[::-1]))
-        for (member, name, other), shift in zip(both, shifts, strict=True):
+        for (member, name, other), behind in zip(both, set_back, strict=True):
             reserve = self.interference_reserve(member)
             if self._clears(member):
                 continue
-            if shift is not None:
+            if behind is not None:
                 warnings.append(
-                    f"{name}: undercut: the flank begins {-reserve:.4g} mm of roll length beyond where the {other}'s tip would "
-                    f"meet it, and contact is lost there; {name}.profile_shift of at least {at_least(shift)} avoids undercut"
+                    f"{name}: {behind.cause} begins {-reserve:.4g} mm of roll length beyond where the {other}'s tip would "
+                    f"meet it, and contact is lost there; {name}.{behind.remedy}"
                 )
             else:
                 warnings.append(
@@ -137,14 +157,13 @@ class LineOfAction:
         """Whether the mating gear's tip stays on a member's usable flank, but for rounding."""
         return self.interference_reserve(member) >= -ROUNDING * member.module
 
-    def fillet_reserves(self, shifts: Sequence[float | None]) -> list[float | None]:
-        """Interference reserves of pinion and gear, 0 for rounding; None of members that are undercut, as of
-        `fillet_interference`."""
+    def fillet_reserves(self, set_back: Sequence[SetBackFillet | None]) -> list[float | None]:
+        """Interference reserves of pinion and gear, 0 for rounding; None of members whose fillet is set back and reached."""
         left: list[float | None] = []
-        for member, shift in zip((self.mesh.pinion, self.mesh.gear), shifts, strict=True):
+        for member, behind in zip((self.mesh.pinion, self.mesh.gear), set_back, strict=True):
             reserve = self.interference_reserve(member)
-            undercut = shift is not None and not self._clears(member)
-            left.append(None if undercut else max(reserve, 0.0) if self._clears(member) else reserve)
+            lost = behind is not None and not self._clears(member)
+            left.append(None if lost else max(reserve, 0.0) if self._clears(member) else reserve)
         return left
 
 

@@ -20,7 +20,7 @@ from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Missing, Row, column_of, table, tables_by_title, tables_of
 from gearmesh.systems.cylindrical.geometry.allowances import allowances_of
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
-from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, least_shift
+from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, SetBackFillet, set_back_fillet
 from gearmesh.systems.cylindrical.geometry.measures import STANDARD
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, tool_rounding
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
@@ -80,8 +80,8 @@ class RackSheetPair(SheetPair):
         return min(gear.spec.tool_tip_radius, tool_rounding(gear))
 
     @property
-    def undercut_shifts(self) -> list[float | None]:
-        return [least_shift(self.geometry.gears[0]), None]
+    def set_back_fillets(self) -> list[SetBackFillet | None]:
+        return [set_back_fillet(self.geometry.gears[0]), None]
 
 
 def rack_flank(rack: Member) -> tuple[float, float]:
