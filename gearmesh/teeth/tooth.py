@@ -73,6 +73,8 @@ FEWEST_TEETH = 3
 LAND_STATIONS = 9
 #: stations at which a tooth is tried before anything else is made of it
 PROOF_STATIONS = 9
+#: share of the tooth's height by which a flank that is followed along the face may miss its tip
+TIP_OFF_SHARE = 1e-6
 #: share of a link from its ends within which a break is none of its seams
 CLOSEST = 1e-3
 #: parts of the way to a tip that are left, one after the other, where Newton does not go there at once
@@ -652,7 +654,7 @@ class Tooth:
         Raises
         ------
         TrimError
-            Where the tooth is pointed.
+            Where the tooth is pointed, or a flank turns back along the face near its tip.
 
         Examples
         --------
@@ -661,10 +663,22 @@ class Tooth:
         """
         self._prove_land(t, self._tips(t))
 
+    def _prove_tips(self, t: Array, tips: Tips) -> None:
+        """Raise TrimError where a flank, followed along the face as grids do it, comes to another point than its tip."""
+        stations = self.stations(t)
+        for which, (p, jet) in zip(Side, tips, strict=True):
+            followed = follow(self.side(which).flank, p, stations, self.blank.axial)
+            apart = np.linalg.norm(followed.jet.r - jet.r, axis=-1)
+            off = ~(apart <= TIP_OFF_SHARE * self.height)
+            if off.any():
+                worst = float(t[int(np.argmax(off))])
+                raise TrimError("tip", worst, "the flank turns back along the face near its tip")
+
     def _prove_land(self, t: Array, tips: Tips) -> None:
         if self.tip_edge is None and self.right.tip_corner is None:
             right, left = (self.joint.angle(jet.r) for _, jet in tips)
             self._width_of_land(right, left, t)
+        self._prove_tips(t, tips)
 
     def prove_root(self, t: Array) -> None:
         """Follow the fillets' ends at the root alone, a tenth of the work.

@@ -13,6 +13,7 @@ import gearmesh as gm
 from gearmesh.contact.first_touch.crossing import crossing, crossing_over_a_pitch
 from gearmesh.contact.first_touch.field import advances
 from gearmesh.contact.flanks import solver_pair
+from gearmesh.teeth.region import Region
 
 STEEP = Path(__file__).parents[1] / "corpus" / "crossing_worm_drive_87.toml"
 
@@ -47,7 +48,12 @@ def test_the_warning_names_what_keeps_them_apart() -> None:
     assert "errors of assembly" not in line
     keys = tomllib.loads(STEEP.read_text(encoding="utf-8"))
     del keys["hob"]
-    contact = gm.build(gm.parse(keys)).contact()
+    gears = gm.build(gm.parse(keys))
+    # where flanks turn back along the face their grids went to another sheet, 5.7 mm beyond the tip
+    wheel = gears.members["wheel"].tooth
+    tips = wheel.grid(Region.FLANK_RIGHT, np.array([1.0]), wheel.sections(np.linspace(0.0, 1.0, 97))).points
+    assert np.abs(wheel.blank.tip.value(tips)).max() < 1e-6
+    contact = gears.contact()
     assert (contact.path.kind == "line").any()
     assert not any("edge contact alone" in line for line in contact.warnings)
     leant = gm.build(gm.load(SAMPLES / "worm_drive.toml", ["assembly.da=0.05", "assembly.d_sigma=0.05"])).contact()

@@ -111,7 +111,7 @@ def test_the_contact_of_the_corrected_pinion_is_that_of_the_design(hypoid: Desig
     made.save(tmp_path / "left.csv")
     assert gm.load(tmp_path / "new.toml").plain()["pinion"] == made.new_design.plain()["pinion"]
     again = correct_settings(made.design, "pinion", tmp_path / "left.csv")
-    for side, grid in again.flanks.grids.items():
+    for side, grid in again._flanks.grids.items():
         np.testing.assert_allclose(grid.values, made.residual[side].values, atol=1e-9)
     assert '"contact_after"' in made.json()
 

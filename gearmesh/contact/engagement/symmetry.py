@@ -22,8 +22,10 @@ from gearmesh.kernel.numeric.algebra import Array
 
 #: what exchanges the flanks of a tooth centred on +x: the half turn about x, the mirror y = 0
 IMAGES = (np.array([1.0, -1.0, -1.0]), np.array([1.0, -1.0, 1.0]))
-#: part of the largest coordinate by which points of a flank may miss its image, and by which normals and axes may
+#: part of the largest coordinate by which points of a flank may miss its image, and by which axes may
 SAME = 1e-12
+#: difference of normals that is rounding; those of tabulated tip roundings come from differences of their tables
+SAME_NORMALS = 1e-11
 
 
 @dataclass(frozen=True)
@@ -120,8 +122,8 @@ def _is_image(flank: Flank, other: Flank, exchange: Array) -> bool:
         own_flank.surface.jet(own_flank.grid[..., 0], own_flank.grid[..., 1]) for own_flank in (flank, other)
     )
     size = np.abs(here.r).max()
-    for own, image in ((here.r / size, there.r / size), (here.n, there.n)):
+    for own, image, rounding in ((here.r / size, there.r / size, SAME), (here.n, there.n, SAME_NORMALS)):
         # the half turn exchanges the ends of the face
-        if not np.abs(own * exchange - (image if exchange[2] > 0.0 else image[:, ::-1])).max() <= SAME:
+        if not np.abs(own * exchange - (image if exchange[2] > 0.0 else image[:, ::-1])).max() <= rounding:
             return False
     return True
