@@ -9,7 +9,12 @@ edges, faces) is left alone.
 
 from __future__ import annotations
 
+import gc
 import re
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import chain
 
 from gearmesh.io.digits import PARAMETER_STEPS_PER_UNIT, POINT_STEPS_PER_MM, STEPS_PER_UNIT, reals_on_grid
 
@@ -31,28 +36,81 @@ _VALUES = (
     "SURFACE_STYLE_USAGE",
     "PRESENTATION_STYLE_ASSIGNMENT",
 )
-_INSTANCE = re.compile(r"#(\d+) = ((?:'[^']*'|[^';])*);\n")
+#: how kinds of instances begin that colour others
+_COLOURED = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION"
+_INSTANCE = re.compile(r"#(\d+) = ((?:[^';]++|'[^']*')*+);\n")
+_FOLD = re.compile(r"\n\s*")
 _STRING_OR_FOLD = re.compile(r"'[^']*'|\n\s*")
+_REFERENCE = re.compile(r"#(\d+)")
 _STRING_OR_REFERENCE = re.compile(r"'[^']*'|#(\d+)")
-_PCURVE = re.compile(r"PCURVE\('[^']*',#(\d+),")
-_SURFACE_CURVE = re.compile(r"SURFACE_CURVE\('[^']*',#(\d+),\(([#\d,]+)\),\.\w+\.\)")
-_EDGE_CURVE = re.compile(r"(EDGE_CURVE\('[^']*',#\d+,#\d+,)#(\d+)(,.*)")
 #: instances with reals, and no text but an empty name: points, and others
-_POINT, _PLACEMENT = "CARTESIAN_POINT(", "AXIS2_PLACEMENT_3D("
+_POINT, _PLACEMENT = "CARTESIAN_POINT", "AXIS2_PLACEMENT_3D"
 _WITH_REALS = (
-    *("DIRECTION(", "VECTOR(", "B_SPLINE_CURVE_WITH_KNOTS(", "B_SPLINE_SURFACE_WITH_KNOTS(", "CIRCLE(", "ELLIPSE("),
-    *("CYLINDRICAL_SURFACE(", "CONICAL_SURFACE(", "TOROIDAL_SURFACE("),
+    *("DIRECTION", "VECTOR", "B_SPLINE_CURVE_WITH_KNOTS", "B_SPLINE_SURFACE_WITH_KNOTS", "CIRCLE", "ELLIPSE"),
+    *("CYLINDRICAL_SURFACE", "CONICAL_SURFACE", "TOROIDAL_SURFACE"),
 )
 #: commas of a point in space, beside those of two parameters
 _COMMAS_IN_SPACE = 3
+#: what no text of a file has: between instances, and between the pieces of one
+_APART, _BETWEEN = "\x01", "\x02"
 #: long lists are broken into lines of about so many characters
 _LINE = re.compile(r"(.{400}[^,]*#\d+,)(?=#)")
 
 #: characters that a string of the standard does not have as they are [ISO 10303-21 6.4.3]
 _BEYOND = re.compile(r"[^\x20-\x7e]+")
 
-#: instances by number
-Instances = dict[int, str]
+#: numbers of instances, rising, by their kinds
+Numbers = dict[str, list[int]]
+
+
+@dataclass(slots=True)
+class _Instance:
+    """A value that refers to others: its `text` in pieces, between which are the `references`, numbers of instances."""
+
+    text: list[str]
+    references: list[int]
+
+    def written(self, names: Mapping[int, int]) -> str:
+        """The value with other numbers."""
+        pieces = [self.text[0]]
+        for number, text in zip(self.references, self.text[1:], strict=True):
+            pieces += ("#", str(names[number]), text)
+        return "".join(pieces)
+
+
+class _Instances:
+    """What a file has, by numbers: texts of `plain` values, most of them points, and `compound` values; the numbers by `kinds`."""
+
+    def __init__(self) -> None:
+        self.plain: dict[int, str] = {}
+        self.compound: dict[int, _Instance] = {}
+        self.kinds: Numbers = defaultdict(list)
+
+    def add(self, number: int, value: str) -> None:
+        """Take a value, the lines of whose text may be folded."""
+        quoted = "'" in value.replace("''", "")
+        if "\n" in value:
+            value = _FOLD.sub("", value) if not quoted else _STRING_OR_FOLD.sub(_unfold, value)
+        self.kinds[value[: value.index("(", 1)]].append(number)
+        if "#" not in value:
+            self.plain[number] = value
+        elif not quoted:
+            parts = _REFERENCE.split(value)
+            self.compound[number] = _Instance(parts[::2], list(map(int, parts[1::2])))
+        else:
+            found = [match for match in _STRING_OR_REFERENCE.finditer(value) if match[1]]
+            begins, ends = [0, *(match.end() for match in found)], [*(match.start() for match in found), len(value)]
+            texts = [value[begin:end] for begin, end in zip(begins, ends, strict=True)]
+            self.compound[number] = _Instance(texts, [int(match[1]) for match in found])
+
+    def references(self, number: int) -> list[int]:
+        """Numbers of what an instance refers to."""
+        return self.compound[number].references if number in self.compound else []
+
+
+def _unfold(match: re.Match[str]) -> str:
+    """A string, which goes on where its line is broken, or nothing for a fold."""
+    return match[0].replace("\n", "") if match[0][0] == "'" else ""
 
 
 def condense(text: str) -> str:
@@ -62,15 +120,27 @@ def condense(text: str) -> str:
     """
     head, data = text.split("DATA;\n", 1)
     data, tail = data.rsplit("ENDSEC;", 1)
-    instances = {int(number): _unfold(value) for number, value in _INSTANCE.findall(data)}
-    _on_grid(instances)
-    if _INSTANCE.sub("", data).strip():
-        return text
-    used = {number for value in instances.values() for number in _references(value)}
-    whole = [number for number in instances if number not in used]
-    _drop_curves_on_planes(instances)
-    _merge(instances)
-    return f"{head}DATA;\n{_renumber(instances, whole)}ENDSEC;{tail}"
+    collecting = gc.isenabled()
+    # none of 100,000 objects is garbage, and those of OpenCASCADE would be gone through again and again
+    gc.disable()
+    try:
+        instances, end = _Instances(), 0
+        for match in _INSTANCE.finditer(data):
+            if match.start() != end and data[end : match.start()].strip():
+                return text
+            instances.add(int(match[1]), match[2])
+            end = match.end()
+        if data[end:].strip():
+            return text
+        _put_on_grid(instances)
+        used = set(chain.from_iterable(value.references for value in instances.compound.values()))
+        whole = [number for number in (*instances.plain, *instances.compound) if number not in used]
+        _drop_curves_on_planes(instances)
+        _merge(instances)
+        return f"{head}DATA;\n{_renumber(instances, whole)}ENDSEC;{tail}"
+    finally:
+        if collecting:
+            gc.enable()
 
 
 def basic_alphabet(text: str) -> str:
@@ -84,88 +154,77 @@ def basic_alphabet(text: str) -> str:
     return _BEYOND.sub(numbers, text)
 
 
-def _unfold(value: str) -> str:
-    """A value in one line; a string goes on where its line is broken."""
-    if "\n" not in value:
-        return value
-    return _STRING_OR_FOLD.sub(lambda match: match[0].replace("\n", "") if match[0][0] == "'" else "", value)
-
-
-def _on_grid(instances: Instances) -> None:
+def _put_on_grid(instances: _Instances) -> None:
     """Put numbers on the grids of files; places of planes, cylinders and cones are known better than points on them."""
-    places = {_references(value)[0] for value in instances.values() if value.startswith(_PLACEMENT)}
-    for number, value in instances.items():
-        if value.startswith(_POINT) and number not in places:
-            in_space = value.count(",") == _COMMAS_IN_SPACE
-            instances[number] = reals_on_grid(value, POINT_STEPS_PER_MM if in_space else PARAMETER_STEPS_PER_UNIT)
-        elif value.startswith((_POINT, *_WITH_REALS)):
-            instances[number] = reals_on_grid(value, STEPS_PER_UNIT)
+    kinds, plain = instances.kinds, instances.plain
+    places = {instances.references(number)[0] for number in kinds[_PLACEMENT]}
+    points = [number for number in kinds[_POINT] if number not in places]
+    in_space = [number for number in points if plain[number].count(",") == _COMMAS_IN_SPACE]
+    on_surfaces = [number for number in points if plain[number].count(",") != _COMMAS_IN_SPACE]
+    others = [number for kind in _WITH_REALS for number in kinds[kind]]
+    beside = [number for number in others if number in plain]
+    beside += [number for number in kinds[_POINT] if number in places]
+    for numbers, per_unit in (
+        (in_space, POINT_STEPS_PER_MM),
+        (on_surfaces, PARAMETER_STEPS_PER_UNIT),
+        (beside, STEPS_PER_UNIT),
+    ):
+        joined = reals_on_grid(_APART.join(plain[number] for number in numbers), per_unit)
+        plain.update(zip(numbers, joined.split(_APART), strict=False))
+    compound = [instances.compound[number] for number in others if number in instances.compound]
+    joined = reals_on_grid(_APART.join(_BETWEEN.join(value.text) for value in compound), STEPS_PER_UNIT)
+    for value, text in zip(compound, joined.split(_APART), strict=False):
+        value.text = text.split(_BETWEEN)
 
 
-def _references(value: str) -> list[int]:
-    # most instances are points, without any
-    if "#" not in value:
-        return []
-    return [int(number) for number in _STRING_OR_REFERENCE.findall(value) if number]
-
-
-def _rename(value: str, names: dict[int, int]) -> str:
-    """A value with its references replaced where `names` has others."""
-    if "#" not in value:
-        return value
-    return _STRING_OR_REFERENCE.sub(
-        lambda match: f"#{names.get(int(match[1]), match[1])}" if match[1] else match[0], value
-    )
-
-
-def _drop_curves_on_planes(instances: Instances) -> None:
+def _drop_curves_on_planes(instances: _Instances) -> None:
     """Leave edges with their curves in the parameters of other surfaces only, and those between planes with the curve itself."""
-    planes = {number for number, value in instances.items() if value.startswith("PLANE(")}
-    pcurves = {n: int(match[1]) for n, value in instances.items() if (match := _PCURVE.match(value))}
+    kinds, compound = instances.kinds, instances.compound
+    planes = set(kinds["PLANE"])
+    on_planes = {number for number in kinds["PCURVE"] if compound[number].references[0] in planes}
     plain = {}
-    for number, value in instances.items():
-        if match := _SURFACE_CURVE.fullmatch(value):
-            on = [int(number_text) for number_text in match[2].replace("#", "").split(",")]
-            kept = [pcurve for pcurve in on if pcurves.get(pcurve) not in planes]
-            if not kept:
-                plain[number] = match[1]
-            elif len(kept) < len(on):
-                listed = ",".join(f"#{pcurve}" for pcurve in kept)
-                instances[number] = f"SURFACE_CURVE('',#{match[1]},({listed}),.CURVE_3D.)"
-    for number, value in instances.items():
-        if (match := _EDGE_CURVE.fullmatch(value)) and int(match[2]) in plain:
-            instances[number] = f"{match[1]}#{plain[int(match[2])]}{match[3]}"
+    for number in kinds["SURFACE_CURVE"]:
+        curve, *on = compound[number].references
+        kept = [pcurve for pcurve in on if pcurve not in on_planes]
+        if not kept:
+            plain[number] = curve
+        elif len(kept) < len(on):
+            text = ["SURFACE_CURVE('',", ",(", *[","] * (len(kept) - 1), "),.CURVE_3D.)"]
+            compound[number] = _Instance(text, [curve, *kept])
+    for number in kinds["EDGE_CURVE"]:
+        references = compound[number].references
+        references[2] = plain.get(references[2], references[2])
 
 
-def _merge(instances: Instances) -> None:
+def _merge(instances: _Instances) -> None:
     """Leave the first of equal `_VALUES`, and refer to it."""
-    kinds: dict[str, list[int]] = {kind: [] for kind in _VALUES}
-    for number, value in instances.items():
-        kind = value[: value.index("(", 1)]
-        if kind in kinds:
-            kinds[kind].append(number)
     first: dict[int, int] = {}
-    for numbers in kinds.values():
-        known: dict[str, int] = {}
-        for number in numbers:
-            value = instances[number] = _rename(instances[number], first)
-            if known.setdefault(value, number) != number:
-                first[number] = known[value]
-    for number, value in instances.items():
-        if number not in first:
-            instances[number] = _rename(value, first)
+    for kind in _VALUES:
+        known: dict[str | tuple[str | int, ...], int] = {}
+        for number in instances.kinds[kind]:
+            value = instances.compound.get(number)
+            if value is None:
+                kept = known.setdefault(instances.plain[number], number)
+            else:
+                value.references = [first.get(other, other) for other in value.references]
+                kept = known.setdefault((*value.text, *value.references), number)
+            if kept != number:
+                first[number] = kept
+    for value in instances.compound.values():
+        value.references = [first.get(other, other) for other in value.references]
 
 
-def _renumber(instances: Instances, whole: list[int]) -> str:
+def _renumber(instances: _Instances, whole: list[int]) -> str:
     """The text of `whole` and all that they refer to, each before what it refers to first.
 
     OpenCASCADE gathers the colours of the parts of an assembly in no fixed order; here it is that of what they colour.
     """
-    references = {number: _references(value) for number, value in instances.items()}
+    coloured = {n for kind, own in instances.kinds.items() if kind.startswith(_COLOURED) for n in own}
 
     def place(number: int) -> tuple[bool, int]:
-        coloured = instances[number].startswith("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION")
-        return coloured, min(n for item in references[number] for n in references[item]) if coloured else number
+        if number not in coloured:
+            return False, number
+        return True, min(n for item in instances.references(number) for n in instances.references(item))
 
     wanted = sorted(whole, key=place, reverse=True)
     names: dict[int, int] = {}
@@ -173,6 +232,11 @@ def _renumber(instances: Instances, whole: list[int]) -> str:
         number = wanted.pop()
         if number not in names:
             names[number] = len(names) + 1
-            wanted += reversed(references[number])
-    lines = (f"#{new}={_rename(instances[old], names)};\n" for old, new in names.items())
-    return "".join(_LINE.sub(r"\1\n", line) if len(line) > 500 else line for line in lines)
+            if number in instances.compound:
+                wanted += reversed(instances.compound[number].references)
+    lines = []
+    for old, new in names.items():
+        value = instances.compound.get(old)
+        line = f"#{new}={instances.plain[old] if value is None else value.written(names)};\n"
+        lines.append(_LINE.sub(r"\1\n", line) if len(line) > 500 else line)
+    return "".join(lines)

@@ -7,8 +7,9 @@ rounding of 1e-14 mm that is one coordinate in a million or less.
 
 from __future__ import annotations
 
-import math
 import re
+
+import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.grid import BORDER, on_grid
@@ -19,20 +20,25 @@ VERTEX_STEPS_PER_MM, POINT_STEPS_PER_MM, CURVE_STEPS_PER_MM = 1e7, 1e8, 1e9
 #: steps of the grid of angles (deg) and numbers without unit, and of parameters of surfaces: a radian at 1 m in steps of 1e-7 mm
 STEPS_PER_UNIT, PARAMETER_STEPS_PER_UNIT = 1e11, 1e10
 
-_REAL = re.compile(r"-?[0-9]+\.[0-9]*(?:E[-+]?[0-9]+)?")
+_REAL = re.compile(r"(-?[0-9]+\.[0-9]*(?:E[-+]?[0-9]+)?)")
 
 
 def reals_on_grid(text: str, per_unit: float) -> str:
-    """A text of a STEP file with its reals on a grid of so many steps per unit, as few digits as they take."""
-    return _REAL.sub(lambda match: _real(float(match[0]), per_unit), text)
+    """A text of STEP files with its reals on a grid of so many steps per unit, as few digits as they take."""
+    pieces = _REAL.split(text)
+    values = np.array(list(map(float, pieces[1::2])))
+    rounded = np.copysign(np.floor(np.abs(values) * per_unit + (1.0 - BORDER)) / per_unit, values) + 0.0
+    pieces[1::2] = map(_real, rounded.tolist())
+    return "".join(pieces)
 
 
-def _real(value: float, per_unit: float) -> str:
+def _real(value: float) -> str:
     """The text of a real by ISO 10303-21, which has a point always and a capital E."""
-    rounded = math.copysign(math.floor(abs(value) * per_unit + (1.0 - BORDER)) / per_unit, value) + 0.0
-    digits, power, exponent = repr(rounded).partition("e")
-    digits = digits.removesuffix("0") if digits.endswith(".0") else digits if "." in digits else f"{digits}."
-    return f"{digits}E{exponent}" if power else digits
+    digits = repr(value)
+    if "e" not in digits:
+        return digits.removesuffix("0") if digits.endswith(".0") else digits
+    digits, _, exponent = digits.partition("e")
+    return f"{digits if '.' in digits else f'{digits}.'}E{exponent}"
 
 
 def vertices_on_grid(points: Array) -> Array:
