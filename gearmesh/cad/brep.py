@@ -21,6 +21,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.joint import REVOLUTE
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.numeric.splines import control_net, knots_of, tensor_product
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.gear_train import Member
@@ -95,10 +96,7 @@ class Patch:
 
     def at(self, s: Array, t: Array) -> Array:
         """Points (s.size, t.size, 3) of the spline."""
-        from scipy.interpolate import BSpline
-
-        across = BSpline(self.s_knots, self.control, DEGREE, axis=0)(s)
-        return np.asarray(BSpline(self.t_knots, across, DEGREE, axis=1)(t))
+        return tensor_product((self.s_knots, self.t_knots), self.control, (s, t))
 
     def of_tooth(self, s: Array, t: Array) -> tuple[Array, Array]:
         """The link's own s and the tooth's t that belong to the spline's parameters."""
@@ -392,8 +390,5 @@ class _Run:
 
 def _patch(piece: Piece, points: Array, s: Nodes, t: Nodes, span: tuple[float, float]) -> Patch:
     """The spline through points (S, T, 3) at nodes s, t."""
-    from scipy.interpolate import make_interp_spline
-
-    across = make_interp_spline(s.y, points, k=DEGREE, axis=0)
-    along = make_interp_spline(t.y, across.c, k=DEGREE, axis=1)
-    return Patch(piece, np.moveaxis(along.c, 0, 1), s, t, across.t, along.t, span)
+    knots = knots_of(s.y, DEGREE), knots_of(t.y, DEGREE)
+    return Patch(piece, control_net((s.y, t.y), points, knots), s, t, *knots, span)

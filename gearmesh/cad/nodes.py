@@ -14,6 +14,7 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.grid import on_grid, significant
+from gearmesh.kernel.numeric.splines import SplineCurve, rising_through
 
 #: degree of every spline of a STEP file; a spline takes at least one node more than its degree
 DEGREE = 5
@@ -86,16 +87,14 @@ def plan(points: Array, excess: Callable[[Array, Array], Array], degree: int = D
 
     `excess` gives, of drawn and exact points (F, K, 3), the errors as multiples of what is allowed, (F,).
     """
-    from scipy.interpolate import make_interp_spline
-
-    curve = make_interp_spline(samples(), points, k=DEGREE, axis=0)
+    curve = SplineCurve.through(samples(), points, DEGREE)
     best: Nodes | None = None
     for bend in BENDS:
         nodes = Nodes(np.linspace(0.0, 1.0, degree + 1), bend, degree)
         for strictness in range(ROUNDS):
             fine = nodes.fine
             exact = curve(nodes.own(fine))
-            drawn = make_interp_spline(nodes.y, exact[::STEP], k=degree, axis=0)(fine)
+            drawn = SplineCurve.through(nodes.y, exact[::STEP], degree)(fine)
             errors = by_interval(excess(drawn, exact))
             if errors.max() <= 1.0 or (best is not None and nodes.y.size > 2 * best.y.size):
                 break
@@ -108,8 +107,6 @@ def plan(points: Array, excess: Callable[[Array, Array], Array], degree: int = D
 
 def _spread(nodes: Array, excess: Array, target: float, degree: int, most: int) -> Array:
     """Nodes that give every interval the error `target`: errors go with the spacing to the power of the degree and one."""
-    from scipy.interpolate import PchipInterpolator
-
     excess = significant(np.maximum(excess, LEAST_EXCESS), EXCESS_BITS, 0.0)
     # one interval's error is also its neighbours' doing
     around = np.pad(np.log(excess), 1, mode="edge")
@@ -117,8 +114,6 @@ def _spread(nodes: Array, excess: Array, target: float, degree: int, most: int) 
     wanted = np.maximum((error / target) ** (1.0 / (degree + 1)), 1.0 / WIDEST)
     place = np.concatenate(([0.0], np.cumsum(wanted)))
     count = min(max(int(np.ceil(place[-1])), degree), most + 1)
-    spread = on_grid(
-        np.asarray(PchipInterpolator(place, nodes)(np.linspace(0.0, place[-1], count + 1))), STEPS_PER_CURVE
-    )
+    spread = on_grid(rising_through(place, nodes)(np.linspace(0.0, place[-1], count + 1)), STEPS_PER_CURVE)
     spread[0], spread[-1] = nodes[0], nodes[-1]
     return spread

@@ -70,7 +70,7 @@ class _Instance:
     text: list[str]
     references: list[int]
 
-    def written(self, names: Mapping[int, int]) -> str:
+    def text_with(self, names: Mapping[int, int]) -> str:
         """The value with other numbers."""
         pieces = [self.text[0]]
         for number, text in zip(self.references, self.text[1:], strict=True):
@@ -98,10 +98,10 @@ class _Instances:
             parts = _REFERENCE.split(value)
             self.compound[number] = _Instance(parts[::2], list(map(int, parts[1::2])))
         else:
-            found = [match for match in _STRING_OR_REFERENCE.finditer(value) if match[1]]
-            begins, ends = [0, *(match.end() for match in found)], [*(match.start() for match in found), len(value)]
+            matches = [match for match in _STRING_OR_REFERENCE.finditer(value) if match[1]]
+            begins, ends = [0, *(match.end() for match in matches)], [*(match.start() for match in matches), len(value)]
             texts = [value[begin:end] for begin, end in zip(begins, ends, strict=True)]
-            self.compound[number] = _Instance(texts, [int(match[1]) for match in found])
+            self.compound[number] = _Instance(texts, [int(match[1]) for match in matches])
 
     def references(self, number: int) -> list[int]:
         """Numbers of what an instance refers to."""
@@ -237,6 +237,6 @@ def _renumber(instances: _Instances, whole: list[int]) -> str:
     lines = []
     for old, new in names.items():
         value = instances.compound.get(old)
-        line = f"#{new}={instances.plain[old] if value is None else value.written(names)};\n"
+        line = f"#{new}={instances.plain[old] if value is None else value.text_with(names)};\n"
         lines.append(_LINE.sub(r"\1\n", line) if len(line) > 500 else line)
     return "".join(lines)

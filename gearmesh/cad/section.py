@@ -20,6 +20,7 @@ from gearmesh.cad.contours.curves import DEGREE, Contour, PlaneSpline
 from gearmesh.cad.nodes import MOST, STEP, by_interval, plan, samples
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, unit
+from gearmesh.kernel.numeric.splines import SplineCurve
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.progress import tell
@@ -263,8 +264,6 @@ def _fit(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tu
 def section_spline(exact: Callable[[Array], Array], what: str, tolerance: float) -> tuple[PlaneSpline, float]:
     """A cubic spline through points (K, 2), mm, of an `exact` curve at s (K,) from 0 to 1, within a tolerance (mm), and its
     deviation (mm). Raises NoSolutionError where that is not met, saying of what section."""
-    from scipy.interpolate import make_interp_spline
-
     allowed = SHARE * tolerance
 
     def excess(drawn: Array, wanted: Array) -> Array:
@@ -273,10 +272,10 @@ def section_spline(exact: Callable[[Array], Array], what: str, tolerance: float)
     nodes = plan(exact(samples())[:, None], excess, DEGREE)
     for turn in range(ROUNDS):
         wanted = exact(nodes.own(nodes.fine))
-        spline = make_interp_spline(nodes.y, wanted[::STEP], k=DEGREE)
+        spline = SplineCurve.through(nodes.y, wanted[::STEP], DEGREE)
         miss = np.linalg.norm(spline(nodes.fine) - wanted, axis=-1)
         if miss.max() <= allowed:
-            return PlaneSpline(spline.c, spline.t), float(miss.max())
+            return PlaneSpline(spline.control, spline.knots), float(miss.max())
         if nodes.y.size > MOST:
             break
         nodes = nodes.spread(by_interval(miss) / allowed, turn)

@@ -28,6 +28,7 @@ from gearmesh.cad.occ import (
 )
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.splines import SplineCurve
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 from gearmesh.teeth.blank.features import ClosedLine
 
@@ -61,9 +62,7 @@ class Trace:
 
         Its spans are cut into more and more until it is `TRACED`.
         """
-        from scipy.interpolate import BSpline, make_interp_spline
-
-        curve = BSpline(knots, control, DEGREE)
+        curve = SplineCurve(knots, control, DEGREE)
         spans = np.unique(knots)
         places = np.unique(spans[:-1, None] + np.diff(spans)[:, None] * np.linspace(0.0, 1.0, PLACES + 1))
         wanted = curve(places)
@@ -74,12 +73,12 @@ class Trace:
             # the spline's own centres of gravity: collocation there is stable for any knots
             at = np.array([refined[k + 1 : k + DEGREE + 1].mean() for k in range(len(refined) - DEGREE - 1)])
             at[0], at[-1] = spans[0], spans[-1]
-            drawn = make_interp_spline(at, _cylindrical(curve(at), angle), k=DEGREE, t=refined)
+            drawn = SplineCurve.through(at, _cylindrical(curve(at), angle), DEGREE, refined)
             polar, rho, z = np.moveaxis(drawn(places), -1, 0)
             there = np.stack((rho * np.cos(angle + polar), rho * np.sin(angle + polar), z), axis=-1)
             was, miss = miss, MARGIN * float(np.linalg.norm(there - wanted, axis=-1).max())
             if trace is None or miss < was:
-                trace = Trace(refined, drawn.c, miss)
+                trace = Trace(refined, drawn.control, miss)
             if miss <= TRACED:
                 break
         assert trace is not None

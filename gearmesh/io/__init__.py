@@ -2,7 +2,7 @@
 
 `write_scene` and `read_scene` take several named meshes, `formats` lists what there is, `mesh_in_file` is what a file would
 hold of a mesh, and `whole_file`, `whole_text` are for everything else that writes a file. Importing this loads no mesh
-or graphics library, and the formats once one of these is asked for: who writes a text needs none.
+or graphics library, and a format once a file of it is written or read: who writes a text needs none.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from gearmesh.io.atomic import whole_file, whole_folder, whole_text
 
 if TYPE_CHECKING:
-    from gearmesh.io.registry import Scene, formats, mesh_in_file, most_rounding, read, read_scene, write, write_scene
+    from gearmesh.io.known import formats
+    from gearmesh.io.registry import Scene, mesh_in_file, most_rounding, read, read_scene, write, write_scene
     from gearmesh.io.single import rounding
 
 __all__ = [
@@ -31,15 +32,12 @@ __all__ = [
     "write_scene",
 ]
 
-#: modules of the formats, each of which registers its own
-FORMATS = ("glb", "obj", "ply", "stl", "threemf", "vtk", "vtm")
+#: modules of the names that are not in the registry
+HOMES = {"formats": "known", "rounding": "single"}
 
 
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'gearmesh.io' has no attribute {name!r}")
-    for module in FORMATS:
-        import_module(f"gearmesh.io.meshes.{module}")
-    home = import_module(f"gearmesh.io.{'single' if name == 'rounding' else 'registry'}")
-    value = globals()[name] = getattr(home, name)
+    value = globals()[name] = getattr(import_module(f"gearmesh.io.{HOMES.get(name, 'registry')}"), name)
     return value

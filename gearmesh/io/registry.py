@@ -1,7 +1,6 @@
-"""Which file formats there are: each format module registers itself once, and a suffix finds it.
+"""Writers and readers of file formats: a suffix finds the module of a format, which registers them when it is loaded.
 
-To add a format, write a module with a writer and a reader, `register` them there, and name the module in
-`gearmesh/io/__init__.py`.
+To add a format, write a module with a writer and a reader, `register` them there, and name the module in `known`.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ import struct
 import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from xml.etree.ElementTree import ParseError
 
@@ -19,6 +19,7 @@ import numpy as np
 from gearmesh.errors import OutputError
 from gearmesh.files.reading import is_file
 from gearmesh.io.atomic import PathLike
+from gearmesh.io.known import KNOWN, formats
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import Facets, TriangleMesh
 
@@ -33,16 +34,14 @@ class MeshFormat:
 
     `write` takes meshes as the file holds them, piece by piece where the format lets it.
 
-    `several`: whether one file can hold more than one mesh; without it the scene given to `write` has one.
+    Of formats that hold one mesh the scene given to `write` has one.
     `mesh_in_file(mesh)` is the mesh at the precision of the format, what a reader finds of it; `steps(points)` are the steps
     between its numbers at coordinates (N, 3), mm.
     `read` raises ValueError, KeyError or the like for a file that it does not understand.
     """
 
-    description: str
     write: Writer
     read: Reader
-    several: bool
     mesh_in_file: Callable[[Facets], Facets]
     steps: Callable[[Array], Array]
 
@@ -59,20 +58,13 @@ _UNREADABLE = (ValueError, KeyError, IndexError, TypeError, struct.error, zipfil
 
 def register(
     suffix: str,
-    description: str,
     write: Writer,
     read: Reader,
-    several: bool = False,
     mesh_in_file: Callable[[Facets], Facets] = _exactly,
     steps: Callable[[Array], Array] = np.zeros_like,
 ) -> None:
-    """Make a format known under `suffix` (with its dot, lower case); `mesh_in_file` and `steps` where it is less than exact."""
-    _FORMATS[suffix] = MeshFormat(description, write, read, several, mesh_in_file, steps)
-
-
-def formats(*, several: bool = False) -> dict[str, str]:
-    """Suffix (".stl", ...) -> one line about the format, for every format that can be written, or that holds `several` meshes."""
-    return {suffix: entry.description for suffix, entry in _FORMATS.items() if entry.several or not several}
+    """Make the functions of a known format known; `mesh_in_file` and `steps` where it is less than exact."""
+    _FORMATS[suffix] = MeshFormat(write, read, mesh_in_file, steps)
 
 
 def write(mesh: Facets, path: PathLike, *, as_in_file: bool = False) -> None:
@@ -94,8 +86,8 @@ def write_scene(scene: Scene, path: PathLike, *, as_in_file: bool = False) -> No
     for name, mesh in scene.items():
         if not mesh.triangle_count:
             raise OutputError("cannot write", path, reason=f"the mesh {name} has no triangles")
-    if len(scene) > 1 and not entry.several:
-        able = ", ".join(suffix for suffix, other in _FORMATS.items() if other.several)
+    if len(scene) > 1 and not KNOWN[_suffix(path)].several:
+        able = ", ".join(formats(several=True))
         raise OutputError(
             "cannot write", path, reason=f"{_suffix(path)} holds one mesh, not {len(scene)}; several go into {able}"
         )
@@ -149,7 +141,8 @@ def _suffix(path: PathLike) -> str:
 
 def _format_of(path: PathLike, doing: str) -> MeshFormat:
     suffix = _suffix(path)
-    if suffix not in _FORMATS:
+    if suffix not in KNOWN:
         fault = f"unknown suffix {suffix}" if suffix else "no suffix"
-        raise OutputError(f"cannot {doing}", path, reason=fault, allowed=f"one of {', '.join(_FORMATS)}")
+        raise OutputError(f"cannot {doing}", path, reason=fault, allowed=f"one of {', '.join(KNOWN)}")
+    import_module(f"gearmesh.io.meshes.{KNOWN[suffix].module}")
     return _FORMATS[suffix]

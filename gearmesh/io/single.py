@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 from gearmesh.io.digits import VERTEX_STEPS_PER_MM, vertices_on_grid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.gear_mesh import GearMesh
 from gearmesh.mesh.triangles import Facets, TriangleMesh
 
 Indices = NDArray[np.int64]
@@ -90,14 +89,13 @@ def in_single(mesh: Facets, unit: float = 1.0, finest: float = 0.0) -> Facets:
 
 
 def _in_numbers(mesh: Facets, numbers: _Numbers) -> Facets:
-    if isinstance(mesh, GearMesh):
-        written = replace(mesh, rounding=numbers.nearest_mm)
-        if _is_right(mesh, written, numbers):
-            return written
+    written = mesh.round(numbers.nearest_mm)
+    if _is_right(mesh, written, numbers):
+        return written
     return _repair_mesh(mesh.whole(), numbers)
 
 
-def _is_right(mesh: GearMesh, written: GearMesh, numbers: _Numbers) -> bool:
+def _is_right(mesh: Facets, written: Facets, numbers: _Numbers) -> bool:
     """True where rounding leaves every vertex a point of its own, and no facet without area or turned over."""
     keys = np.concatenate([_keys(piece / numbers.unit) for piece in written.vertex_pieces()])
     keys.sort()
@@ -147,7 +145,7 @@ def rounding(mesh: Facets, written: Facets) -> float:
 
 def _same_triangles(mesh: Facets, written: Facets) -> bool:
     """True where a file has all vertices of a mesh, and its triangles."""
-    if isinstance(written, GearMesh):
+    if not isinstance(written, TriangleMesh):
         # the same teeth, whose vertices are rounded
         return True
     if (written.vertex_count, written.triangle_count) != (mesh.vertex_count, mesh.triangle_count):

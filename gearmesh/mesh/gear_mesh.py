@@ -75,6 +75,10 @@ class GearMesh:
         """The same in another frame, which is called common."""
         return replace(self, moves=(*self.moves, transform))
 
+    def round(self, rounding: Callable[[Array], Array]) -> GearMesh:
+        """The same with rounded coordinates."""
+        return replace(self, rounding=rounding)
+
     def vertex_pieces(self) -> Iterator[Array]:
         """All vertices in order, in pieces (K, 3), mm."""
         for kind, own in enumerate(self.ring.kinds):

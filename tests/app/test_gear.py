@@ -87,11 +87,15 @@ def test_refuses_in_one_line(options: list[str], line: str, capsys: pytest.Captu
     assert said.count("\n") == 1
 
 
-def test_loads_no_more_than_a_solid_needs(tmp_path: Path) -> None:
+@pytest.mark.parametrize("suffix", [".stl", ".step"])
+def test_loads_no_more_than_a_solid_needs(suffix: str, tmp_path: Path) -> None:
+    """One format, and of a CAD solid neither scipy, whose splines it could take, nor any."""
+    others = ["glb", "threemf", "vtk", *(["stl"] if suffix == ".step" else [])]
     program = (
         "import sys; from gearmesh.app.cli import main\n"
-        f"main({[*SPUR, '-o', str(tmp_path / 'g.stl')]!r})\n"
-        "heavy = ('scipy', 'matplotlib', 'pyvista', 'rich', 'trimesh', 'gearmesh.contact', 'gearmesh.loaded', 'gearmesh.view')\n"
+        f"main({[*SPUR, '-o', str(tmp_path / f'g{suffix}')]!r})\n"
+        "heavy = ['scipy', 'matplotlib', 'pyvista', 'rich', 'trimesh', 'gearmesh.contact', 'gearmesh.loaded', 'gearmesh.view']\n"
+        f"heavy += [f'gearmesh.io.meshes.{{name}}' for name in {others!r}]\n"
         "print([name for name in heavy if name in sys.modules], file=sys.stderr)"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.interpolate import make_interp_spline
+from scipy.interpolate import BSpline, PchipInterpolator, make_interp_spline
 from scipy.ndimage import map_coordinates, spline_filter
 
 from gearmesh.contact.first_touch.spline_table import BEYOND, SplineTable
-from gearmesh.kernel.numeric.splines import interpolate, knots_of, spline_through, table_filter
+from gearmesh.kernel.numeric.splines import (
+    SplineCurve,
+    control_net,
+    interpolate,
+    knots_of,
+    rising_through,
+    spline_through,
+    table_filter,
+    tensor_product,
+)
 
 #: places and degree: many, few, and one more than the degree
 CASES = [(25, 5), (60, 5), (9, 3), (4, 3), (12, 1), (3, 2), (2, 1)]
@@ -30,6 +39,36 @@ def test_splines_are_scipys(count: int, degree: int) -> None:
         expected = theirs(places, nu=order)
         assert own(places, order) == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
     assert not own(places, degree + 1).any()
+
+
+@pytest.mark.quick
+def test_surfaces_and_curves_on_given_knots_are_scipys() -> None:
+    random = np.random.default_rng(11)
+    x, y = np.cumsum(random.uniform(0.2, 1.0, 30)), np.cumsum(random.uniform(0.2, 1.0, 9))
+    points, knots = random.normal(size=(30, 9, 3)), (knots_of(x, 5), knots_of(y, 3))
+    net = control_net((x, y), points, knots)
+    across = make_interp_spline(x, points, k=5).c
+    theirs = make_interp_spline(y, across, k=3, axis=1).c.swapaxes(0, 1)
+    assert net == pytest.approx(theirs, abs=1e-11 * np.abs(theirs).max())
+    places = np.linspace(x[0], x[-1], 41), np.linspace(y[0], y[-1], 17)
+    expected = BSpline(knots[1], BSpline(knots[0], theirs, 5)(places[0]), 3, axis=1)(places[1])
+    assert tensor_product(knots, net, places) == pytest.approx(expected, abs=1e-11 * np.abs(theirs).max())
+    # knots that are not those of the places
+    other = np.concatenate((np.repeat(x[0], 6), np.linspace(x[0], x[-1], 26)[1:-1], np.repeat(x[-1], 6)))
+    at = np.array([other[k + 1 : k + 6].mean() for k in range(30)])
+    curve, same = SplineCurve.through(at, points, 5, other), make_interp_spline(at, points, k=5, t=other)
+    assert curve(places[0]) == pytest.approx(same(places[0]), abs=1e-11 * np.abs(same.c).max())
+
+
+@pytest.mark.quick
+def test_rising_splines_are_scipys() -> None:
+    random = np.random.default_rng(5)
+    for count in (3, 4, 40):
+        x, values = (np.cumsum(random.exponential(size=count)) for _ in range(2))
+        places = np.linspace(x[0], x[-1], 401)
+        found = rising_through(x, values)(places)
+        assert found == pytest.approx(PchipInterpolator(x, values)(places), abs=1e-12 * values[-1])
+        assert (np.diff(found) >= 0.0).all()
 
 
 @pytest.mark.quick

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,11 +21,9 @@ from gearmesh.cad.brep import NARROWEST, ON_LEVEL, SHARE, Piece, SplineTooth, St
 from gearmesh.cad.nodes import DEGREE, MOST, warp
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.splines import SplineCurve, control_net, tensor_product
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.end_strip import EndStrip, StripPiece
-
-if TYPE_CHECKING:
-    from scipy.interpolate import BSpline
 
 #: places in every span of a patch where it is measured, and in every second of which it is drawn first
 PLACES = 6
@@ -76,14 +73,12 @@ class _PieceFit:
     end: int
     tolerance: float
     link: Piece | None
-    curve: BSpline | None
+    curve: SplineCurve | None
     own: Callable[[Array], Array]
     last: float
 
     @staticmethod
     def of(teeth: SplineTooth, strip: EndStrip, piece: StripPiece, end: int, tolerance: float) -> _PieceFit:
-        from scipy.interpolate import BSpline
-
         low, high = piece.inner
         link = None if low == high else Piece(piece.region, low, high)
         made = _PieceFit(teeth, strip, piece, end, tolerance, link, None, lambda y: y, 1.0)
@@ -95,7 +90,7 @@ class _PieceFit:
             width = abs(teeth.arc_width(teeth.links.index(link), -end))
             return replace(made, own=lambda y: y / width, last=width)
         patch, bend = patches[-end], patches[-end].s.bend
-        curve = BSpline(patch.s_knots, patch.control[:, -end], DEGREE)
+        curve = SplineCurve(patch.s_knots, patch.control[:, -end], DEGREE)
         return replace(made, curve=curve, own=lambda y: warp(y, bend))
 
     @property
@@ -111,25 +106,20 @@ class _PieceFit:
 
     def _control_net(self, knots: Array, lines: Array) -> Array:
         """Control net (S, T, 3) of the spline through exact points, on the section through those of the tooth's patch."""
-        from scipy.interpolate import make_interp_spline
-
         s, t = _nodes(knots), _nodes(lines)
         exact = self._at(s, t)
         if self.curve is not None:
             exact[:, -1] = self.curve(s)
-        across = make_interp_spline(s, exact, k=DEGREE, t=knots, axis=0).c
-        return np.moveaxis(make_interp_spline(t, across, k=_degree(lines), t=lines, axis=1).c, 0, 1)
+        return control_net((s, t), exact, (knots, lines))
 
     def fit(self, lines: Array) -> tuple[Array, Array, float]:
         """Control net (S, T, 3) from the outline to the section, knots along the chain, and the deviation (mm)."""
-        from scipy.interpolate import BSpline
-
-        knots = self._clamped_knots(np.array([0.0, self.last])) if self.curve is None else self.curve.t
+        knots = self._clamped_knots(np.array([0.0, self.last])) if self.curve is None else self.curve.knots
         tau = _places(lines)
         for _ in range(ROUNDS):
             net = self._control_net(knots, lines)
             y = _places(knots)
-            drawn = BSpline(lines, BSpline(knots, net, DEGREE)(y), _degree(lines), axis=1)(tau)
+            drawn = tensor_product((knots, lines), net, (y, tau))
             miss = np.linalg.norm(drawn - self._at(y, tau), axis=-1)
             excess = np.maximum(miss.max(axis=1) / (SHARE * self.tolerance), self._off(drawn, miss))
             worst = np.maximum.reduceat(excess[:-1], np.arange(0, y.size - 1, PLACES))
@@ -155,11 +145,10 @@ class _PieceFit:
 
     def across(self, lines: Array) -> float:
         """How far (mm) curves from outline to section are from exact ones."""
-        from scipy.interpolate import make_interp_spline
-
         y, tau = np.linspace(0.0, self.last, 2 * PLACES), _places(lines)
         nodes = _nodes(lines)
-        drawn = make_interp_spline(nodes, self._at(y, nodes), k=_degree(lines), t=lines, axis=1)(tau)
+        exact = self._at(y, nodes).swapaxes(0, 1)
+        drawn = SplineCurve.through(nodes, exact, _degree(lines), lines)(tau).swapaxes(0, 1)
         return float(np.linalg.norm(drawn - self._at(y, tau), axis=-1).max())
 
     @staticmethod

@@ -143,5 +143,4 @@ def _mesh(entry: dict[str, Any], document: dict[str, Any], binary: memoryview) -
     return built_mesh(entry["name"], points, np.concatenate(parts), regions, names)
 
 
-_DESCRIPTION = "binary glTF, metres, float32, a coloured primitive for each region"
-register(".glb", _DESCRIPTION, write, read, True, mesh_in_file, _steps)
+register(".glb", write, read, mesh_in_file, _steps)

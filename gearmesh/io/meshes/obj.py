@@ -74,5 +74,4 @@ def _word(name: str) -> str:
     return "_".join(name.split()) or "unnamed"
 
 
-_DESCRIPTION = "Wavefront OBJ, mm, text with seven decimals, a group for each region"
-register(".obj", _DESCRIPTION, write, read, True, in_decimals, decimal_steps)
+register(".obj", write, read, in_decimals, decimal_steps)

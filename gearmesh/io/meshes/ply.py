@@ -126,4 +126,4 @@ def _elements(header: list[list[str]]) -> dict[str, tuple[int, np.dtype]]:
     return {name: (count, np.dtype(fields)) for name, (count, fields) in elements.items()}
 
 
-register(".ply", "binary PLY, mm, float64, faces by region", write, read)
+register(".ply", write, read)

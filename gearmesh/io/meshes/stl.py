@@ -62,4 +62,4 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     return {path.stem: built_mesh(path.stem, vertices, corner)}
 
 
-register(".stl", "binary STL, mm, float32, no regions", write, read, mesh_in_file=mesh_in_file, steps=_steps)
+register(".stl", write, read, mesh_in_file, _steps)

@@ -102,5 +102,4 @@ def _mesh(element: Element, materials: dict[str, tuple[str, ...]]) -> TriangleMe
     return built_mesh(name, points, cells, regions, names or ("surface",))
 
 
-_DESCRIPTION = "3MF, millimetre, seven decimals, a base material for each region"
-register(".3mf", _DESCRIPTION, write, read, True, in_decimals, decimal_steps)
+register(".3mf", write, read, in_decimals, decimal_steps)

@@ -168,5 +168,5 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     return {path.stem: read_piece(path)}
 
 
-register(".vtp", "VTK surface, mm, float64, regions and exact normals of the cells", write_vtp, read)
-register(".vtu", "VTK unstructured grid, mm, float64, regions and exact normals of the cells", write_vtu, read)
+register(".vtp", write_vtp, read)
+register(".vtu", write_vtu, read)

@@ -65,4 +65,4 @@ def _join(name: str, files: list[Path]) -> TriangleMesh:
     return built_mesh(name, vertices, place[corners], regions, names, normals)
 
 
-register(".vtm", "VTK multi-block, mm, float64, a block for each region (pieces in a folder beside)", write, read, True)
+register(".vtm", write, read)

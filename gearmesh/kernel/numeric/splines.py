@@ -83,10 +83,62 @@ def knots_of(x: Array, degree: int) -> Array:
     return np.concatenate((np.full(degree + 1, x[0]), inner, np.full(degree + 1, x[-1])))
 
 
-def interpolate(x: Array, values: Array, degree: int) -> Array:
-    """Coefficients (N, ...) of the B-splines of `knots_of` whose sum has values (N, ...) at x (N,)."""
-    sums = basis(knots_of(x, degree), degree, x)
+def interpolate(x: Array, values: Array, degree: int, knots: Array | None = None) -> Array:
+    """Coefficients (N, ...) of the B-splines of `knots_of`, or of other `knots`, whose sum has values (N, ...) at x (N,)."""
+    sums = basis(knots_of(x, degree) if knots is None else knots, degree, x)
     return np.asarray(np.linalg.solve(sums, values.reshape(len(x), -1))).reshape(values.shape)
+
+
+@dataclass(frozen=True)
+class SplineCurve:
+    """The sum of B-splines of some knots with coefficients `control` (N, ...)."""
+
+    knots: Array
+    control: Array
+    degree: int
+
+    @staticmethod
+    def through(x: Array, values: Array, degree: int, knots: Array | None = None) -> SplineCurve:
+        """The one with values (N, ...) at x (N,)."""
+        knots = knots_of(x, degree) if knots is None else knots
+        return SplineCurve(knots, interpolate(x, values, degree, knots), degree)
+
+    def __call__(self, x: Array) -> Array:
+        """Values (X, ...) at x (X,)."""
+        return np.tensordot(basis(self.knots, self.degree, x), self.control, axes=1)
+
+
+def control_net(places: tuple[Array, Array], points: Array, knots: tuple[Array, Array]) -> Array:
+    """Control net (S, T, K) of the tensor-product spline through points (S, T, K) at places s (S,) and t (T,)."""
+    s_degree, t_degree = (len(own) - len(at) - 1 for own, at in zip(knots, places, strict=True))
+    across = interpolate(places[0], points, s_degree, knots[0])
+    return interpolate(places[1], across.swapaxes(0, 1), t_degree, knots[1]).swapaxes(0, 1)
+
+
+def tensor_product(knots: tuple[Array, Array], control: Array, places: tuple[Array, Array]) -> Array:
+    """Points (X, Y, K) of a tensor-product spline by its control net (S, T, K), at places in both directions (X,), (Y,)."""
+    across, along = (
+        basis(own, len(own) - count - 1, at) for own, count, at in zip(knots, control.shape, places, strict=False)
+    )
+    rows = np.tensordot(across, control, axes=1)
+    return np.moveaxis(np.tensordot(along, rows, axes=(1, 1)), 0, 1)
+
+
+def rising_through(x: Array, values: Array) -> Polynomials:
+    """Cubics through rising values (N,) at x (N,), that rise everywhere: slopes are harmonic means, at the ends of three values.
+
+    [F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300]
+    """
+    step, rise = np.diff(x), np.diff(values) / np.diff(x)
+    slope = np.empty_like(values)
+    before, after = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
+    slope[1:-1] = (before + after) / (before / rise[:-1] + after / rise[1:])
+    for end, other in ((0, 1), (-1, -2)):
+        outward = ((2.0 * step[end] + step[other]) * rise[end] - step[end] * rise[other]) / (step[end] + step[other])
+        slope[end] = max(outward, 0.0)
+    first, last = slope[:-1], slope[1:]
+    cubic, square = (first + last - 2.0 * rise) / step**2, (3.0 * rise - 2.0 * first - last) / step
+    return Polynomials(x, np.stack((cubic, square, first, values[:-1])))
 
 
 def basis(knots: Array, degree: int, x: Array, order: int = 0) -> Array:
