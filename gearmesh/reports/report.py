@@ -18,7 +18,7 @@ from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.staging import staged_contact
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.limits import limits_of
-from gearmesh.answers.sheet import sheet_of
+from gearmesh.answers.sheet import DesignSheet, sheet_of
 from gearmesh.answers.tables import Listing, as_html, figures
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
@@ -124,15 +124,16 @@ def report_page(
     studies: Sequence[Path] = (),
     loaded: Mapping[int, LoadedPictures] | None = None,
     plots: PagePlots | None = None,
+    sheet: DesignSheet | None = None,
 ) -> ReportPage:
     """The page of gears with solved contacts, by the numbers of their pairs.
 
     Of gears that do not mesh there are no contacts, but a workshop drawing and limits. `tolerance` (mm) is that of the meshes
     shown; with a `check` its verdicts are in it; `images` (captions and RGB pixels, all gears first) are drawn where they are not
     given; `source` is the design's file, by default the keys that the design sets; `studies` are the folders of finished ones;
-    `loaded` is the contact under torque of pairs, by their numbers; `plots`, like `images`, are drawn where they are not given. The
-    solids of the check are shown where they are meshed about as finely as asked for. Raises OutputError for a folder without a
-    study, NoSolutionError where a pair that is not jammed has no contact at any position.
+    `loaded` is the contact under torque of pairs, by their numbers; `plots`, like `images`, are drawn where they are not given, and
+    so is the `sheet` made. The solids of the check are shown where they are meshed about as finely as asked for. Raises
+    OutputError for a folder without a study, NoSolutionError where a pair that is not jammed has no contact at any position.
     """
     for contact in contacts.values():
         if not contact.path.touching.any() and not contact.stuck:
@@ -155,7 +156,15 @@ def report_page(
     data = stage(gears.train, members, staged, overview.camera)
     shots = [(caption, _jpeg(image)) for caption, image in images]
     sections = _sections(
-        gears, contacts, check, shots, source, studies, loads, plots or draw_plots(gears, moving, loads)
+        gears,
+        contacts,
+        check,
+        shots,
+        source,
+        studies,
+        loads,
+        plots or draw_plots(gears, moving, loads),
+        sheet or sheet_of(gears),
     )
     lines = (*gears.warnings, *(line for contact in contacts.values() for line in contact.warnings))
     complaints = list[str]()
@@ -265,6 +274,7 @@ def _sections(
     studies: Sequence[Path],
     loaded: Mapping[int, LoadedPictures],
     plots: PagePlots,
+    sheet: DesignSheet,
 ) -> list[PageSection]:
     sections = []
     if contacts:
@@ -288,7 +298,7 @@ def _sections(
     if body := "".join(drawing(*plot) for plot in plots.contact):
         sections.append(PageSection("Plots", body))
     sections += [study_section(folder) for folder in studies]
-    sections.append(PageSection("Data sheet", _tables(sheet_of(gears).listings)))
+    sections.append(PageSection("Data sheet", _tables(sheet.listings)))
     text = given_keys(gears.design) if source is None else source
     sections.append(PageSection("Design file", listing(text, "Copy the design file")))
     sections.append(PageSection("Versions", _tables([_versions()])))

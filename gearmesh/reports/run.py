@@ -347,6 +347,7 @@ def _run_meshes(
             source=source,
             loaded=drawn,
             plots=written.page_plots(moving, drawn),
+            sheet=sheet,
         )
         html.save(written.file(PAGE))
     several = tuple(contacts.values()) if written.several else ()
@@ -375,7 +376,8 @@ def _run_alone(written: RunFolder, tolerance: float, progress: Progress, page: b
             images.append((scene.title, render(scene, written.file(f"{name}.png"))))
     if page:
         progress(0.9, "report page")
-        report_page(gears, {}, check=check, images=images, source=source, plots=written.page_plots({}, {})).save(
+        plots = written.page_plots({}, {})
+        report_page(gears, {}, check=check, images=images, source=source, plots=plots, sheet=sheet).save(
             written.file(PAGE)
         )
     return written.finish(lambda files: Report(check, None, written.target, files, skipped, sheet))

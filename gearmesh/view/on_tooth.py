@@ -27,9 +27,9 @@ SHORTEST = 10.0
 CORNER = 0.7
 #: what a way along the normal counts for in an ellipse, as a part of one along the major axis
 OUT_OF_PLANE = 0.25
-#: rounds in which the end of a ray on the flank is found, to a millionth of it, and the parts into which each one divides what is
-#: left: quarters, for a projection costs much and a point of it little
-ROUNDS, PARTS = 10, 4
+#: rounds in which the end of a ray on the flank is found, to less than a ten-thousandth of it, and the parts into which
+#: each one divides what is left: quarters, for a projection costs much and a point of it little
+ROUNDS, PARTS = 7, 4
 
 
 def ellipses_on_surface(

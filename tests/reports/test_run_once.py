@@ -11,6 +11,8 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.check import RollTest
+from gearmesh.answers.contact.sides import whole_path
+from gearmesh.answers.sheet import sheet_of
 from gearmesh.mesh import tessellate
 from gearmesh.view.diagrams import plots
 from gearmesh.view.pictures import ToothViews
@@ -52,11 +54,23 @@ def test_a_run_meshes_its_members_once_and_draws_its_plots_once(
 
     for module in ("plots", "flank_diagrams"):
         monkeypatch.setattr(f"gearmesh.view.diagrams.{module}.save_figure", save)
+    sheets: list[object] = []
+    for module in ("run", "report"):
+        monkeypatch.setattr(
+            f"gearmesh.reports.{module}.sheet_of", lambda gears: sheets.append(gears) or sheet_of(gears)
+        )
+    wholes: list[object] = []
+    for module in ("contact", "sides"):
+        monkeypatch.setattr(
+            f"gearmesh.answers.contact.{module}.whole_path",
+            lambda pair, engagement: wholes.append(pair) or whole_path(pair, engagement),
+        )
     gears = gm.build(gm.load(SAMPLE, ["contact.phi1.count=3"]))
     gears.run(tmp_path, "5um")
     assert sorted(meshed) == sorted((member.tooth.teeth, True) for member in gears.members.values())
     assert sorted(drawn) == ["flank.png", "path_of_contact.png", "transmission_error.png"]
     assert plots.save_figure is save
+    assert (len(sheets), len(wholes)) == (1, 2)
 
 
 def test_teeth_of_pictures_are_not_thinned_and_solids_too_coarse_are_not_shown(

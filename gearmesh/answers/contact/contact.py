@@ -187,7 +187,8 @@ class Contact(Result):
         """The contact on both sides of the teeth; a side without contact is left out."""
         # the fit of eccentric members is of others, that stand
         known = self.fit is not None and not self.pair.eccentric
-        return side_contacts(self.pair, self.path, self.engagement, self.fit.coast if self.fit and known else None)
+        coast = self.fit.coast if self.fit and known else None
+        return side_contacts(self.pair, self.path, self.engagement, coast, self.whole)
 
     def positions(self) -> list[PositionFigures]:
         """The figures of `tca --json` at every position.

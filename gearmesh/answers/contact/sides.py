@@ -55,17 +55,21 @@ def whole_path(pair: GearPair, engagement: Engagement) -> ContactPath:
 
 
 def side_contacts(
-    pair: GearPair, path: ContactPath, engagement: Engagement | None = None, coast: Engagement | None = None
+    pair: GearPair,
+    path: ContactPath,
+    engagement: Engagement | None = None,
+    coast: Engagement | None = None,
+    driving_whole: ContactPath | None = None,
 ) -> tuple[SideContact, ...]:
     """Both sides of a pair, the driving one with its `path`, both with their engagements, if known: `engagement` and that of the
-    `coast` flanks; a side without contact is left out."""
+    `coast` flanks; `driving_whole`: the whole path of the driving side, if known. A side without contact is left out."""
     contacts = []
     for own_pair, driving, known in ((pair, True, engagement), (reversed_pair(pair), False, coast)):
         flanks = solver_pair(own_pair)
         followed = whole_engagement(flanks, own_pair.pitch) if known is None else known
         if followed is None or not followed.contacts.touching.any():
             continue
-        whole = whole_path(own_pair, followed)
+        whole = driving_whole if driving and driving_whole is not None else whole_path(own_pair, followed)
         own = path
         if not driving:
             phi1 = np.linspace(whole.rotation[0], whole.rotation[-1], len(path.phi1))
