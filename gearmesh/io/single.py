@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from gearmesh.io.digits import VERTEX_STEPS_PER_MM, vertices_on_grid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.grid import BORDER
 from gearmesh.mesh.triangles import Facets, TriangleMesh
 
 Indices = NDArray[np.int64]
@@ -74,8 +75,8 @@ def in_decimals(mesh: Facets) -> Facets:
 
 
 def decimal_steps(points: Array) -> Array:
-    """Distances (N, 3), mm, between the numbers that `in_decimals` may put in the place of coordinates (N, 3), mm."""
-    return _Numbers(single=False).steps(points)
+    """Twice the distances (N, 3), mm, by which `in_decimals` moves coordinates (N, 3) at most: a little more than their steps."""
+    return 2.0 * BORDER * _Numbers(single=False).steps(points)
 
 
 def in_single(mesh: Facets, unit: float = 1.0, finest: float = 0.0) -> Facets:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from functools import cache
 from pathlib import Path
 
@@ -102,3 +104,53 @@ def _bent_cubes(count: int) -> Array:
     first, last = np.array(HEX_EDGES).T
     middles = 0.5 * (corners[:, first] + corners[:, last]) + 0.1 * rng.standard_normal((count, 12, 3))
     return np.concatenate((corners, middles), axis=1)
+
+
+needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
+
+
+@needs_ccx
+def test_ccx_ties_within_a_share_of_the_masters_edge_unless_told(tmp_path: Path) -> None:
+    """Cubes of 2 mm: a gap of 0.0070 of their edge is tied, one of 0.0073 is not, and is with a tolerance of one's own."""
+    tied, free, wide = (
+        _solved(tmp_path, 2.0, 2.0 * gap, f"*TIE, NAME=TIE{told}\nLOW, TOP\n")
+        for gap, told in ((0.0070, ""), (0.0073, ""), (0.0073, ", POSITION TOLERANCE=0.05"))
+    )
+    message = "no tied MPC"
+    assert message in free[0]
+    assert message not in tied[0] + wide[0]
+
+
+@needs_ccx
+@pytest.mark.parametrize(("pair", "sign"), [("LOW, TOP", 1.0), ("TOP, LOW", -1.0)])
+def test_ccx_prints_the_force_on_the_slave(pair: str, sign: float, tmp_path: Path) -> None:
+    """The upper cube, of whose face is `LOW`, is pressed down with 1000 N: the force on it points up."""
+    contact = (
+        "*SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1e7\n"
+        f"*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE\n{pair}\n"
+    )
+    slave, master = pair.split(", ")
+    _, table = _solved(tmp_path, 1.0, -1e-5, contact, f"*CONTACT PRINT, SLAVE={slave}, MASTER={master}\nCF\n")
+    force = [float(x) for x in table.split("moment about the origin (mx,my,mz)")[1].split()[:3]]
+    area, normal = (float(x) for x in table.split("shear force (size)")[1].split()[:2])
+    assert force[2] == pytest.approx(sign * 1000.0, rel=1e-5)
+    assert (area, normal) == (pytest.approx(1.0, rel=1e-5), pytest.approx(-1000.0, rel=1e-5))
+
+
+def _solved(folder: Path, edge: float, gap: float, joint: str, wanted: str = "") -> tuple[str, str]:
+    """Messages and tables of ccx for two cubes, one above the other beyond a gap (mm) and pressed down with 1000 N."""
+    square = ((0.0, 0.0), (edge, 0.0), (edge, edge), (0.0, edge))
+    points = [(x, y, z) for z in (0.0, edge, edge + gap, 2.0 * edge + gap) for x, y in square]
+    nodes = "".join(f"{k}, {x}, {y}, {z:.7f}\n" for k, (x, y, z) in enumerate(points, 1))
+    upper = "".join(f"{k}, 1, 2\n" for k in range(9, 17))
+    loads = "".join(f"{k}, 3, -250.\n" for k in range(13, 17))
+    (folder / "cubes.inp").write_text(
+        f"*NODE\n{nodes}*ELEMENT, TYPE=C3D8, ELSET=A\n1, 1,2,3,4,5,6,7,8\n"
+        "*ELEMENT, TYPE=C3D8, ELSET=B\n2, 9,10,11,12,13,14,15,16\n*SURFACE, NAME=TOP, TYPE=ELEMENT\nA, S2\n"
+        "*SURFACE, NAME=LOW, TYPE=ELEMENT\nB, S1\n*MATERIAL, NAME=S\n*ELASTIC\n210000., 0.\n"
+        f"*SOLID SECTION, ELSET=A, MATERIAL=S\n*SOLID SECTION, ELSET=B, MATERIAL=S\n{joint}"
+        f"*BOUNDARY\n1, 1, 3\n2, 1, 3\n3, 1, 3\n4, 1, 3\n{upper}*STEP\n*STATIC\n*CLOAD\n{loads}{wanted}*END STEP\n"
+    )
+    done = subprocess.run(["ccx", "cubes"], cwd=folder, capture_output=True, text=True)
+    table = folder / "cubes.dat"
+    return done.stdout + done.stderr, table.read_text() if table.exists() else ""
