@@ -109,7 +109,7 @@ class _Instances:
 
 
 def _unfold(match: re.Match[str]) -> str:
-    """A string, which goes on where its line is broken, or nothing for a fold."""
+    """A string, which goes on where its line is broken, or nothing for a break between."""
     return match[0].replace("\n", "") if match[0][0] == "'" else ""
 
 

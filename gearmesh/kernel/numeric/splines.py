@@ -133,7 +133,8 @@ def rising_through(x: Array, values: Array) -> Polynomials:
     slope = np.empty_like(values)
     before, after = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
     slope[1:-1] = (before + after) / (before / rise[:-1] + after / rise[1:])
-    for end, other in ((0, 1), (-1, -2)):
+    # of two values the same one, of a straight line
+    for end, other in ((0, min(1, len(rise) - 1)), (-1, -min(2, len(rise)))):
         outward = ((2.0 * step[end] + step[other]) * rise[end] - step[end] * rise[other]) / (step[end] + step[other])
         slope[end] = max(outward, 0.0)
     first, last = slope[:-1], slope[1:]
