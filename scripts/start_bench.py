@@ -41,7 +41,7 @@ USES = {
     "numpy": ("numpy", "all that computes"),
     "scipy": (
         "scipy.spatial",
-        "contact under load, STEP, DXF, the roll test; not `solid`, not `tca`, not pictures of teeth",
+        "contact under load, STEP of sectors, DXF, the roll test; not `solid`, not `tca`, not pictures of teeth",
     ),
     "threadpoolctl": ("threadpoolctl", "contact under load"),
     "trimesh": ("trimesh", "solids handed over in Python"),

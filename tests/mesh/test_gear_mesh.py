@@ -99,6 +99,22 @@ def test_files_have_the_same_bytes_piece_by_piece(suffix: str, tmp_path: Path, m
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
+def test_solids_are_proved_and_written_without_arrays_of_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    gears = gm.build(gm.load(SAMPLES / "spur.toml"))
+
+    def refuse(mesh: GearMesh) -> None:
+        raise AssertionError("arrays of the whole gear")
+
+    monkeypatch.setattr(GearMesh, "whole", refuse)
+    for suffix in (".stl", ".obj", ".ply", ".3mf"):
+        file = tmp_path / f"gear{suffix}"
+        solid = gears.solid("gear", 0.05, file=file)
+        assert solid.figures["watertight"]
+        assert len(io.read(solid.save(file)).triangles) == solid.figures["triangles"]
+    with pytest.raises(AssertionError, match="arrays of the whole"):
+        gears.solid("gear", 0.05).save(tmp_path / "gear.vtu")
+
+
 @pytest.mark.parametrize("case", [case for case in CASES if case != "worm"])
 def test_one_pitch_proves_what_all_of_them_do(case: str) -> None:
     mesh, genus = mesh_of(case), member_of(case).genus
