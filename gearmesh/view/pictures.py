@@ -36,9 +36,10 @@ if TYPE_CHECKING:
 #: width and height of a picture in pixels
 Size = tuple[int, int]
 SIZE = (1600, 1200)
-#: tolerances of the tooth looked at, and of what surrounds it, in pixels of a picture of the tooth: that of the tooth is a pixel as
-#: it is drawn, before four of them are one
-FINE, COARSE = 0.5, 1.5
+#: tolerances of the tooth looked at, and of what surrounds it, in pixels of a picture of the tooth
+FINE, COARSE = 0.25, 1.5
+#: tolerance in these pixels up to which a solid that is there is shown: a pixel as it is drawn, before four of them are one
+SHOWN_AT = 0.5
 #: tolerance (mm) of whole members and tools, and points across and along a flank to know where it looks
 WHOLE, TOOL_GRID = 0.05, (3, 3)
 #: exact points across and along a flank on which patterns are drawn
@@ -391,7 +392,7 @@ def _fine_and_rest(body: Member, solid: Solid | None, pixel: float) -> tuple[Tri
         solid is not None
         and solid.member is body
         and len(solid.teeth) == 1
-        and solid.teeth[0].tolerance <= FINE * pixel
+        and solid.teeth[0].tolerance <= SHOWN_AT * pixel
     ):
         (tooth,) = solid.teeth
         fine, rough = tooth, tooth

@@ -28,6 +28,7 @@ from gearmesh.view import opengl
 from gearmesh.view import render as lettering
 from gearmesh.view.diagrams import plots
 from gearmesh.view.lettering import fit_title
+from gearmesh.view.offscreen import shapes
 from gearmesh.view.offscreen.letters import LetteredImage, ticks
 from gearmesh.view.offscreen.shapes import Viewer, corner_normals, region_edges
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
@@ -624,6 +625,20 @@ def test_equal_scenes_give_equal_pixels_and_the_file_holds_them(tmp_path):
     with pytest.raises(OutputError, match=r"must be \.png"):
         render(scene, tmp_path / "pattern.bmp2")
     assert [f.name for f in tmp_path.iterdir()] == ["pattern.png"]
+
+
+@pytest.mark.usefixtures("needs_opengl")
+def test_lines_along_the_edges_of_strips_are_drawn_whole():
+    """Pictures are drawn strip by strip: a line that crosses from one to the next at a small angle is equally wide there."""
+    from gearmesh.view.offscreen.drawing_process import STRIP
+
+    across = np.array([[-2.0, -0.02, 0.0], [2.0, 0.02, 0.0]])
+    line = shapes._primitive(across, np.array([[0, 1]]), "#000000", width=12.0)
+    order = {**opengl._TRIAL, "size": (2 * STRIP, 2 * STRIP), "primitives": [line]}
+    pixels = np.frombuffer(opengl.draw(order), dtype=np.uint8).reshape(2 * STRIP, 2 * STRIP, 4)
+    wide = (pixels[..., 0] < 128).sum(axis=0)
+    assert wide.max() >= 12
+    assert np.ptp(wide) <= 2
 
 
 @pytest.mark.usefixtures("needs_opengl")

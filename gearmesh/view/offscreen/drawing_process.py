@@ -15,8 +15,9 @@ from collections.abc import Callable, Iterator
 from math import atan, degrees, radians, tan
 from typing import IO, Any, TypedDict, cast
 
-#: rows of pixels, at most, that are drawn at once
-STRIP = 400
+#: rows of pixels, at most, that are drawn at once, and rows beyond them on either side: lines and dots whose middles are out of
+#: sight are not drawn, however wide they are
+STRIP, BEYOND_STRIP = 400, 32
 
 
 class Primitive(TypedDict):
@@ -154,12 +155,12 @@ def drawer() -> Callable[[Order], Iterator[memoryview]]:
         width, height = order["size"]
         strips = -(-height // STRIP)
         rows, pixels = -(-height // strips), vtkUnsignedCharArray()
-        window.SetSize(width, rows)
+        window.SetSize(width, rows + 2 * BEYOND_STRIP)
         window.AddRenderer(renderer)
         for strip in range(strips):
             _aim(renderer, order, rows, strip)
             window.Render()
-            window.GetRGBACharPixelData(0, 0, width - 1, rows - 1, 0, pixels, 0)
+            window.GetRGBACharPixelData(0, BEYOND_STRIP, width - 1, BEYOND_STRIP + rows - 1, 0, pixels, 0)
             # the last strip may reach beyond the picture
             yield memoryview(cast("Any", pixels)).cast("B")[: 4 * width * (height - strip * rows)]
         window.RemoveRenderer(renderer)
@@ -169,7 +170,8 @@ def drawer() -> Callable[[Order], Iterator[memoryview]]:
 
 def _aim(renderer: Any, order: Order, rows: int, strip: int) -> None:
     """Set the camera to a strip of so many rows of pixels, the first of which is at the bottom of the picture."""
-    share = rows / order["size"][1]
+    height, seen = order["size"][1], rows + 2 * BEYOND_STRIP
+    share = seen / height
     camera = renderer.GetActiveCamera()
     camera.SetPosition(order["position"])
     camera.SetFocalPoint(order["focus"])
@@ -178,7 +180,7 @@ def _aim(renderer: Any, order: Order, rows: int, strip: int) -> None:
     camera.SetParallelScale(share * order["height"] / 2)
     camera.SetViewAngle(degrees(2.0 * atan(share * tan(radians(order["angle"]) / 2.0))))
     # in halves of the strip from the middle of the picture
-    camera.SetWindowCenter(0.0, (2 * strip + 1) - 1.0 / share)
+    camera.SetWindowCenter(0.0, (2 * strip * rows + rows - height) / seen)
 
 
 def _actor(primitive: Primitive) -> Any:
