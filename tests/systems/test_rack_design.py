@@ -270,8 +270,8 @@ def test_a_rack_too_near_is_told_of_in_millimetres() -> None:
     assert "mm of the rack" in line
     found = re.search(r"; to free it move the rack (0\.0\d+) mm away$", line)
     assert found is not None
-    # that and no less
-    freed = [fit(shift_gear(gears.pairs[0], share * float(found[1]))) for share in (1.0, 0.98)]
+    # that and about no less: the search ends with its effort, 3 % above the least
+    freed = [fit(shift_gear(gears.pairs[0], share * float(found[1]))) for share in (1.0, 0.95)]
     assert [each is not None and each.fits for each in freed] == [True, False]
 
 
