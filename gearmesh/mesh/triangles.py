@@ -191,7 +191,7 @@ class TriangleMesh:
         Examples
         --------
         >>> mesh = gears.solid("pinion", 0.05).mesh
-        >>> mesh.round(np.rint).vertices.max() == np.rint(mesh.vertices.max())
+        >>> bool(mesh.round(np.rint).vertices.max() == np.rint(mesh.vertices.max()))
         True
         """
         return replace(self, vertices=rounding(self.vertices))

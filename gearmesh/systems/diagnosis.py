@@ -348,9 +348,9 @@ class _Trials(Generic[D]):
 
     def look_inside(self, failure: GearmeshError, bounds: Bounds | None) -> None:
         """Note values a little inside the bound that a refusal states of its key, where that key is moved."""
-        if bounds is None or failure.key not in self.own:
+        own = self.own.get(failure.key or "")
+        if bounds is None or not isinstance(own, int | float):
             return
-        own: float = self.own[failure.key]
         for end, inwards in ((bounds.low, 1), (bounds.high, -1)):
             if end is not None and (own - end) * inwards <= 0.0:
                 self._beyond[failure.key] = tuple(

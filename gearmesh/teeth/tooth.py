@@ -664,7 +664,7 @@ class Tooth:
         self._prove_land(t, self._tips(t))
 
     def _prove_tips(self, t: Array, tips: Tips) -> None:
-        """Raise TrimError where a flank, followed along the face as grids do it, comes to another point than its tip."""
+        """Raise TrimError where a flank, followed along the face as grids do it, misses its tip."""
         stations = self.stations(t)
         for which, (p, jet) in zip(Side, tips, strict=True):
             followed = follow(self.side(which).flank, p, stations, self.blank.axial)
