@@ -1,8 +1,10 @@
 """Run time against error, in one run: contact, meshes, imports. Prints tables, writes bench.json and mesh_cost.png.
 
 python scripts/bench.py [-o out/bench] [--quick] [--write] [--only TABLE ...]
+python scripts/bench.py --against 0.17.0 [--rounds 5] [--write] [--only COMMAND ...]
 
 With --write the tables of scripts/README.md and the figures of README.md become those of this run, with --only some of the tables.
+With --against another version and this one run the same commands in turns ([against.py](against.py)).
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+import against
 import numpy as np
 import tables
 from scipy.optimize import root
@@ -725,19 +728,47 @@ def measures(folder: Path, quick: bool) -> dict[str, Callable[[], list[dict[str,
     }
 
 
+def versions_side_by_side(options: argparse.Namespace) -> None:
+    """Table of two versions, printed row by row, written as against.json and, if asked for, into scripts/README.md."""
+    rows = []
+    for row in against.compare(options.against, options.only, options.rounds):
+        rows.append(row)
+        print(
+            tables.table([row], against.COLUMNS).splitlines()[-1],
+            *row.get("differing", [])[:5],
+            sep="\n    ",
+            flush=True,
+        )
+    path = options.output / "against.json"
+    io.whole_text(path, json.dumps(rows, indent=1) + "\n")
+    if options.write:
+        said = f"Version {options.against} and this one, {options.rounds} rounds."
+        block = f"{said}\n\n{tables.table(rows, against.COLUMNS)}"
+        tables.rewrite(ROOT / "scripts" / "README.md", {"against": block})
+    print(f"\nwritten: {path}")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-o", "--output", type=Path, default=Path("out/bench"))
     parser.add_argument("--quick", action="store_true", help="leave out 0.1 um")
     parser.add_argument("--write", action="store_true", help="write the tables of README.md and scripts/README.md")
-    parser.add_argument(
-        "--only", nargs="+", choices=COLUMNS, default=list(COLUMNS), metavar="TABLE", help="these tables"
-    )
+    parser.add_argument("--against", metavar="VERSION", help="commands of another version and of this one in turns")
+    parser.add_argument("--rounds", type=int, default=5, help="with --against: how often each command runs")
+    parser.add_argument("--only", nargs="+", metavar="TABLE", help="these tables; with --against these commands")
     options = parser.parse_args()
+    known = against.COMMANDS if options.against else COLUMNS
+    options.only = options.only or [*known]
+    unknown = [name for name in options.only if name not in known]
+    if unknown:
+        parser.error(f"--only {unknown[0]!r}: must be one of {', '.join(map(repr, known))}")
     if options.write and options.quick:
         parser.error("--write: not with --quick, which leaves rows out")
     options.output.mkdir(parents=True, exist_ok=True)
 
+    if options.against:
+        versions_side_by_side(options)
+        return
     result = {}
     for name, measure in measures(options.output, options.quick).items():
         if name in options.only:
