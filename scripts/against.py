@@ -51,11 +51,11 @@ def _run(sample: str) -> Command:
 
 
 def _contact(sample: str) -> Command:
-    return Command(f"tca samples/{sample}.toml --json", "", "summary.max_residual_mm", "mm")
+    return Command(f"tca samples/{sample}.toml --json -", "", "summary.max_residual_mm", "mm")
 
 
 def _solid(sample: str, member: str, tolerance: str) -> Command:
-    words = f"solid samples/{sample}.toml --member {member} --tolerance {tolerance} --json -o {{out}}/solid.stl"
+    words = f"solid samples/{sample}.toml --member {member} --tol {tolerance} -o {{out}}/solid.stl"
     return Command(words, "", "max_deviation_um", "um")
 
 
@@ -69,8 +69,8 @@ COMMANDS = {
     "render helical, tooth": Command("render samples/helical.toml -o {out}/tooth.png"),
     "render spiral_bevel_basic, pair": Command("render samples/spiral_bevel_basic.toml --view pair -o {out}/pair.png"),
     "render helical, loaded": Command("render samples/helical.toml --view loaded --torque 500 -o {out}/loaded.png"),
-    "--help": Command("--help"),
-    "describe helical": Command("describe samples/helical.toml --json", ""),
+    "help": Command("--help"),
+    "describe helical": Command("describe samples/helical.toml --json -", ""),
     "tca helical": _contact("helical"),
     "tca spiral_bevel_basic": _contact("spiral_bevel_basic"),
     "solid helical, 10 um": _solid("helical", "pinion", "10um"),
@@ -95,6 +95,17 @@ COLUMNS = {
     "figures": "figures compared",
     "differ": "that differ",
 }
+
+
+#: starts a command and prints its status, CPU seconds and peak: the peak of a process counts from that of the one that starts it,
+#: which the bench with its libraries would be
+LAUNCHER = """
+import os, subprocess, sys
+with open(sys.argv[1], "wb") as out, open(sys.argv[2], "wb") as err:
+    process = subprocess.Popen(sys.argv[3:], stdout=out, stderr=err)
+    _, status, used = os.wait4(process.pid, 0)
+print(os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
+"""
 
 
 @dataclass(frozen=True)
@@ -150,19 +161,39 @@ def measured(python: Path, command: Command, folder: Path) -> tuple[Measured, An
     words = command.words.replace("{out}", str(folder)).split()
     env = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     env.pop("PYTHONPATH", None)
-    printed = folder / "printed"
-    with printed.open("wb") as out, (folder / "said").open("wb") as err:
-        process = subprocess.Popen(
-            [python, "-m", "gearmesh", *words], cwd=_samples(folder), env=env, stdout=out, stderr=err
-        )
-        _, status, used = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode not in (0, 3):
-        raise subprocess.CalledProcessError(process.returncode, words, stderr=(folder / "said").read_bytes())
+    printed, said = folder / "printed", folder / "said"
+    launcher = [sys.executable, "-S", "-E", "-c", LAUNCHER, printed, said]
+    ran = subprocess.run(
+        [*launcher, python, "-m", "gearmesh", *words],
+        cwd=_samples(folder),
+        env=env,
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    status, cpu, megabytes = map(float, ran.stdout.split())
+    if status not in (0, 3):
+        raise subprocess.CalledProcessError(int(status), words, stderr=said.read_text())
     figures = None
     if command.figures is not None:
-        figures = json.loads((folder / command.figures if command.figures else printed).read_text(encoding="utf-8"))
-    return Measured(used.ru_utime + used.ru_stime, used.ru_maxrss / 1024), figures
+        figures = figures_of((folder / command.figures if command.figures else printed).read_text(encoding="utf-8"))
+    return Measured(cpu, megabytes), figures
+
+
+def figures_of(text: str) -> Any:
+    """Figures of a JSON text, or of the lines of a printed table that are a key and a number."""
+    if text.lstrip().startswith("{"):
+        return json.loads(text)
+    rows = (line.split() for line in text.splitlines())
+    return {row[0]: float(row[1]) for row in rows if len(row) == 2 and _is_number(row[1])}
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _samples(folder: Path) -> Path:
