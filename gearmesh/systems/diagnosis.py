@@ -93,7 +93,8 @@ def diagnose(
             # what the refusal allows is refused for something else
             stated, failure = failure, copy(failure)
             failure.allowed = failure.allowed if failure.bounds is None or not failure.reason else ""
-    for noticed in (None, failure.topic):
+    # a bound that is stated of what was noticed says more than another key that mends that alone
+    for noticed in (None, failure.topic) if stated is None else (None,):
         trials.ask(noticed)
         intervals: list[_Interval] = []
         for group in groups:

@@ -13,7 +13,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.view.scene import Project
 
 #: start points of projections onto a flank
-STARTS = (16, 31)
+STARTS = (31, 61)
 #: mm by which a place may lie beyond an edge
 BEYOND = 1e-6
 #: points whose distances from all starts are in memory at once

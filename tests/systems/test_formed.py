@@ -125,11 +125,11 @@ def test_solids_contact_and_roll_test_agree() -> None:
         ({"dedendum": 2}, "gear.dedendum = 2: the spaces are pointed before the root; allowed is less than 1.86611"),
         (
             {"root_diameter": 130},
-            "gear.root_diameter = 130 mm: the root is inside the base circle; allowed is more than 131.557",
+            "gear.root_diameter = 130 mm: if it is left out, .*: the root is inside the base circle",
         ),
         (
             {"tip_diameter": 131},
-            "gear.tip_diameter = 131: the involute ends on the base circle, .* at least 131.557 mm",
+            "gear.tip_diameter = 131 mm: .*: the involute ends on the base circle, .* at least 131.557 mm",
         ),
         ({"shaper": {"teeth": 28}}, 'gear.manufacture = "formed": cannot be given together with shaper'),
         ({"teeth": 70}, 'gear.manufacture = "formed": only internal gears are formed'),

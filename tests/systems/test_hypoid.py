@@ -366,7 +366,7 @@ def test_settings_given_as_they_were_derived_are_the_same_pair(more: dict[str, A
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"offset": 95.0}, r"^offset = 95 mm: allowed is at most .*: method 1 has no pitch cones"),
+        ({"offset": 95.0}, r"^offset = 95 mm: method 1 has no pitch cones .*; allowed is at most 92\.2\d+ mm"),
         ({"taper": "round"}, r"^taper"),
         (
             {"gear": {"teeth": 41, "cutter": {"tip_radius": 20.0}}},
@@ -374,7 +374,7 @@ def test_settings_given_as_they_were_derived_are_the_same_pair(more: dict[str, A
         ),
         (
             {"clearance": 5.0},
-            r"^clearance = 5 mm: allowed is at most .* allowed is less than half the mean working depth",
+            r"^clearance = 5 mm: .* allowed is less than half the mean working depth",
         ),
         ({"face_width": 200.0}, r"^face_width = 200 mm: .*allowed is"),
     ],

@@ -47,7 +47,7 @@ def test_openings_go_through_a_hub_on_one_side(keys: dict[str, Any], area: float
         ),
         (
             {"spokes": {"count": 4, "width": 8, "inner_diameter": 26, "outer_diameter": 68}},
-            "gear.spokes.inner_diameter = 26 mm: allowed is from 30.18 to 68 mm",
+            "gear.spokes.inner_diameter = 26 mm: allowed is at least 30.18 and less than 68 mm",
         ),
     ],
 )

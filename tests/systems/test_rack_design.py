@@ -219,7 +219,7 @@ def test_the_sheet_says_what_is_there(case: str) -> None:
     ("keys", "named"),
     [
         ({"rack": {"teeth": None}}, "rack.teeth: missing; give teeth or length"),
-        ({"rack": {"length": 50}}, "rack.length = 50 mm: must be at least 75.3983, the length of 12 teeth"),
+        ({"rack": {"length": 50}}, "rack.length = 50 mm: must be at least 75.3983 mm, the length of 12 teeth"),
         ({"rack": {"height": 4}}, "rack.height = 4 mm: the root lies below the back of the bar; allowed is more than"),
         ({"rack": {"addendum": 2.3}}, "rack.addendum = 2.3: the rack's teeth are pointed; allowed is less than 2.15"),
         ({"rack": {"tool_tip_radius": 0.6}}, "rack.tool_tip_radius = 0.6: the cutter's tooth is too narrow"),

@@ -420,11 +420,11 @@ def test_a_cutter_that_would_have_to_be_hollow_is_refused() -> None:
 
 
 REFUSED = [
-    ("shaft_angle=165", "shaft_angle = 165 deg: .*allowed is less than 90 deg"),
+    ("shaft_angle=165", "shaft_angle = 165 deg: allowed is at most 117.3 deg"),
     ("face_width=90", "face_width = 90 mm: allowed is less than 40.2492 mm"),
     ("mean_cone_distance=20", "mean_cone_distance = 20 mm: allowed is between 46.9575 .toe. and 67.082 mm"),
     ("pinion.root_angle=60", "pinion.root_angle = 60 deg: allowed is between 0 and the pitch angle, 26.565 deg"),
-    ("clearance=9", "clearance = 9 mm: allowed is less than half the mean working depth, 2.7"),
+    ("clearance=9", "clearance = 9 mm: .*allowed is less than half the mean working depth, 2.7"),
     ("gear.bore=400", "gear.bore = 400 mm: the root lies below the bore"),
     ("gear.hub={diameter=300,length=5}", "gear.hub.diameter = 300 mm: allowed is between"),
     ("gear.cutter.edge_radius=9", "gear: .*edge radius"),

@@ -175,8 +175,8 @@ def test_bounds_of_the_centre_distance_are_allowed() -> None:
     odd = with_keys(BASE, [("module", 1.723), ("worm.quotient", 14.007)])
     with pytest.raises(gm.DesignError, match="allowed is from") as refused:
         parse_as_stated(with_keys(odd, [("center_distance", 1.0)]))
-    low, high = str(refused.value).partition("allowed is from ")[2].split(" to ")
-    for bound in (low, high):
+    low, high = str(refused.value).partition("allowed is from ")[2].removesuffix(" mm").split(" to ")
+    for bound in (low.removesuffix(" mm"), high):
         assert abs(parse_as_stated(with_keys(odd, [("center_distance", float(bound))])).wheel.profile_shift) < 2.0  # type: ignore[attr-defined]
 
 

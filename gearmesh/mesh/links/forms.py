@@ -18,7 +18,7 @@ SAMPLES = (25, 9)
 STEP = 1e-4
 #: bits of forms, and the share of the largest of a link below which one is rounding: what is planned by them does not hang on last
 #: digits, which differ between processors
-BITS, LEAST_SHARE = 12, 2.0**-20
+BITS, LEAST_SHARE = 16, 2.0**-20
 #: a triangle within eps of a surface covers at most so many times eps over sqrt(|k1 k2|): where k1 k2 > 0, and where < 0
 BOWL, SADDLE = 1.5 * 3.0**0.5, 2.0 * 5.0**0.5
 #: a link narrower than this part of its length is a line, as the fillet of a sharp root corner: what its lines turn by is rounding
