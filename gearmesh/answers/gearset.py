@@ -32,6 +32,14 @@ def number_list(argument: str, values: ArrayLike, unit: str) -> Array:
     return numbers
 
 
+def position_list(phi1: ArrayLike) -> Array:
+    """Rotations (N,) of the pinion, deg, one at least. Raises ArgumentError for none, and as `number_list`."""
+    positions = number_list("phi1", phi1, "deg")
+    if not positions.size:
+        raise ArgumentError("phi1", [], must_be="one position at least, deg")
+    return positions
+
+
 class PartsAlone(Mapping[str, systems.ToolPart]):
     """The members of a design by their names, each built when it is asked for, without the others."""
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearmesh.answers.gearset import GearSet, number_list
+from gearmesh.answers.gearset import GearSet, number_list, position_list
 from gearmesh.arguments import checks_methods
-from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import Progress, silent
 from gearmesh.systems import system as systems
@@ -151,9 +150,7 @@ class SolvedGears(GearSet):
         mesh, meshes = self.train.pair(pair), self.train.like(pair)
         one = f"{mesh.name} is one of {meshes} equally loaded meshes: the torque is that of this mesh alone"
         torques = required_torques(number_list("torque", torque, "Nm").tolist())
-        positions = None if phi1 is None else number_list("phi1", phi1, "deg")
-        if positions is not None and not positions.size:
-            raise ArgumentError("phi1", [], must_be="one position at least, deg")
+        positions = None if phi1 is None else position_list(phi1)
         return loaded_contact_of(
             self.design,
             mesh,

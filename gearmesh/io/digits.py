@@ -12,7 +12,7 @@ import re
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.numeric.grid import BORDER, on_grid
+from gearmesh.kernel.numeric.grid import on_grid
 
 #: steps of the grid per mm: of vertices of meshes; of points of CAD solids, which programs join if they are within 1e-7 mm; of
 #: curves of sections, whose ends meet within two steps
@@ -27,8 +27,7 @@ def reals_on_grid(text: str, per_unit: float) -> str:
     """A text of STEP files with its reals on a grid of so many steps per unit, as few digits as they take."""
     pieces = _REAL.split(text)
     values = np.array(list(map(float, pieces[1::2])))
-    rounded = np.copysign(np.floor(np.abs(values) * per_unit + (1.0 - BORDER)) / per_unit, values) + 0.0
-    pieces[1::2] = map(_real, rounded.tolist())
+    pieces[1::2] = map(_real, on_grid(values, per_unit).tolist())
     return "".join(pieces)
 
 

@@ -288,8 +288,6 @@ def finite_element_decks_of(
 
     if program not in (None, *PROGRAMS):
         raise ArgumentError("program", program, must_be=f"{' or '.join(PROGRAMS)}")
-    if not len(phi1):
-        raise ArgumentError("phi1", [], must_be="one position at least, deg")
     request = _request(design, pair, members, rotation, friction)
     places = [place(pair, angle, request.torque, request.materials) for angle in phi1]
     jobs = [f"position_{k:0{len(str(len(places)))}d}" for k in range(1, len(places) + 1)]

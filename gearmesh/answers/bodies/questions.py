@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 
-from gearmesh.answers.gearset import number_list
+from gearmesh.answers.gearset import number_list, position_list
 from gearmesh.answers.questions import SolvedGears
 from gearmesh.arguments import checks_methods
-from gearmesh.errors import ArgumentError
 from gearmesh.lengths import Length, in_mm
 from gearmesh.numerals import parse_number, parse_whole_number
 from gearmesh.progress import Progress, silent
@@ -599,9 +598,7 @@ class ModelledGears(SolvedGears):
         """
         from gearmesh.answers.bodies.finite_elements import finite_element_decks_of
 
-        angle, positions = None if rotation is None else float(np.radians(rotation)), number_list("phi1", phi1, "deg")
-        if not positions.size:
-            raise ArgumentError("phi1", [], must_be="one position at least, deg")
+        angle, positions = None if rotation is None else float(np.radians(rotation)), position_list(phi1)
         return finite_element_decks_of(
             self.design,
             self.train.pair(pair),

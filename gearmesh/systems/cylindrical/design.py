@@ -141,6 +141,16 @@ class Hob(Table):
             )
         return self
 
+    @property
+    def remaining_stock(self) -> float:
+        """Stock on the flanks of the gear as it is, normal to them: all of it before finishing, none after."""
+        return 0.0 if self.finished else self.stock
+
+    @property
+    def relief(self) -> float:
+        """How far the tip rounding projects beyond the flank of the gear as it is, normal to it; below 0 a notch is left."""
+        return self.protuberance - (self.stock - self.remaining_stock)
+
 
 #: tables of a body that an internal gear has not
 NOT_INSIDE = ("keyway", "hub", "web", "toe_hub", "heel_shaft", "toe_shaft", "spokes")

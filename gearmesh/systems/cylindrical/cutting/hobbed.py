@@ -70,9 +70,7 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
     Raises DesignError naming key, value and limit: no room for the rounding, protuberance longer than the flank or no flank left.
     """
     hob = spec.hob
-    left = 0.0 if hob is None or hob.finished else hob.stock
-    taken = 0.0 if hob is None else hob.stock - left
-    depth = 0.0 if hob is None else hob.protuberance - taken
+    left, depth = (0.0, 0.0) if hob is None else (hob.remaining_stock, hob.relief)
     cutting, final = flank_line(own, left - depth), flank_line(own, left)
     racks = round_tips(name, spec, own.module, (cutting, cutting), heights)
     if hob is None:
@@ -82,7 +80,7 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
         name, hob, replace(own, allowance=own.allowance + 2.0 * left / math.cos(own.alpha)), heights, made
     )
     if abs(depth) >= NOTHING * own.module:
-        hob_flank = flank_line(own, left + taken)
+        hob_flank = flank_line(own, hob.stock)
         parts = hobbing.hob_parts(hob_flank) if depth < 0.0 else hobbing.tip_parts(hob_flank)
         *fillet, flank = hobbing.relieve(parts, final) if depth > 0.0 else hobbing.notch(parts, final)
         knots = ROOT - np.cumsum([0.0, *(hobbing.length(part) / own.module for part in fillet)])

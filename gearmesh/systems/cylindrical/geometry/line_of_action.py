@@ -68,7 +68,7 @@ def set_back_fillet(gear: GearProportions) -> SetBackFillet | None:
         shift = gear.own.shift + lost * math.sin(gear.own.alpha_t) / gear.own.module
         return SetBackFillet("undercut: the flank", f"profile_shift of at least {at_least(shift)} avoids undercut")
     hob = gear.spec.hob
-    if hob is not None and hob.protuberance - (hob.stock if hob.finished else 0.0) > ROUNDING * gear.own.module:
+    if hob is not None and hob.relief > ROUNDING * gear.own.module:
         return SetBackFillet(
             "relief: the flank above what the protuberance cuts", "hob.protuberance must be smaller to avoid it"
         )

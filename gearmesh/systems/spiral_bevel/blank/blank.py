@@ -19,7 +19,7 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.iso23509.blank_cones import BlankCones, blank_cones
 from gearmesh.systems.spiral_bevel.iso23509.dimensions import ToothDepth
 from gearmesh.systems.spiral_bevel.iso23509.methods import without_offset
-from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones, bevel_pitch_angles
+from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones, bevel_pitch_angles, crown_shaft_angle
 from gearmesh.systems.spiral_bevel.iso23509.tapers import standard_dedendum_angle
 from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
     CLEARANCE_FACTOR,
@@ -196,7 +196,7 @@ class BasicData:
                 np.degrees(self.shaft_angle),
                 unit="deg",
                 reason=f"with {self.teeth[0]} and {self.teeth[1]} teeth the gear's pitch angle is {np.degrees(gear):.4g} deg",
-                allowed=f"less than {at_most(np.degrees(np.arccos(-min(self.teeth) / max(self.teeth))))} deg",
+                allowed=f"less than {at_most(np.degrees(crown_shaft_angle(self.teeth)))} deg",
             )
         if not self.face_width < WIDEST * outer:
             raise DesignError(

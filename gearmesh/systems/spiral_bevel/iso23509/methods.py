@@ -27,7 +27,12 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones, TangentCones, bevel_pitch_angles
+from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import (
+    PitchCones,
+    TangentCones,
+    bevel_pitch_angles,
+    crown_shaft_angle,
+)
 from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter, ToothLine
 
 #: wheel pitch angles of the table: two roots nearer than their distance, 0.2 deg, are overlooked together
@@ -97,7 +102,7 @@ class OffsetPair:
                 unit="deg",
                 reason=f"with {self.teeth[0]} and {self.teeth[1]} teeth the wheel's pitch angle without offset is "
                 f"{np.degrees(wheel):.4g} deg",
-                allowed=f"less than {at_most(np.degrees(np.arccos(-min(self.teeth) / max(self.teeth))))} deg",
+                allowed=f"less than {at_most(np.degrees(crown_shaft_angle(self.teeth)))} deg",
             )
         width = float(self.diameter / np.sin(self.estimate if self.method == 1 else wheel))
         if not 0.0 < self.face_width < 0.5 * width:

@@ -75,6 +75,11 @@ def bevel_pitch_angles(teeth: tuple[int, int], shaft_angle: float) -> tuple[floa
     return pinion, shaft_angle - pinion
 
 
+def crown_shaft_angle(teeth: tuple[int, int]) -> float:
+    """Shaft angle (rad) of a pair without offset at which the larger member is a crown gear: its pitch angle is 90 deg."""
+    return float(np.arccos(-min(teeth) / max(teeth)))
+
+
 @dataclass(frozen=True)
 class PitchCones:
     """Pitch cones of a pair, its mean point, and the wheel's face; `method` is that of ISO 23509 they were found by.
