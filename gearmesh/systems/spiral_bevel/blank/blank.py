@@ -1,8 +1,8 @@
-"""Blanks of bevel gears without offset, as the cutters of this kind make them, from basic data and the rules of `iso23509`.
+"""Blanks of bevel gears without offset, from basic data and the rules of `iso23509`, for the cutters of this kind.
 
-Standard depth taper: in the axial plane the root lines of both members pass through the pitch apex, at the dedendum
-angles below the pitch line; the tip line of a member is parallel to its mating gear's root line at the distance of the clearance.
-Root angles that are given without a taper may be those of any: see `roots_through_apex`.
+Standard depth taper: in the axial plane the root lines of both members pass through the pitch apex, each at its
+dedendum angle below the pitch line. The tip line of a member is parallel to the root line of its mating gear, at the
+distance of the clearance. Root angles given without a taper may belong to another taper: see `roots_through_apex`.
 Lengths in mm, angles in rad; "mean" is at the mean cone distance, "outer" at the heel.
 """
 
@@ -31,43 +31,64 @@ from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
 from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter, ToothLine
 
 #: nominal cutter diameters, inch
-NOMINAL_CUTTERS = (1.1, 1.5, 2.0, 2.75, 3.5, 4.5, 5.0, 6.0, 7.5, 9.0, 10.5, 12.0, 14.0, 16.0, 18.0, 21.0)
-#: face width over outer cone distance: unusual, and refused
-WIDE, WIDEST, NARROWEST = 0.35, 0.6, 1e-4
-#: cutter radius over mean cone distance that the nominal one should be near
-CUTTER_SHARE = 0.95
-#: part of the mean whole depth by which root lines through the pitch apex may miss it: angles printed to the minute miss 0.003
-SAME_DEPTH = 0.01
-#: part by which root angles of a uniform depth that were written may exceed the pitch angle
-ROUNDED = 1e-9
+NOMINAL_CUTTER_DIAMETERS_INCH = (1.1, 1.5, 2.0, 2.75, 3.5, 4.5, 5.0, 6.0, 7.5, 9.0, 10.5, 12.0, 14.0, 16.0, 18.0, 21.0)
+#: face width over outer cone distance above which the blank has a warning
+MAX_USUAL_FACE_SHARE = 0.35
+#: face width over outer cone distance at and above which a design is refused
+MAX_FACE_SHARE = 0.6
+#: face width over outer cone distance at and below which a design is refused
+MIN_FACE_SHARE = 1e-4
+#: cutter radius over mean cone distance from which the nominal cutter is chosen
+CUTTER_RADIUS_SHARE = 0.95
+#: largest difference, over the mean whole depth, of root lines that count as passing through the pitch apex; angles
+#: printed to the minute differ by 0.003
+APEX_DEPTH_TOLERANCE = 0.01
+#: largest relative excess of a given root angle over the pitch angle: rounding of uniform depths written to a file
+ROOT_ANGLE_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
 class MemberBlank:
-    """One member: teeth, cone angles, and at the mean its spiral angle, addendum, dedendum and normal circular thickness;
-    `end_spiral_angles` at heel and toe.
+    """One member of the pair: teeth, cones, depths and thickness, in the member's own frame.
 
-    The tip cone is rho = tip_radius + tan(face_angle) z in the member's own frame. Its origin is the apex of a pair without
-    offset, else the foot of the axes' common perpendicular: `pitch_apex` and `root_apex` are how far (mm) the apexes of pitch and
-    root cone are beyond it, away from the teeth. Cone distances count from the pitch apex.
+    The origin of the frame is the apex of a pair without offset, else the foot of the common perpendicular of the axes.
+    z is along the axis towards the heel. Cone distances count from the pitch apex. Apexes are beyond the origin where
+    they are on the side away from the teeth.
     """
 
+    #: number of teeth
     teeth: int
+    #: pitch angle, rad
     pitch_angle: float
+    #: root angle, rad
     root_angle: float
+    #: face angle, rad
     face_angle: float
+    #: radius of the tip cone at z = 0, mm: rho = tip_radius + tan(face_angle) z
     tip_radius: float
+    #: addendum at the mean cone distance, mm, across the pitch cone
     mean_addendum: float
+    #: dedendum at the mean cone distance, mm, across the pitch cone
     mean_dedendum: float
+    #: addendum at the heel, mm, across the pitch cone
     outer_addendum: float
+    #: dedendum at the heel, mm, across the pitch cone
     outer_dedendum: float
+    #: mean normal circular thickness, mm
     thickness: float
+    #: mean spiral angle, rad
     spiral_angle: float
+    #: spiral angles at heel and toe, rad
     end_spiral_angles: tuple[float, float]
+    #: mean cone distance, mm
     mean_cone_distance: float
+    #: cone distance of the heel, mm
     outer_cone_distance: float
+    #: face width along the pitch cone, mm
     face_width: float
+    #: distance of the pitch cone's apex beyond the origin, mm
     pitch_apex: float = 0.0
+    #: distance of the root cone's apex beyond the origin, mm
     root_apex: float = 0.0
 
     @property
@@ -85,21 +106,21 @@ class MemberBlank:
 
     @property
     def mean_radius(self) -> float:
-        """Of the pitch circle at the mean."""
+        """Radius of the pitch circle at the mean cone distance."""
         return float(self.mean_cone_distance * np.sin(self.pitch_angle))
 
     @property
     def stations(self) -> ConeLevel:
-        """The level whose values are cone distances."""
+        """Level whose values are cone distances."""
         return self.station(0.0)
 
     def station(self, cone_distance: float) -> ConeLevel:
-        """The level that is 0 at a cone distance."""
+        """Return the level that is 0 at a cone distance."""
         return ConeLevel(self.pitch_angle, cone_distance - self.pitch_apex * float(np.cos(self.pitch_angle)))
 
     @property
     def pitch_cone(self) -> ConeLevel:
-        """Height over the pitch cone."""
+        """Level whose value is the height over the pitch cone."""
         return ConeLevel(self.pitch_angle + 0.5 * np.pi, self.pitch_apex * float(np.sin(self.pitch_angle)))
 
     @property
@@ -108,53 +129,69 @@ class MemberBlank:
         return ConeLevel.of(self.tip_radius, float(np.tan(self.face_angle)))
 
     def addendum_at(self, cone_distance: Array) -> Array:
-        """Height (...,), mm, of the tip cone over the pitch cone, across that, at cone distances (...,)."""
+        """Return the heights (...,), mm, of the tip cone over the pitch cone at cone distances (...,), across the pitch
+        cone.
+        """
         s, c, slope = np.sin(self.pitch_angle), np.cos(self.pitch_angle), np.tan(self.face_angle)
+        # A point at height h over the pitch cone is on the tip cone where
         # cone_distance s + h c = tip_radius + slope (cone_distance c - pitch_apex - h s)
         under = self.tip_radius - slope * self.pitch_apex
         return np.asarray((under + cone_distance * (slope * c - s)) / (c + slope * s))
 
     def crown(self, cone_distance: float) -> float:
-        """From the origin to the tip cone along the axis (mm) at a cone distance."""
+        """Return the distance (mm) along the axis from the origin to the tip cone at a cone distance."""
         addendum = float(self.addendum_at(np.array(cone_distance)))
         c, s = np.cos(self.pitch_angle), np.sin(self.pitch_angle)
         return float(cone_distance * c - self.pitch_apex - addendum * s)
 
     def along_root(self, cone_distance: float) -> float:
-        """How far (mm) from the origin, along the root line, the foot of a point of the pitch line on it is."""
+        """Return the distance (mm), along the root line, of a point of the pitch line from the origin."""
         at_apex = self.pitch_apex * np.cos(self.root_angle)
         return float(cone_distance * np.cos(self.dedendum_angle) - at_apex)
 
     def root_base(self, root_angle: float) -> float:
-        """Sliding base (mm) with which a machine plane at a root angle (rad) passes through the root cone's apex."""
+        """Return the sliding base (mm) with which a machine plane at a root angle (rad) passes through the root cone's
+        apex.
+        """
         return float(self.root_apex * np.sin(root_angle))
 
 
 @dataclass(frozen=True)
 class BevelBlank:
-    """Both members and what they share; `mean_depth` is the distance between both root lines across the pitch line at the mean
-    cone distance: working depth and twice the clearance. `blade_angles` (rad) are those of the gear's inside and outside blades.
-    `standard_depths`: mean addendum and dedendum of (pinion, gear) as ISO 23509 has them, which counts the clearance across the
-    pitch cones there and across the root lines where it places the cones.
+    """Blanks of both members and the data that they share."""
 
-    `offset` (mm) of the axes, > 0 where it makes the pinion's spiral angle the larger one; `azimuths` (rad): of the mean point in
-    the frames of pinion and gear whose x axes are in the plane of both axes' directions, of a right-hand pinion.
-    """
-
+    #: blank of the pinion
     pinion: MemberBlank
+    #: blank of the gear
     gear: MemberBlank
+    #: shaft angle, rad
     shaft_angle: float
+    #: mean normal pressure angle, rad
     pressure_angle: float
+    #: angles of the gear's inside and outside blades, rad
     blade_angles: tuple[float, float]
+    #: mean normal module, mm
     mean_normal_module: float
+    #: clearance between tip and mating root, mm
     clearance: float
+    #: distance between the root lines of both members across the pitch line at the mean cone distance, mm: working
+    #: depth and twice the clearance
     mean_depth: float
+    #: mean radius of the gear's cutter, mm
     cutter_radius: float
+    #: point width of the gear's cutter, mm
     point_width: float
+    #: edge radius of the gear's blades, mm
     edge_radius: float
+    #: mean addendum and dedendum of (pinion, gear) by ISO 23509; the standard counts the clearance across the pitch
+    #: cones for depths, but across the root lines for cones
     standard_depths: tuple[ToothDepth, ToothDepth]
+    #: offset of the axes, mm; > 0 makes the pinion's spiral angle the larger one
     offset: float = 0.0
+    #: azimuths of the mean point in the frames of pinion and gear, rad, for a right-hand pinion; the x axes are in the
+    #: plane of both axes' directions
     azimuths: tuple[float, float] = (0.0, 0.0)
+    #: sentences on unusual dimensions
     warnings: tuple[str, ...] = field(default=())
 
     @property
@@ -168,24 +205,31 @@ class BevelBlank:
 
     @property
     def tooth_line(self) -> ToothLine:
-        """The line of the face-milling cutter on the gear's crown gear."""
+        """Tooth line of the face-milling cutter on the gear's crown gear."""
         crown, gear = self.gear.teeth / np.sin(self.gear.pitch_angle), self.gear
         return ToothLine(FaceCutter(self.cutter_radius), gear.mean_cone_distance, gear.spiral_angle, float(crown))
 
 
 @dataclass(frozen=True)
 class BasicData:
-    """Basic data of a pair; (pinion, gear) each, `module` outer transverse, lengths in mm, angles in rad.
+    """Basic data of a pair without offset; tuples are (pinion, gear).
 
     Raises DesignError, naming the key, for pitch cones that cannot exist.
     """
 
+    #: numbers of teeth
     teeth: tuple[int, int]
+    #: outer transverse module, mm
     module: float
+    #: mean spiral angle, rad
     spiral_angle: float
+    #: shaft angle, rad
     shaft_angle: float
+    #: mean normal pressure angle, rad
     pressure_angle: float
+    #: face width, mm; None for the suggested width
     given_face_width: float | None = None
+    #: mean cone distance, mm; None for the middle of the face
     given_mean_cone_distance: float | None = None
 
     def __post_init__(self) -> None:
@@ -198,19 +242,19 @@ class BasicData:
                 reason=f"with {self.teeth[0]} and {self.teeth[1]} teeth the gear's pitch angle is {np.degrees(gear):.4g} deg",
                 allowed=f"less than {at_most(np.degrees(crown_shaft_angle(self.teeth)))} deg",
             )
-        if not self.face_width < WIDEST * outer:
+        if not self.face_width < MAX_FACE_SHARE * outer:
             raise DesignError(
                 "face_width",
                 self.face_width,
                 unit="mm",
-                allowed=f"less than {at_most(WIDEST * outer)} mm, {WIDEST:g} of the outer cone distance",
+                allowed=f"less than {at_most(MAX_FACE_SHARE * outer)} mm, {MAX_FACE_SHARE:g} of the outer cone distance",
             )
-        if not self.face_width > NARROWEST * outer:
+        if not self.face_width > MIN_FACE_SHARE * outer:
             raise DesignError(
                 "face_width",
                 self.face_width,
                 unit="mm",
-                allowed=f"more than {at_least(NARROWEST * outer)} mm, {NARROWEST:g} of the outer cone distance",
+                allowed=f"more than {at_least(MIN_FACE_SHARE * outer)} mm, {MIN_FACE_SHARE:g} of the outer cone distance",
             )
         if not outer - self.face_width < self.mean_cone_distance < outer:
             raise DesignError(
@@ -240,7 +284,7 @@ class BasicData:
 
     @property
     def face_width(self) -> float:
-        """As given, or 0.3 of the outer cone distance but at most 10 modules."""
+        """Face width: the given width, or 0.3 of the outer cone distance but at most 10 modules."""
         if self.given_face_width is not None:
             return self.given_face_width
         return min(0.3 * self.outer_cone_distance, 10.0 * self.module)
@@ -256,36 +300,46 @@ class BasicData:
 
 @dataclass(frozen=True)
 class Proportions:
-    """Tooth proportions that are given; what is None follows from the basic data [ISO 23509].
+    """Tooth proportions given by the design; None stands for the suggestion of ISO 23509. Tuples are (pinion, gear)."""
 
-    `depth_factor` k_d (mean working depth in mean normal modules), `addendum_factor` c_ham (mean addendum of the gear over the
-    mean working depth), `thickness_factor` k_t (pinion's mean normal thickness beyond half the pitch and the difference
-    of the addenda, in mean normal modules), `clearance` (mm), `root_angles` and `face_angles` (rad) of (pinion, gear).
-    """
-
+    #: k_d: mean working depth in mean normal modules
     depth_factor: float | None = None
+    #: c_ham: mean addendum of the gear over the mean working depth
     addendum_factor: float | None = None
+    #: k_t: mean normal thickness of the pinion beyond half the pitch and the difference of the addenda, in mean normal
+    #: modules
     thickness_factor: float | None = None
+    #: clearance, mm
     clearance: float | None = None
+    #: root angles, rad
     root_angles: tuple[float | None, float | None] = (None, None)
+    #: face angles, rad
     face_angles: tuple[float | None, float | None] = (None, None)
 
 
 def roots_through_apex(data: BasicData, given: Proportions) -> bool:
-    """Whether root angles that are given are those of a standard taper, so that root lines pass through the pitch apex: where
-    they leave the whole depth that the factors ask for. The depths are then theirs, as in [AB]; those of any other taper turn
-    root lines about the root at the mean point [ISO 23509 (151)].
+    """Return True where the given root angles belong to a standard taper, whose root lines pass through the pitch apex.
+
+    Root lines count as passing through the apex if they leave the whole depth that the factors ask for. The depths then
+    follow from the root angles, as in [AB]. Root lines of any other taper turn about the root at the mean point [ISO
+    23509 (151)].
 
     Raises DesignError for a clearance that leaves no depth.
     """
     wanted = standard_dedenda(data, given)[0]
     pairs = zip(data.pitch_angles, given.root_angles, wanted, strict=True)
-    depths = [own if root is None else data.mean_cone_distance * np.tan(angle - root) for angle, root, own in pairs]
-    return bool(abs(sum(depths) - sum(wanted)) <= SAME_DEPTH * sum(wanted))
+    # the dedendum at the mean point of a root line through the apex, at the given root angle
+    depths = [
+        dedendum if root is None else data.mean_cone_distance * np.tan(angle - root) for angle, root, dedendum in pairs
+    ]
+    return bool(abs(sum(depths) - sum(wanted)) <= APEX_DEPTH_TOLERANCE * sum(wanted))
 
 
 def standard_dedenda(data: BasicData, given: Proportions) -> tuple[tuple[float, float], float]:
-    """Mean dedenda (mm) by the factors, given or suggested, and the clearance. Raises DesignError for one that leaves no depth."""
+    """Return the mean dedenda (mm) of (pinion, gear) by the given or suggested factors, and the clearance (mm).
+
+    Raises DesignError for a clearance that leaves no depth.
+    """
     angles, normal = data.pitch_angles, data.mean_normal_module
     working = (suggested_depth_factor(data.teeth) if given.depth_factor is None else given.depth_factor) * normal
     gap = CLEARANCE_FACTOR * working if given.clearance is None else given.clearance
@@ -303,7 +357,7 @@ def tapered_blank(
     cutter_radius: float | None = None,
     backlash: float = 0.0,
 ) -> BevelBlank:
-    """Standard taper [ISO 23509]: both root lines through the apex.
+    """Return the blank with standard taper [ISO 23509]: both root lines pass through the apex.
 
     Raises DesignError for a blank that cannot exist, naming the key.
     """
@@ -314,6 +368,7 @@ def tapered_blank(
         root = angle - standard_dedendum_angle(dedendum, mean) if asked is None else asked
         check_root_angle(name, root, angle)
         roots.append(root)
+    # depths of both members by their root lines, which pass through the apex
     dedenda = [mean * float(np.tan(angle - root)) for angle, root in zip(angles, roots, strict=True)]
     if not 2.0 * gap < sum(dedenda):
         raise DesignError(
@@ -329,8 +384,8 @@ def tapered_blank(
 
 
 def check_root_angle(name: str, root: float, pitch_angle: float) -> None:
-    """Refuse a root angle (rad) of a pair without offset beyond the pitch angle. Raises DesignError."""
-    if not 0.0 < root <= pitch_angle * (1.0 + ROUNDED):
+    """Raise DesignError for a root angle (rad) beyond the pitch angle of a pair without offset."""
+    if not 0.0 < root <= pitch_angle * (1.0 + ROOT_ANGLE_ROUNDING):
         raise DesignError(
             f"{name}.root_angle",
             np.degrees(root),
@@ -340,7 +395,10 @@ def check_root_angle(name: str, root: float, pitch_angle: float) -> None:
 
 
 def uniform_blank(data: BasicData, depths: tuple[float, float], cutter_radius: float) -> BevelBlank:
-    """Uniform depth: root and tip cones parallel to the pitch cones; `depths`: addendum and dedendum in mean normal modules."""
+    """Return the blank of uniform depth: root and tip cones are parallel to the pitch cones.
+
+    `depths`: addendum and dedendum in mean normal modules.
+    """
     addendum, dedendum = (depth * data.mean_normal_module for depth in depths)
     return _blank(
         data,
@@ -353,20 +411,27 @@ def uniform_blank(data: BasicData, depths: tuple[float, float], cutter_radius: f
 
 @dataclass(frozen=True)
 class _Depths:
-    """Root angles and mean dedenda of (pinion, gear), clearance, and face angles where given."""
+    """Depths of both members without offset; tuples are (pinion, gear)."""
 
+    #: root angles, rad
     roots: tuple[float, float]
+    #: mean dedenda, mm
     dedenda: tuple[float, float]
+    #: clearance, mm
     gap: float
+    #: given face angles, rad; None where the face angle follows from the mating gear's root angle
     faces: tuple[float | None, float | None]
 
     def tapers(self, pitch: PitchCones) -> tuple[float, float]:
-        """Dedendum angles."""
+        """Return the dedendum angles (rad) of (pinion, gear)."""
         first, second = (angle - root for angle, root in zip(pitch.pitch_angles, self.roots, strict=True))
         return first, second
 
     def addenda(self, pitch: PitchCones) -> tuple[float, float]:
-        """The mating gear's dedendum less the clearance across its root line, all across the pitch cone at the mean."""
+        """Return the mean addenda (mm) of (pinion, gear), across the pitch cones.
+
+        An addendum is the mating gear's dedendum less the clearance, which counts across the mating gear's root line.
+        """
         first, second = (
             float(dedendum - self.gap / np.cos(taper))
             for dedendum, taper in zip(self.dedenda, self.tapers(pitch), strict=True)
@@ -380,18 +445,23 @@ class _Depths:
         return ToothDepth(second - self.gap, first), ToothDepth(first - self.gap, second)
 
     def cones(self, pitch: PitchCones) -> BlankCones:
-        """Cones of tip and root."""
+        """Return the cones of tip and root."""
         return blank_cones(pitch, self.tapers(pitch), (self.addenda(pitch)[1], self.dedenda[1]), self.gap)
 
 
 def _blank(data: BasicData, depths: _Depths, more: float, cutter_radius: float | None, backlash: float) -> BevelBlank:
-    """Both members; `more`: thickness factor k_t of the pinion. Each is thinned for half of the normal `backlash`."""
+    """Return the blank of both members; each is thinned for half of the normal `backlash` (mm).
+
+    `more`: thickness factor k_t of the pinion. `cutter_radius` (mm): None for a nominal cutter.
+    """
     dedenda, pitch, alpha = depths.dedenda, data.pitch_cones, data.pressure_angle
     normal, depth = pitch.mean_normal_module, dedenda[0] + dedenda[1]
+    # thicknesses, and the cutter whose point leaves the gear's tooth space
     pinion = normal_thickness(normal, dedenda[1] - dedenda[0], 0.5 * more, alpha)
     above_tip = float(dedenda[1] * np.cos(depths.tapers(pitch)[1]))
     cut = gear_cutter(normal, pinion, backlash, (alpha, alpha), above_tip)
-    radius = nominal_radius(CUTTER_SHARE * data.mean_cone_distance) if cutter_radius is None else cutter_radius
+    # the tooth line gives the spiral angles at toe and heel
+    radius = nominal_radius(CUTTER_RADIUS_SHARE * data.mean_cone_distance) if cutter_radius is None else cutter_radius
     line = pitch.tooth_line(FaceCutter(radius))
     outer, width = data.outer_cone_distance, data.face_width
     return BevelBlank(
@@ -412,29 +482,36 @@ def _blank(data: BasicData, depths: _Depths, more: float, cutter_radius: float |
 
 
 def wide_face(width: float, outer: float) -> tuple[str, ...]:
-    """What to say of a face width (mm) that is unusual at an outer cone distance (mm)."""
-    told = f"face_width = {width:g} mm is more than {WIDE:g} of the outer cone distance, {outer:.6g} mm"
-    return (told,) if width > WIDE * outer else ()
+    """Return the warning on a face width (mm) that is unusual at an outer cone distance (mm), or nothing."""
+    told = f"face_width = {width:g} mm is more than {MAX_USUAL_FACE_SHARE:g} of the outer cone distance, {outer:.6g} mm"
+    return (told,) if width > MAX_USUAL_FACE_SHARE * outer else ()
 
 
 @dataclass(frozen=True)
 class GearCut:
-    """What the gear's spread-blade cutter leaves: mean normal thicknesses of (pinion, gear); its point width and the edge radius,
-    mm."""
+    """The gear's spread-blade cutter, and the thicknesses that it leaves."""
 
+    #: mean normal circular thicknesses of (pinion, gear), mm
     thicknesses: tuple[float, float]
+    #: point width of the cutter, mm
     point_width: float
+    #: edge radius of the blades, mm
     edge_radius: float
 
 
 def gear_cutter(
     module: float, pinion: float, backlash: float, blade_angles: tuple[float, float], above_tip: float
 ) -> GearCut:
-    """The gear's cutter by the mean normal module, the pinion's mean normal thickness without backlash, the normal backlash, for
-    for half of which each member is thinned [ISO 23509 (206)-(211)], the angles (rad) of the blades, and how far the pitch point is
-    above their tips.
+    """Return the gear's cutter and the thicknesses of both members with backlash [ISO 23509 (206)-(211)].
+
+    - `module`: mean normal module, mm
+    - `pinion`: mean normal thickness of the pinion without backlash, mm
+    - `backlash`: normal backlash, mm; each member is thinned for half of it
+    - `blade_angles`: angles of the gear's inside and outside blades, rad
+    - `above_tip`: height of the pitch point above the tips of the blades, mm
     """
     away = 0.5 * backlash / float(np.cos(0.5 * (blade_angles[0] + blade_angles[1])))
+    # the gear's tooth space at the pitch point, and how much narrower it is at the tips of the blades
     space = pinion + away
     narrower = above_tip * (np.tan(blade_angles[0]) + np.tan(blade_angles[1]))
     point_width = float(max(space - narrower, 0.05 * module))
@@ -442,6 +519,9 @@ def gear_cutter(
 
 
 def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float, line: ToothLine) -> MemberBlank:
+    """Return the blank of member `k` (0 pinion, 1 gear) with a mean normal `thickness` (mm) and a tooth `line` of the
+    cutter.
+    """
     angle, asked, dedendum = pitch.pitch_angles[k], depths.faces[k], depths.dedenda[k]
     mean, outer = pitch.mean_cone_distances[k], pitch.outer_cone_distance
     face = depths.cones(pitch).face_angles[k] if asked is None else asked
@@ -454,7 +534,7 @@ def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float, line: 
             allowed="less than 89.5 deg",
         )
     addendum = depths.addenda(pitch)[k]
-    # through the tip at the mean cone distance
+    # the tip cone passes through the tip at the mean cone distance
     rho = mean * np.sin(angle) + addendum * np.cos(angle)
     z = mean * np.cos(angle) - addendum * np.sin(angle)
     longer = outer - mean
@@ -478,7 +558,7 @@ def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float, line: 
 
 
 def nominal_radius(wanted: float) -> float:
-    """The nearest nominal cutter radius (mm), or what is wanted where none is within a fifth of it."""
-    radii = 12.7 * np.array(NOMINAL_CUTTERS)
+    """Return the nearest nominal cutter radius (mm), or the wanted radius if no nominal one is within a fifth of it."""
+    radii = 12.7 * np.array(NOMINAL_CUTTER_DIAMETERS_INCH)
     nearest = float(radii[np.abs(np.log(radii / wanted)).argmin()])
     return nearest if abs(nearest / wanted - 1.0) < 0.2 else float(wanted)

@@ -1,4 +1,4 @@
-"""Blanks by the dimensions of ISO 23509, as the cutters of this kind make them: of pairs with offset, and of all tapers."""
+"""Blanks by the dimensions of ISO 23509 for the cutters of this kind: pairs with offset, and pairs with any taper."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from gearmesh.errors import DesignError, VagueError
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.spiral_bevel.blank.blank import (
-    CUTTER_SHARE,
+    CUTTER_RADIUS_SHARE,
     BasicData,
     BevelBlank,
     MemberBlank,
@@ -41,26 +41,32 @@ from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter
 
 @dataclass(frozen=True)
 class OffsetData:
-    """Basic data of a pair with offset; (pinion, gear) each, `module` outer transverse, `spiral_angle` the pinion's,
-    `pressure_angle` nominal; lengths in mm, angles in rad. `offset` is > 0 where it makes the pinion's spiral angle the larger one.
+    """Basic data of a pair with offset; tuples are (pinion, gear)."""
 
-    `taper` is one of iso23509's, `limit_share` f_alim. The cutter's radius is that of a nominal one unless given.
-    """
-
+    #: numbers of teeth
     teeth: tuple[int, int]
+    #: outer transverse module of the gear, mm
     module: float
+    #: offset of the axes, mm; > 0 makes the pinion's spiral angle the larger one
     offset: float
+    #: mean spiral angle of the pinion, rad
     spiral_angle: float
+    #: shaft angle, rad
     shaft_angle: float
+    #: nominal pressure angle, rad
     pressure_angle: float
+    #: depth taper, a name in `iso23509.taper_names.TAPERS`
     taper: str
+    #: f_alim: share of the limit pressure angle by which the blade angles differ from the nominal pressure angle
     limit_share: float
+    #: face width of the gear, mm; None for the suggested width
     given_face_width: float | None = None
+    #: radius of the cutter, mm; None for a nominal cutter
     given_cutter_radius: float | None = None
 
     @property
     def pair(self) -> OffsetPair:
-        """What method 1 starts from. Raises DesignError, naming the key."""
+        """Input of method 1 of ISO 23509. Raises DesignError, naming the key."""
         diameter, width = self.module * self.teeth[1], self.given_face_width
         rough = OffsetPair(
             method=1,
@@ -72,42 +78,50 @@ class OffsetData:
             spiral_angle=self.spiral_angle,
             cutter=FaceCutter(diameter),
         )
+        # the outer cone distance by the estimated pitch angle gives the suggested face width and cutter
         outer = float(0.5 * diameter / np.sin(rough.estimate))
         width = min(0.3 * outer, 10.0 * self.module) if width is None else width
         radius = self.given_cutter_radius
         if radius is None:
-            radius = nominal_radius(CUTTER_SHARE * (outer - 0.5 * width))
+            radius = nominal_radius(CUTTER_RADIUS_SHARE * (outer - 0.5 * width))
         return replace(rough, face_width=width, cutter=FaceCutter(radius))
 
 
 @dataclass(frozen=True)
 class ConeData:
-    """What the dimensions of a pair follow from: its pitch cones, cutter, nominal pressure angle (rad), taper, and f_alim."""
+    """Data from which the dimensions of a pair follow."""
 
+    #: pitch cones of both members
     pitch: PitchCones
+    #: face cutter of the gear
     cutter: FaceCutter
+    #: nominal pressure angle, rad
     pressure_angle: float
+    #: depth taper, a name in `iso23509.taper_names.TAPERS`
     taper: str
+    #: f_alim: share of the limit pressure angle by which the blade angles differ from the nominal pressure angle
     limit_share: float = 1.0
 
     @staticmethod
     def of_bevel(data: BasicData, cutter_radius: float | None, taper: str) -> ConeData:
-        """Of a pair without offset. Raises DesignError, naming the key."""
-        radius = nominal_radius(CUTTER_SHARE * data.mean_cone_distance) if cutter_radius is None else cutter_radius
+        """Return the data of a pair without offset. Raises DesignError, naming the key."""
+        radius = (
+            nominal_radius(CUTTER_RADIUS_SHARE * data.mean_cone_distance) if cutter_radius is None else cutter_radius
+        )
         return ConeData(data.pitch_cones, FaceCutter(radius), data.pressure_angle, taper)
 
     @staticmethod
     def of_hypoid(data: OffsetData) -> ConeData:
-        """Of a pair with offset, by method 1. Raises DesignError, naming the key."""
+        """Return the data of a pair with offset, by method 1. Raises DesignError, naming the key."""
         pair = data.pair
         return ConeData(with_offset(pair), pair.cutter, data.pressure_angle, data.taper, data.limit_share)
 
 
 def cone_blank(data: ConeData, given: Proportions, backlash: float = 0.0) -> BevelBlank:
-    """The blank of a pair all of whose cones follow from the gear's unless `given` says otherwise.
+    """Return the blank of a pair whose cones all follow from the gear's cones unless `given` sets them.
 
-    What is suggested for factors that are not given is meant for pairs without offset. Raises DesignError for a blank that
-    cannot exist, naming the key.
+    Suggested factors are meant for pairs without offset. Raises DesignError for a blank that cannot exist, naming the
+    key.
     """
     dimensions = cone_dimensions(data, given)
     pitch = dimensions.pitch
@@ -117,11 +131,11 @@ def cone_blank(data: ConeData, given: Proportions, backlash: float = 0.0) -> Bev
     cut = gear_cutter(pitch.mean_normal_module, dimensions.pinion.normal_thickness, backlash, (drive, coast), above_tip)
     pinion = _leant(_member(dimensions.pinion, cut.thicknesses[0]), given.face_angles[0], given.root_angles[0])
     gear = _member(wheel, cut.thicknesses[1])
-    for name, own, root in zip(("pinion", "gear"), (pinion, gear), given.root_angles, strict=True):
+    for name, member, root in zip(("pinion", "gear"), (pinion, gear), given.root_angles, strict=True):
         if root is not None:
             if not pitch.offset:
-                check_root_angle(name, root, own.pitch_angle)
-            _check_ends(name, own)
+                check_root_angle(name, root, member.pitch_angle)
+            _check_ends(name, member)
     return BevelBlank(
         pinion=pinion,
         gear=gear,
@@ -142,23 +156,24 @@ def cone_blank(data: ConeData, given: Proportions, backlash: float = 0.0) -> Bev
     )
 
 
-def _check_ends(name: str, own: MemberBlank) -> None:
-    """Refuse a given root cone that leaves teeth no dedendum at one of their ends. Raises DesignError."""
-    ends = np.array(own.extent) - own.mean_cone_distance
-    dedenda = own.mean_dedendum + ends * np.tan(own.dedendum_angle)
+def _check_ends(name: str, member: MemberBlank) -> None:
+    """Raise VagueError for a given root cone that leaves the teeth no dedendum at toe or heel."""
+    ends = np.array(member.extent) - member.mean_cone_distance
+    dedenda = member.mean_dedendum + ends * np.tan(member.dedendum_angle)
     for end, dedendum in zip(("toe", "heel"), dedenda, strict=True):
         if not dedendum > 0.0:
             raise VagueError(
                 name,
                 reason=f"the root cone, through the root at the mean point, rises over the pitch cone at the {end}",
-                allowed=f"a root angle nearer to the pitch angle, {np.degrees(own.pitch_angle):.6g} deg",
+                allowed=f"a root angle nearer to the pitch angle, {np.degrees(member.pitch_angle):.6g} deg",
             )
 
 
 def cone_dimensions(data: ConeData, given: Proportions) -> BevelDimensions:
-    """All dimensions by ISO 23509 without backlash, the gear's cones as given or by the taper; those of the pinion follow.
+    """Return all dimensions by ISO 23509 without backlash.
 
-    Raises DesignError, naming the key, for a blank that cannot exist.
+    The gear's cones are given or follow from the taper; the pinion's cones follow from the gear's. Raises DesignError,
+    naming the key, for a blank that cannot exist.
     """
     pitch, cutter = data.pitch, data.cutter
     teeth, depth = pitch.teeth, given.depth_factor
@@ -181,6 +196,7 @@ def cone_dimensions(data: ConeData, given: Proportions) -> BevelDimensions:
     (pinion_root, root), face = given.root_angles, given.face_angles[1]
     if face is None and root is None and pinion_root is None:
         return dimensions
+    # given angles replace the gear's addendum and dedendum angle: the pinion's root angle sets the gear's face cone
     angle, tapers = dimensions.wheel.pitch_angle, (dimensions.wheel.addendum_angle, dimensions.wheel.dedendum_angle)
     if face is not None:
         tapers = face - angle, tapers[1]
@@ -191,60 +207,71 @@ def cone_dimensions(data: ConeData, given: Proportions) -> BevelDimensions:
     return bevel_dimensions(pitch, cutter, factors, tapers)
 
 
-def _member(own: MemberDimensions, thickness: float) -> MemberBlank:
-    mean, outer = own.mean_cone_distance, own.cone_distances[0]
-    at_mean, at_heel = _depth(own, mean), _depth(own, outer)
+def _member(member: MemberDimensions, thickness: float) -> MemberBlank:
+    """Return the blank of a member by its dimensions, with a mean normal `thickness` (mm)."""
+    mean, outer = member.mean_cone_distance, member.cone_distances[0]
+    at_mean, at_heel = _depth(member, mean), _depth(member, outer)
     return MemberBlank(
-        teeth=own.teeth,
-        pitch_angle=own.pitch_angle,
-        root_angle=own.root_angle,
-        face_angle=own.face_angle,
-        tip_radius=float(own.face_apex * np.tan(own.face_angle)),
+        teeth=member.teeth,
+        pitch_angle=member.pitch_angle,
+        root_angle=member.root_angle,
+        face_angle=member.face_angle,
+        tip_radius=float(member.face_apex * np.tan(member.face_angle)),
         mean_addendum=at_mean.addendum,
         mean_dedendum=at_mean.dedendum,
         outer_addendum=at_heel.addendum,
         outer_dedendum=at_heel.dedendum,
         thickness=thickness,
-        spiral_angle=own.mean_spiral_angle,
-        end_spiral_angles=own.spiral_angles,
-        mean_cone_distance=own.mean_cone_distance,
+        spiral_angle=member.mean_spiral_angle,
+        end_spiral_angles=member.spiral_angles,
+        mean_cone_distance=member.mean_cone_distance,
         outer_cone_distance=outer,
-        face_width=own.face.width,
-        pitch_apex=own.pitch_apex,
-        root_apex=own.root_apex,
+        face_width=member.face.width,
+        pitch_apex=member.pitch_apex,
+        root_apex=member.root_apex,
     )
 
 
-def _depth(own: MemberDimensions, cone_distance: float) -> ToothDepth:
-    """Addendum and dedendum (mm) between the cones themselves, of which the standard's depths miss some micrometres of a pinion."""
-    face, root = own.face_angle - own.pitch_angle, own.pitch_angle - own.root_angle
-    higher = (own.face_apex - own.pitch_apex) * np.sin(own.face_angle)
-    deeper = (own.root_apex - own.pitch_apex) * np.sin(own.root_angle)
+def _depth(member: MemberDimensions, cone_distance: float) -> ToothDepth:
+    """Return addendum and dedendum (mm) between the cones themselves at a cone distance (mm).
+
+    The standard's depths of a pinion differ from these by some micrometres.
+    """
+    face, root = member.face_angle - member.pitch_angle, member.pitch_angle - member.root_angle
+    higher = (member.face_apex - member.pitch_apex) * np.sin(member.face_angle)
+    deeper = (member.root_apex - member.pitch_apex) * np.sin(member.root_angle)
     return ToothDepth(
         float((cone_distance * np.sin(face) + higher) / np.cos(face)),
         float((cone_distance * np.sin(root) - deeper) / np.cos(root)),
     )
 
 
-def _leant(own: MemberBlank, face: float | None, root: float | None) -> MemberBlank:
-    """The member with a face and a root angle of its own, about tip and root at the mean."""
-    c, s = np.cos(own.pitch_angle), np.sin(own.pitch_angle)
-    mean, longer = own.mean_cone_distance * c - own.pitch_apex, own.outer_cone_distance - own.mean_cone_distance
+def _leant(member: MemberBlank, face: float | None, root: float | None) -> MemberBlank:
+    """Return the member with a given face angle and root angle (rad), turned about its tip and root at the mean point."""
+    c, s = np.cos(member.pitch_angle), np.sin(member.pitch_angle)
+    mean, longer = (
+        member.mean_cone_distance * c - member.pitch_apex,
+        member.outer_cone_distance - member.mean_cone_distance,
+    )
     if face is not None:
-        rho, z = own.mean_radius + own.mean_addendum * c, mean - own.mean_addendum * s
-        outer = own.mean_addendum + longer * np.tan(face - own.pitch_angle)
-        own = replace(own, face_angle=face, tip_radius=float(rho - z * np.tan(face)), outer_addendum=float(outer))
+        # the tip cone turns about the tip at the mean point
+        rho, z = member.mean_radius + member.mean_addendum * c, mean - member.mean_addendum * s
+        outer = member.mean_addendum + longer * np.tan(face - member.pitch_angle)
+        member = replace(member, face_angle=face, tip_radius=float(rho - z * np.tan(face)), outer_addendum=float(outer))
     if root is not None:
-        rho, z = own.mean_radius - own.mean_dedendum * c, mean + own.mean_dedendum * s
-        outer = own.mean_dedendum + longer * np.tan(own.pitch_angle - root)
-        own = replace(own, root_angle=root, root_apex=float(rho / np.tan(root) - z), outer_dedendum=float(outer))
-    return own
+        # the root cone turns about the root at the mean point
+        rho, z = member.mean_radius - member.mean_dedendum * c, mean + member.mean_dedendum * s
+        outer = member.mean_dedendum + longer * np.tan(member.pitch_angle - root)
+        member = replace(member, root_angle=root, root_apex=float(rho / np.tan(root) - z), outer_dedendum=float(outer))
+    return member
 
 
 def _azimuths(pitch: PitchCones) -> tuple[float, float]:
-    """Azimuths (rad) of the mean point of a right-hand pinion about both axes, from the plane of their directions."""
-    first, second = (0.5 * diameter for diameter in pitch.mean_diameters)
-    y = second * np.sin(pitch.axial_offset_angle) - pitch.offset
-    at = np.array([np.sqrt(first**2 - y**2), y, pitch.crossing_distances[0]])
-    own = gear_base(pitch.shaft_angle, -pitch.offset).inverse.point(at)
-    return float(np.arctan2(at[1], at[0])), float(np.arctan2(own[1], own[0]))
+    """Return the azimuths (rad) of a right-hand pinion's mean point about both axes, from the plane of their
+    directions.
+    """
+    pinion_radius, gear_radius = (0.5 * diameter for diameter in pitch.mean_diameters)
+    y = gear_radius * np.sin(pitch.axial_offset_angle) - pitch.offset
+    mean_point = np.array([np.sqrt(pinion_radius**2 - y**2), y, pitch.crossing_distances[0]])
+    in_gear_frame = gear_base(pitch.shaft_angle, -pitch.offset).inverse.point(mean_point)
+    return float(np.arctan2(mean_point[1], mean_point[0])), float(np.arctan2(in_gear_frame[1], in_gear_frame[0]))

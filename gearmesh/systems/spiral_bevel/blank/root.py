@@ -1,8 +1,9 @@
-"""The root between two teeth: the cone that an upright cutter's tip plane envelopes, or what else the cutters leave.
+"""The root between two teeth: the cone enveloped by the tip plane of an upright cutter, or the surface that other
+cutters leave.
 
-A tilted cutter, a helical motion and a machine that does not roll leave no surface of revolution. Where one cutter cuts both
-sides of the space at once the root is what its tip plane leaves, exactly; two cutters with a machine each leave the root that is
-drawn straight from fillet to fillet at every station.
+A tilted cutter, a helical motion and a machine without roll leave no surface of revolution. If one cutter cuts both
+sides of the space at once, the root is exactly the surface that its tip plane leaves. If two cutters with a machine
+each cut the sides, the root is drawn straight from fillet to fillet at every station.
 """
 
 from __future__ import annotations
@@ -20,20 +21,23 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.tools.rack import RackLine
 
-#: stations at which the ends of the fillets are looked at
-STATIONS = 9
-#: the tip plane: a blade that lies in it, its parameter the cutter's radius
+#: number of stations along the face at which the ends of the fillets are computed
+FILLET_STATIONS = 9
+#: tip plane of the cutter as a blade that lies in it; the parameter is the radius on the cutter
 TIP_PLANE = RackLine(0.5 * np.pi, 0.0, 0.0)
 
 
 def root_cone(name: str, sides: dict[Side, Generated], axial: Level, extent: tuple[float, float]) -> ConeLevel:
-    """The root cone of a member: the one that both sides are cut to, or, where they leave none, the lowest over both fillets' ends.
+    """Return the root cone of a member.
 
-    Raises DesignError where they are cut to different depths or not from toe to heel.
+    Upright cutters with roll cut both sides to one cone. Other cutters leave none; the result is then a cone with the
+    mean slope of the fillets' ends, nowhere below them.
+
+    Raises DesignError for sides that are cut to different depths or not from toe to heel.
     """
     if all(side.settings.cuts_cone for side in sides.values()):
         return _common(name, sides)
-    ends = [_fillet_end(side.side(0.0), axial, np.linspace(*extent, STATIONS)) for side in sides.values()]
+    ends = [_fillet_end(side.side(0.0), axial, np.linspace(*extent, FILLET_STATIONS)) for side in sides.values()]
     rho, z = (
         np.concatenate(coordinate)
         for coordinate in zip(*((np.hypot(r[:, 0], r[:, 1]), r[:, 2]) for r in ends), strict=True)
@@ -43,6 +47,7 @@ def root_cone(name: str, sides: dict[Side, Generated], axial: Level, extent: tup
 
 
 def _common(name: str, sides: dict[Side, Generated]) -> ConeLevel:
+    """Return the cone to which both sides are cut. Raises DesignError for sides that are cut to different depths."""
     by_name = {("concave" if side.concave else "convex"): side.settings.tip_cone() for side in sides.values()}
     first, second = by_name["concave"], by_name["convex"]
     if not np.allclose((first.angle, first.offset), (second.angle, second.offset), rtol=0.0, atol=1e-9):
@@ -61,7 +66,13 @@ def bottom(
     pitch_angle: float,
     face: tuple[Level, tuple[float, float]],
 ) -> Bottom | None:
-    """The root where it is no cone, else None; `cut`: both sides as they are cut, `face`: station coordinate and its extent.
+    """Return the surface of the root if it is no cone, else None.
+
+    - `sides`: both sides with their machines
+    - `cut`: both sides as they are cut
+    - `places`: index angles of the sides, rad
+    - `pitch_angle`: angular pitch, rad
+    - `face`: station level and its extent from toe to heel
 
     Raises ValueError where the fillets do not end in smooth curves.
     """
@@ -69,10 +80,12 @@ def bottom(
         return None
     right, left = sides[Side.RIGHT], sides[Side.LEFT]
     in_one = right.settings == left.settings and abs(places[Side.LEFT] - places[Side.RIGHT] - pitch_angle) < 1e-9
+    # one cutter cuts both sides: the root is the envelope of its tip plane between the ends of both blades
     if in_one:
         outside = right if right.concave else left
         surface = outside.cut(TIP_PLANE, places[Side.RIGHT])
         return Bottom(surface, (left.blade.land_radius, right.blade.land_radius))
+    # two cutters: a ruled strip between the ends of the fillets of neighbouring teeth
     axial, extent = face
     back = Rigid.about_z(-pitch_angle)
     return Bottom(
@@ -87,5 +100,5 @@ def bottom(
 
 
 def _fillet_end(side: ToothSide, axial: Level, stations: Array) -> Array:
-    """Points (T, 3) where the fillet passes into the root."""
+    """Return the points (T, 3) at which the fillet passes into the root, at stations (T,)."""
     return along(side.fillet, np.full_like(stations, side.root), stations, axial)[1].r

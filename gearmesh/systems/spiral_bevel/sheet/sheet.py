@@ -16,7 +16,7 @@ from gearmesh.systems.common.running import running_rows
 from gearmesh.systems.common.symbol_table import table, tables_of
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank, Proportions
 from gearmesh.systems.spiral_bevel.blank.cone_blank import ConeData, cone_dimensions
-from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTORS
+from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTOR_KEYS
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
@@ -119,7 +119,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
         if any(choices[name].roll) or choices[name].form is not None
     }
     # those that are chosen; what is only suggested follows from the basic data again
-    values |= {key: value for key in FACTORS if (value := getattr(made.proportions, key)) is not None}
+    values |= {key: value for key in FACTOR_KEYS if (value := getattr(made.proportions, key)) is not None}
     values |= {
         "gear.cutter.tip_radius": blank.cutter_radius / unit,
         "gear.cutter.point_width": cut.point_widths[1] / unit,

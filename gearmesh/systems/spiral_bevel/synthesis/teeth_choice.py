@@ -13,7 +13,7 @@ from gearmesh.design.keys import DERIVED
 from gearmesh.errors import DesignError, NoSolutionError, VagueError
 from gearmesh.progress import in_turn
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import (
-    FACTORS,
+    FACTOR_KEYS,
     ToothFaults,
     chosen_proportions,
     factors,
@@ -237,7 +237,7 @@ def _saying(first: _Plain, best: _Plain) -> _Plain:
     """The `best` teeth, whose blank says which factors they have instead of those that the `first` ones had, and why."""
     old, new = (factors(plain.given, plain.blank) for plain in (first, best))
     changed = [k for k in range(2) if new[k] != old[k]]
-    said, instead = (" and ".join(f"{FACTORS[k]} = {pair[k]:.4g}" for k in changed) for pair in (new, old))
+    said, instead = (" and ".join(f"{FACTOR_KEYS[k]} = {pair[k]:.4g}" for k in changed) for pair in (new, old))
     why = f"{first.refusal.key}: {first.refusal.reason}" if first.refusal else "teeth would be undercut"
     blank = replace(
         best.blank, warnings=(*best.blank.warnings, f"{said}: the default, instead of {instead}; with that {why}")
