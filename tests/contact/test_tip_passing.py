@@ -90,6 +90,25 @@ def check_against_closed_form(gears: gm.Gears, angle: float, module: float = 2.0
         # the closed form is that of tips that leave each other, not of those that come together
         assert np.abs(excess + closed).min() < 1e-9
     assert any("trochoid" in line for line in gears.warnings) == (closed < 0.0)
+    # the mesh is followed where it is, however far from the pitch point
+    if not any("involute interference" in line for line in gears.warnings):
+        ratio = (curve.surface.end - curve.surface.begin) / pair.pitch
+        assert ratio == pytest.approx(transverse_ratio(pair, module, angle), abs=1e-6)
+
+
+def transverse_ratio(pair: GearPair, module: float, angle: float) -> float:
+    """Transverse contact ratio of an internal pair whose tips end the path of contact."""
+    (z1, z2), (tip, ring_tip) = (
+        tuple(values)
+        for values in zip(
+            *((member.tooth.teeth, float(member.tooth.blank.tip.at(0.0))) for member in pair.both), strict=True
+        )
+    )
+    first, second = pair.mounts
+    apart = float(np.linalg.norm(second.origin - first.origin))
+    base, ring_base = (0.5 * z * module * math.cos(angle) for z in (z1, z2))
+    path = math.sqrt(tip**2 - base**2) - math.sqrt(ring_tip**2 - ring_base**2)
+    return (path + math.sqrt(apart**2 - (ring_base - base) ** 2)) / (math.pi * module * math.cos(angle))
 
 
 def random_pairs(count: int, seed: int) -> Iterator[tuple[gm.Gears, float]]:
@@ -113,6 +132,29 @@ def random_pairs(count: int, seed: int) -> Iterator[tuple[gm.Gears, float]]:
             continue
         made += 1
         yield gears, math.radians(angle)
+
+
+@pytest.mark.parametrize(
+    ("pressure_angle", "pinion", "ring"),
+    [
+        # teeth, profile shift and addendum of both: edges are nearly ahead one and two pitches before the mesh
+        (25.0, (46, 0.517, 0.638), (58, -0.198, 0.846)),
+        # contact ratio 0.6305: edges carry in every pitch
+        (30.0, (50, 0.027, 0.616), (60, 0.361, 0.431)),
+        # the tips collide apart from the mesh
+        (25.0, (51, 0.155, 0.939), (57, 0.023, 0.518)),
+    ],
+)
+def test_mesh_far_from_the_pitch_point_is_followed(
+    pressure_angle: float, pinion: tuple[int, float, float], ring: tuple[int, float, float]
+) -> None:
+    tables = {
+        name: {"teeth": sign * teeth, "face_width": 10, "profile_shift": shift, "addendum": addendum}
+        for name, sign, (teeth, shift, addendum) in (("pinion", 1, pinion), ("gear", -1, ring))
+    }
+    check_against_closed_form(
+        gears_of(pressure_angle=pressure_angle, backlash=0.1, **tables), math.radians(pressure_angle)
+    )
 
 
 def test_tips_collide_at_the_limit_of_the_closed_form() -> None:

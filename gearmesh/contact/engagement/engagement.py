@@ -338,9 +338,8 @@ def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
     met = np.flatnonzero(ahead)
     if not met.size:
         return None
-    # the part with phi1 = 0 in it, or nearest to it
     runs = np.split(met, np.flatnonzero(np.diff(met) > 1) + 1)
-    run = min(runs, key=lambda run: (float(np.abs(looks[run]).min()), -len(run)))
+    run = min(runs, key=lambda run: _distance_from_mesh(looks[run], seen.inside[run], best[run], best, looks))
     most = np.full(LOOKS, -np.inf)
     np.maximum.at(most, looks[run] % LOOKS, best[run])
     if not pair.nested:
@@ -359,6 +358,21 @@ def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
         first, last = first - PER_PITCH // 2 * int(inside[0]), last + PER_PITCH // 2 * int(inside[1])
         engagement = follow(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
     return engagement
+
+
+def _distance_from_mesh(
+    run: NDArray[np.intp], inside: NDArray[np.bool_], own: Array, best: Array, looks: NDArray[np.intp]
+) -> tuple[bool, bool, float, int]:
+    """Rank of a run of looks as the mesh of the teeth, the least first.
+
+    A run with contact inside both flanks comes first, then one that is ahead of all others at some phase of the pitch; edges
+    that are nearly ahead beside the mesh are neither. Of equals, such as a mesh and tips that collide apart from it, the run
+    nearest to phi1 = 0 is the mesh.
+    """
+    most = np.full(LOOKS, -np.inf)
+    np.maximum.at(most, looks % LOOKS, np.where(np.isfinite(best), best, -np.inf))
+    leads = bool((own >= most[run % LOOKS]).any())
+    return not inside.any(), not leads, float(np.abs(run).min()), -len(run)
 
 
 def _reach(pair: Pair, pitch: float) -> int:
