@@ -1,8 +1,12 @@
 """Meshes to files and back: `write(mesh, "gear.stl")`, `read("gear.stl")`; the suffix picks the format.
 
-`write_scene` and `read_scene` take several named meshes, `formats` lists what there is, `mesh_in_file` is what a file would
-hold of a mesh, and `whole_file`, `whole_text` are for everything else that writes a file. Importing this loads no mesh
-or graphics library, and a format once a file of it is written or read: who writes a text needs none.
+- `write_scene` and `read_scene` take several named meshes.
+- `formats` lists the formats.
+- `mesh_in_file` returns a mesh with the precision of a format.
+- `whole_file` and `whole_text` write any other file.
+
+Importing this package loads no mesh library and no graphics library. The module of a format is loaded when the first file
+of that format is written or read.
 """
 
 from __future__ import annotations
@@ -32,12 +36,12 @@ __all__ = [
     "write_scene",
 ]
 
-#: modules of the names that are not in the registry
-HOMES = {"formats": "known", "rounding": "single"}
+#: module of each name that is not in `registry`
+MODULES_BY_NAME = {"formats": "known", "rounding": "single"}
 
 
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'gearmesh.io' has no attribute {name!r}")
-    value = globals()[name] = getattr(import_module(f"gearmesh.io.{HOMES.get(name, 'registry')}"), name)
+    value = globals()[name] = getattr(import_module(f"gearmesh.io.{MODULES_BY_NAME.get(name, 'registry')}"), name)
     return value

@@ -1,9 +1,9 @@
 """Files that appear whole or not at all, and failures to write them as one clear line.
 
 A file is written under a temporary name in the folder of its target and renamed when it is complete and on disk.
-Until then an existing file is untouched, and whatever ends the writing early (a full disk, an exception, Ctrl-C)
-leaves no temporary file. A process that was killed does leave one; its name shows whose it was, and the next process that
-writes into the folder removes what is left of dead ones. Any other part of gearmesh that writes a file goes through here:
+Until then an existing file is untouched. A full disk, an exception or Ctrl-C leaves no temporary file. A killed process
+leaves its temporary file, whose name tells the process; the next process that writes into the folder removes it.
+All parts of gearmesh write files by this module:
 
     with whole_file("teeth.png") as temporary:
         picture.save(temporary)
@@ -29,23 +29,23 @@ from gearmesh.errors import GearmeshError, OutputError
 
 PathLike = str | os.PathLike[str]
 
-# .gearmesh-<where process numbers mean the same>-<process>-<random>, then a suffix, or -was-<name of a retired folder>
-_TEMPORARY = re.compile(r"\.gearmesh-([0-9a-f]{8})-([0-9]{1,10})-[0-9a-f]{12}(?:-was-(.+)|\..*)?", re.DOTALL)
+# .gearmesh-<machine and process namespace>-<process>-<random>, then a suffix, or -was-<name of a retired folder>
+_TEMPORARY_NAME = re.compile(r"\.gearmesh-([0-9a-f]{8})-([0-9]{1,10})-[0-9a-f]{12}(?:-was-(.+)|\..*)?", re.DOTALL)
 
 
-#: what a file in a scratch folder is called in messages
-SCRATCH = "a temporary file"
-#: files and folders that this process has written whole, in their order
+#: words of messages for a file in a scratch folder
+SCRATCH_FILE_WORDS = "a temporary file"
+#: files and folders that this process has written whole, in the order of writing
 _written: list[Path] = []
 
 
 def keep(path: PathLike) -> None:
-    """Count a file that grows by whole lines among those that are written: what it has is kept when the process is stopped."""
+    """Count a file that grows by whole lines as written: its lines stay when the process is stopped."""
     _written.append(Path(path))
 
 
 def written_whole() -> tuple[Path, ...]:
-    """The files and folders that this process has written and that are there, as their paths were given."""
+    """Existing files and folders that this process has written, by the paths that callers gave."""
     return tuple(path for path in dict.fromkeys(_written) if path.exists())
 
 
@@ -54,8 +54,8 @@ def whole_file(path: PathLike) -> Iterator[Path]:
     """Context giving a temporary path, beside `path` and with its suffix, that becomes `path` on success.
 
     The temporary file exists and is empty on entry, so that an unwritable folder is found before any work is done.
-    A symbolic link is written through. Raises OutputError, naming `path` and the reason, when `path` cannot be a
-    file, on any OSError in the body (which should do nothing but write), and if the body writes nothing.
+    A symbolic link is written through. The body should only write. Raises OutputError, with `path` and the reason, when
+    `path` cannot be a file, when the body raises an OSError, and when the body writes nothing.
     """
     target = Path(os.path.realpath(path))
     temporary = _temporary_beside(target, target.suffix)
@@ -79,8 +79,8 @@ def whole_file(path: PathLike) -> Iterator[Path]:
 def whole_folder(path: PathLike, suffix: str) -> Iterator[Path]:
     """Context giving a new temporary folder that takes the place of the folder `path` on success.
 
-    For formats that spread over files. An existing folder is replaced only if it holds nothing but files ending in
-    `suffix`, and comes back if the exchange fails. Raises OutputError as `whole_file` does.
+    Formats of several files use this. An existing folder is replaced only if all its files end in `suffix`; it comes back
+    if the exchange fails. Raises OutputError as `whole_file` does.
     """
     target = Path(os.path.realpath(path))
     temporary, retired = _temporary_beside(target, target.suffix), _temporary_beside(target, f"-was-{target.name}")
@@ -101,11 +101,11 @@ def whole_folder(path: PathLike, suffix: str) -> Iterator[Path]:
 
 @contextmanager
 def files_together(path: PathLike) -> Iterator[Path]:
-    """Context giving a temporary folder whose files appear in the folder `path` together on success, and not at all otherwise.
+    """Context giving a temporary folder; on success all its files appear in the folder `path`, otherwise none.
 
-    Files and folders there that have other names stay. A folder that is written anew replaces one that holds files of its
-    suffixes alone. The temporary folder is inside `path`, which is made where it does not exist and goes again if nothing is
-    written. Raises OutputError as `whole_file` does; refusals name the files as they would have been.
+    Files and folders in `path` with other names stay. A new folder replaces an existing one only if that holds no files of
+    other suffixes. The temporary folder is inside `path`. A missing `path` is made, and removed again if nothing is written.
+    Raises OutputError as `whole_file` does; refusals name the final files.
     """
     target = Path(os.path.realpath(path))
     temporary, known = target / _temporary_beside(target / "files", "").name, len(_written)
@@ -126,7 +126,7 @@ def files_together(path: PathLike) -> Iterator[Path]:
                 _into_place(entry, target / entry.name)
             _written[known:] = [Path(path) / entry.name for entry in entries]
     finally:
-        # what is gone was not written
+        # files of the temporary folder that did not reach their place were not written
         _written[known:] = [file for file in _written[known:] if temporary not in file.parents]
         shutil.rmtree(temporary, ignore_errors=True)
         for folder in made:
@@ -135,22 +135,22 @@ def files_together(path: PathLike) -> Iterator[Path]:
 
 
 def _make_folder(folder: Path) -> list[Path]:
-    """Make a folder and those that it is in; all that were made, the innermost first."""
+    """Make a folder and its missing parents; return the folders made, the innermost first."""
     missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
     folder.mkdir(parents=True, exist_ok=True)
     return missing
 
 
 def _under_final_name(target: Path, refusal: OutputError, temporary: Path) -> OutputError:
-    """A refusal that names its file as it would have been in the folder `target`."""
-    shown, own = str(target), str(temporary)
-    refusal.value = str(refusal.value).replace(own, shown)
-    refusal.reason = refusal.reason.replace(own, shown)
+    """Refusal with the path in the folder `target` in place of the path in the temporary folder."""
+    final_name, temporary_name = str(target), str(temporary)
+    refusal.value = str(refusal.value).replace(temporary_name, final_name)
+    refusal.reason = refusal.reason.replace(temporary_name, final_name)
     return refusal
 
 
 def _refuse_in_the_way(new: Path, path: Path) -> None:
-    """Refuse a file or a folder whose place is taken by what it does not replace."""
+    """Refuse a new file or folder whose path holds something that may not be replaced."""
     target = Path(os.path.realpath(path))
     if new.is_file():
         _refuse_unless_file(path, target)
@@ -179,16 +179,16 @@ def whole_text(path: PathLike, text: str) -> None:
 
 @contextmanager
 def scratch_folder() -> Iterator[Path]:
-    """Context giving a folder that is removed at the end; failures to write in it are OutputErrors that do not name it."""
+    """Context giving a folder that is removed at the end; an OutputError of writing in it does not name the folder."""
     with tempfile.TemporaryDirectory(prefix="gearmesh-") as name:
         try:
             yield Path(name)
         except OSError as error:
             if name not in str(error):
                 raise
-            raise OutputError("cannot write", SCRATCH, reason=error.strerror or "it failed") from error
+            raise OutputError("cannot write", SCRATCH_FILE_WORDS, reason=error.strerror or "it failed") from error
         except GearmeshError as failure:
-            raise _with_other_name(failure, name, SCRATCH) from failure
+            raise _with_other_name(failure, name, SCRATCH_FILE_WORDS) from failure
 
 
 @contextmanager
@@ -207,43 +207,44 @@ def _report_errors(path: PathLike, temporary: Path) -> Iterator[None]:
 
 
 def _with_other_name(failure: GearmeshError, temporary: str, name: str) -> GearmeshError:
-    """The refusal with another name for a temporary file or folder, and for what is in it."""
+    """Refusal with `name` in place of a temporary path and of paths inside it."""
     if temporary not in str(failure):
         return failure
     made, inside = copy(failure), re.compile(rf"{re.escape(temporary)}[\w./-]*")
-    for own, value in vars(made).items():
+    for attribute, value in vars(made).items():
         if isinstance(value, str | Path):
-            setattr(made, own, inside.sub(lambda _: name, str(value)))
+            setattr(made, attribute, inside.sub(lambda _: name, str(value)))
     return made
 
 
 def _temporary_beside(target: Path, end: str) -> Path:
-    """An unused name in the folder of `target`, with its suffix as the `end`: some writers choose the format by it."""
+    """Unused path in the folder of `target` that ends in `end`; some writers choose the format by the suffix."""
     return target.with_name(f".gearmesh-{_place()}-{os.getpid()}-{secrets.token_hex(6)}{end}")
 
 
 @cache
 def _place() -> str:
-    """Machine and process namespace in eight digits: folders may be shared with others, where other processes run."""
-    known = [socket.gethostname()]
+    """Checksum, eight digits, of the machine and the process namespace; other machines may write into a shared folder."""
+    identity = [socket.gethostname()]
     with suppress(OSError):
-        known.append(Path("/etc/machine-id").read_text(encoding="ascii"))
+        identity.append(Path("/etc/machine-id").read_text(encoding="ascii"))
     with suppress(OSError):
-        known.append(os.readlink("/proc/self/ns/pid"))
-    return f"{zlib.crc32(' '.join(known).encode()):08x}"
+        identity.append(os.readlink("/proc/self/ns/pid"))
+    return f"{zlib.crc32(' '.join(identity).encode()):08x}"
 
 
 @cache
 def _remove_leftovers(folder: Path) -> None:
-    """Remove, once a process, what killed processes left in a folder; a retired folder whose place is free goes back there.
+    """Remove the temporary files of killed processes from a folder; a retired folder goes back if its place is free.
 
-    Temporaries of living processes stay, and those of other machines, where nothing is known of their processes.
+    A process does this once for each folder. Temporary files of living processes stay, and those of other machines, whose
+    processes cannot be asked for.
     """
     if os.name != "posix":
         return  # there is no harmless signal
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in list(entries):
-            match = _TEMPORARY.fullmatch(entry.name)
+            match = _TEMPORARY_NAME.fullmatch(entry.name)
             if not match or match[1] != _place() or _alive(int(match[2])):
                 continue
             with suppress(OSError):
@@ -256,7 +257,7 @@ def _remove_leftovers(folder: Path) -> None:
 
 
 def _alive(process: int) -> bool:
-    """Whether there is a process of this number, also one that may not be asked."""
+    """True if a process has this number, even one of another user."""
     try:
         os.kill(process, 0)
     except (ProcessLookupError, OverflowError):

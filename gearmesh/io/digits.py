@@ -1,8 +1,8 @@
-"""How many digits files have: coordinates are on a grid far finer than any tolerance and far coarser than rounding.
+"""Digits of files: coordinates lie on a grid far finer than any tolerance and far coarser than rounding.
 
-Last digits differ between processors (their kernels for matrices, their loops for sines). On the grid they are gone, so that the
-same command writes the same bytes. A value that lies within rounding of a border of the grid can still fall to either side: with
-rounding of 1e-14 mm that is one coordinate in a million or less.
+The last digits of a result depend on the processor (its kernels for matrices, its loops for sines). The grid removes them,
+so the same command writes the same bytes. A value within rounding of the middle between two grid points can still go to
+either. With rounding of 1e-14 mm this happens to one coordinate in a million or less.
 """
 
 from __future__ import annotations
@@ -14,25 +14,31 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.grid import on_grid
 
-#: steps of the grid per mm: of vertices of meshes; of points of CAD solids, which programs join if they are within 1e-7 mm; of
-#: curves of sections, whose ends meet within two steps
-VERTEX_STEPS_PER_MM, POINT_STEPS_PER_MM, CURVE_STEPS_PER_MM = 1e7, 1e8, 1e9
-#: steps of the grid of angles (deg) and numbers without unit, and of parameters of surfaces: a radian at 1 m in steps of 1e-7 mm
-STEPS_PER_UNIT, PARAMETER_STEPS_PER_UNIT = 1e11, 1e10
+#: grid of vertices of meshes
+VERTEX_STEPS_PER_MM = 1e7
+#: grid of points of CAD solids, which programs join within 1e-7 mm
+POINT_STEPS_PER_MM = 1e8
+#: grid of curves of sections, whose ends meet within two steps
+CURVE_STEPS_PER_MM = 1e9
+#: grid of angles, deg, and of numbers without unit
+STEPS_PER_UNIT = 1e11
+#: grid of parameters of surfaces: a step of an angle, rad, is 1e-7 mm at a radius of 1 m
+PARAMETER_STEPS_PER_UNIT = 1e10
 
-_REAL = re.compile(r"(-?[0-9]+\.[0-9]*(?:E[-+]?[0-9]+)?)")
+#: a real number of ISO 10303-21
+_STEP_REAL = re.compile(r"(-?[0-9]+\.[0-9]*(?:E[-+]?[0-9]+)?)")
 
 
 def reals_on_grid(text: str, per_unit: float) -> str:
-    """A text of STEP files with its reals on a grid of so many steps per unit, as few digits as they take."""
-    pieces = _REAL.split(text)
+    """Return the text of a STEP file with all reals on a grid of `per_unit` steps per unit, in the fewest digits."""
+    pieces = _STEP_REAL.split(text)
     values = np.array(list(map(float, pieces[1::2])))
     pieces[1::2] = map(_real, on_grid(values, per_unit).tolist())
     return "".join(pieces)
 
 
 def _real(value: float) -> str:
-    """The text of a real by ISO 10303-21, which has a point always and a capital E."""
+    """Return a real as ISO 10303-21 writes it: always with a point, and with a capital E."""
     digits = repr(value)
     if "e" not in digits:
         return digits.removesuffix("0") if digits.endswith(".0") else digits
@@ -41,15 +47,15 @@ def _real(value: float) -> str:
 
 
 def vertices_on_grid(points: Array) -> Array:
-    """Vertices (..., 3) of meshes, mm."""
+    """Return vertices (..., 3), mm, of meshes on their grid."""
     return on_grid(points, VERTEX_STEPS_PER_MM)
 
 
 def curve_on_grid(values: Array) -> Array:
-    """Points, control points and radii (...) of curves of sections, mm."""
+    """Return points, control points and radii (...), mm, of curves of sections on their grid."""
     return on_grid(values, CURVE_STEPS_PER_MM)
 
 
 def angle_on_grid(values: Array) -> Array:
-    """Angles (...), deg, parameters and other numbers without length."""
+    """Return angles (...), deg, parameters and other numbers without unit on their grid."""
     return on_grid(values, STEPS_PER_UNIT)

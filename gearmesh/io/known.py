@@ -1,4 +1,4 @@
-"""Which file formats there are, without the modules that write and read them: most commands need one, or none."""
+"""Table of the file formats of meshes. It imports no writer or reader: most commands need one of them, or none."""
 
 from __future__ import annotations
 
@@ -7,15 +7,18 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class KnownFormat:
-    """The module of `gearmesh.io.meshes` that has a format, a line about it, and whether one file can hold `several` meshes."""
+    """A file format of meshes."""
 
+    #: module of `gearmesh.io.meshes` with its writer and reader
     module: str
+    #: one line for the user
     description: str
+    #: True if one file can hold several meshes
     several: bool = False
 
 
-#: formats by their suffixes
-KNOWN = {
+#: formats by suffix
+KNOWN_FORMATS = {
     ".glb": KnownFormat("glb", "binary glTF, metres, float32, a coloured primitive for each region", True),
     ".obj": KnownFormat("obj", "Wavefront OBJ, mm, text with seven decimals, a group for each region", True),
     ".ply": KnownFormat("ply", "binary PLY, mm, float64, faces by region"),
@@ -30,5 +33,5 @@ KNOWN = {
 
 
 def formats(*, several: bool = False) -> dict[str, str]:
-    """Suffix (".stl", ...) -> one line about the format, for every format that can be written, or that holds `several` meshes."""
-    return {suffix: entry.description for suffix, entry in KNOWN.items() if entry.several or not several}
+    """Return suffix (".stl", ...) -> one line, for all formats or for those that hold `several` meshes in a file."""
+    return {suffix: entry.description for suffix, entry in KNOWN_FORMATS.items() if entry.several or not several}

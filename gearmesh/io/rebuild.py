@@ -1,4 +1,4 @@
-"""A mesh from what a file holds: vertices joined again, indices checked, normals completed."""
+"""Meshes from the arrays of a file: vertices are joined again, indices checked, missing normals computed."""
 
 from __future__ import annotations
 
@@ -29,9 +29,12 @@ def built_mesh(
     region_names: tuple[str, ...] = ("surface",),
     normals: ArrayLike | None = None,
 ) -> TriangleMesh:
-    """A mesh from what a file holds, checked; without `regions` one region, without `normals` those of the facets.
+    """Return a mesh from the arrays of a file, checked.
 
-    vertices (V, 3) mm, triangles (T, 3), regions (T,), normals (T, 3).
+    - vertices: (V, 3), mm.
+    - triangles: indices (T, 3) of vertices.
+    - regions: indices (T,) of region names; None for one region.
+    - normals: unit vectors (T, 3); None for the normals of the facets.
 
     Raises ValueError without triangles and for indices out of range.
     """
@@ -49,7 +52,7 @@ def built_mesh(
 
 
 def by_name(meshes: Iterable[TriangleMesh]) -> dict[str, TriangleMesh]:
-    """The meshes of a file under their names; raises ValueError if two have the same."""
+    """Return the meshes of a file by name; raises ValueError if two have the same name."""
     scene: dict[str, TriangleMesh] = {}
     for mesh in meshes:
         if mesh.name in scene:
@@ -59,9 +62,9 @@ def by_name(meshes: Iterable[TriangleMesh]) -> dict[str, TriangleMesh]:
 
 
 def merge(points: NDArray[np.floating]) -> tuple[Array, Indices]:
-    """Distinct points of (N, 3), in order of first appearance, and for each of the N its index among them.
+    """Return the distinct points of (N, 3), in order of first appearance, and the index (N,) of each point among them.
 
-    Points are one if all coordinates are equal, bit for bit but for the sign of zero.
+    Points are equal if all coordinates are equal bit by bit, apart from the sign of zero.
     """
     key = np.zeros(len(points), dtype=np.int64)
     for column in points.T:
@@ -76,6 +79,6 @@ def merge(points: NDArray[np.floating]) -> tuple[Array, Indices]:
 
 
 def used_part(vertices: Array, triangles: Indices) -> tuple[Array, Indices]:
-    """Vertices (V, 3) that the triangles (T, 3) use, in their order, and the triangles renumbered."""
+    """Return the vertices of (V, 3) that triangles (T, 3) use, in their order, and the triangles renumbered."""
     used, renumbered = np.unique(triangles, return_inverse=True)
     return vertices[used], renumbered.reshape(-1, 3)

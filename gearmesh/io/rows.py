@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 
 def lines(template: str, table: NDArray[np.generic], chunk: int = 50_000) -> Iterator[str]:
-    """Text of the rows of `table` (N, K), each through the %-template of a line with K fields, in large pieces.
+    """Yield the rows of `table` (N, K) as text, `chunk` rows at a time; `template` is the %-template of one line, K fields.
 
-    With %r a float has the fewest digits that give it back exactly.
+    With %r a float has the fewest digits that read back exactly.
     """
     for start in range(0, len(table), chunk):
         rows = table[start : start + chunk]

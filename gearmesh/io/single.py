@@ -1,17 +1,18 @@
-"""A mesh as files hold it, in float32 or in decimals: the same surface, closed where it was, proved on the rounded coordinates.
+"""Meshes with coordinates as files hold them, in float32 or in decimals; a closed surface stays closed.
 
-Decimals are on the grid of `digits`. At 350 mm one step of float32 is 3e-5 mm. Vertices closer than a step become one for whoever
-joins equal corners, which every reader of STL does: an edge with four facets, or a surface pinched at a point. And a facet thinner
-than a step may turn over.
+Decimals are on the grid of `digits`. At 350 mm a step of float32 is 3e-5 mm. Rounding harms a surface in two ways. Vertices
+closer than a step become one vertex for every reader that joins equal corners (all readers of STL): the surface then has an
+edge with four facets, or is pinched at a point. A facet thinner than a step may turn over. The repair:
 
-- Vertices that fall on one point and are joined by an edge are merged, with the two facets between them left out, where
-  that keeps the surface a surface: their neighbours in common must be the apexes of those two facets (the link condition).
-- Others that fall on one point go apart, to the free points nearest to where they are.
-- A facet that turned over or lost its area gets a vertex rounded another way, or else its edge of rounding's length merged.
+- Two vertices that round to one point and share an edge are merged; the two facets at the edge are left out. The common
+  neighbours of both vertices must be the apexes of these two facets (the link condition), or the result is no surface.
+- Other vertices that round to one point move apart, to the nearest free points.
+- A facet that turned over or lost its area gets one vertex rounded another way. If that does not help, its shortest edge
+  is merged.
 
-All of it in the order of vertex numbers, so the same mesh gives the same file. Nothing moves farther than two steps (of the
-vertex' largest coordinate) a coordinate. Vertices that the mesh itself has at one place, on open edges, stay: they are meant
-to be joined.
+The repair goes in the order of vertex numbers, so the same mesh gives the same file. No coordinate moves farther than two
+steps of the vertex's largest coordinate. Vertices on open edges that already coincide in the mesh stay: they are meant to
+be joined.
 """
 
 from __future__ import annotations
@@ -32,37 +33,38 @@ Indices = NDArray[np.int64]
 Point = tuple[float, float, float]
 Components = tuple[Array, Array, Array]
 
-_CHUNK = 16384
-#: steps that a coordinate is moved at most
-STEPS = 2
-# Odd multipliers with well mixed bits, for the key of a point.
-_KEYS = (np.uint64(0x9E3779B97F4A7C15), np.uint64(0xC2B2AE3D27D4EB4F), np.uint64(0x165667B19E3779F9))
+#: facets that are tested together, so that their arrays stay in the cache
+_FACETS_PER_CHUNK = 16384
+#: largest move of a coordinate by the repair
+MAX_MOVED_STEPS = 2
+#: odd multipliers with well mixed bits, for the key of a point
+_KEY_FACTORS = (np.uint64(0x9E3779B97F4A7C15), np.uint64(0xC2B2AE3D27D4EB4F), np.uint64(0x165667B19E3779F9))
 
 
 @dataclass(frozen=True)
 class _Numbers:
-    """Numbers, of `unit` mm, that coordinates may be.
+    """Numbers that a file can hold as coordinates."""
 
-    They are decimals on their grid, or `single` ones (float32), multiples of a `finest` above 0.
-    """
-
+    #: True for float32, False for decimals on their grid
     single: bool
+    #: unit of the coordinates, mm
     unit: float = 1.0
+    #: float32 numbers are multiples of this (in units); 0 for all float32 numbers
     finest: float = 0.0
 
     def nearest(self, points: Array) -> Array:
-        """Points, in units, as float64; no negative zero, which is another bit pattern of the same number."""
+        """Return the nearest numbers of the file as float64, in units; never a negative zero, which has other bits than 0."""
         if not self.single:
             return vertices_on_grid(points)
         single = points.astype(np.float32).astype(float)
         return (np.rint(single / self.finest) * self.finest if self.finest else single) + 0.0
 
     def nearest_mm(self, vertices: Array) -> Array:
-        """Vertices (N, 3), mm."""
+        """Return vertices (N, 3), mm, at the nearest numbers of the file."""
         return self.nearest(vertices / self.unit) * self.unit
 
     def steps(self, points: Array) -> Array:
-        """Steps (...), in units, between neighbours of coordinates (...), in units."""
+        """Return the distances (...) between neighbouring numbers of the file at coordinates (...), both in units."""
         if not self.single:
             return np.full_like(points, 1.0 / VERTEX_STEPS_PER_MM)
         single: Array = np.spacing(np.abs(points).astype(np.float32)).astype(float)
@@ -70,21 +72,21 @@ class _Numbers:
 
 
 def in_decimals(mesh: Facets) -> Facets:
-    """The mesh with its coordinates (mm) on the grid of decimals. Facets without area, by their indices, are left out."""
+    """Return the mesh with its coordinates (mm) on the grid of decimals; facets with equal corner indices are left out."""
     return _in_numbers(mesh, _Numbers(single=False))
 
 
 def decimal_steps(points: Array) -> Array:
-    """Twice the distances (N, 3), mm, by which `in_decimals` moves coordinates (N, 3) at most: a little more than their steps."""
+    """Twice the largest distances (N, 3), mm, by which `in_decimals` moves coordinates (N, 3): a little more than a step."""
     return 2.0 * BORDER * _Numbers(single=False).steps(points)
 
 
 def in_single(mesh: Facets, unit: float = 1.0, finest: float = 0.0) -> Facets:
-    """The mesh (mm) with coordinates that are float32 numbers of `unit` mm, what a file of such numbers holds.
+    """Return the mesh (mm) with coordinates that are float32 numbers of `unit` mm.
 
-    With `finest` coordinates are also multiples of it (in `unit`), which matters close to zero, where float32 distinguishes
-    what a reader with an absolute tolerance does not. Facets without area, by their indices, are left out. A gear of which
-    nothing is to be repaired stays one that repeats its teeth.
+    With `finest` coordinates are also multiples of it (in `unit`). This matters close to zero, where float32 numbers are
+    closer to each other than the absolute tolerance of some readers. Facets with equal corner indices are left out. A gear
+    that repeats one tooth stays so if nothing needs repair.
     """
     return _in_numbers(mesh, _Numbers(True, unit, finest))
 
@@ -97,7 +99,7 @@ def _in_numbers(mesh: Facets, numbers: _Numbers) -> Facets:
 
 
 def _is_right(mesh: Facets, written: Facets, numbers: _Numbers) -> bool:
-    """True where rounding leaves every vertex a point of its own, and no facet without area or turned over."""
+    """True if, after rounding, no two vertices coincide and no facet lost its area or turned over."""
     keys = np.concatenate([_keys(piece / numbers.unit) for piece in written.vertex_pieces()])
     keys.sort()
     if (keys[1:] == keys[:-1]).any():
@@ -112,7 +114,7 @@ def _is_right(mesh: Facets, written: Facets, numbers: _Numbers) -> bool:
 
 
 def _repair_mesh(mesh: TriangleMesh, numbers: _Numbers) -> TriangleMesh:
-    """The mesh as files hold it, where rounding may do harm."""
+    """Return the rounded mesh, repaired if rounding did harm."""
     true, unit = mesh.vertices / numbers.unit, numbers.unit
     points = numbers.nearest(true)
     crowd, weak = _coincident(points), _weak(true, points, mesh.triangles)
@@ -124,14 +126,14 @@ def _repair_mesh(mesh: TriangleMesh, numbers: _Numbers) -> TriangleMesh:
 
 
 def steps(points: Array, unit: float = 1.0, finest: float = 0.0) -> Array:
-    """Distances (N, 3), mm, between the numbers that `in_single` may put in the place of coordinates (N, 3), mm."""
+    """Return the distances (N, 3), mm, between neighbouring float32 numbers of `in_single` at coordinates (N, 3), mm."""
     return _Numbers(True, unit, finest).steps(points / unit) * unit
 
 
 def rounding(mesh: Facets, written: Facets) -> float:
-    """How far (mm) the surface of a mesh is at most from that of the same mesh as a file holds it, `written`.
+    """Largest distance (mm) between the surface of a mesh and the surface of the same mesh in a file, `written`.
 
-    Where no vertex was merged that is how far the one moved farthest, else what none of them exceeds.
+    The largest vertex displacement; an upper bound if vertices were merged.
     """
     if written is mesh:
         return 0.0
@@ -141,13 +143,13 @@ def rounding(mesh: Facets, written: Facets) -> float:
     # a step of float32 is at most this share of the number, in whatever unit
     largest = max(float(np.abs(piece).max()) for piece in mesh.vertex_pieces())
     step = max(float(np.finfo(np.float32).eps) * largest, 1.0 / VERTEX_STEPS_PER_MM)
-    return float(np.sqrt(3.0)) * STEPS * step
+    return float(np.sqrt(3.0)) * MAX_MOVED_STEPS * step
 
 
 def _same_triangles(mesh: Facets, written: Facets) -> bool:
-    """True where a file has all vertices of a mesh, and its triangles."""
+    """True if the mesh of the file has the same triangles and the same number of vertices."""
     if not isinstance(written, TriangleMesh):
-        # the same teeth, whose vertices are rounded
+        # a gear that repeats its teeth: only its vertices were rounded
         return True
     if (written.vertex_count, written.triangle_count) != (mesh.vertex_count, mesh.triangle_count):
         return False
@@ -155,17 +157,17 @@ def _same_triangles(mesh: Facets, written: Facets) -> bool:
 
 
 def _keys(points: Array) -> NDArray[np.uint64]:
-    """A number (N,) for each of the points (N, 3), equal for equal points and hardly ever otherwise."""
+    """Return keys (N,) of points (N, 3): equal points have equal keys, different points hardly ever."""
     bits = np.ascontiguousarray(points).view(np.uint64)
     key = np.zeros(len(points), np.uint64)
-    for column, factor in zip(bits.T, _KEYS, strict=True):
+    for column, factor in zip(bits.T, _KEY_FACTORS, strict=True):
         key = (key ^ column) * factor
         key ^= key >> np.uint64(29)
     return key
 
 
 def _coincident(points: Array) -> Indices:
-    """Vertices, rising, that share their point with another."""
+    """Indices, rising, of vertices that coincide with another vertex."""
     keys = _keys(points)
     ranked = np.sort(keys)
     twice = ranked[1:][ranked[1:] == ranked[:-1]]
@@ -177,7 +179,7 @@ def _coincident(points: Array) -> Indices:
 
 
 def _groups(points: Array, crowd: Indices) -> list[list[int]]:
-    """The crowd by point, groups and their vertices rising."""
+    """Group coinciding vertices by their point; groups and vertices in rising order."""
     groups: dict[Point, list[int]] = {}
     for vertex, point in zip(crowd.tolist(), points[crowd].tolist(), strict=True):
         groups.setdefault(_point(point), []).append(vertex)
@@ -190,18 +192,18 @@ def _point(coordinates: list[float]) -> Point:
 
 
 def _weak(true: Array, points: Array, triangles: Indices) -> Indices:
-    """Facets that rounding turned over, or that have no area after it."""
+    """Indices of facets that rounding turned over or left without area."""
     given, rounded = np.ascontiguousarray(true.T), np.ascontiguousarray(points.T)
     wrong = []
-    for start in range(0, len(triangles), _CHUNK):
-        corners = np.ascontiguousarray(triangles[start : start + _CHUNK].T)
+    for start in range(0, len(triangles), _FACETS_PER_CHUNK):
+        corners = np.ascontiguousarray(triangles[start : start + _FACETS_PER_CHUNK].T)
         before, after = (_areas(*points[:, corners].swapaxes(0, 1)) for points in (given, rounded))
         wrong.append(start + np.flatnonzero(~(_agreement(before, after) > 0.0)))
     return np.concatenate(wrong)
 
 
 def _agreement(before: Components, after: Components) -> Array:
-    """Products (T,) of vectors, positive where they look to the same side."""
+    """Scalar products (T,) of vectors by components; positive if both vectors look to the same side."""
     same = before[0] * after[0]
     same += before[1] * after[1]
     same += before[2] * after[2]
@@ -209,13 +211,13 @@ def _agreement(before: Components, after: Components) -> Array:
 
 
 def _areas(a: Array, b: Array, c: Array) -> Components:
-    """Components of the normals, twice as long as the area, of triangles by components (3, T) of their corners."""
+    """Components of the normals of triangles, from components (3, T) of their corners; a normal is as long as twice the area."""
     (ux, vx), (uy, vy), (uz, vz) = ((q - p, r - p) for p, q, r in zip(a, b, c, strict=True))
     return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
 
 
 class _Repair:
-    """The facets round the vertices in trouble, and what is done to them."""
+    """Repair of the facets around coinciding vertices and around facets that rounding spoilt."""
 
     def __init__(
         self, true: Array, points: Array, triangles: Indices, crowd: Indices, weak: Indices, numbers: _Numbers
@@ -247,13 +249,13 @@ class _Repair:
                 self._drop(facet)
         for group in groups:
             self._disperse([vertex for vertex in group if self.around[vertex]])
-        # a repair may stand in the way of another one: a few rounds, as long as something gets better
+        # a repair can free the way for another one: repeat as long as the number of spoilt facets falls
         left = sorted(facet for facet in self.facets if not self._right(facet, {}))
         while left and (later := [facet for facet in left if not self._mend(facet)]) != left:
             left = [facet for facet in later if facet in self.facets and not self._right(facet, {})]
 
     def result(self, mesh: TriangleMesh, unit: float) -> TriangleMesh:
-        """The mesh with everything done."""
+        """Return the repaired mesh."""
         points, triangles = self.points.copy(), mesh.triangles.copy()
         for vertex, point in self.moved.items():
             points[vertex] = point
@@ -275,7 +277,7 @@ class _Repair:
     # --- vertices on one point ---------------------------------------------------------------------------------------
 
     def _disperse(self, group: list[int]) -> None:
-        """Merge those of a group that an edge joins; part the others."""
+        """Merge the vertices of a group that share an edge; move the others apart."""
         merging = True
         while merging:
             merging = False
@@ -291,7 +293,7 @@ class _Repair:
                 self._part(vertex)
 
     def _part(self, vertex: int) -> None:
-        """Move a vertex to the nearest free point where its facets are right, or as many of them as can be."""
+        """Move a vertex to the nearest free point with all its facets right, or with the fewest wrong ones."""
         best, fewest = None, len(self.around[vertex]) + 1
         for point in self._candidates(vertex, 2):
             if not self._is_taken(point):
@@ -306,7 +308,7 @@ class _Repair:
     # --- facets turned over or without area ---------------------------------------------------------------------------
 
     def _mend(self, facet: int) -> bool:
-        """Put a facet right, without harm to another; whether that could be done."""
+        """Repair a facet without harm to another facet; return True if the facet is right."""
         if facet not in self.facets or self._right(facet, {}):
             return True
         corners = sorted(self.facets[facet])
@@ -324,7 +326,7 @@ class _Repair:
         return False
 
     def _right(self, facet: int, places: dict[int, Point]) -> bool:
-        """Whether a facet looks to the side it should, with some vertices at other `places`."""
+        """True if a facet looks to its side of the exact mesh; `places` holds points of moved vertices."""
         (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (places.get(v) or self._point(v) for v in self.facets[facet])
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = self.reference[facet]
@@ -337,12 +339,12 @@ class _Repair:
         return {other for facet in self.around[vertex] for other in self.facets[facet]} - {vertex}
 
     def _open(self, vertex: int) -> bool:
-        """Whether a vertex lies on an open edge: a neighbour that fewer than two of its facets have."""
+        """True if a vertex lies on an open edge: fewer than two of its facets share a neighbour."""
         ring = [other for facet in self.around[vertex] for other in self.facets[facet] if other != vertex]
         return any(ring.count(other) < 2 for other in ring)
 
     def _mergeable(self, a: int, b: int) -> bool:
-        """Whether the edge from a to b can shrink to a point and leave a surface of the same topology."""
+        """True if the edge from a to b can shrink to a point without a change of topology."""
         between = self.around[a] & self.around[b]
         if not between or len(between) > 2 or between == self.around[a] | self.around[b]:
             return False
@@ -383,11 +385,11 @@ class _Repair:
             del self.at[self.moved[vertex]]
 
     def _step(self, vertex: int) -> float:
-        """The step of the numbers at the largest coordinate of a vertex."""
+        """Return the step of the file's numbers at the largest coordinate of a vertex, in units."""
         return float(self.numbers.steps(np.abs(self.true[vertex]).max(keepdims=True))[0])
 
     def _candidates(self, vertex: int, steps: int) -> Iterator[Point]:
-        """Points that the file holds within so many steps of a vertex, nearest first."""
+        """Yield the points of the file within `steps` steps of a vertex, nearest first."""
         offsets = self._step(vertex) * np.array([*product(range(-steps, steps + 1), repeat=3)])
         points = np.unique(self.numbers.nearest(self.true[vertex] + offsets), axis=0)
         away = ((points - self.true[vertex]) ** 2).sum(axis=1)
@@ -397,7 +399,7 @@ class _Repair:
         return bool(np.abs(self.true[a] - self.true[b]).max() <= 2.0 * self._step(a))
 
     def _is_taken(self, point: Point) -> bool:
-        """Whether a vertex is at a point."""
+        """True if a vertex is at the point."""
         if point in self.at:
             return True
         key = _keys(np.array([point]))[0]

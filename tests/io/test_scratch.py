@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from gearmesh.errors import DesignError, GearmeshError, OutputError
-from gearmesh.io.atomic import SCRATCH, scratch_folder, whole_file, whole_folder
+from gearmesh.io.atomic import SCRATCH_FILE_WORDS, scratch_folder, whole_file, whole_folder
 from gearmesh.view.picture import Diagram
 
 pytestmark = pytest.mark.quick
@@ -34,14 +34,14 @@ def test_messages_do_not_name_temporary_files(failure, tmp_path: Path) -> None: 
             raise failure(temporary / "inside" if temporary.is_dir() else temporary)
         assert temporary.name not in str(raised.value)
         assert temporary.name not in repr(raised.value)
-    assert SCRATCH in str(raised.value)
+    assert SCRATCH_FILE_WORDS in str(raised.value)
 
 
 def test_pictures_in_notebooks_do_not_name_them(tmp_path: Path) -> None:
     def draw(file: Path) -> None:
         raise OutputError("cannot write", file, reason="no space left")
 
-    with pytest.raises(OutputError, match=f"^cannot write {SCRATCH}: no space left$"):
+    with pytest.raises(OutputError, match=f"^cannot write {SCRATCH_FILE_WORDS}: no space left$"):
         Diagram("x", draw)._repr_png_()
 
 

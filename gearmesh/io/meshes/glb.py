@@ -24,10 +24,16 @@ from gearmesh.io.single import in_single, steps
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import Facets, TriangleMesh
 
-_METRE = 1000.0
-_MAGIC, _JSON, _BIN = 0x46546C67, 0x4E4F534A, 0x004E4942
-_FLOAT, _UINT = 5126, 5125
-_VERTEX_BUFFER, _INDEX_BUFFER = 34962, 34963
+#: unit of glTF
+_MM_PER_METRE = 1000.0
+# numbers of the glTF 2.0 specification
+_GLB_MAGIC = 0x46546C67
+_JSON_CHUNK = 0x4E4F534A
+_BINARY_CHUNK = 0x004E4942
+_FLOAT_COMPONENT = 5126
+_UNSIGNED_INT_COMPONENT = 5125
+_VERTEX_BUFFER = 34962
+_INDEX_BUFFER = 34963
 
 
 class _Document:
@@ -43,28 +49,28 @@ class _Document:
         }
 
     def add(self, collection: str, entry: dict[str, Any]) -> int:
-        """Append to a collection; the index of the entry."""
+        """Append to a collection; return the index of the entry."""
         self.json[collection].append(entry)
         return len(self.json[collection]) - 1
 
     def array(self, data: NDArray[np.generic], target: int, accessor: dict[str, Any]) -> int:
-        """Append an array of 4-byte numbers to the buffer; the index of its accessor."""
+        """Append an array of 4-byte numbers to the buffer; return the index of its accessor."""
         view = {"buffer": 0, "byteOffset": sum(map(len, self.pieces)), "byteLength": data.nbytes, "target": target}
         self.pieces.append(data.tobytes())
         return self.add("accessors", {"bufferView": self.add("bufferViews", view), **accessor})
 
     def mesh(self, name: str, mesh: TriangleMesh) -> None:
         """Append a mesh with its node."""
-        points = (mesh.vertices / _METRE).astype("<f4")
+        points = (mesh.vertices / _MM_PER_METRE).astype("<f4")
         bounds = {"min": points.min(axis=0).tolist(), "max": points.max(axis=0).tolist()}
-        shape = {"componentType": _FLOAT, "type": "VEC3", "count": len(points), **bounds}
+        shape = {"componentType": _FLOAT_COMPONENT, "type": "VEC3", "count": len(points), **bounds}
         position = self.array(points, _VERTEX_BUFFER, shape)
         primitives = []
         for i, colour in enumerate(region_colours(len(mesh.region_names))):
             indices = mesh.triangles[mesh.regions == i].astype("<u4")
             if not len(indices):
                 continue
-            shape = {"componentType": _UINT, "type": "SCALAR", "count": indices.size}
+            shape = {"componentType": _UNSIGNED_INT_COMPONENT, "type": "SCALAR", "count": indices.size}
             index = self.array(indices, _INDEX_BUFFER, shape)
             material = self.add("materials", _material(mesh.region_names[i], colour))
             extras = {"region": i}
@@ -76,12 +82,18 @@ class _Document:
         self.json["scenes"][0]["nodes"].append(node)
 
     def pack(self) -> bytes:
-        """The file: header, JSON chunk, binary chunk, each padded to 4 bytes."""
+        """Return the bytes of the file: header, JSON chunk and binary chunk, each padded to 4 bytes."""
         binary = b"".join(self.pieces)
         text = json.dumps({**self.json, "buffers": [{"byteLength": len(binary)}]}, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
-        head = struct.pack("<III", _MAGIC, 2, 28 + len(text) + len(binary))
-        return head + struct.pack("<II", len(text), _JSON) + text + struct.pack("<II", len(binary), _BIN) + binary
+        head = struct.pack("<III", _GLB_MAGIC, 2, 28 + len(text) + len(binary))
+        return (
+            head
+            + struct.pack("<II", len(text), _JSON_CHUNK)
+            + text
+            + struct.pack("<II", len(binary), _BINARY_CHUNK)
+            + binary
+        )
 
 
 def _material(name: str, colour: tuple[float, float, float]) -> dict[str, Any]:
@@ -92,12 +104,12 @@ def _material(name: str, colour: tuple[float, float, float]) -> dict[str, Any]:
 
 
 def mesh_in_file(mesh: Facets) -> Facets:
-    """The mesh that a file holds: closed where `mesh` is, for readers that join equal vertices too."""
-    return in_single(mesh, _METRE)
+    """Return the mesh with the precision of the file; a closed mesh stays closed for readers that join equal vertices."""
+    return in_single(mesh, _MM_PER_METRE)
 
 
 def _steps(points: Array) -> Array:
-    return steps(points, _METRE)
+    return steps(points, _MM_PER_METRE)
 
 
 def write(scene: Scene, path: Path) -> None:
@@ -110,10 +122,10 @@ def write(scene: Scene, path: Path) -> None:
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:
-    """Meshes of a GLB of the kind written here (plain accessors, nodes in place), in mm."""
+    """Return the meshes of a GLB as this module writes it (plain accessors, nodes without transforms), in mm."""
     data = path.read_bytes()
     magic, version, length = struct.unpack_from("<III", data)
-    if (magic, version, length) != (_MAGIC, 2, len(data)):
+    if (magic, version, length) != (_GLB_MAGIC, 2, len(data)):
         raise ValueError("it is not a complete binary glTF 2.0")
     (size,) = struct.unpack_from("<I", data, 12)
     document = json_value(data[20 : 20 + size].decode("utf-8"), path, OutputError)
@@ -124,18 +136,18 @@ def read(path: Path) -> dict[str, TriangleMesh]:
 
 
 def _mesh(entry: dict[str, Any], document: dict[str, Any], binary: memoryview) -> TriangleMesh:
-    """The mesh of an entry of `meshes`, whose primitives share their vertices."""
+    """Return the mesh of an entry of `meshes`; its primitives share their vertices."""
 
     def array(index: int, kind: str) -> NDArray[np.generic]:
         accessor = document["accessors"][index]
         view = document["bufferViews"][accessor["bufferView"]]
-        if accessor["componentType"] != {"<f4": _FLOAT, "<u4": _UINT}[kind]:
+        if accessor["componentType"] != {"<f4": _FLOAT_COMPONENT, "<u4": _UNSIGNED_INT_COMPONENT}[kind]:
             raise ValueError("its numbers are not of the types written by gearmesh")
         return np.frombuffer(binary[view["byteOffset"] : view["byteOffset"] + view["byteLength"]], kind)
 
     primitives = entry["primitives"]
     (position,) = {primitive["attributes"]["POSITION"] for primitive in primitives}
-    points = array(position, "<f4").astype(float) * _METRE
+    points = array(position, "<f4").astype(float) * _MM_PER_METRE
     parts = [array(primitive["indices"], "<u4").reshape(-1, 3) for primitive in primitives]
     labels = [primitive["extras"]["region"] for primitive in primitives]
     regions = np.repeat(labels, [len(part) for part in parts])

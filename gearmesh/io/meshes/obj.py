@@ -19,7 +19,7 @@ from gearmesh.numerals import parse_numbers, parse_whole_numbers
 
 
 def write(scene: Scene, path: Path) -> None:
-    """Write all meshes; triangles go by region, white space in names becomes an underscore."""
+    """Write all meshes; triangles are sorted by region, white space in names becomes an underscore."""
     with whole_file(path) as temporary, open(temporary, "w", encoding="utf-8", newline="\n") as file:
         file.write("# gearmesh, unit mm\n")
         first = 1
@@ -35,7 +35,7 @@ def write(scene: Scene, path: Path) -> None:
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:
-    """Meshes of an OBJ of triangles, one for each `o`, with its `g` as regions."""
+    """Return the meshes of an OBJ of triangles, one for each line `o`; the lines `g` are its regions."""
     text = path.read_text(encoding="utf-8")
     coordinates = [line.split()[:3] for line in re.findall(r"^v[ \t]+(.*)$", text, re.MULTILINE)]
     vertices = np.array(parse_numbers(chain.from_iterable(coordinates))).reshape(-1, 3)
@@ -43,7 +43,7 @@ def read(path: Path) -> dict[str, TriangleMesh]:
 
 
 def _mesh(name: str, text: str, vertices: Array) -> TriangleMesh:
-    """The mesh of the faces in `text`, with its groups as regions."""
+    """Return the mesh of the faces in `text`; groups are regions."""
     groups = _sections("g", "surface", text)
     names = tuple(dict.fromkeys(label for label, _ in groups))
     parts = [_triangles(part) for _, part in groups]
@@ -52,7 +52,7 @@ def _mesh(name: str, text: str, vertices: Array) -> TriangleMesh:
 
 
 def _sections(keyword: str, unnamed: str, text: str) -> list[tuple[str, str]]:
-    """Name and following text of each line "keyword name"; faces before the first such line are called `unnamed`."""
+    """Return name and following text of each line "keyword name"; faces before the first such line get the name `unnamed`."""
     head, *rest = re.split(rf"^{keyword}[ \t]+(.*?)[ \t\r]*$", text, flags=re.MULTILINE)
     named = list(zip(rest[::2], rest[1::2], strict=True))
     return named if named and not re.search(r"^f[ \t]", head, re.MULTILINE) else [(unnamed, head), *named]

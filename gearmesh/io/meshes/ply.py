@@ -2,7 +2,7 @@
 
     comment region 0 1200 flank_left
 
-Faces have no property but their corners: with a second one meshio reads the file wrongly and refuses it.
+Faces have no property but their corners: meshio reads a file with a second property wrongly and refuses it.
 """
 
 from __future__ import annotations
@@ -20,8 +20,10 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import Facets, TriangleMesh
 from gearmesh.numerals import parse_whole_number, parse_whole_numbers
 
-_FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
-_TYPES = {
+#: record of a triangle
+_FACE_RECORD = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
+#: numpy types by their names in PLY
+_NUMPY_TYPES = {
     **{
         "char": "i1",
         "uchar": "u1",
@@ -38,7 +40,7 @@ _TYPES = {
 
 
 def write(scene: Scene, path: Path) -> None:
-    """Write the one mesh of the scene; triangles go by region."""
+    """Write the only mesh of the scene; triangles are sorted by region."""
     ((name, mesh),) = scene.items()
     counts = np.sum([np.bincount(piece, minlength=len(mesh.region_names)) for piece in mesh.region_pieces()], axis=0)
     regions = (f"region {i} {counts[i]} {region}" for i, region in enumerate(mesh.region_names))
@@ -64,13 +66,13 @@ def write(scene: Scene, path: Path) -> None:
             first += len(vertices)
         for region in range(len(mesh.region_names)):
             for triangles in mesh.triangle_pieces([region]):
-                faces = np.empty(len(triangles), _FACE)
+                faces = np.empty(len(triangles), _FACE_RECORD)
                 faces["count"], faces["corners"] = 3, triangles
                 file.write(faces.view(np.uint8).data)
 
 
 def _vertex_columns(mesh: Facets) -> tuple[list[str], list[Array]]:
-    """Names of what vertices have beside x, y, z, and its columns (V, K)."""
+    """Return the names and the columns (V, K) of all vertex properties except x, y, z."""
     names, columns = list[str](), list[Array]()
     for name, array in mesh.vertex_data.items():
         names += ["nx", "ny", "nz"] if array.ndim == 2 else [name]
@@ -79,7 +81,7 @@ def _vertex_columns(mesh: Facets) -> tuple[list[str], list[Array]]:
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:
-    """The mesh of a binary PLY of triangles, whatever the types of its numbers."""
+    """Return the mesh of a binary PLY of triangles; any number types are read."""
     data = path.read_bytes()
     end = data.index(b"end_header")
     body = data.index(b"\n", end) + 1
@@ -96,7 +98,7 @@ def read(path: Path) -> dict[str, TriangleMesh]:
 
 
 def _regions(comments: list[list[str]], faces: int) -> tuple[NDArray[np.int64], tuple[str, ...]]:
-    """Region of each face and the regions' names, or one region where the comments do not speak of all faces."""
+    """Return the region of each face and the names of regions; one region if the comments do not cover all faces."""
     named = [words[2].split(maxsplit=1) for words in comments if words[:1] == ["region"] and len(words) == 3]
     counts = [
         count
@@ -109,7 +111,7 @@ def _regions(comments: list[list[str]], faces: int) -> tuple[NDArray[np.int64], 
 
 
 def _elements(header: list[list[str]]) -> dict[str, tuple[int, np.dtype]]:
-    """Count and record type of each element; the list of a face becomes the fields `count` and `corners`."""
+    """Return count and record type of each element; the list of a face becomes the fields `count` and `corners`."""
     order = {"binary_little_endian": "<", "binary_big_endian": ">"}[header[1][1]]
     elements: dict[str, tuple[int, list[tuple[Any, ...]]]] = {}
     for words in header[2:]:
@@ -118,9 +120,9 @@ def _elements(header: list[list[str]]) -> dict[str, tuple[int, np.dtype]]:
             fields = elements[words[1]][1]
         elif words[:2] == ["property", "list"]:
             count, (item, _) = words[2], words[3].split()
-            fields += [("count", order + _TYPES[count]), ("corners", order + _TYPES[item], 3)]
+            fields += [("count", order + _NUMPY_TYPES[count]), ("corners", order + _NUMPY_TYPES[item], 3)]
         elif words[0] == "property":
-            fields.append((words[2], order + _TYPES[words[1]]))
+            fields.append((words[2], order + _NUMPY_TYPES[words[1]]))
     if list(elements)[:2] != ["vertex", "face"]:
         raise ValueError("its elements are not vertex and face")
     return {name: (count, np.dtype(fields)) for name, (count, fields) in elements.items()}

@@ -24,29 +24,35 @@ from gearmesh.io.single import decimal_steps, in_decimals
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.numerals import parse_numbers, parse_whole_numbers
 
-_MODEL = "3D/3dmodel.model"
-_NAMESPACE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
-_CORE = f"{{{_NAMESPACE}}}"
-_PACKAGE = "http://schemas.openxmlformats.org/package/2006"
-_XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
-_TYPES = f"""{_XML}<Types xmlns="{_PACKAGE}/content-types">
+#: path of the model part in the archive
+_MODEL_PATH = "3D/3dmodel.model"
+_CORE_NAMESPACE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+#: prefix of element names for the parser
+_CORE_PREFIX = f"{{{_CORE_NAMESPACE}}}"
+_PACKAGE_NAMESPACE = "http://schemas.openxmlformats.org/package/2006"
+_XML_DECLARATION = '<?xml version="1.0" encoding="UTF-8"?>\n'
+_CONTENT_TYPES = f"""{_XML_DECLARATION}<Types xmlns="{_PACKAGE_NAMESPACE}/content-types">
 <Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>
 <Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
 </Types>
 """
-_RELATIONS = f"""{_XML}<Relationships xmlns="{_PACKAGE}/relationships">
-<Relationship Id="model" Target="/{_MODEL}" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>
+_RELATIONSHIPS = f"""{_XML_DECLARATION}<Relationships xmlns="{_PACKAGE_NAMESPACE}/relationships">
+<Relationship Id="model" Target="/{_MODEL_PATH}" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>
 </Relationships>
 """
 
 
 def write(scene: Scene, path: Path) -> None:
-    """Write all meshes, each an object in the build."""
+    """Write all meshes, each as an object of the build."""
     with (
         whole_file(path) as temporary,
         zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=5) as archive,
     ):
-        for part, pieces in (("[Content_Types].xml", [_TYPES]), ("_rels/.rels", [_RELATIONS]), (_MODEL, _model(scene))):
+        for part, pieces in (
+            ("[Content_Types].xml", [_CONTENT_TYPES]),
+            ("_rels/.rels", [_RELATIONSHIPS]),
+            (_MODEL_PATH, _model(scene)),
+        ):
             # An entry that is opened has zip's first date, so that the same mesh gives the same bytes; writestr would take
             # today's. force_zip64: the length of a streamed entry is not known when its header is written.
             with archive.open(part, "w", force_zip64=True) as entry:
@@ -54,8 +60,8 @@ def write(scene: Scene, path: Path) -> None:
 
 
 def _model(scene: Scene) -> Iterator[str]:
-    """The XML of the model part, in pieces; resource 2k + 1 is the materials and 2k + 2 the mesh of member k."""
-    yield f'{_XML}<model unit="millimeter" xml:lang="en-US" xmlns="{_NAMESPACE}">\n'
+    """Yield the XML of the model part; resource 2k + 1 holds the materials and resource 2k + 2 the mesh of member k."""
+    yield f'{_XML_DECLARATION}<model unit="millimeter" xml:lang="en-US" xmlns="{_CORE_NAMESPACE}">\n'
     yield f'<metadata name="Application">gearmesh {__version__}</metadata>\n<resources>\n'
     for k, (name, mesh) in enumerate(scene.items()):
         yield f'<basematerials id="{2 * k + 1}">\n'
@@ -76,24 +82,24 @@ def _model(scene: Scene) -> Iterator[str]:
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:
-    """The mesh objects of a 3MF in mm, with base materials as regions."""
+    """Return the mesh objects of a 3MF in mm; base materials are regions."""
     with zipfile.ZipFile(path) as archive:
-        model = xml_root(archive.read(_MODEL))
+        model = xml_root(archive.read(_MODEL_PATH))
     if model.get("unit", "millimeter") != "millimeter":
         raise ValueError("its unit is not millimeter")
-    placed = any("transform" in item.attrib for item in model.iter(_CORE + "item"))
-    if placed or next(model.iter(_CORE + "components"), None) is not None:
+    placed = any("transform" in item.attrib for item in model.iter(_CORE_PREFIX + "item"))
+    if placed or next(model.iter(_CORE_PREFIX + "components"), None) is not None:
         raise ValueError("it places its meshes by components or transforms")
-    groups = model.iter(_CORE + "basematerials")
+    groups = model.iter(_CORE_PREFIX + "basematerials")
     materials = {group.attrib["id"]: tuple(base.attrib["name"] for base in group) for group in groups}
-    return by_name(_mesh(element, materials) for element in model.iter(_CORE + "object"))
+    return by_name(_mesh(element, materials) for element in model.iter(_CORE_PREFIX + "object"))
 
 
 def _mesh(element: Element, materials: dict[str, tuple[str, ...]]) -> TriangleMesh:
-    """The mesh of an <object>; its own base materials, or none, are the regions."""
-    triangles = list(element.iter(_CORE + "triangle"))
+    """Return the mesh of an <object>; the base materials of the object are its regions."""
+    triangles = list(element.iter(_CORE_PREFIX + "triangle"))
     corners = [t.attrib[key] for t in triangles for key in ("v1", "v2", "v3")]
-    vertices = [v.attrib[key] for v in element.iter(_CORE + "vertex") for key in "xyz"]
+    vertices = [v.attrib[key] for v in element.iter(_CORE_PREFIX + "vertex") for key in "xyz"]
     names = materials.get(element.get("pid", ""), ())
     default = element.get("pindex", "0")
     regions = parse_whole_numbers(t.get("p1", default) for t in triangles) if names else None

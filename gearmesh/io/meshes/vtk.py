@@ -1,9 +1,8 @@
 """VTK XML files VTP (surface) and VTU (cells): float64, mm, with regions and the exact normals.
 
-Cell data `region` (number) and `Normals` (3); in the field data an entry for each region, named like it and holding
-its number (names as strings would be in VTK's manner too, but then meshio refuses the file). Arrays are appended
-raw, little endian. Files are written and read without VTK, which costs half a second to load; read are only files
-of this kind.
+Cell data are `region` (number) and `Normals` (3). The field data have an entry for each region, with its name and number;
+meshio refuses files with names as strings. Arrays are appended raw, little endian. This module writes and reads files
+without VTK, which takes half a second to load. It reads only files of this form.
 """
 
 from __future__ import annotations
@@ -24,19 +23,19 @@ from gearmesh.io.registry import Scene, register
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.numerals import parse_whole_numbers
 
-_TRIANGLE = 5  # VTK's number of the cell type
+_TRIANGLE_CELL = 5  # VTK's number of the cell type
 _XML_TYPES = {"<f8": "Float64", "<i8": "Int64", "<i4": "Int32", "|u1": "UInt8"}
 
 
 class _Appended:
-    """The arrays at the end of a file, and the elements that refer to them."""
+    """Arrays at the end of a file, and the XML elements that refer to them."""
 
     def __init__(self) -> None:
         self.blocks: list[bytes] = []
         self.offset = 0
 
     def array(self, name: str, data: NDArray[np.generic], dtype: str) -> str:
-        """Take an array (N,) or (N, K) as `dtype`; its <DataArray> element."""
+        """Append an array (N,) or (N, K) as `dtype`; return its <DataArray> element."""
         block = np.ascontiguousarray(data, dtype=dtype).tobytes()
         # meshio makes a column of numbers that say they have one component.
         width = f' NumberOfComponents="{data.shape[1]}"' if data.ndim == 2 else ""
@@ -48,7 +47,7 @@ class _Appended:
         return element
 
     def write(self, file: BinaryIO, head: str) -> None:
-        """Write the elements, up to where the arrays begin, the arrays, and the end of the file."""
+        """Write the XML before the arrays (`head`), the arrays, and the end of the file."""
         file.write(head.encode())
         file.writelines(self.blocks)
         file.write(b"\n</AppendedData>\n</VTKFile>\n")
@@ -58,7 +57,7 @@ def _write_file(mesh: TriangleMesh, path: Path, dataset: str, cells: str) -> Non
     """Write a file of type `dataset` with the triangles in its element `cells` (Polys or Cells)."""
     count, data = len(mesh.triangles), _Appended()
     number = f"NumberOf{cells}"
-    types = data.array("types", np.full(count, _TRIANGLE), "|u1") if cells == "Cells" else ""
+    types = data.array("types", np.full(count, _TRIANGLE_CELL), "|u1") if cells == "Cells" else ""
     fields = "".join(
         f'<DataArray type="Int32" Name={quote(name)} NumberOfTuples="1" format="ascii">{i}</DataArray>\n'
         for i, name in enumerate(mesh.region_names)
@@ -94,8 +93,13 @@ def write_polylines(
     point_data: Mapping[str, NDArray[np.float64]],
     cell_data: Mapping[str, NDArray[np.int32]],
 ) -> None:
-    """Write polylines through points (K, 3), mm, as a VTP: `lines` of numbers of points, vectors (K, 3) of every point, and whole
-    numbers of every line."""
+    """Write polylines as a VTP.
+
+    - points: (K, 3), mm.
+    - lines: indices of the points of each line.
+    - point_data: vectors (K, 3) of the points by name.
+    - cell_data: whole numbers (lines,) of the lines by name.
+    """
     data = _Appended()
     offsets = np.cumsum([len(line) for line in lines])
     vectors = "".join(data.array(name, array, "<f8") for name, array in point_data.items())
@@ -113,21 +117,21 @@ def write_polylines(
 
 
 def write_vtp(scene: Scene, path: Path) -> None:
-    """Write the one mesh of the scene as a surface."""
+    """Write the only mesh of the scene as a surface."""
     (mesh,) = scene.values()
     with whole_file(path) as temporary:
         write_surface(mesh.whole(), temporary)
 
 
 def write_vtu(scene: Scene, path: Path) -> None:
-    """Write the one mesh of the scene as cells of an unstructured grid."""
+    """Write the only mesh of the scene as cells of an unstructured grid."""
     (mesh,) = scene.values()
     with whole_file(path) as temporary:
         _write_file(mesh.whole(), temporary, "UnstructuredGrid", "Cells")
 
 
 def read_piece(path: Path) -> TriangleMesh:
-    """The mesh of a VTP or VTU of the kind written here: one piece, arrays appended raw and not compressed."""
+    """Return the mesh of a VTP or VTU as this module writes it: one piece, arrays appended raw, no compression."""
     head, mark, rest = path.read_bytes().partition(b'<AppendedData encoding="raw">')
     if not mark or b" compressor=" in head:
         raise ValueError("its arrays are not appended raw and without compression")
@@ -154,7 +158,7 @@ def _whole(text: str) -> int:
 
 
 def _array(element: Element, data: memoryview) -> NDArray[np.generic]:
-    """The array (N,) or (N, K) that a <DataArray> refers to."""
+    """Return the array (N,) or (N, K) of a <DataArray>."""
     start = _whole(element.attrib["offset"])
     size = int.from_bytes(data[start : start + 8], "little")
     dtype = next(dtype for dtype, name in _XML_TYPES.items() if name == element.attrib["type"])
@@ -164,7 +168,7 @@ def _array(element: Element, data: memoryview) -> NDArray[np.generic]:
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:
-    """The mesh under the file's name."""
+    """Return the mesh under the file's name."""
     return {path.stem: read_piece(path)}
 
 

@@ -21,7 +21,7 @@ from gearmesh.mesh.triangles import TriangleMesh
 
 
 def write(scene: Scene, path: Path) -> None:
-    """Write all meshes; the folder of pieces comes into place before the index that names it."""
+    """Write all meshes; the folder of pieces reaches its place before the index file."""
     pieces = Path(os.path.realpath(path)).with_name(f"{path.stem}_pieces")
     with whole_file(path) as index, whole_folder(pieces, ".vtp") as folder:
         blocks = [_write_pieces(mesh.whole(), name, folder, pieces.name) for name, mesh in scene.items()]
@@ -34,7 +34,7 @@ def write(scene: Scene, path: Path) -> None:
 
 
 def _write_pieces(mesh: TriangleMesh, name: str, folder: Path, shown: str) -> str:
-    """Write the regions of a mesh into `folder`; the <DataSet> elements, which call that folder `shown`."""
+    """Write the regions of a mesh into `folder`; return the <DataSet> elements, with `shown` as the folder's name."""
     elements: list[str] = []
     for i in np.unique(mesh.regions):
         region = mesh.region_names[i]
@@ -46,14 +46,14 @@ def _write_pieces(mesh: TriangleMesh, name: str, folder: Path, shown: str) -> st
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:
-    """Meshes of a VTM of the kind written here; points of its regions with equal coordinates are one vertex again."""
+    """Return the meshes of a VTM as this module writes it; equal points of its regions become one vertex again."""
     (root,) = xml_root(path.read_bytes())
     groups = [(block.attrib["name"], block) for block in root.findall("Block")] or [(path.stem, root)]
     return {name: _join(name, [path.parent / piece.attrib["file"] for piece in group]) for name, group in groups}
 
 
 def _join(name: str, files: list[Path]) -> TriangleMesh:
-    """The mesh whose regions are the given files."""
+    """Return the mesh whose regions are the given files."""
     parts = [read_piece(file) for file in files]
     names = parts[0].region_names
     if any(part.region_names != names for part in parts):
