@@ -29,9 +29,9 @@ import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.loaded.compliance.compliance import CELLS as ELEMENTS
+from gearmesh.loaded.compliance.compliance import SECTOR_CELLS as ELEMENTS
 from gearmesh.loaded.compliance.compliance import flank_compliance
-from gearmesh.loaded.sharing import CELLS, loaded_mesh
+from gearmesh.loaded.sharing import CONTACT_CELLS, loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 
 ROOT = Path(__file__).parents[1]
@@ -45,7 +45,7 @@ class Case:
     sample: str
     torque: tuple[float, ...]
     positions: int = 9
-    cells: tuple[int, int] = CELLS
+    cells: tuple[int, int] = CONTACT_CELLS
     elements: Cells = ELEMENTS
 
 

@@ -27,7 +27,7 @@ from gearmesh.fe.gear_model import GearModel, Request, contact_stiffness, gear_m
 from gearmesh.fe.placing import PlacedPair, place
 from gearmesh.fe.results import NodalSolution, contact_figures, largest_principal
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
-from gearmesh.loaded.compliance.compliance import CELLS, HeldTeeth, held_teeth
+from gearmesh.loaded.compliance.compliance import SECTOR_CELLS, HeldTeeth, held_teeth
 from gearmesh.loaded.sharing import LoadedMesh, inside, loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.teeth.gear_train import GearPair
@@ -256,7 +256,7 @@ def kept(folder: Path | None, name: str, k: int, count: int) -> Path | None:
     return None if folder is None else folder / f"{words}_{k}_of_{count}.json"
 
 
-def bodies_of(case: Case, pair: GearPair, cells: Cells = CELLS) -> tuple[HeldTeeth, HeldTeeth]:
+def bodies_of(case: Case, pair: GearPair, cells: Cells = SECTOR_CELLS) -> tuple[HeldTeeth, HeldTeeth]:
     """The compliance of the model's bodies, as gearmesh.loaded has it."""
     sides = zip(pair.both, pair.flanks, strict=True)
     first, second = (held_teeth(member.tooth, side, STEEL, cells, None, case.teeth) for member, side in sides)

@@ -1,13 +1,15 @@
-"""Contact as a complementarity problem: pressure where bodies touch, none where they do not, and one rotation for a given torque.
+"""Contact as a complementarity problem: find the pressures and the rotation under a given torque.
 
-Of cells with areas a, gaps g and levers l, with C the displacements under pressures,
+A cell has area a, gap g and lever l. C maps pressures p to displacements. The conditions are
 
     p >= 0,    w = g + C p - theta l >= 0,    p w = 0,    sum of p a l = torque
 
-Solved by conjugate gradients on the cells that touch, which change as pressures fall below zero or bodies overlap [PK99], here with
-levers, with areas that differ, and for a batch of problems of their own at once. Some grids of a problem may have cells 20 times
-smaller than others, and w in proportion to their size: steps use w over the deflection of a cell under its own pressure. Where a
-tip edge begins to touch, the spur sample takes 79 steps so, and more than 600 by w itself.
+w is the gap under load: it is 0 where cells touch, and pressure is 0 where they do not.
+
+Conjugate gradients solve for the pressures of the touching cells [PK99]. The set of touching cells changes when a
+pressure falls below zero or when bodies overlap. Three things are added to [PK99]: levers, cells of unequal area, and a
+batch of independent problems. Cells of one problem may differ in size by a factor of 20, and w is proportional to the
+cell size. Steps therefore use w divided by the deflection of a cell under its own pressure.
 
 Source: [PK99] I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206.
 """
@@ -23,29 +25,34 @@ from numpy.typing import NDArray
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import Array
 
-#: change of pressures in a step over all of them at which an answer counts as found
-TOLERANCE = 1e-7
-#: residual over the largest displacement above which an answer does not count as found
-EXACT = 1e-4
-#: steps at most; 40 to 150 are usual
-MOST_STEPS = 600
-#: residual over the levers at which a tangent counts as found: the stiffness is exact to the square of it
-TANGENT = 1e-4
+#: convergence: area-weighted change of the pressures in a step over the sum of the pressures
+PRESSURE_TOLERANCE = 1e-7
+#: residual over the largest displacement; a larger residual means no convergence
+MAX_RELATIVE_RESIDUAL = 1e-4
+#: largest number of steps; 40 to 150 are usual
+MAX_STEPS = 600
+#: convergence of the tangent: residual over the levers; the error of the stiffness is its square
+TANGENT_TOLERANCE = 1e-4
 
-TINY = np.finfo(float).tiny
-#: displacements (B, N) under pressures (B, N) of the problems `which` (B,)
+#: smallest normal number: keeps divisions finite
+SMALLEST_FLOAT = np.finfo(float).tiny
+#: Displacements (B, N) under pressures (B, N) of the problems with these indices (B,)
 Displacements = Callable[[Array, NDArray[np.intp]], Array]
 
 
 @dataclass(frozen=True)
 class Pressures:
-    """`pressure` (B, N), MPa; `rotation` (B,): theta, rad; `residual` (B,), mm: largest |w| where there is pressure, and overlap
-    where there is none; `status` (B,) of `errors.Status`; `steps` taken by the slowest."""
+    """Solution of B contact problems with N cells each."""
 
+    #: pressures (B, N), MPa
     pressure: Array
+    #: rotations theta (B,), rad
     rotation: Array
+    #: residuals (B,), mm: the larger of |w| at cells under pressure and overlap at cells without pressure
     residual: Array
+    #: codes (B,) of `errors.Status`
     status: NDArray[np.int64]
+    #: steps that the slowest problem took
     steps: int
 
 
@@ -59,99 +66,119 @@ def pressures(
     start: Array,
     ease: Array | None = None,
 ) -> Pressures:
-    """Solve problems (B,) of cells (N,): `gap`, `lever` (mm), `area` (mm^2), `on` (B, N): whether a cell may touch; `torque` (B,),
-    N mm, above 0. `start` (B, N): pressures from where to go, above 0 somewhere `on`; `ease` (B, N): deflection of cells under
-    unit pressure on them alone, up to a factor: the same for all if not given."""
+    """Solve B contact problems of N cells for their pressures.
+
+    - `moved`: displacements under pressures
+    - `gap`, `lever` (B, N), mm; `area` (B, N), mm^2
+    - `on` (B, N): True for cells that may touch
+    - `torque` (B,), N mm, above 0
+    - `start` (B, N): initial pressures, above 0 in some cell that is `on`
+    - `ease` (B, N): deflection of each cell under unit pressure on that cell alone, up to a factor; equal for all by
+      default
+    """
     weight, levers = np.where(on, area, 0.0), np.where(on, lever, 0.0)
-    eased = np.ones_like(weight) if ease is None else ease
+    cell_ease = np.ones_like(weight) if ease is None else ease
     every = np.arange(len(gap))
+    # initial pressures, scaled to the torque
     p = np.where(on, start, 0.0)
     p *= (torque / (weight * levers * p).sum(axis=1))[:, None]
-    way, before, fresh = np.zeros_like(p), np.ones(len(p)), np.ones(len(p), dtype=bool)
+    direction, last_size, restarts = np.zeros_like(p), np.ones(len(p)), np.ones(len(p), dtype=bool)
     status = np.full(len(p), int(Status.MAX_ITERATIONS))
     active, steps = every, 0
     u = moved(p, every)
-    stride = (weight * p).sum(axis=1) / (weight * np.abs(u) / eased).sum(axis=1)
-    while active.size and steps < MOST_STEPS:
+    stride = (weight * p).sum(axis=1) / (weight * np.abs(u) / cell_ease).sum(axis=1)
+    while active.size and steps < MAX_STEPS:
         steps += 1
-        own, a, lv, soft = p[active], weight[active], levers[active], eased[active]
-        touching = own > 0.0
+        pressure, a, lv, softness = p[active], weight[active], levers[active], cell_ease[active]
+        touching = pressure > 0.0
+        # gap under load w, with the theta for which the weighted squares of w over the touching cells are least
         w = gap[active] + u[active]
         inner = a * touching
-        square = (inner * lv * lv / soft).sum(axis=1)
-        w = w - lv * ((inner * lv * w / soft).sum(axis=1) / square)[:, None]
-        down_hill = w / soft
-        size = (inner * w * down_hill).sum(axis=1)
-        turn = np.where(fresh[active] | (before[active] == 0.0), 0.0, size / np.maximum(before[active], TINY))
-        before[active] = size
-        d = np.where(touching, down_hill + turn[:, None] * way[active], 0.0)
-        answer = moved(d, active)
-        bend = (inner * answer * d).sum(axis=1)
-        # of a single cell there is nothing to go down along: those that overlap are pressed by the step before
-        down = bend > 0.0
-        stride[active[down]] = (inner * w * d).sum(axis=1)[down] / bend[down]
+        lever_square = (inner * lv * lv / softness).sum(axis=1)
+        w = w - lv * ((inner * lv * w / softness).sum(axis=1) / lever_square)[:, None]
+        # conjugate direction d; the share of the last direction is 0 after the touching cells have changed
+        descent = w / softness
+        descent_size = (inner * w * descent).sum(axis=1)
+        conjugate_share = np.where(
+            restarts[active] | (last_size[active] == 0.0),
+            0.0,
+            descent_size / np.maximum(last_size[active], SMALLEST_FLOAT),
+        )
+        last_size[active] = descent_size
+        d = np.where(touching, descent + conjugate_share[:, None] * direction[active], 0.0)
+        response = moved(d, active)
+        curvature = (inner * response * d).sum(axis=1)
+        # a single touching cell has no descent direction (curvature 0): overlapping cells then use the step length of
+        # before
+        convex = curvature > 0.0
+        stride[active[convex]] = (inner * w * d).sum(axis=1)[convex] / curvature[convex]
         step = stride[active][:, None]
-        new = np.where(touching, np.maximum(own - step * d, 0.0), 0.0)
+        # step; cells whose pressure falls below zero separate, and cells that overlap begin to touch
+        new = np.where(touching, np.maximum(pressure - step * d, 0.0), 0.0)
         overlap = on[active] & (new == 0.0) & (w < 0.0)
-        new = np.where(overlap, -step * down_hill, new)
-        carried = (a * lv * new).sum(axis=1)
-        # a step after which nothing would touch is too long
-        lost = carried <= 0.0
-        stride[active[lost]] *= 0.5
-        scale = (torque[active] / np.where(lost, 1.0, carried))[:, None]
-        new = np.where(lost[:, None], own, new * scale)
-        dropped = touching & (new == 0.0)
-        bent = (overlap | dropped).any(axis=1) | lost
-        fresh[active], way[active], p[active] = bent, d, new
-        # where no cell began or ceased to touch all is linear in the step
-        u[active] = scale * (u[active] - step * answer)
-        if bent.any():
-            u[active[bent]] = moved(new[bent], active[bent])
-        change = (a * np.abs(new - own)).sum(axis=1) / (a * new).sum(axis=1)
-        met = (change < TOLERANCE) & ~overlap.any(axis=1) & ~lost
-        status[active[met]] = Status.CONVERGED
-        active = active[~met]
+        new = np.where(overlap, -step * descent, new)
+        carried_torque = (a * lv * new).sum(axis=1)
+        # a step that separates every cell is too long: keep the pressures and halve the step
+        separated = carried_torque <= 0.0
+        stride[active[separated]] *= 0.5
+        scale = (torque[active] / np.where(separated, 1.0, carried_torque))[:, None]
+        new = np.where(separated[:, None], pressure, new * scale)
+        opened = touching & (new == 0.0)
+        changed = (overlap | opened).any(axis=1) | separated
+        restarts[active], direction[active], p[active] = changed, d, new
+        # displacements are linear in the step if no cell began or ceased to touch
+        u[active] = scale * (u[active] - step * response)
+        if changed.any():
+            u[active[changed]] = moved(new[changed], active[changed])
+        change = (a * np.abs(new - pressure)).sum(axis=1) / (a * new).sum(axis=1)
+        converged = (change < PRESSURE_TOLERANCE) & ~overlap.any(axis=1) & ~separated
+        status[active[converged]] = Status.CONVERGED
+        active = active[~converged]
     u = moved(p, every)
+    # theta and residual of the answers
     inner = weight * (p > 0.0)
     theta = (inner * levers * (gap + u)).sum(axis=1) / (inner * levers**2).sum(axis=1)
     w = gap + u - levers * theta[:, None]
     residual = np.where(p > 0.0, np.abs(w), np.where(on, np.maximum(-w, 0.0), 0.0)).max(axis=1)
-    status[residual > EXACT * np.abs(u).max(axis=1)] = Status.MAX_ITERATIONS
+    status[residual > MAX_RELATIVE_RESIDUAL * np.abs(u).max(axis=1)] = Status.MAX_ITERATIONS
     return Pressures(p, theta, residual, status, steps)
 
 
 def tangent_stiffness(
     moved: Displacements, lever: Array, area: Array, touching: NDArray[np.bool_], start: Array
 ) -> tuple[Array, NDArray[np.int64]]:
-    """Torque over rotation (B,), N mm/rad, of a small turn on from an answer, and the status (B,) of `errors.Status`.
+    """Compute the tangent stiffness (B,), torque over rotation in N mm/rad, of solved problems, and their status (B,).
 
-    Cells that are `touching` (B, N) go on to do so, and no others come to: C q = lever there, and the stiffness is sum of q a
-    lever. It is stationary at the answer: conjugate gradients need not go far, about 25 steps. `start` (B, N): q, MPa/rad, or what
-    is about in proportion to it.
+    `touching` (B, N) is the set of touching cells, which is held fixed. The rate of pressure q solves C q = lever on
+    them, and the stiffness is the sum of q a lever. It is the stationary value of a quadratic form, so that about 25
+    steps of conjugate gradients suffice. `start` (B, N): an estimate of q, MPa/rad, up to a factor. Status codes are
+    those of `errors.Status`.
     """
     weight = np.where(touching, area, 0.0)
     every = np.arange(len(lever))
     q = np.where(touching, start, 0.0)
-    answer = moved(q, every)
-    q = q * ((weight * lever * q).sum(axis=1) / (weight * answer * q).sum(axis=1))[:, None]
-    rest = np.where(touching, lever - moved(q, every), 0.0)
-    size = (weight * rest**2).sum(axis=1)
-    wanted = TANGENT**2 * (weight * lever**2).sum(axis=1)
-    way, status = rest.copy(), np.full(len(q), int(Status.MAX_ITERATIONS))
+    response = moved(q, every)
+    # scale the estimate to its best multiple
+    q = q * ((weight * lever * q).sum(axis=1) / (weight * response * q).sum(axis=1))[:, None]
+    residual = np.where(touching, lever - moved(q, every), 0.0)
+    residual_size = (weight * residual**2).sum(axis=1)
+    largest_size = TANGENT_TOLERANCE**2 * (weight * lever**2).sum(axis=1)
+    direction, status = residual.copy(), np.full(len(q), int(Status.MAX_ITERATIONS))
     active, steps = every, 0
-    while active.size and steps < MOST_STEPS:
+    # conjugate gradients on the touching cells
+    while active.size and steps < MAX_STEPS:
         steps += 1
-        d = way[active]
-        answer = moved(d, active)
-        step = size[active] / np.maximum((weight[active] * answer * d).sum(axis=1), TINY)
+        d = direction[active]
+        response = moved(d, active)
+        step = residual_size[active] / np.maximum((weight[active] * response * d).sum(axis=1), SMALLEST_FLOAT)
         q[active] += step[:, None] * d
-        rest[active] -= step[:, None] * np.where(touching[active], answer, 0.0)
-        new = (weight[active] * rest[active] ** 2).sum(axis=1)
-        way[active] = rest[active] + (new / np.maximum(size[active], TINY))[:, None] * d
-        size[active] = new
-        met = new <= wanted[active]
-        status[active[met]] = Status.CONVERGED
-        active = active[~met]
-    # the quadratic form whose greatest value the stiffness is
-    stiffness: Array = (weight * q * (lever + rest)).sum(axis=1)
+        residual[active] -= step[:, None] * np.where(touching[active], response, 0.0)
+        new = (weight[active] * residual[active] ** 2).sum(axis=1)
+        direction[active] = residual[active] + (new / np.maximum(residual_size[active], SMALLEST_FLOAT))[:, None] * d
+        residual_size[active] = new
+        converged = new <= largest_size[active]
+        status[active[converged]] = Status.CONVERGED
+        active = active[~converged]
+    # stationary value of the quadratic form: its error is the square of the error of q
+    stiffness: Array = (weight * q * (lever + residual)).sum(axis=1)
     return stiffness, status

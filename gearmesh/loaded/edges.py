@@ -1,4 +1,4 @@
-"""How much of a load lies next to the edges of the flanks, and which edges these are."""
+"""Part of a load that lies on the outermost cells, next to the edges of the flanks, and the names of these edges."""
 
 from __future__ import annotations
 
@@ -11,50 +11,55 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.sharing import PairLoad, inside
 from gearmesh.teeth.gear_train import GearPair
 
-#: cells away from an edge up to which the end of a grid is at it
-NEXT = 2.0
+#: largest distance, in cells, from the end of a grid to an edge that lies at that end
+EDGE_DISTANCE_CELLS = 2.0
 
 
 @dataclass(frozen=True)
 class EdgeLoad:
-    """Load on the outermost cells at one edge: `edge` as "gear_toe", "" where there is none and contact goes on beyond its grid;
-    `moment` (P,), part of the torque on the pinion, N mm, at every position; `width`, mm, of these cells across the edge, the mean
-    of that load."""
+    """Load on the outermost cells next to one edge."""
 
+    #: name of the edge, as "gear_toe"; "" if contact ends with its grid and there is no edge
     edge: str
+    #: part (P,) of the pinion's torque on these cells, N mm, at every position
     moment: Array
+    #: width of these cells across the edge, mm, mean over their load
     width: float
 
 
 def edge_loads(gears: GearPair, load: PairLoad, positions: int) -> list[EdgeLoad]:
-    """The loaded edges under a load at so many positions, the one with the greatest part of the torque first.
+    """Return the loaded edges under a load at `positions` positions; the edge with the largest part of the torque comes
+    first.
 
-    A cell lies at the edge that bounds its line of cells where this is one at an end of the contact, else at the nearest to the
-    contact's middle there. Edges over which the tooth goes on smoothly are none.
+    The outermost cell of a line of cells belongs to the edge that bounds this line. At an end of the contact where no
+    edge bounds the line, the cell belongs to the edge nearest to the contact's middle. An edge over which the tooth
+    continues smoothly does not count.
     """
     grid = load.separation
+    # moment on the outermost cells of each line of cells across the contact
     outermost = np.where(grid.on & ~inside(grid.on, 1), load.pressure, 0.0)
     moment = outermost.sum(axis=2) * (grid.dx * grid.dy)[:, None] * grid.levers[0]
-    # the ends themselves, half a cell beyond the first and the last middle
+    # move the first and the last line of cells from their middles to the ends of the grid
     places = grid.places.copy()
     for end, next_to in ((0, 1), (-1, -2)):
         places[:, :, end] += 0.5 * (grid.places[:, :, end] - grid.places[:, :, next_to])
-    size = np.repeat(grid.dy[:, None], moment.shape[1], axis=1)
-    size[:, [0, -1]] = grid.dx[:, None]
-    # cells beside others that are on no flank are at an edge, however far from it the middle is; those at ends may be at none
-    least = np.full_like(size, -np.inf)
-    least[:, [0, -1]] = -NEXT * size[:, [0, -1]]
-    names, outside = [""], [least]
-    for member, flank, own in zip(gears.both, solver_pair(gears).flanks, places, strict=True):
+    cell_width = np.repeat(grid.dy[:, None], moment.shape[1], axis=1)
+    cell_width[:, [0, -1]] = grid.dx[:, None]
+    # a line of cells in between always has an edge, however far away; a line at an end has none beyond this distance
+    no_edge = np.full_like(cell_width, -np.inf)
+    no_edge[:, [0, -1]] = -EDGE_DISTANCE_CELLS * cell_width[:, [0, -1]]
+    names, outside = [""], [no_edge]
+    for member, flank, member_places in zip(gears.both, solver_pair(gears).flanks, places, strict=True):
         for name, level in flank.edges.items():
             if name not in flank.smooth:
                 names.append(f"{member.name}_{flank.edge_name(name)}")
-                outside.append(level.value(own))
+                outside.append(level.value(member_places))
+    # a line of cells lies at the edge with the largest level: negative inside the flank, positive outside
     nearest = np.argmax(outside, axis=0)
     loads = []
     for k, name in enumerate(names):
-        own = np.where(nearest == k, moment, 0.0)
-        if own.any():
-            at = np.bincount(load.position, own.sum(axis=1), positions).astype(float)
-            loads.append(EdgeLoad(name, at, float((own * size).sum() / own.sum())))
+        edge_moment = np.where(nearest == k, moment, 0.0)
+        if edge_moment.any():
+            by_position = np.bincount(load.position, edge_moment.sum(axis=1), positions).astype(float)
+            loads.append(EdgeLoad(name, by_position, float((edge_moment * cell_width).sum() / edge_moment.sum())))
     return sorted(loads, key=lambda edge_load: (-edge_load.moment.max(), edge_load.edge))

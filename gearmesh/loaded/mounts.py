@@ -1,26 +1,23 @@
-"""Elastic shafts and bearings: a member is displaced as a whole by the forces on its teeth.
+"""Elastic shafts and bearings: the forces on a member's teeth displace the member as a whole.
 
-A mount has a compliance of 6 by 6 at a point of the axis, in the member's own frame at rotation 0, which does not
-turn: displacements (x, y, z) and small rotations about them, against forces and moments. A pressure at r on a body along its inward
-normal f displaces the points that other pressures act at, along their own normals, by
+A mount has a compliance C (6 by 6) at a point of the axis, in the member's own frame at rotation 0. This frame does not
+turn. C maps forces and moments to displacements along x, y, z and to small rotations about these axes. A unit pressure
+at r_i acts on the body along its inward normal f_i. Its effect at another pressure's point r_j, along f_j, is
 
     w_i' C w_j,    w = (f, (r - point) x f)
 
-which adds to the compliance of the teeth, at every position by itself. This neglects that displaced flanks touch elsewhere. To
-include it, the members are moved by the displacement of the iteration before, the mean of all positions; only the difference is
-then left to the compliance.
+This term is added to the compliance of the teeth, separately at every position. It neglects that displaced flanks touch
+elsewhere. The members are therefore moved by the mean displacement over all positions in the last iteration, and only
+the difference is left to the compliance. Three to four iterations converge to 1e-5 mm.
 
-A bearing that lets a double helical pinion go along its axis has 1000 times the compliance of teeth: whatever axial force the
-halves differ by, as a cell more touches on one of them, throws the load from one half onto the other and back. Such members are
-held by springs H as stiff as the teeth are about, at every position where they were in the iteration before, a,
+A bearing that leaves a double helical pinion free along its axis has 1000 times the compliance of the teeth. One more
+cell in contact on one half then changes the axial force enough to throw the load from one half to the other and back.
+Springs of stiffness H, about as stiff as the teeth, hold such members at their positions a of the last iteration:
 
-    displacement = (K + H)^-1 (force + H a),   with (K + H)^-1 = C (1 + H C)^-1,
+    displacement = (K + H)^-1 (force + H a),   with (K + H)^-1 = C (1 + H C)^-1,   K = C^-1
 
-which converges to the displacement C force without springs (proximal points of a convex problem), by the ratio of H to H and the
-stiffness of the teeth in each round: about a quarter.
-
-Three to four iterations converge to 1e-5 mm; moved for each position alone a spur pair that
-tilts by 9 mrad turns 4e-5 of its rotation otherwise.
+The iteration converges to the displacement C force without springs, as a proximal point iteration of a convex problem.
+Each round reduces the error by H over the sum of H and the stiffness of the teeth: to about a quarter.
 """
 
 from __future__ import annotations
@@ -38,37 +35,37 @@ from gearmesh.lengths import Length, in_mm
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
 
-#: N/mm; members that both halves of double helical teeth hold along the axis are held by as much where bearings are softer
-HOLDING = 1e5
+#: N/mm along the axis: springs hold double helical members whose bearings are softer than this
+HOLDING_STIFFNESS = 1e5
 
 
 @dataclass(frozen=True)
 class FlexibleMount:
-    """Compliance (6, 6), mm/N, rad/N, rad/(N mm), of a member's mount at `z` (mm) of its axis."""
+    """Compliance (6, 6), in mm/N, rad/N and rad/(N mm), of a member's mount at `z` (mm) on its axis."""
 
     compliance: Array
     z: float = 0.0
 
     @classmethod
     def of(cls, stiffness: ArrayLike, z: Length = 0.0) -> Self:
-        """The mount of a stiffness at a point of the axis.
+        """Return the mount with a given stiffness at a point of the axis.
 
         Parameters
         ----------
         stiffness : array_like, (6, 6) or (6,)
-            N/mm, N, N mm/rad, or its diagonal, in which inf is rigid.
+            Stiffness in N/mm, N and N mm/rad, or its diagonal, in which inf is rigid.
         z : float or str
-            Place on the axis, mm, or with a unit.
+            Position on the axis, mm, or with a unit.
 
         Returns
         -------
         FlexibleMount
-            Symmetric and above 0.
+            Mount with a symmetric, positive definite compliance.
 
         Raises
         ------
         DesignError
-            For another stiffness, and for a z that is no length.
+            If the stiffness is not symmetric and positive definite, or z is no length.
 
         Examples
         --------
@@ -90,27 +87,30 @@ class FlexibleMount:
             raise DesignError(
                 "stiffness", reason=f"has shape {given.shape}; must be 6 numbers above 0 or 6 by 6 finite ones"
             )
-        # lengths of 1 mm beside angles of 1 rad: scaled to 1 before anything is compared
+        # scale the diagonal to 1, since entries have different units, before symmetry is tested
         size = np.sqrt(np.abs(np.diag(given)))
-        even = given / np.maximum(np.outer(size, size), np.finfo(float).tiny)
-        if not np.allclose(even, even.T, rtol=0.0, atol=1e-9) or np.linalg.eigvalsh(0.5 * (even + even.T))[0] <= 0.0:
+        scaled = given / np.maximum(np.outer(size, size), np.finfo(float).tiny)
+        if (
+            not np.allclose(scaled, scaled.T, rtol=0.0, atol=1e-9)
+            or np.linalg.eigvalsh(0.5 * (scaled + scaled.T))[0] <= 0.0
+        ):
             raise DesignError("stiffness", must_be="symmetric and positive definite")
         return cls(np.linalg.inv(0.5 * (given + given.T)), place)
 
     def wrenches(self, mount: Mount, points: Array, forces: Array) -> Array:
-        """Forces and moments about the point.
+        """Return forces with their moments about the mount's point.
 
         Parameters
         ----------
         mount : Mount
-            Where the member is held.
+            Mounting of the member.
         points, forces : array_like, (..., 3)
-            Places, mm, and forces, N, fixed frame.
+            Points, mm, and forces, N, in the fixed frame.
 
         Returns
         -------
         ndarray, (..., 6)
-            N and N mm, frame of the mount.
+            Forces, N, and moments, N mm, in the frame of the mount.
 
         Examples
         --------
@@ -118,24 +118,24 @@ class FlexibleMount:
         >>> shaft.wrenches(gears.member("pinion").mount, np.zeros((4, 3)), np.ones((4, 3))).shape
         (4, 6)
         """
-        own = mount.base.inverse
-        r, f = own.point(points) - [0.0, 0.0, self.z], own.vector(forces)
+        fixed_to_own = mount.base.inverse
+        r, f = fixed_to_own.point(points) - [0.0, 0.0, self.z], fixed_to_own.vector(forces)
         return np.concatenate((f, cross(r, f)), axis=-1)
 
     def displace(self, mount: Mount, displacement: Array) -> Mount:
-        """The mount after a displacement of its point.
+        """Return the mounting after a displacement of the mount's point.
 
         Parameters
         ----------
         mount : Mount
-            Where the member is held.
+            Mounting of the member.
         displacement : ndarray, (6,)
-            Translations, mm, and rotations, rad, frame of the mount.
+            Translations, mm, and rotations, rad, in the frame of the mount.
 
         Returns
         -------
         Mount
-            Where it is held then.
+            Displaced mounting.
 
         Examples
         --------
@@ -151,14 +151,17 @@ class FlexibleMount:
 
 @dataclass(frozen=True)
 class Supports:
-    """The mounts of pinion and gear without load, their compliance (None: rigid), and by what `displacement`
-    (2, 6), mm and rad, members have been moved already; `holding` (2, 6), N/mm and N mm/rad: springs that hold them where they were
-    in the iteration before, `anchor` (P, 2, 6)."""
+    """Elastic mounts of pinion and gear, and the springs that hold the members during the iteration."""
 
+    #: mounts of pinion and gear without load
     mounts: tuple[Mount, Mount]
+    #: compliance of each mount; None if rigid
     flexible: tuple[FlexibleMount | None, FlexibleMount | None]
+    #: displacement (2, 6), mm and rad, by which the members have been moved already
     displacement: Array
+    #: stiffness (2, 6), N/mm and N mm/rad, of the springs that hold the members at `anchor`
     holding: Array
+    #: displacements (P, 2, 6), mm and rad, of the members in the last iteration
     anchor: Array
 
     @classmethod
@@ -170,48 +173,59 @@ class Supports:
         *,
         both_hands: bool,
     ) -> Self:
-        """Of a pair that is not moved yet, at so many `positions`; `both_hands`: teeth of both hands hold it along its axis."""
+        """Return the mounts of a pair that is not displaced yet, for a number of `positions`.
+
+        `both_hands`: True if teeth of both hands fix the pair along its axis.
+        """
         holding = np.zeros((2, 6))
         if both_hands:
-            soft = [own is not None and own.compliance[2, 2] > 1.0 / HOLDING for own in flexible]
-            holding[soft, 2] = HOLDING
+            soft = [mount is not None and mount.compliance[2, 2] > 1.0 / HOLDING_STIFFNESS for mount in flexible]
+            holding[soft, 2] = HOLDING_STIFFNESS
         return cls(gears.mounts, flexible, np.zeros((2, 6)), holding, np.zeros((positions, 2, 6)))
 
     def displace(self, gears: GearPair, displacements: Array) -> tuple[Self, GearPair]:
-        """After displacements (P, 2, 6) from the position without load, in which `gears` are: moved by their mean."""
+        """Return the supports and the pair after displacements (P, 2, 6); the members move by the mean over the
+        positions.
+
+        `gears` are the members without load.
+        """
         displacement = displacements.mean(axis=0)
         pinion, gear = (
-            member if own is None else replace(member, mount=own.displace(member.mount, own_displacement))
-            for member, own, own_displacement in zip(gears.both, self.flexible, displacement, strict=True)
+            member if mount is None else replace(member, mount=mount.displace(member.mount, member_displacement))
+            for member, mount, member_displacement in zip(gears.both, self.flexible, displacement, strict=True)
         )
         return replace(self, displacement=displacement, anchor=displacements), replace(gears, pinion=pinion, gear=gear)
 
     def wrenches(self, points: Array, normals: Array) -> Array:
-        """(2, ..., 6) of unit pressures at points (..., 3) along normals (..., 3) out of the pinion; 0 of rigid mounts."""
+        """Return wrenches (2, ..., 6) on both members of unit pressures at points (..., 3) along normals (..., 3) out
+        of the pinion.
+
+        They are 0 for rigid mounts.
+        """
         unit_wrenches = np.zeros((2, *points.shape[:-1], 6))
-        for k, (mount, own, sense) in enumerate(zip(self.mounts, self.flexible, (-1.0, 1.0), strict=True)):
-            if own is not None:
-                unit_wrenches[k] = own.wrenches(mount, points, sense * normals)
+        for k, (mount, flexible_mount, sense) in enumerate(zip(self.mounts, self.flexible, (-1.0, 1.0), strict=True)):
+            if flexible_mount is not None:
+                unit_wrenches[k] = flexible_mount.wrenches(mount, points, sense * normals)
         return unit_wrenches
 
     @property
     def held(self) -> bool:
-        """Whether any spring holds members."""
+        """True if a spring holds a member."""
         return bool(self.holding.any())
 
     @property
     def compliance(self) -> Array:
-        """(2, 6, 6), with what holds them."""
+        """Compliance (2, 6, 6) of both mounts together with the springs: C (1 + H C)^-1."""
         own = np.stack([np.zeros((6, 6)) if own is None else own.compliance for own in self.flexible])
         return own @ self._share if self.held else own
 
     @property
     def _share(self) -> Array:
-        """(1 + H C)^-1, (2, 6, 6)."""
+        """Factor (1 + H C)^-1 (2, 6, 6) by which the springs reduce a mount's compliance."""
         own = np.stack([np.zeros((6, 6)) if own is None else own.compliance for own in self.flexible])
         return np.asarray(np.linalg.inv(np.eye(6) + self.holding[:, :, None] * own), dtype=float)
 
     @property
     def pull(self) -> Array:
-        """By how much (P, 2, 6), mm and rad, the springs displace members towards where they were."""
+        """Displacements (P, 2, 6), mm and rad, that the springs alone cause: C (1 + H C)^-1 H a."""
         return np.asarray((self.compliance @ (self.holding * self.anchor)[..., None])[..., 0])

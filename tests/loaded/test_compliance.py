@@ -264,7 +264,7 @@ def test_a_rack_is_the_limit_of_large_gears() -> None:
 def test_what_is_known_of_a_body_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Teeth of a design in another assembly are those of the first, to the last byte; another bore or material is another body."""
     cells, rings = Cells(flank=3, fillet=2, thickness=2, rim=2, face=3), []
-    monkeypatch.setattr(compliance, "_RINGS", {})
+    monkeypatch.setattr(compliance, "_KEPT_RINGS", {})
     whole = compliance._cuts
     monkeypatch.setattr(compliance, "_cuts", lambda *given, **kinds: rings.append(given) or whole(*given, **kinds))
 

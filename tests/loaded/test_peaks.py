@@ -25,7 +25,7 @@ def grid_of(rows: Array, dx: float, ends: tuple[float, float] = (0.0, 0.0), shar
 
 
 @pytest.mark.quick
-def test_a_rise_to_a_sharp_end_is_no_peak_however_fine_the_cells_are() -> None:
+def test_rise_to_a_sharp_end_is_no_peak_for_any_cell_size() -> None:
     """500 MPa and a singularity like a root of the distance: the value at the border of the zone, by three sizes of cells."""
     found = []
     for cells in (20, 40, 80):
@@ -39,7 +39,7 @@ def test_a_rise_to_a_sharp_end_is_no_peak_however_fine_the_cells_are() -> None:
 
 
 @pytest.mark.quick
-def test_a_hump_beside_an_edge_is_a_peak_and_so_is_contact_that_fades_out() -> None:
+def test_hump_beside_an_edge_and_fading_contact_are_peaks() -> None:
     x = 0.25 * (np.arange(40) + 0.5)
     hump = 900.0 * np.exp(-((x - 1.6) ** 2))
     assert peaks(grid_of(hump, 0.25), 4.0).pressure[0] == pytest.approx(900.0, rel=0.01)

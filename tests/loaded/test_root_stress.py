@@ -17,10 +17,10 @@ from scipy.sparse.linalg import splu
 import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
 from gearmesh.fe.results import principal_stresses
-from gearmesh.loaded.compliance.compliance import CELLS, COARSER, FilletStress, assemble
+from gearmesh.loaded.compliance.compliance import COARSER_CELLS, SECTOR_CELLS, FilletStress, assemble
 from gearmesh.loaded.compliance.incompatible_modes import corner_stresses, unknowns
 from gearmesh.loaded.compliance.sector_grid import crowd, sector_grid
-from gearmesh.loaded.root_stress import LEFT, OWN, Pressed
+from gearmesh.loaded.root_stress import MESH_ERROR_SHARE, OWN_FIELD_SHARE, Pressed
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, whole_rim
 from gearmesh.teeth.gear_train import GearPair
 
@@ -104,11 +104,11 @@ def test_default_elements_are_close_to_converged_plane_strain(
         for cells in (Cells(16, 16, 6, 8, 1), Cells(24, 24, 9, 12, 1))
     )
     assert abs(converged / coarse - 1.0) < 0.01
-    found = by_bricks(name, member, CELLS, height)
+    found = by_bricks(name, member, SECTOR_CELLS, height)
     assert found == pytest.approx(converged, rel=within)
     if height > LOW:
         # the error is a quarter to twice the estimate of it
-        estimate = LEFT * (found - by_bricks(name, member, COARSER, height)) / found
+        estimate = MESH_ERROR_SHARE * (found - by_bricks(name, member, COARSER_CELLS, height)) / found
         assert 0.25 < (1.0 - found / converged) / estimate < 2.0
 
 
@@ -129,7 +129,7 @@ def test_the_contacts_own_field_ends_where_boussinesq_says() -> None:
     """Beside a force: (1 - 2 nu) F / (2 pi r^2) is the share OWN of the stress there; twice that at an end face; of a line only
     what is next to it, and that beyond its ends."""
     force, stress = 1000.0, 40.0
-    radius = np.sqrt(0.4 * force / (2.0 * np.pi * OWN * stress))
+    radius = np.sqrt(0.4 * force / (2.0 * np.pi * OWN_FIELD_SHARE * stress))
     assert radius > 3.0
     away = np.array([[0.0, -r, 0.0] for r in (0.99 * radius, 1.01 * radius)])
     ends = np.array([[0.0, 0.0, -0.1], [0.0, 0.0, 0.1]])

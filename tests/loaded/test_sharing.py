@@ -183,7 +183,7 @@ def test_pairs_that_only_load_brings_together_are_found(monkeypatch: pytest.Monk
     found = loaded_mesh(pair, *given)
     assert len(near_pairs(pair, given[0], 1e-3).number) == 1
     assert (found.loads[0].force > 0.0).sum() >= 2
-    monkeypatch.setattr(sharing, "GIVE", 0.01)
+    monkeypatch.setattr(sharing, "UNIT_DEFLECTION_MM", 0.01)
     again = loaded_mesh(pair, *given)
     np.testing.assert_allclose(again.rotation, found.rotation, rtol=1e-6)
     np.testing.assert_allclose(again.loads[0].force.sum(), found.loads[0].force.sum(), rtol=1e-6)

@@ -36,7 +36,7 @@ def test_both_bodies_side_by_side_on_one_thread_each(monkeypatch: pytest.MonkeyP
     with threadpool_limits(2, user_api="blas"):
         together = compliances(pair)
         assert threads() == {2}
-        compliance._RINGS.clear()
+        compliance._KEPT_RINGS.clear()
         alone = [
             compliance.flank_compliance(each.tooth, side, STEEL)
             for each, side in zip(pair.both, pair.flanks, strict=True)

@@ -1,29 +1,33 @@
-"""Compliance of teeth under loads on their flanks: bending, shear, base and body of a whole gear, from one tooth of it.
+"""Compliance of teeth under loads on their flanks: bending, shear, base and body of a whole gear, computed from one
+tooth.
 
-All teeth of a gear are one tooth, turned. Its sector with the rim under it, held at the rim's inner face, is condensed onto its two
-cut faces and the nodes of the loaded flank; the ring of z sectors is block-circulant, so that a Fourier series over the teeth gives
-the whole gear exactly: there are no cut faces that could matter. Of a body with a web only what lies within its profile is stiff;
-elements that its edge goes through are as stiff as the share of them that does. With q_j the displacements of the cut before sector
-j in its own frame, T the turn by a pitch, S the sector's stiffness to its right and left cut, and g what loads put on them,
+All teeth of a gear are copies of one tooth, rotated by pitches. The tooth's sector with the rim under it is held at the
+rim's inner face. It is condensed to its two cut faces and to the nodes of the loaded flank. The ring of z sectors is
+block-circulant, so that a Fourier series over the teeth gives the whole gear exactly, without any influence of cut
+faces. Of a body with a web only the part within its profile is stiff. An element that the profile cuts is as stiff as
+its share inside. q_j are the displacements of the cut before sector j in the sector's own frame. T is the rotation by a
+pitch, S the sector's stiffness to its right and left cut, and g the loads on the cuts.
 
     S_RR q_j + S_RL T q_(j+1) + T' S_LR q_(j-1) + T' S_LL T q_j = g_R,j + T' g_L,(j-1)
 
-and for harmonic k, in which q_(j+1) = q_j exp(2 pi i k / z), one system of the size of a cut.
+For harmonic k, q_(j+1) = q_j exp(2 pi i k / z): one system of the size of a cut.
 
-The teeth of a bar that slides are such a ring too, without rotation: held at its back, it is hardly affected by loads a few
-heights away, and is modelled as endless.
+The teeth of a sliding bar are such a ring too, without rotation. A bar is held at its back, loads a few tooth heights
+away hardly affect it, and it is modelled as endless.
 
-Nodes of a flank are coarse: the local contact deflection round a load is wrong. It is removed by solving the same elements between
-the flank and the middle of the tooth once more with all beyond them held, and replaced by half-space theory, less the deflection
-of that at the middle:
+The nodes of a flank are coarse, so that the local contact deflection around a load is wrong. It is removed and replaced
+by half-space theory. For this, the elements between the flank and the middle of the tooth are solved once more, with
+all other elements held. The half-space's own deflection at the middle is subtracted:
 
     compliance = C(gear) - L(held at the middle) - u(half-space, at the middle) + u(half-space, at the flank)
 
-The last term belongs to the contact's own grid (`contact_compliance`); all others are smooth and are kept here. The third is
-transferred from the middle to the flank by the elements themselves, so that the sum does not depend on where the middle is taken.
+The last term belongs to the contact's own grid (`contact_compliance`). All other terms are smooth and are computed
+here. The elements transfer the third term from the middle to the flank, so that the sum does not depend on the position
+of the middle.
 
-Finite-element models have a few teeth only, whose cut faces are held. The same condensed sectors in a row, the first and last cut
-held, are those bodies (`HeldTeeth`): what is compared with such a model must be held like it.
+Finite-element models have a few teeth only, whose cut faces are held. The same condensed sectors in a row, with the
+first and the last cut held, are these bodies (`HeldTeeth`). A comparison with such a model needs bodies that are held
+like it.
 """
 
 from __future__ import annotations
@@ -43,10 +47,10 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.loaded.compliance.half_space import point_displacements
-from gearmesh.loaded.compliance.incompatible_modes import CORNERS, corner_stresses, stiffness, unknowns
+from gearmesh.loaded.compliance.incompatible_modes import UNIT_CORNERS, corner_stresses, stiffness, unknowns
 from gearmesh.loaded.compliance.layers import LayeredStiffness
 from gearmesh.loaded.compliance.quarter_space import release
-from gearmesh.loaded.compliance.sector_grid import CROWDED_WEB, FilletSize, sector_grid
+from gearmesh.loaded.compliance.sector_grid import WEB_RIM_POWER, FilletSize, sector_grid
 from gearmesh.loaded.compliance.threads import one_thread
 from gearmesh.loaded.root_tangent import tangent_weights
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, on_breaks, on_stations, usual_rim, whole_rim
@@ -62,69 +66,80 @@ if TYPE_CHECKING:
 
 Index = NDArray[np.int64]
 
-#: elements of a sector by default, and three quarters of them each way, whose root stress tells how far the first is from its limit
-CELLS = Cells(flank=8, fillet=12, thickness=4, rim=5, face=11)
-COARSER = Cells(flank=6, fillet=9, thickness=3, rim=4, face=8)
-#: so many rings are kept, some 10 MB each
-KEPT = 16
-_RINGS: dict[tuple[bytes, int, int, int | None, bool], tuple[Array, Array]] = {}
-_KEEPING = Lock()
-#: teeth at least after which those of a bar come round again, far enough away to do nothing
-BAR = 30
+#: default elements of a sector
+SECTOR_CELLS = Cells(flank=8, fillet=12, thickness=4, rim=5, face=11)
+#: three quarters of these each way; the difference of root stress estimates the error
+COARSER_CELLS = Cells(flank=6, fillet=9, thickness=3, rim=4, face=8)
+#: largest number of rings in memory, about 10 MB each
+MAX_KEPT_RINGS = 16
+#: responses of the last rings, by a hash of their sector
+_KEPT_RINGS: dict[tuple[bytes, int, int, int | None, bool], tuple[Array, Array]] = {}
+#: both members may be computed at the same time
+_RINGS_LOCK = Lock()
+#: least number of teeth after which a bar repeats, far enough away to have no effect
+MIN_BAR_TEETH = 30
 #: points on the way to the next node over which a node's force is spread
-SPREAD = 4
-#: elements from root to bore of a body with a web
-WEBBED = 12
-#: points in each direction of an element at which it is asked whether there is material; share of it below which there is none
-ASKED, EMPTY = 4, 0.02
-#: nodes of two meshes that are the same, mm
-SAME = 1e-6
+SPREAD_POINTS = 4
+#: least number of elements from root to bore of a body with a web
+WEB_RIM_ELEMENTS = 12
+#: points in each direction of an element at which its material is tested
+SAMPLES_PER_EDGE = 4
+#: share of material in an element below which it counts as empty
+MIN_MATERIAL_SHARE = 0.02
+#: distance, mm, within which nodes of two meshes are the same
+NODE_TOLERANCE_MM = 1e-6
 
 
 @dataclass(frozen=True)
 class EndPlane:
-    """A plane through `middle` (3,) with the outward normal `out` (3,)."""
+    """Plane through `middle` (3,) with the outward normal `out` (3,)."""
 
     middle: Array
     out: Array
 
     def images(self, places: Array, ways: Array) -> tuple[Array, Array]:
-        """Places (..., 3) and directions (..., 3) mirrored at the plane."""
-        away = (places - self.middle) @ self.out
-        return places - 2.0 * away[..., None] * self.out, ways - 2.0 * (ways @ self.out)[..., None] * self.out
+        """Return places (..., 3) and directions (..., 3) mirrored at the plane."""
+        distance = (places - self.middle) @ self.out
+        return places - 2.0 * distance[..., None] * self.out, ways - 2.0 * (ways @ self.out)[..., None] * self.out
 
 
 @dataclass(frozen=True)
 class FilletStress:
-    """How loads on a flank stress the fillet below it; all in the member's own frame.
+    """Stress in the fillet below a loaded flank, in the member's own frame, under loads on the flank.
 
-    `points` (I, J, 3): nodes of the flank, form point to tip by toe to heel, n = I J. `stress` (2 N + 1, F, 6, n), MPa/N:
-    stresses, own frame of each tooth, at nodes `fillet` (F, 3) of the fillet on the loaded side, of teeth -N .. N from the
-    loaded one, counted the way it moves, under unit forces into the body at the flank's nodes (last index); `tangent` (K, F)
-    makes of them those where the tangent is at 30 deg (`root_tangent`), station by station. `eighth`: mean height, mm, of the
-    flank's lowest eighth, an element of even lines.
+    N is the number of teeth on either side of the loaded tooth that are included, n = I J the number of the flank's
+    nodes.
     """
 
+    #: loaded tooth
     tooth: Tooth
+    #: nodes (I, J, 3), mm, of the flank, from form point to tip by toe to heel
     points: Array
+    #: nodes (F, 3), mm, of the fillet on the loaded side
     fillet: Array
+    #: stresses (2 N + 1, F, 6, n), MPa/N, at the fillet's nodes of teeth -N .. N under unit forces into the body at the
+    #: flank's nodes of tooth 0; teeth are counted in the direction of motion, stresses are in each tooth's own frame
     stress: Array
+    #: weights (K, F) that interpolate them to the tangent of 30 deg (`root_tangent`), one row per station
     tangent: Array
+    #: mean height, mm, of the lowest eighth of the flank: about one element
     eighth: float
 
     @property
     def reach(self) -> int:
-        """Teeth N on either side of the loaded one."""
+        """Number N of teeth on either side of the loaded tooth."""
         return len(self.stress) // 2
 
     def of_tooth(self, loaded: int) -> FilletStress:
-        """The same where tooth `loaded`, counted the way it moves, is loaded: of a whole gear it is alike for all."""
+        """Return the stress under loads on tooth `loaded`, counted in the direction of motion; all teeth of a whole
+        gear are equal."""
         return self
 
     def along_helix(self, turned: Array, places: Array) -> Rigid:
-        """Motions (M,) to the frame in which `points` are from the tooth's own, turned by angles (M,), rad; places (M, X, 3) of it.
+        """Return motions (M,) from the tooth's own frame, rotated by angles (M,), rad, to the frame of `points`.
 
-        Of threads an arc about the x axis is known, and a thread is the same after a screw motion along its helix.
+        A thread is known over an arc around the x axis only. A screw motion along its helix maps the thread onto itself
+        and moves the places (M, X, 3) into this arc.
         """
         screw = self.tooth.screw
         if screw is None:
@@ -144,27 +159,32 @@ class FilletStress:
         return toe, heel
 
     def shares(self, places: Array) -> tuple[Index, Array]:
-        """Nodes (..., 4) about places (..., 3) on the flank, own frame, and what they take (..., 4) of a load there."""
+        """Return the nodes (..., 4) around places (..., 3) on the flank, own frame, and the share (..., 4) of a load
+        there that each takes."""
         station, height = self._coordinates(places)
         stations, heights = self._table
+        # bilinear interpolation: between two stations, then between two rows of nodes
         column = np.clip(np.searchsorted(stations, station) - 1, 0, len(stations) - 2)
-        y = np.clip((station - stations[column]) / (stations[column + 1] - stations[column]), 0.0, 1.0)
-        lines = (1.0 - y) * heights[:, column] + y * heights[:, column + 1]
+        station_share = np.clip((station - stations[column]) / (stations[column + 1] - stations[column]), 0.0, 1.0)
+        lines = (1.0 - station_share) * heights[:, column] + station_share * heights[:, column + 1]
         row = np.clip((lines < height).sum(axis=0) - 1, 0, len(heights) - 2)
         low, high = (np.take_along_axis(lines, (row + k)[None], axis=0)[0] for k in (0, 1))
-        x = np.clip((height - low) / (high - low), 0.0, 1.0)
+        height_share = np.clip((height - low) / (high - low), 0.0, 1.0)
         count = len(stations)
         nodes = np.stack([(row + i) * count + column + j for i in (0, 1) for j in (0, 1)], axis=-1)
-        return nodes, np.stack([a * b for a in (1.0 - x, x) for b in (1.0 - y, y)], axis=-1)
+        return nodes, np.stack(
+            [a * b for a in (1.0 - height_share, height_share) for b in (1.0 - station_share, station_share)], axis=-1
+        )
 
     @cached_property
     def _table(self) -> tuple[Array, Array]:
-        """Stations (J,) of the nodes and their heights (I, J), both rising, mm."""
+        """Stations (J,) of the nodes and their heights (I, J), mm, both increasing."""
         stations, heights = self._coordinates(self.points)
         return stations[0], heights
 
     def _coordinates(self, places: Array) -> tuple[Array, Array]:
-        """Places (..., 3) along the face, and from form point to tip, mm, both rising; of threads round the axis, rad."""
+        """Return positions of places (..., 3) along the face and from form point to tip, in mm, both increasing; for
+        threads the first is the angle around the axis, rad."""
         blank = self.tooth.blank
         if self.tooth.screw is not None:
             return np.sign(self.tooth.screw) * np.arctan2(places[..., 1], places[..., 0]), np.hypot(
@@ -179,27 +199,29 @@ class FilletStress:
 
 @dataclass(frozen=True)
 class FlankCompliance(FilletStress):
-    """A loaded flank and its compliance.
+    """A loaded flank with its compliance and the stress in its fillet."""
 
-    `normals` (I, J, 3), out of the body. `smooth` (2 N + 1, n, n), mm/N: displacements into the body, along the normals, of the
-    flank's nodes (first index) of teeth -N .. N from the loaded one under unit forces at its nodes (last index), without the
-    local contact compliance of the loaded tooth. `coarser`: the stress of a coarser mesh of the same body, to estimate the error.
-    """
-
+    #: normals (I, J, 3) at the flank's nodes, out of the body
     normals: Array
+    #: displacements (2 N + 1, n, n), mm/N, into the body along the normals, of the flank's nodes (first index) of teeth
+    #: -N .. N under unit forces at the nodes (last index) of tooth 0, without local contact compliance
     smooth: Array
+    #: stress on a coarser mesh of the same body, for the error estimate
     coarser: FilletStress | None = None
 
     def of_tooth(self, loaded: int) -> FlankCompliance:
-        """The compliance where tooth `loaded`, counted the way it moves, is loaded: of a whole gear the same for all."""
+        """Return the compliance under loads on tooth `loaded`, counted in the direction of motion; all teeth of a whole
+        gear are equal."""
         return self
 
 
 @dataclass(frozen=True)
 class HeldTeeth(FlankCompliance):
-    """A few teeth with the rim under them, the cut faces held as well; loads are on the middle one, with `of_teeth` (K,) on each.
+    """A few teeth with the rim under them, whose cut faces are held too; `of_teeth` (K,) has the response to loads on
+    each tooth.
 
-    Teeth that the body does not have neither move nor have stress; loads on them count as on the last one.
+    The fields describe loads on the middle tooth. Teeth that the body does not have neither move nor have stress; loads
+    on them count as loads on the last tooth.
     """
 
     of_teeth: tuple[FlankCompliance, ...] = ()
@@ -209,8 +231,9 @@ class HeldTeeth(FlankCompliance):
         return self.of_teeth[min(max(loaded + middle, 0), 2 * middle)]
 
 
-def rim_depth(tooth: Tooth, cells: Cells = CELLS) -> float:
-    """Depth, mm, under the root at which a gear is held by its rim: 1.2 whole depths, less where the body has less."""
+def rim_depth(tooth: Tooth, cells: Cells = SECTOR_CELLS) -> float:
+    """Return the depth, mm, below the root at which a gear is held by its rim: 1.2 whole depths, or less if the body is
+    thinner."""
     return usual_rim(without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1))
 
 
@@ -219,7 +242,7 @@ def flank_compliance(
     tooth: Tooth,
     side: Side,
     material: Material,
-    cells: Cells = CELLS,
+    cells: Cells = SECTOR_CELLS,
     rim: float | None = None,
     depth: int | None = None,
     reach: int = 3,
@@ -227,39 +250,44 @@ def flank_compliance(
     *,
     idler: bool = False,
 ) -> FlankCompliance:
-    """Compliance of a flank of a gear that is held `rim` mm under the root, by default at the bore, without one near the axis.
+    """Compute the compliance of a flank of a gear.
 
-    No torque reaches the bore of an `idler`: the same load, pulling half a turn away, is its other mesh. The bore has the sum of
-    both tangential forces, as the pin of a planet has; that the radial one of the other mesh has the other sense is neglected.
+    - `rim`: depth, mm, below the root at which the gear is held; by default at the bore, or near the axis without a
+      bore
+    - `depth`: number of elements under the flank that are free for the local compliance; by default and at most up to
+      the tooth's middle
+    - `reach`: number of teeth on either side of the loaded tooth
+    - `coarser`: elements of the mesh that estimates the error of root stress; none by default
+    - `idler`: True if no torque reaches the bore, because the other mesh, half a turn away, takes it
 
-    `depth`: how many elements under the flank are held for the local compliance, those up to the tooth's middle at most and by
-    default; `reach`: teeth on either side of the loaded one; `coarser`: elements of the mesh that estimates how far root stress
-    is from convergence, by default none.
+    The bore of an idler, as the pin of a planet, takes the sum of both tangential forces. The model neglects that the
+    radial force of the other mesh points the other way.
     """
-    deep = whole_rim(without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
-    around = np.inf if tooth.screw is not None else tooth.joint.cycle(tooth.teeth)
-    count = int(min(around, max(tooth.teeth, BAR)))
+    rim_below_root = whole_rim(without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
+    teeth_of_turn = np.inf if tooth.screw is not None else tooth.joint.cycle(tooth.teeth)
+    count = int(min(teeth_of_turn, max(tooth.teeth, MIN_BAR_TEETH)))
 
-    def of(wanted: Cells, dented: bool) -> tuple[Sector, FilletStress, Array]:
-        sector = Sector.of(tooth, side, material, wanted, deep)
+    def responses_of(mesh_cells: Cells, with_local: bool) -> tuple[Sector, FilletStress, Array]:
+        sector = Sector.of(tooth, side, material, mesh_cells, rim_below_root)
         smooth, stress = _ring_responses(
-            sector, count, reach, (depth or sector.inwards) if dented else None, idler=idler
+            sector, count, reach, (depth or sector.inwards) if with_local else None, idler=idler
         )
         return sector, sector.fillet_stress(tooth, stress), smooth
 
-    sector, stressed, smooth = of(cells, True)
-    less = None if coarser is None else of(coarser, False)[1]
-    return FlankCompliance(**vars(stressed), normals=sector.normals, smooth=smooth, coarser=less)
+    sector, fillet, smooth = responses_of(cells, True)
+    coarser_stress = None if coarser is None else responses_of(coarser, False)[1]
+    return FlankCompliance(**vars(fillet), normals=sector.normals, smooth=smooth, coarser=coarser_stress)
 
 
 @one_thread()
 def held_teeth(
-    tooth: Tooth, side: Side, material: Material, cells: Cells = CELLS, rim: float | None = None, teeth: int = 3
+    tooth: Tooth, side: Side, material: Material, cells: Cells = SECTOR_CELLS, rim: float | None = None, teeth: int = 3
 ) -> HeldTeeth:
-    """Compliance of a flank of an odd number of `teeth`, cut out of a gear with a rim of `rim` mm, by default as thick as that of
-    `hex_mesh`, and held at its inner face and at the cut faces.
+    """Compute the compliance of a flank of an odd number of `teeth`, cut out of a gear with a rim of `rim` mm.
 
-    Raises DesignError for an even number of teeth or one that the gear does not have.
+    The rim is by default as thick as that of `hex_mesh`. It is held at its inner face and at the cut faces.
+
+    Raises DesignError for an even number of teeth, or for as many teeth as the gear has.
     """
     if teeth % 2 == 0 or not 0 < teeth < tooth.teeth:
         raise DesignError("teeth", teeth, must_be=f"an odd number below {tooth.teeth}, what the gear has")
@@ -274,8 +302,12 @@ def held_teeth(
 
 
 def _ring_responses(sector: Sector, teeth: int, reach: int, depth: int | None, *, idler: bool) -> tuple[Array, Array]:
-    """`smooth` (None is the `depth` of those whose local compliance is kept) and `stress` of a ring of sectors; those of the last
-    `KEPT` rings are kept: other torques, positions, assemblies and mounts of the same teeth ask again for what takes longest."""
+    """Return `smooth` and `stress` of a ring of sectors.
+
+    `depth` is the number of elements for the local compliance; with None the local compliance stays in. The last
+    `MAX_KEPT_RINGS` results are kept: other torques, positions, assemblies and mounts of the same teeth need them
+    again.
+    """
     body = sector.stiffness
     parts = (
         sector.mesh.nodes,
@@ -294,7 +326,7 @@ def _ring_responses(sector: Sector, teeth: int, reach: int, depth: int | None, *
         depth,
         idler,
     )
-    responses = _RINGS.get(key)
+    responses = _KEPT_RINGS.get(key)
     if responses is None:
         condensed = Condensed.of(sector)
         cuts = _cuts(condensed.stiffness, condensed.loads, sector.turn, teeth, reach, idler=idler)
@@ -304,34 +336,47 @@ def _ring_responses(sector: Sector, teeth: int, reach: int, depth: int | None, *
         )
         for response in responses:
             response.setflags(write=False)
-        # members are asked for side by side
-        with _KEEPING:
-            _RINGS[key] = responses
-            while len(_RINGS) > KEPT:
-                del _RINGS[next(iter(_RINGS))]
+        # both members may be computed at the same time
+        with _RINGS_LOCK:
+            _KEPT_RINGS[key] = responses
+            while len(_KEPT_RINGS) > MAX_KEPT_RINGS:
+                del _KEPT_RINGS[next(iter(_KEPT_RINGS))]
     return responses
 
 
 @dataclass(frozen=True)
 class Sector:
-    """One tooth of a member with its rim: its mesh and stiffness, stations `t` (J,), nodes `flank` (I, J) with `points` and
-    `normals`, of the cuts `right`, `left` (C,) in the same order, of the rim's inner face `held`, of the fillet on the loaded side;
-    `turn`: by a pitch; `inwards`: elements from flank to middle."""
+    """One tooth of a member with its rim, as a mesh with its stiffness."""
 
+    #: mesh of N nodes
     mesh: HexMesh
+    #: material of the member
     material: Material
+    #: stiffness (3 N, 3 N), N/mm
     stiffness: csr_array
+    #: number of layers of nodes from toe to heel
     layers: int
+    #: loaded side
     side: Side
+    #: stations (J,) of the layers
     t: Array
+    #: numbers (I, J) of the flank's nodes
     flank: Index
+    #: points (I, J, 3), mm, of these nodes
     points: Array
+    #: normals (I, J, 3) there, out of the body
     normals: Array
+    #: nodes (C,) of the right cut
     right: Index
+    #: nodes (C,) of the left cut, in the same order
     left: Index
+    #: nodes of the rim's inner face, and nodes without material
     held: Index
+    #: nodes of the fillet on the loaded side
     fillet: Index
+    #: rotation (3, 3) by a pitch
     turn: Array
+    #: number of elements from the flank to the middle
     inwards: int
 
     @staticmethod
@@ -342,23 +387,23 @@ class Sector:
         else:
             toe, heel = tooth.blank.extent
             faces = (np.array([web.low, web.high]) - toe) / (heel - toe)
-            wanted = replace(cells, rim=max(cells.rim, WEBBED))
-            grid = on_stations(sector_grid(tooth, side, wanted, CROWDED_WEB), faces)
+            web_cells = replace(cells, rim=max(cells.rim, WEB_RIM_ELEMENTS))
+            grid = on_stations(sector_grid(tooth, side, web_cells, WEB_RIM_POWER), faces)
         grid = on_breaks(tooth, grid)
-        # elements go through the recesses too
+        # the mesh fills the recesses of a web; elements there have no stiffness
         mesh = hex_mesh(without_web(tooth), np.array([0]), grid, rim)
-        parts = np.ones(len(mesh.elements)) if web is None else inside(web, mesh.nodes[mesh.elements])
-        # nodes without material move with nothing and hold nothing
-        bare = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.elements[parts > 0.0])
+        material_shares = np.ones(len(mesh.elements)) if web is None else inside(web, mesh.nodes[mesh.elements])
+        # nodes without material are held, so that the stiffness stays regular
+        bare_nodes = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.elements[material_shares > 0.0])
         sections = layers(tooth, grid.t)
         exact, step = sections.flank(side, grid.lines.flank), sections.step
-        held = np.union1d(mesh.node_sets["rim"], bare)
+        held = np.union1d(mesh.node_sets["rim"], bare_nodes)
         right = np.setdiff1d(mesh.node_sets["cut_right"], held)
         left = np.setdiff1d(mesh.node_sets["cut_left"], held)
         return Sector(
             mesh,
             material,
-            assemble(mesh, material, parts),
+            assemble(mesh, material, material_shares),
             len(grid.t),
             side,
             grid.t,
@@ -384,65 +429,73 @@ class Sector:
         return _columns(unknowns(self.flank.reshape(-1, 1)), -self.normals.reshape(-1, 3), 3 * len(self.mesh.nodes))
 
     def fillet_stress(self, tooth: Tooth, stress: Array) -> FilletStress:
-        """The fillet with its `stress` (2 N + 1, F, 6, n)."""
+        """Return the fillet with its `stress` (2 N + 1, F, 6, n)."""
         fillet = self.mesh.nodes[self.fillet]
         tangent, size = tangent_weights(tooth, self.side, self.t, fillet), FilletSize.of(tooth, self.side)
         return FilletStress(tooth, self.points, fillet, stress, tangent, size.eighth)
 
     @property
     def stresses(self) -> csr_array:
-        """Stresses (3 N, 6 F) at the fillet's nodes, the mean of the elements there, as sums over displacements."""
+        """Matrix (3 N, 6 F) whose columns give the stresses at the fillet's nodes from displacements: means over the
+        elements at a node."""
         from scipy.sparse import coo_array, csr_array
 
         touching = np.isin(self.mesh.elements, self.fillet)
         element, corner = np.nonzero(touching)
-        own, where = np.unique(element, return_inverse=True)
+        elements, row_of_element = np.unique(element, return_inverse=True)
         node = np.searchsorted(self.fillet, self.mesh.elements[element, corner])
-        parts = corner_stresses(self.mesh.nodes[self.mesh.elements[own]], self.material)[where, corner]
-        parts /= np.bincount(node)[node][:, None, None]
+        element_stresses = corner_stresses(self.mesh.nodes[self.mesh.elements[elements]], self.material)[
+            row_of_element, corner
+        ]
+        element_stresses /= np.bincount(node)[node][:, None, None]
         rows = np.repeat(unknowns(self.mesh.elements[element])[:, None], 6, axis=1)
         columns = np.broadcast_to((6 * node[:, None] + np.arange(6))[:, :, None], rows.shape)
         shape = (3 * len(self.mesh.nodes), 6 * len(self.fillet))
-        return csr_array(coo_array((parts.ravel(), (rows.ravel(), columns.ravel())), shape=shape))
+        return csr_array(coo_array((element_stresses.ravel(), (rows.ravel(), columns.ravel())), shape=shape))
 
 
 def without_web(tooth: Tooth) -> Tooth:
-    """The tooth of a body whose recesses are filled."""
+    """Return the tooth with the recesses of its body filled."""
     blank = tooth.blank
     return tooth if blank.body.web is None else replace(tooth, blank=replace(blank, body=blank.body.without_web))
 
 
 def inside(web: Disc, corners: Array) -> Array:
-    """Shares (E,) of elements with corners (E, 8, 3), mm, that are hub, web or rim, not recess."""
-    steps = (np.arange(ASKED) + 0.5) * 2.0 / ASKED - 1.0
+    """Return the share (E,) of elements with corners (E, 8, 3), mm, that is hub, web or rim and not recess."""
+    steps = (np.arange(SAMPLES_PER_EDGE) + 0.5) * 2.0 / SAMPLES_PER_EDGE - 1.0
     places = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 1, 3)
-    points = np.prod(1.0 + CORNERS * places, axis=-1) / 8.0 @ corners
+    points = np.prod(1.0 + UNIT_CORNERS * places, axis=-1) / 8.0 @ corners
     rho, z = np.hypot(points[..., 0], points[..., 1]), points[..., 2]
     recess = (rho > web.inner) & (rho < web.outer) & ((z < web.low) | (z > web.high))
     share = 1.0 - recess.mean(axis=1)
-    return np.where(share < EMPTY, 0.0, share)
+    return np.where(share < MIN_MATERIAL_SHARE, 0.0, share)
 
 
 def assemble(mesh: HexMesh, material: Material, shares: Array | None = None) -> csr_array:
-    """Stiffness (3 N, 3 N), N/mm, of a mesh of hexahedra, or of `shares` (E,) of them."""
+    """Return the stiffness (3 N, 3 N), N/mm, of a mesh of hexahedra, with each element's stiffness times its share (E,)
+    if given."""
     from scipy.sparse import coo_array, csr_array
 
-    parts, own = stiffness(mesh.nodes[mesh.elements], material), unknowns(mesh.elements)
+    parts, numbers = stiffness(mesh.nodes[mesh.elements], material), unknowns(mesh.elements)
     if shares is not None:
         parts *= shares[:, None, None]
-    rows, columns = np.repeat(own, 24, axis=1), np.tile(own, (1, 24))
+    rows, columns = np.repeat(numbers, 24, axis=1), np.tile(numbers, (1, 24))
     shape = (3 * len(mesh.nodes),) * 2
     return csr_array(coo_array((parts.ravel(), (rows.ravel(), columns.ravel())), shape=shape))
 
 
 @dataclass(frozen=True)
 class Condensed:
-    """A sector condensed to its two cuts (2 c unknowns, the right one first): their `stiffness` (2 c, 2 c), what presses and what
-    is `asked` for on them (2 c, n + 6 F); `inner` (n + 6 F, n): what is found with both cuts held."""
+    """A sector condensed to its two cuts with 2 c unknowns, the right cut first."""
 
+    #: condensed sector
     sector: Sector
+    #: stiffness (2 c, 2 c) of the cuts
     stiffness: Array
+    #: columns (2 c, n + 6 F) on the cuts: loads on the flank, and the wanted displacements and stresses, which are dual
+    #: to them
     asked: Array
+    #: wanted values (n + 6 F, n) under loads on the flank with both cuts held
     inner: Array
 
     @staticmethod
@@ -450,6 +503,7 @@ class Condensed:
         from scipy.sparse import csr_array, hstack
 
         right, left, held = (unknowns(nodes[:, None]).ravel() for nodes in (sector.right, sector.left, sector.held))
+        # inner unknowns are eliminated layer by layer; Y = L^-1 F for couplings to the cuts, loads and stresses
         cut = np.concatenate((right, left))
         layer = np.repeat(sector.layer, 3)
         layer[held] = layer[cut] = -1
@@ -458,173 +512,207 @@ class Condensed:
         columns = np.cumsum([0, *(load.shape[1] for load in loads)])
         y = LayeredStiffness.of(whole, layer).forward(csr_array(hstack(loads)))
         on_cut, pressed, asked = (y[:, low:high] for low, high in pairwise(columns))
-        # what may be loaded on the cuts themselves, and is asked for there
-        direct = np.concatenate((presses[cut].toarray(), stresses[cut].toarray()), axis=1)
-        wanted = np.concatenate((pressed, asked), axis=1)
+        # loads and stresses that act on nodes of the cuts themselves
+        on_cut_directly = np.concatenate((presses[cut].toarray(), stresses[cut].toarray()), axis=1)
+        inner_columns = np.concatenate((pressed, asked), axis=1)
         condensed = whole[cut][:, cut].toarray() - on_cut.T @ on_cut
         go_on()
-        asked_of_cuts = direct - on_cut.T @ wanted
+        asked_of_cuts = on_cut_directly - on_cut.T @ inner_columns
         go_on()
-        return Condensed(sector, condensed, asked_of_cuts, wanted.T @ pressed)
+        return Condensed(sector, condensed, asked_of_cuts, inner_columns.T @ pressed)
 
     @property
     def loads(self) -> Array:
-        """What unit forces on the flank's nodes put on the cuts (2 c, n)."""
+        """Forces (2 c, n) on the cuts due to unit forces on the flank's nodes."""
         return self.asked[:, : self.inner.shape[1]]
 
     def responses(self, cuts: Array, local: Array) -> tuple[Array, Array]:
-        """`smooth` and `stress` of the body in which both cuts of the sectors -N .. N move by `cuts` (2 N + 1, 2 c, n) under unit
-        forces on sector 0; `local` (n, n) are added."""
+        """Return `smooth` and `stress` of the body under unit forces on sector 0.
+
+        `cuts` (2 N + 1, 2 c, n) are displacements of both cuts of sectors -N .. N. `local` (n, n) is added to `smooth`
+        of sector 0.
+        """
         count, reach = self.inner.shape[1], len(cuts) // 2
-        asked = self.asked.T @ cuts
-        asked[reach] += self.inner
-        smooth = asked[:, :count]
+        wanted_values = self.asked.T @ cuts
+        wanted_values[reach] += self.inner
+        smooth = wanted_values[:, :count]
         smooth[reach] += local
         smooth[reach] = 0.5 * (smooth[reach] + smooth[reach].T)
-        return smooth, asked[:, count:].reshape(2 * reach + 1, len(self.sector.fillet), 6, count)
+        return smooth, wanted_values[:, count:].reshape(2 * reach + 1, len(self.sector.fillet), 6, count)
 
 
 def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int, *, idler: bool = False) -> Array:
-    """Displacements (2 N + 1, 2 c, n) of both cuts of the sectors -N .. N, each in its own frame, under loads (2 c, n) on those of
-    sector 0; `condensed` (2 c, 2 c) is the stiffness of a sector to its cuts, the right one first. Of an
-    `idler` sector 0 is loaded so and its opposite one the other way: half a turn is (-1)^k of harmonic k."""
+    """Solve a ring for displacements (2 N + 1, 2 c, n) of both cuts of sectors -N .. N, each in its own frame.
+
+    - `condensed` (2 c, 2 c): stiffness of a sector to its cuts, the right cut first
+    - `loads` (2 c, n): forces on the cuts of sector 0
+    - `idler`: the opposite sector has the opposite load; half a turn is the factor (-1)^k of harmonic k, so that only
+      odd k remain
+    """
     from scipy.linalg import cho_factor, cho_solve
 
-    own, coupling, first, last = _row(condensed, loads, turn)
-    half = len(own)
+    self_stiffness, coupling, on_own_cut, on_next_cut = _row(condensed, loads, turn)
+    cut_size = len(self_stiffness)
     places = np.arange(-reach, reach + 2)
-    cuts = np.zeros((len(places), half, loads.shape[1]))
+    cuts = np.zeros((len(places), cut_size, loads.shape[1]))
     for k in range(1 if idler else 0, teeth // 2 + 1, 2 if idler else 1):
         go_on()
+        # one system per harmonic; harmonic -k is the complex conjugate, so that k counts twice
         phase = np.exp(2j * np.pi * k / teeth)
-        system = own + phase * coupling + np.conj(phase) * coupling.T
-        solved = cho_solve(cho_factor(system, lower=True, check_finite=False), first + last / phase, check_finite=False)
-        share = (1.0 if k in (0, teeth / 2) else 2.0) * (2.0 if idler else 1.0) / teeth
+        system = self_stiffness + phase * coupling + np.conj(phase) * coupling.T
+        solved = cho_solve(
+            cho_factor(system, lower=True, check_finite=False), on_own_cut + on_next_cut / phase, check_finite=False
+        )
+        weight = (1.0 if k in (0, teeth / 2) else 2.0) * (2.0 if idler else 1.0) / teeth
         for row, place in enumerate(places):
-            cuts[row] += share * (solved * phase**place).real
+            cuts[row] += weight * (solved * phase**place).real
     return _both(cuts, turn)
 
 
 def _held_cuts(condensed: Array, loads: Array, turn: Array, teeth: int) -> Array:
-    """As `_cuts`, of a row of K = `teeth` sectors of which the outer cuts are held, with each of them loaded in turn: (K, 2 K - 1,
-    2 c, n), of the sectors 1 - K .. K - 1 from the loaded one; 0 where the row has none."""
+    """Solve a row of K = `teeth` sectors for displacements (K, 2 K - 1, 2 c, n) of their cuts, with the outer cuts
+    held.
+
+    The first index is the loaded sector. The second index runs over sectors 1 - K .. K - 1 from the loaded one; it is 0
+    for sectors that the row does not have.
+    """
     from scipy.linalg import cho_factor, cho_solve
 
-    own, coupling, first, last = _row(condensed, loads, turn)
-    half, inner = len(own), teeth - 1
-    matrix = np.zeros((inner, half, inner, half))
-    right = np.zeros((inner + 2, half, teeth, loads.shape[1]))
-    for k in range(inner):
-        matrix[k, :, k] = own
+    self_stiffness, coupling, on_own_cut, on_next_cut = _row(condensed, loads, turn)
+    cut_size, inner_cuts = len(self_stiffness), teeth - 1
+    matrix = np.zeros((inner_cuts, cut_size, inner_cuts, cut_size))
+    right = np.zeros((inner_cuts + 2, cut_size, teeth, loads.shape[1]))
+    # block tridiagonal stiffness of the inner cuts
+    for k in range(inner_cuts):
+        matrix[k, :, k] = self_stiffness
         if k:
             matrix[k - 1, :, k], matrix[k, :, k - 1] = coupling, coupling.T
+    # loads on sector k act on the cut before it and on the next cut
     for k in range(teeth):
-        right[k, :, k], right[k + 1, :, k] = first, last
-    size = inner * half
-    moved = np.zeros((teeth, 2 * teeth, half, loads.shape[1]))
-    if inner:
+        right[k, :, k], right[k + 1, :, k] = on_own_cut, on_next_cut
+    size = inner_cuts * cut_size
+    moved = np.zeros((teeth, 2 * teeth, cut_size, loads.shape[1]))
+    if inner_cuts:
         factor = cho_factor(matrix.reshape(size, size), lower=True, check_finite=False)
-        solved = cho_solve(factor, right[1:-1].reshape(size, -1), check_finite=False).reshape(inner, half, teeth, -1)
-        # the first of the inner cuts is that before sector 1
+        solved = cho_solve(factor, right[1:-1].reshape(size, -1), check_finite=False).reshape(
+            inner_cuts, cut_size, teeth, -1
+        )
+        # the first inner cut is the cut before sector 1
         go_on()
         for k in range(teeth):
-            moved[k, teeth - k : teeth - k + inner] = solved[:, :, k]
+            moved[k, teeth - k : teeth - k + inner_cuts] = solved[:, :, k]
     return np.stack([_both(row, turn) for row in moved])
 
 
 def _row(condensed: Array, loads: Array, turn: Array) -> tuple[Array, Array, Array, Array]:
-    """Of sectors side by side: stiffness (c, c) of a cut to itself and to the next one, each in the frame of the sector that begins
-    there, and what loads (2 c, n) of a sector put on its own first cut and on the next sector's."""
-    half = len(condensed) // 2
-    right, left = slice(0, half), slice(half, None)
+    """Return stiffness and loads of the cuts between sectors side by side.
+
+    - stiffness (c, c) of a cut to itself
+    - stiffness (c, c) of a cut to the next cut, each in the frame of the sector that begins there
+    - forces from `loads` (2 c, n) of a sector on the sector's first cut
+    - forces from them on the next sector's first cut
+    """
+    cut_size = len(condensed) // 2
+    right, left = slice(0, cut_size), slice(cut_size, None)
     coupling = _rotate(condensed[right, left].T, turn.T).T
-    own = condensed[right, right] + _rotate(_rotate(condensed[left, left], turn.T).T, turn.T).T
-    return own, coupling, loads[right], _rotate(loads[left], turn.T)
+    self_stiffness = condensed[right, right] + _rotate(_rotate(condensed[left, left], turn.T).T, turn.T).T
+    return self_stiffness, coupling, loads[right], _rotate(loads[left], turn.T)
 
 
 def _both(cuts: Array, turn: Array) -> Array:
-    """Both cuts (K, 2 c, n) of K sectors, each in its own frame, from the right ones (K + 1, c, n) in theirs."""
+    """Return displacements (K, 2 c, n) of both cuts of K sectors, each in its own frame, from those of the right cuts
+    (K + 1, c, n)."""
     return np.stack([np.concatenate((a, _rotate(b, turn))) for a, b in pairwise(cuts)])
 
 
 def _rotate(columns: Array, by: Array) -> Array:
-    """Columns (3 K, n) of vectors, each turned by `by` (3, 3)."""
+    """Return columns (3 K, n) of vectors, each rotated by `by` (3, 3)."""
     turned: Array = by @ columns.reshape(len(columns) // 3, 3, -1)
     return turned.reshape(len(columns), -1)
 
 
 def _contact_compliance(sector: Sector, depth: int) -> Array:
-    """What has to be added (n, n), mm/N, to responses of the gear to remove the local compliance of its elements: - L - u of the
-    middle."""
+    """Return the correction (n, n), mm/N, that removes the elements' local compliance from responses of the gear: - L -
+    u(middle)."""
     from scipy.sparse import csr_array, hstack
 
     mesh, steps = sector.mesh, sector.layers - 1
-    outer = [mesh.face_sets[f"{name}_{sector.side}_1"][:, 0] for name in ("flank", "fillet")]
+    surface_elements = [mesh.face_sets[f"{name}_{sector.side}_1"][:, 0] for name in ("flank", "fillet")]
     if "edge" in mesh.face_sets:
         edge = mesh.face_sets["edge"][:, 0]
-        outer.append(edge[np.isin(mesh.elements[edge], sector.flank).any(axis=1)])
-    # elements under each other follow at the number of elements from toe to heel
-    near = np.unique(np.concatenate(outer)[:, None] + steps * np.arange(depth))
-    beyond = np.setdiff1d(np.arange(len(mesh.elements)), near)
-    free = np.setdiff1d(mesh.elements[near], mesh.elements[beyond])
-    base = np.intersect1d(mesh.elements[near], mesh.elements[beyond])
+        surface_elements.append(edge[np.isin(mesh.elements[edge], sector.flank).any(axis=1)])
+    # an element lies `steps` after the element above it in the mesh's numbering
+    inner_elements = np.unique(np.concatenate(surface_elements)[:, None] + steps * np.arange(depth))
+    # nodes between the flank and the base are free; the base, where the other elements begin, is held
+    other_elements = np.setdiff1d(np.arange(len(mesh.elements)), inner_elements)
+    free = np.setdiff1d(mesh.elements[inner_elements], mesh.elements[other_elements])
+    base_nodes = np.intersect1d(mesh.elements[inner_elements], mesh.elements[other_elements])
     layer = np.full(len(mesh.nodes), -1)
     layer[free] = sector.layer[free]
-    held = unknowns(base[:, None]).ravel()
-    loads = csr_array(hstack([sector.presses, sector.stiffness[:, held]]))
+    base_unknowns = unknowns(base_nodes[:, None]).ravel()
+    loads = csr_array(hstack([sector.presses, sector.stiffness[:, base_unknowns]]))
     y = LayeredStiffness.of(sector.stiffness, np.repeat(layer, 3)).forward(loads)
     count = sector.flank.size
-    pressed, carried = y[:, :count], y[:, count:]
-    return -pressed.T @ pressed + (pressed.T @ carried) @ _half_spaces(sector, base)
+    pressed, base_columns = y[:, :count], y[:, count:]
+    # L of the flank's nodes; deflections of the half-space at the base, transferred to the flank by the elements
+    return -pressed.T @ pressed + (pressed.T @ base_columns) @ _half_spaces(sector, base_nodes)
 
 
 def _half_spaces(sector: Sector, nodes: Index) -> Array:
-    """Displacements (3 K, n), mm/N, of nodes (K,) in half-spaces that are pressed at the flank's nodes, each along its normal, and
-    that end at toe and heel.
+    """Return displacements (3 K, n), mm/N, of nodes (K,) in half-spaces pressed at the flank's nodes, each along its
+    normal.
 
-    Lines of contact run more along the face than up the profile: a node's force is spread along the face, falling to 0 at the next
-    nodes, as that of a line of contact is shared by `FlankCompliance.shares`.
+    The half-spaces end at toe and heel. Lines of contact run more along the face than up the profile. A node's force is
+    therefore spread along the face and falls to 0 at the next nodes, as `FlankCompliance.shares` divides the force of a
+    line of contact.
     """
     into = -sector.normals
-    first = unit(np.cross(into, np.eye(3)[np.abs(into).argmin(axis=-1)]))
-    frames = np.stack((first, np.cross(into, first), into), axis=-1)
+    tangent = unit(np.cross(into, np.eye(3)[np.abs(into).argmin(axis=-1)]))
+    frames = np.stack((tangent, np.cross(into, tangent), into), axis=-1)
     images = [_Images.of(sector, nodes, end, inner) for end, inner in ((0, 1), (-1, -2))]
     count, columns = sector.flank.shape
     total = np.zeros((count, columns, len(nodes), 3))
     weight = np.zeros(columns)
+    # forces on the way to the neighbour on either side, with weights that fall linearly to 0
     for step in (-1, 1):
-        inner = np.s_[1:] if step < 0 else np.s_[:-1]
-        ends = sector.points[:, :-1] if step < 0 else sector.points[:, 1:]
-        for way in (np.arange(SPREAD) + 0.5) / SPREAD:
-            start = sector.points[:, inner] + way * (ends - sector.points[:, inner])
-            moved = _surface_displacements(
-                sector.mesh.nodes[nodes] - start[:, :, None], frames[:, inner], sector.material
+        rows = np.s_[1:] if step < 0 else np.s_[:-1]
+        neighbours = sector.points[:, :-1] if step < 0 else sector.points[:, 1:]
+        for share in (np.arange(SPREAD_POINTS) + 0.5) / SPREAD_POINTS:
+            start = sector.points[:, rows] + share * (neighbours - sector.points[:, rows])
+            displacement = _surface_displacements(
+                sector.mesh.nodes[nodes] - start[:, :, None], frames[:, rows], sector.material
             )
             for image in images:
-                moved += image.displacements(start, frames[:, inner])
-            total[:, inner] += (1.0 - way) * moved
-            weight[inner] += 1.0 - way
+                displacement += image.displacements(start, frames[:, rows])
+            total[:, rows] += (1.0 - share) * displacement
+            weight[rows] += 1.0 - share
     total /= weight[:, None, None]
     return total.reshape(count * columns, -1).T
 
 
 def _surface_displacements(place: Array, frames: Array, material: Material) -> Array:
-    """Displacements (I, J, K, 3), mm/N, at places (I, J, K, 3) from unit forces along the third axes of frames (I, J, 3, 3)."""
-    own = place @ frames
-    # flanks are not flat: what lies above the plane counts as on it
-    own[..., 2] = np.maximum(own[..., 2], 0.0)
-    return point_displacements(own, material) @ frames.swapaxes(-1, -2)
+    """Return displacements (I, J, K, 3), mm/N, at places (I, J, K, 3) under unit forces along the third axes of frames
+    (I, J, 3, 3)."""
+    local_place = place @ frames
+    # a flank is not flat: a place above the tangent plane counts as on it
+    local_place[..., 2] = np.maximum(local_place[..., 2], 0.0)
+    return point_displacements(local_place, material) @ frames.swapaxes(-1, -2)
 
 
 @dataclass(frozen=True)
 class _Images:
-    """Nodes (K,) of a tooth mirrored at one of its end faces, a plane through the end of each row (I,) of the flank at right angles
-    to the row: `mirrored` (I, K, 3); `middle` (I, 3) and outward normals `out` (I, 3) of the planes; `x` (I, K), mm: distances."""
+    """Nodes (K,) of a tooth mirrored at an end face: for each row (I,) of the flank, a plane through its end at right
+    angles to the row."""
 
+    #: mirrored nodes (I, K, 3), mm
     mirrored: Array
+    #: ends (I, 3) of the rows, mm
     middle: Array
+    #: outward normals (I, 3) of the planes
     out: Array
+    #: distances (I, K), mm, of the nodes from the planes
     x: Array
+    #: material of the tooth
     material: Material
 
     @staticmethod
@@ -636,35 +724,36 @@ class _Images:
         return _Images(mirrored, middle, out, np.maximum(x, 0.0), sector.material)
 
     def displacements(self, start: Array, frames: Array) -> Array:
-        """What the end adds (I, J, K, 3), mm/N, to displacements from forces at `start` (I, J, 3) on a half-space.
+        """Return displacements (I, J, K, 3), mm/N, that the end face adds to those on a half-space under forces at
+        `start` (I, J, 3).
 
-        At the surface that is `quarter_space`'s; deeper places are taken to be as much held back as those that are as far along
-        the edge.
+        At the surface they follow `quarter_space`. Deeper places are assumed to be as much restrained as places as far
+        away along the edge.
         """
         place, out = self.mirrored[:, None] - start[:, :, None], self.out[:, None, None]
         image = _surface_displacements(place, frames, self.material)
         image -= 2.0 * (image @ self.out[:, None, :, None]) * out
-        both = np.maximum((place * out).sum(axis=-1), SAME)
-        beside = np.sqrt(np.maximum((place**2).sum(axis=-1) - both**2, 0.0))
-        m = np.minimum(np.abs(2.0 * self.x[:, None] - both) / both, 1.0)
-        held = np.polynomial.polynomial.polyval(
-            m**2, release(np.arctan2(beside, both), self.material.poisson_ratio), tensor=False
+        distance_sum = np.maximum((place * out).sum(axis=-1), NODE_TOLERANCE_MM)
+        beside = np.sqrt(np.maximum((place**2).sum(axis=-1) - distance_sum**2, 0.0))
+        m = np.minimum(np.abs(2.0 * self.x[:, None] - distance_sum) / distance_sum, 1.0)
+        release_value = np.polynomial.polynomial.polyval(
+            m**2, release(np.arctan2(beside, distance_sum), self.material.poisson_ratio), tensor=False
         )
-        added: Array = (1.0 + held)[..., None] * image
+        added: Array = (1.0 + release_value)[..., None] * image
         return added
 
 
 def _node_numbers(nodes: Array, places: Array) -> Index:
-    """Numbers (...,) of the nodes (N, 3) at places (..., 3)."""
+    """Return the numbers (...,) of the nodes (N, 3) at places (..., 3)."""
     from scipy.spatial import cKDTree
 
     distance, number = cKDTree(nodes).query(places)
-    assert distance.max() < SAME, "the mesh has no nodes there"
+    assert distance.max() < NODE_TOLERANCE_MM, "the mesh has no nodes there"
     return np.asarray(number, dtype=np.int64)
 
 
 def _columns(rows: Index, values: Array, count: int) -> csr_array:
-    """A matrix (count, n) with `values` (n, K) in `rows` (n, K) of its columns."""
+    """Return a matrix (count, n) whose columns have `values` (n, K) in `rows` (n, K)."""
     from scipy.sparse import coo_array, csr_array
 
     columns = np.broadcast_to(np.arange(len(rows))[:, None], rows.shape)

@@ -1,8 +1,10 @@
-"""Displacements of an elastic half-space under a load at right angles to its surface: of a point, and of a rectangle.
+"""Displacements of an elastic half-space under a normal load on its surface: a point load, and pressure on a rectangle.
 
-The half-space is z > 0, the load presses along +z, displacements are those of points of the body: along +z they go into it.
+The half-space is z > 0, and the load acts along +z. Displacements are those of points of the body; along +z they go
+into the body.
 
-Units: mm, N, MPa. Source: [J85] K. L. Johnson, Contact Mechanics, 1985, 3.2 (a point, Boussinesq) and 3.3 (a rectangle, Love).
+Units: mm, N, MPa. Source: [J85] K. L. Johnson, Contact Mechanics, 1985, 3.2 (point load, Boussinesq) and 3.3
+(rectangle, Love).
 """
 
 from __future__ import annotations
@@ -14,7 +16,8 @@ from gearmesh.kernel.numeric.algebra import Array
 
 
 def point_displacements(place: Array, material: Material) -> Array:
-    """Displacements (..., 3), mm/N, at places (..., 3), mm, z >= 0, under a unit force at the origin [J85 3.18]."""
+    """Return displacements (..., 3), mm/N, at places (..., 3), mm, z >= 0, under a unit force at the origin [J85
+    3.18]."""
     nu = material.poisson_ratio
     shear = 0.5 * material.youngs_modulus / (1.0 + nu)
     z = place[..., 2:]
@@ -27,14 +30,17 @@ def point_displacements(place: Array, material: Material) -> Array:
 
 
 def rectangle_influence(x: Array, y: Array, width: Array, height: Array) -> Array:
-    """Displacement times E / (1 - nu^2) (...,), mm, of the surface at (x, y) (...,), mm, under unit pressure on a rectangle of
-    `width` (along x) by `height` round the origin [J85 3.25]."""
+    """Return the surface displacement times E / (1 - nu^2) (...,), mm, at (x, y) (...,), mm, under unit pressure on a
+    rectangle.
+
+    The rectangle is `width` (along x) by `height` and centred on the origin [J85 3.25].
+    """
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape, np.shape(width), np.shape(height)))
-    for along in (1.0, -1.0):
-        a = x + along * 0.5 * width
-        for beyond in (1.0, -1.0):
-            b = y + beyond * 0.5 * height
-            # a log(b + r) + b log(a + r), without loss of digits where b + r or a + r is nearly 0
-            total += along * beyond * (a * np.arcsinh(b / np.abs(a)) + b * np.arcsinh(a / np.abs(b)))
+    for x_sign in (1.0, -1.0):
+        a = x + x_sign * 0.5 * width
+        for y_sign in (1.0, -1.0):
+            b = y + y_sign * 0.5 * height
+            # equals a log(b + r) + b log(a + r), but keeps its digits where b + r or a + r is nearly 0
+            total += x_sign * y_sign * (a * np.arcsinh(b / np.abs(a)) + b * np.arcsinh(a / np.abs(b)))
     influence: Array = total / np.pi
     return influence

@@ -1,23 +1,30 @@
-"""Effect of a free end face: how much more the surface of a quarter-space deflects beside it than that of a half-space.
+"""Effect of a free end face: extra deflection of the surface of a quarter-space compared with a half-space.
 
-    o-------- x    loaded surface z = 0      Pressures p on z = 0, mirrored at x = 0, leave no shear on the end face x = 0, but
-    |                                        stresses A p at right angles to it; loads q = - A p on the end face, mirrored
-    |   body                                 at z = 0, take them away and leave A q on z = 0, and so on [H60]. Together
+    o-------- x    loaded surface z = 0
+    |
+    |   body
     z
-    end face x = 0                               p = P + A A p        P the pressures that are really there
+    end face x = 0
 
-The end face's loads, mirrored, do not move z = 0 along z: displacements are those of p and its mirror image on a half-space. With
-waves exp(i k y) along the edge A is one matrix for all k, as nothing has a length of its own, and so is the answer for a unit force
-at distance d from the edge: that of its mirror image on a half-space, 1 / (pi R) over E / (1 - nu^2), R^2 = (x + d)^2 + y^2, times
+Pressures p on z = 0, mirrored at x = 0, cause no shear on the end face x = 0, but normal stresses A p. Loads q = - A p
+on the end face, mirrored at z = 0, remove these stresses and cause A q on z = 0, and so on [H60]. For the real
+pressures P the sum is
+
+    p = P + A A p
+
+The end face's loads, mirrored, do not move z = 0 along z. The displacements are therefore those of p and its mirror
+image on a half-space. For waves exp(i k y) along the edge, A is one matrix for all k, since the problem has no length
+of its own. The extra displacement under a unit force at distance d from the edge is hence that of its mirror image on a
+half-space, 1 / (pi R) over E / (1 - nu^2) with R^2 = (x + d)^2 + y^2, times
 
     1 + release(m, phi),    m = |x - d| / (x + d),    phi = arctan y / (x + d)
 
-The 1 is the image alone, the rest what the stresses hold back. For it [G11] takes one number, 0.29 - (0.08 - 0.5 nu) / (1 - nu),
-0.39 for steel; it is 0.85 for a force on itself, 0.47 for one far from the edge on the edge, and 1.36, of a wedge of 90 degrees,
-for places far along the edge.
+The 1 is the mirror image alone, and `release` the effect of the removed stresses. [G11] uses one number for `release`,
+0.29 - (0.08 - 0.5 nu) / (1 - nu), which is 0.39 for steel. Exact values for steel are 0.85 for a force on itself and
+0.47 at the edge for a force far away. Far along the edge the value is 1.36, as for a wedge of 90 degrees.
 
-Units: mm, N, MPa. Sources: [H60] M. Hetenyi, J. Appl. Mech. 27 (1960) 289; [J85] K. L. Johnson, Contact Mechanics, 1985, 2.4, 3.2;
-[G11] R. Guilbault, J. Tribology 133 (2011) 031402.
+Units: mm, N, MPa. Sources: [H60] M. Hetenyi, J. Appl. Mech. 27 (1960) 289; [J85] K. L. Johnson, Contact Mechanics,
+1985, 2.4, 3.2; [G11] R. Guilbault, J. Tribology 133 (2011) 031402.
 """
 
 from __future__ import annotations
@@ -28,87 +35,107 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 
-#: steps of ln(k x), from where the wedge is two-dimensional to where waves have died out; twice as many: 3e-3
-STEPS, LOWEST, HIGHEST = 160, -12.0, 3.2
-#: points of Gauss for the potential under a wave
-POINTS = 16
-#: argument from which on a wave is nothing
-FAR = 45.0
-#: places phi of the table, and wave numbers over which it is summed
-PLACES, WAVES = 49, 3000
-#: powers of m^2 at which `release` is tabulated, exact at as many places: within 2e-3 between them
-POWERS = 3
-#: far along the edge: a wedge of 90 degrees under a force on one face, less twice a half-space, over a half-space [J85 2.4]
-WEDGE = 0.5 * np.pi * (1.0 / (0.5 * np.pi + 1.0) + 1.0 / (0.5 * np.pi - 1.0)) - 2.0
+#: steps of ln(k x); twice as many change `release` by 3e-3
+WAVE_STEPS = 160
+#: least ln(k x): the wedge is two-dimensional there
+MIN_LOG_DISTANCE = -12.0
+#: largest ln(k x): waves have died out there
+MAX_LOG_DISTANCE = 3.2
+#: Gauss points of the integral for the potential under a wave
+GAUSS_POINTS = 16
+#: argument beyond which a wave is 0
+MAX_WAVE_ARGUMENT = 45.0
+#: angles phi in the table
+TABLE_ANGLES = 49
+#: wave numbers k over which waves are summed
+WAVE_NUMBERS = 3000
+#: powers of m^2 in which `release` is tabulated, exact at as many places; between them within 2e-3
+RELEASE_POWERS = 3
+#: limit far along the edge: a wedge of 90 degrees under a force on one face, less two half-spaces, over a half-space
+#: [J85 2.4]
+WEDGE_RELEASE = 0.5 * np.pi * (1.0 / (0.5 * np.pi + 1.0) + 1.0 / (0.5 * np.pi - 1.0)) - 2.0
 
 
 def release(phi: Array, poisson_ratio: float) -> Array:
-    """Coefficients (POWERS, ...) of `release` at angles phi (...,), rad, from 0 to a right angle, by powers of m^2 from 0 on."""
+    """Return coefficients (RELEASE_POWERS, ...) of `release`, by powers of m^2 from 0, at angles phi (...,), rad, from
+    0 to a right angle."""
     table = _table(poisson_ratio)
-    place = phi / (0.5 * np.pi) * (PLACES - 1)
-    low = np.minimum(place.astype(np.intp), PLACES - 2)
+    place = phi / (0.5 * np.pi) * (TABLE_ANGLES - 1)
+    low = np.minimum(place.astype(np.intp), TABLE_ANGLES - 2)
     coefficients: Array = table[:, low] + (place - low) * (table[:, low + 1] - table[:, low])
     return coefficients
 
 
 @lru_cache(maxsize=8)
 def _table(poisson_ratio: float) -> Array:
-    """`release` (POWERS, PLACES) at phi evenly from 0 to a right angle."""
+    """Return coefficients (RELEASE_POWERS, TABLE_ANGLES) of `release` at equally spaced phi from 0 to a right angle."""
     from scipy.interpolate import RectBivariateSpline
     from scipy.special import k0
 
     t, waves = _released_waves(poisson_ratio)
     spline = RectBivariateSpline(t, t, waves)
-    m = np.linspace(0.0, 1.0, POWERS)
-    u = (np.arange(WAVES) + 0.5) / WAVES
-    k = np.exp(HIGHEST) * u**2
-    # forces move each other's places alike: the force is the one that is further from the edge
-    near, far = (np.log(np.maximum(0.5 * k * (1.0 + way * m[:, None]), np.exp(LOWEST))) for way in (-1.0, 1.0))
-    rest = spline.ev(near, np.minimum(far, HIGHEST)) - WEDGE * 2.0 / np.pi * k0(k)
-    y = np.tan(0.5 * np.pi * np.arange(PLACES - 1) / (PLACES - 1))
-    summed = (rest * (2.0 * u * np.exp(HIGHEST) / WAVES)) @ np.cos(np.outer(k, y))
-    values = WEDGE + np.column_stack((summed * np.hypot(1.0, y), np.zeros(POWERS)))
-    return np.asarray(np.linalg.solve(m[:, None] ** (2 * np.arange(POWERS)), values))
+    m = np.linspace(0.0, 1.0, RELEASE_POWERS)
+    # wave numbers k up to exp(MAX_LOG_DISTANCE), dense near 0
+    u = (np.arange(WAVE_NUMBERS) + 0.5) / WAVE_NUMBERS
+    k = np.exp(MAX_LOG_DISTANCE) * u**2
+    # influence is symmetric: the force is taken as the point that is further from the edge; both distances from the
+    # edge sum to 1
+    near, far = (
+        np.log(np.maximum(0.5 * k * (1.0 + way * m[:, None]), np.exp(MIN_LOG_DISTANCE))) for way in (-1.0, 1.0)
+    )
+    without_wedge = spline.ev(near, np.minimum(far, MAX_LOG_DISTANCE)) - WEDGE_RELEASE * 2.0 / np.pi * k0(k)
+    # sum the waves along the edge, after subtraction of the wedge's limit, whose sum is known
+    y = np.tan(0.5 * np.pi * np.arange(TABLE_ANGLES - 1) / (TABLE_ANGLES - 1))
+    along_edge = (without_wedge * (2.0 * u * np.exp(MAX_LOG_DISTANCE) / WAVE_NUMBERS)) @ np.cos(np.outer(k, y))
+    # polynomial in m^2 through the values at RELEASE_POWERS places m
+    values = WEDGE_RELEASE + np.column_stack((along_edge * np.hypot(1.0, y), np.zeros(RELEASE_POWERS)))
+    return np.asarray(np.linalg.solve(m[:, None] ** (2 * np.arange(RELEASE_POWERS)), values))
 
 
 def _released_waves(poisson_ratio: float) -> tuple[Array, Array]:
-    """Steps t (n,) of ln(k x), and of a wave of force per length along the edge the displacement (n, n) times E / (1 - nu^2),
-    beyond that of it and its image, at exp(t) (first index) from the force at exp(t) (second)."""
+    """Return steps t (n,) of ln(k x), and displacements (n, n) times E / (1 - nu^2) that the end face adds to a wave
+    and its image.
+
+    The wave is a force per length along the edge at exp(t) (second index); displacements are at exp(t) (first index).
+    """
     from scipy.special import k0
 
-    t = np.linspace(LOWEST, HIGHEST, STEPS)
+    t = np.linspace(MIN_LOG_DISTANCE, MAX_LOG_DISTANCE, WAVE_STEPS)
     step, x = t[1] - t[0], np.exp(t)
-    # what is nearer to the edge than the first step is pressed as that is
-    nearest = x[0] * np.exp(-0.5 * step)
-    onto = _end_stresses(x, poisson_ratio) * x * step
-    onto[:, 0] += 2.0 / np.pi * (np.arctan(nearest / x) - nearest * x / (nearest**2 + x**2))
-    twice = onto @ onto
-    more = np.linalg.solve(np.eye(STEPS) - twice, twice)
+    # the strip between the edge and the first step carries the pressure of the first step
+    inner_edge = x[0] * np.exp(-0.5 * step)
+    stress_matrix = _end_stresses(x, poisson_ratio) * x * step
+    stress_matrix[:, 0] += 2.0 / np.pi * (np.arctan(inner_edge / x) - inner_edge * x / (inner_edge**2 + x**2))
+    # p = P + A A p: pressures that are added to P
+    twice = stress_matrix @ stress_matrix
+    removed = np.linalg.solve(np.eye(WAVE_STEPS) - twice, twice)
     apart = np.abs(x - x[:, None])
-    # the logarithm's mean over a step stands for its middle
-    own = np.log(4.0 * np.pi / (x * step)) - np.euler_gamma
-    moved = (np.where(apart > 0.0, k0(np.where(apart > 0.0, apart, 1.0)), own) + k0(x + x[:, None])) * x * step
-    moved[:, 0] += 2.0 * k0(x) * nearest
-    return t, 2.0 / np.pi * moved @ more / (x * step)
+    # mean of the logarithm over a step, for a place within its own step
+    self_influence = np.log(4.0 * np.pi / (x * step)) - np.euler_gamma
+    displacement = (
+        (np.where(apart > 0.0, k0(np.where(apart > 0.0, apart, 1.0)), self_influence) + k0(x + x[:, None])) * x * step
+    )
+    displacement[:, 0] += 2.0 * k0(x) * inner_edge
+    return t, 2.0 / np.pi * displacement @ removed / (x * step)
 
 
 def _end_stresses(x: Array, poisson_ratio: float) -> Array:
-    """Pressure (n, n) on the plane x = 0 at depths x (first index) of a half-space under waves, k = 1, of force per length at x
-    (second index) and their mirror images.
+    """Return normal stress (n, n) on the plane x = 0 at depths x (first index) of a half-space under waves of force at
+    x (second index).
 
-    With psi, the potential of 1/r, 2 K0 for a wave, and psi_1, of which it is the derivative by z, [J85 3.2]:
-    2 pi sigma_x = psi_z - z psi_xx - (1 - 2 nu) psi_1.
+    The waves have k = 1 and are added to their mirror images. psi is the potential of 1/r, which is 2 K0 for a wave,
+    and psi_1 its integral along z. Then [J85 3.2]: 2 pi sigma_x = psi_z - z psi_xx - (1 - 2 nu) psi_1.
     """
     from scipy.special import k0, k1
 
     z, s = x[:, None], np.hypot(x, x[:, None])
     down = -2.0 * k1(s) * z / s
     across = 2.0 * (k0(s) * x**2 / s**2 + k1(s) * (2.0 * x**2 / s**3 - 1.0 / s))
-    nodes, weights = np.polynomial.legendre.leggauss(POINTS)
-    # psi_1 = - the integral of psi from z down, over t = x sinh w
-    first = np.arcsinh(z / x)
-    last = np.maximum(np.arccosh(np.maximum(FAR / x, 1.0)), first)
-    deep = x[:, None] * np.cosh(first[..., None] + 0.5 * (last - first)[..., None] * (nodes + 1.0))
-    potential = -(last - first) * ((k0(deep) * deep) @ weights)
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    # psi_1 = - integral of psi from z to infinity, with the substitution t = x sinh w
+    w_first = np.arcsinh(z / x)
+    w_last = np.maximum(np.arccosh(np.maximum(MAX_WAVE_ARGUMENT / x, 1.0)), w_first)
+    distances = x[:, None] * np.cosh(w_first[..., None] + 0.5 * (w_last - w_first)[..., None] * (nodes + 1.0))
+    potential = -(w_last - w_first) * ((k0(distances) * distances) @ weights)
     pressure: Array = -(down - z * across - (1.0 - 2.0 * poisson_ratio) * potential) / np.pi
     return pressure

@@ -1,7 +1,7 @@
-"""Threads of linear algebra: one. Blocks of a tooth's layers are small, and threads of BLAS wait for one another by spinning.
+"""Threads of linear algebra: one. The blocks of a tooth's layers are small, and threads of BLAS wait for one another by
+spinning.
 
-The bodies of the helical sample take 3.0 CPU seconds on one thread; on two of an idle machine 8.4, and 4.6 s of wall time; beside
-other work 15 and up to 28 s. Two bodies at once, a Python thread each, take 2.2 s of wall time.
+Two bodies are computed at the same time instead, each on a Python thread (times in notes.md).
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Linear algebra within takes one thread, also of what decorated functions call; what was set before holds again after."""
+    """Limit linear algebra to one thread within the block or the decorated function, and restore the limit
+    afterwards."""
     with threadpool_limits(1, user_api="blas"):
         yield
