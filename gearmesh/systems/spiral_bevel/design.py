@@ -16,7 +16,7 @@ from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.design.shown import value_text
 from gearmesh.systems.kinds import KINDS
-from gearmesh.systems.spiral_bevel.iso23509.taper_names import TAPERS
+from gearmesh.systems.spiral_bevel.iso23509.taper_names import TAPER_NAMES
 
 _SYNTHESIS = "derived: see gearmesh settings"
 
@@ -687,7 +687,7 @@ class FaceMilledDesign(BevelDesign):
         ),
     ] = None
     taper: Annotated[
-        str, Key("choice", "how the depth changes from toe to heel", choices=TAPERS, source="ISO 23509 annex C")
+        str, Key("choice", "how the depth changes from toe to heel", choices=TAPER_NAMES, source="ISO 23509 annex C")
     ] = "standard"
     contact: SpiralBevelContact = SpiralBevelContact()
     pinion: BevelPinion

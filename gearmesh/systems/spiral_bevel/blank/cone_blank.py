@@ -55,7 +55,7 @@ class OffsetData:
     shaft_angle: float
     #: nominal pressure angle, rad
     pressure_angle: float
-    #: depth taper, a name in `iso23509.taper_names.TAPERS`
+    #: depth taper, a name in `iso23509.taper_names.TAPER_NAMES`
     taper: str
     #: f_alim: share of the limit pressure angle by which the blade angles differ from the nominal pressure angle
     limit_share: float
@@ -97,7 +97,7 @@ class ConeData:
     cutter: FaceCutter
     #: nominal pressure angle, rad
     pressure_angle: float
-    #: depth taper, a name in `iso23509.taper_names.TAPERS`
+    #: depth taper, a name in `iso23509.taper_names.TAPER_NAMES`
     taper: str
     #: f_alim: share of the limit pressure angle by which the blade angles differ from the nominal pressure angle
     limit_share: float = 1.0

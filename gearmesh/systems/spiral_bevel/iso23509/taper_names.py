@@ -1,6 +1,7 @@
 """Names of the depth tapers of ISO 23509:2016, annex C.5."""
 
-#: root lines through the apex; none; the same slot width from toe to heel; that, but not beyond a tilt of the standard one
-TAPERS = ("standard", "uniform", "duplex", "tilted_root_line")
-#: of these, those that follow from the radius of a face-milling cutter
+#: root lines through the apex; no taper; one slot width from toe to heel; the same up to a limit of the root line's
+#: tilt
+TAPER_NAMES = ("standard", "uniform", "duplex", "tilted_root_line")
+#: tapers that depend on the radius of a face-milling cutter
 CUTTER_TAPERS = ("duplex", "tilted_root_line")

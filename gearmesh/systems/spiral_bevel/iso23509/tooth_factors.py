@@ -1,4 +1,6 @@
-"""Tooth proportions in mean normal modules, their suggested values, and thicknesses with backlash [ISO 23509:2016 tables 3, 4]."""
+"""Tooth proportions in mean normal modules, suggested values, and thicknesses with backlash [ISO 23509:2016 tables 3,
+4].
+"""
 
 from __future__ import annotations
 
@@ -9,13 +11,14 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
 
-#: depth factor k_d by pinion teeth, for fewer than 12 (spiral bevel, AGMA 2005), 2 from there on
+#: depth factor k_d by number of pinion teeth below 12 (spiral bevel, AGMA 2005); 2 for 12 and more
 DEPTH_FACTORS = {6: 1.765, 7: 1.835, 8: 1.895, 9: 1.940, 10: 1.975, 11: 1.995}
-#: clearance over mean working depth, k_c
+#: k_c: clearance over mean working depth
 CLEARANCE_FACTOR = 0.125
-#: least normal backlash (mm) of outer transverse modules (mm) up to the first figure, for ISO 17485 grades up to FINE_GRADE and
-#: coarser ones [AGMA 2005-D03, minimum normal backlash; ISO 23509 sample 1 has the first of both: 0.127 for 4.54]
-LEAST_BACKLASH = (
+#: rows: largest outer transverse module (mm), least normal backlash (mm) for ISO 17485 grades up to FINE_GRADE and for
+#: coarser grades [AGMA 2005-D03, minimum normal backlash; sample 1 of ISO 23509 has the finer value: 0.127 for module
+#: 4.54]
+MIN_BACKLASH_ROWS = (
     (1.5, 0.03, 0.05),
     (2.5, 0.05, 0.08),
     (3.0, 0.08, 0.10),
@@ -29,28 +32,34 @@ LEAST_BACKLASH = (
     (20.0, 0.51, 0.69),
     (25.0, 0.61, 0.81),
 )
+#: coarsest ISO 17485 grade of the first column of backlashes
 FINE_GRADE = 7
-#: smallest module of the table; smaller and larger ones have their part of what its ends have
-LEAST_MODULE = 1.0
-#: where a backlash is measured: at the outer or the mean cone distance, normal to the flanks or along the wheel's pitch circle
-BACKLASHES = ("outer_normal", "outer_transverse", "mean_normal", "mean_transverse")
+#: smallest module of the table (mm); outside the table the backlash is proportional to the module
+MIN_TABLE_MODULE = 1.0
+#: places of a backlash: at the outer or mean cone distance, normal to the flanks or along the wheel's pitch circle
+BACKLASH_NAMES = ("outer_normal", "outer_transverse", "mean_normal", "mean_transverse")
 
 
 @dataclass(frozen=True)
 class ToothFactors:
-    """Data of type I: nominal pressure angles alpha_dD and alpha_dC (rad) of drive and coast side, `limit_share` f_alim of the
-    limit pressure angle that is made up for; in mean normal modules the profile shift x_hm1, the basic addendum k_hap and
-    dedendum k_hfp, and the pinion's thickness modification x_smn.
+    """Proportions of a pair, data of type I.
 
     Raises DesignError, naming the key.
     """
 
+    #: nominal pressure angle alpha_dD of the drive side, rad
     drive_pressure_angle: float
+    #: nominal pressure angle alpha_dC of the coast side, rad
     coast_pressure_angle: float
+    #: f_alim: share of the limit pressure angle by which the generated pressure angles differ from the nominal ones
     limit_share: float
+    #: profile shift x_hm1, in mean normal modules
     profile_shift: float
+    #: basic addendum k_hap, in mean normal modules
     addendum: float
+    #: basic dedendum k_hfp, in mean normal modules
     dedendum: float
+    #: thickness modification x_smn of the pinion, in mean normal modules
     thickness: float
 
     def __post_init__(self) -> None:
@@ -71,8 +80,14 @@ class ToothFactors:
         clearance_factor: float = CLEARANCE_FACTOR,
         thickness_factor: float = 0.0,
     ) -> ToothFactors:
-        """Data of type II: the wheel's mean addendum over the working depth c_ham, the working depth k_d in modules, the
-        clearance over it k_c, and the pinion's thickness k_t beyond half the pitch and the addenda [ISO 23509 table 4].
+        """Return the proportions by data of type II [ISO 23509 table 4].
+
+        - `pressure_angles`: nominal pressure angles of drive and coast side, rad
+        - `limit_share`: f_alim
+        - `addendum_factor`: c_ham: mean addendum of the wheel over the working depth
+        - `depth_factor`: k_d: working depth in mean normal modules
+        - `clearance_factor`: k_c: clearance over the working depth
+        - `thickness_factor`: k_t: pinion thickness beyond half the pitch and the addenda, in mean normal modules
         """
         return cls(
             *pressure_angles,
@@ -86,14 +101,16 @@ class ToothFactors:
 
 @dataclass(frozen=True)
 class PressureAngles:
-    """Of one side (rad): `generated` alpha_n and `effective` alpha_e, which counts from the limit pressure angle."""
+    """Pressure angles of one side."""
 
+    #: generated pressure angle alpha_n, rad
     generated: float
+    #: effective pressure angle alpha_e, rad, from the limit pressure angle
     effective: float
 
 
 def pressure_angles(factors: ToothFactors, limit: float) -> tuple[PressureAngles, PressureAngles]:
-    """Drive and coast side by the limit pressure angle (rad) [ISO 23509 (118)-(121)]."""
+    """Return the pressure angles of drive and coast side by the limit pressure angle (rad) [ISO 23509 (118)-(121)]."""
     drive = factors.drive_pressure_angle + factors.limit_share * limit
     coast = factors.coast_pressure_angle - factors.limit_share * limit
     return PressureAngles(drive, drive - limit), PressureAngles(coast, coast + limit)
@@ -101,28 +118,33 @@ def pressure_angles(factors: ToothFactors, limit: float) -> tuple[PressureAngles
 
 @dataclass(frozen=True)
 class Backlash:
-    """A backlash of the pair (mm) and where it is measured: one of BACKLASHES; each member is thinned for half of it.
+    """Backlash of a pair; each member is thinned for half of it.
 
     Raises DesignError, naming the key.
     """
 
+    #: backlash, mm
     value: float = 0.0
+    #: place of the backlash, a name in BACKLASH_NAMES
     measured: str = "mean_normal"
 
     def __post_init__(self) -> None:
-        if self.measured not in BACKLASHES:
+        if self.measured not in BACKLASH_NAMES:
             raise DesignError(
                 "backlash_measured",
                 self.measured,
                 shown=f"{self.measured!r}",
-                must_be=f"one of {', '.join(BACKLASHES)}",
+                must_be=f"one of {', '.join(BACKLASH_NAMES)}",
             )
         if not self.value >= 0.0:
             raise DesignError("backlash", self.value, unit="mm", allowed="0 or more")
 
     def at_mean(self, cones: PitchCones, outer_spiral_angle: float, pressure_angle: float) -> float:
-        """The same backlash along the normal pitch line at the mean (mm), by the wheel's outer spiral angle and the mean normal
-        pressure angle (rad) [ISO 23509 (202)-(205)].
+        """Return the backlash along the normal pitch line at the mean cone distance (mm) [ISO 23509 (202)-(205)].
+
+        - `cones`: pitch cones of both members
+        - `outer_spiral_angle`: outer spiral angle of the wheel, rad
+        - `pressure_angle`: mean normal pressure angle, rad
         """
         where, along = self.measured.split("_")
         size = self.value * cones.mean_cone_distances[1] / cones.outer_cone_distance if where == "outer" else self.value
@@ -133,38 +155,42 @@ class Backlash:
         return float(size * turned / np.cos(pressure_angle))
 
 
-#: none
+#: a pair without backlash
 NO_BACKLASH = Backlash()
 
 
 def normal_thickness(module: float, addendum_difference: float, modification: float, pressure_angle: float) -> float:
-    """s_mn: mean normal circular thickness (mm) by how much more addendum the member has than its mating gear (mm) and its
-    thickness modification x_sm in modules [ISO 23509 (206), (211)].
+    """Return the mean normal circular thickness s_mn (mm) of a member [ISO 23509 (206), (211)].
+
+    - `module`: mean normal module, mm
+    - `addendum_difference`: addendum less the mating gear's addendum, mm
+    - `modification`: thickness modification x_sm, in modules
+    - `pressure_angle`: mean normal pressure angle, rad
     """
     return float(0.5 * np.pi * module + addendum_difference * np.tan(pressure_angle) + 2.0 * modification * module)
 
 
 def suggested_backlash(module: float, grade: int) -> float:
-    """Least normal backlash (mm) by the outer transverse module (mm) and the ISO 17485 grade of accuracy."""
-    column, largest = 1 if grade <= FINE_GRADE else 2, LEAST_BACKLASH[-1][0]
-    within = min(max(module, LEAST_MODULE), largest)
-    row = next(row for row in LEAST_BACKLASH if within <= row[0])
+    """Return the least normal backlash (mm) by the outer transverse module (mm) and the ISO 17485 grade of accuracy."""
+    column, largest = 1 if grade <= FINE_GRADE else 2, MIN_BACKLASH_ROWS[-1][0]
+    within = min(max(module, MIN_TABLE_MODULE), largest)
+    row = next(row for row in MIN_BACKLASH_ROWS if within <= row[0])
     return row[column] * module / within
 
 
 def suggested_depth_factor(teeth: tuple[int, int]) -> float:
-    """k_d by the pinion's teeth."""
+    """Return k_d by the pinion's number of teeth."""
     return DEPTH_FACTORS.get(max(teeth[0], min(DEPTH_FACTORS)), 2.0)
 
 
 def suggested_addendum_factor(teeth: tuple[int, int], pitch_angles: tuple[float, float]) -> float:
-    """c_ham by the ratio of the equivalent teeth."""
-    first, second = np.cos(pitch_angles)
-    return float(0.21 + 0.29 / (teeth[1] * first / (teeth[0] * second)))
+    """Return c_ham by the ratio of the equivalent numbers of teeth."""
+    pinion_cosine, gear_cosine = np.cos(pitch_angles)
+    return float(0.21 + 0.29 / (teeth[1] * pinion_cosine / (teeth[0] * gear_cosine)))
 
 
 def suggested_thickness_factor(teeth: tuple[int, int]) -> float:
-    """k_t by ratio and pinion teeth."""
+    """Return k_t by the gear ratio and the pinion's number of teeth."""
     ratio = teeth[1] / teeth[0]
     more = -0.088 + 0.092 * ratio - 0.004 * ratio**2 + 0.0016 * (teeth[0] - 30) * (ratio - 1.0)
     return max(more, 0.0)

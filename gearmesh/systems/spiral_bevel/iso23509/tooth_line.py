@@ -1,6 +1,6 @@
-"""The tooth line on the crown gear: the circle of a face-milling cutter or the epicycloid of a face-hobbing one.
+"""Tooth line on the crown gear: the circle of a face-milling cutter or the epicycloid of a face-hobbing cutter.
 
-In the pitch plane, from the crown gear's centre O through the mean point P; the cutter's centre C is at its radius from P:
+The pitch plane, with the crown gear's centre O, the mean point P and the cutter's centre C at the cutter radius from P:
 
             C
           . |
@@ -20,15 +20,17 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.bounds import at_least
 
-#: one value, or one for each of a batch of shape (...)
+#: one value, or a batch of values (...)
 Value: TypeAlias = "float | Array"
 
 
 @dataclass(frozen=True)
 class FaceCutter:
-    """A face cutter: its radius r_c0 (mm) and its number of blade groups z_0, 0 for face milling."""
+    """A face cutter."""
 
+    #: cutter radius r_c0, mm
     radius: float
+    #: number of blade groups z_0; 0 for face milling
     blade_groups: int = 0
 
     def __post_init__(self) -> None:
@@ -40,50 +42,60 @@ class FaceCutter:
 
 @dataclass(frozen=True)
 class ToothLine:
-    """The line that a cutter makes on a crown gear of `crown_teeth` z_p = z_2 / sin(delta_2) teeth, with the spiral angle
-    `spiral_angle` (rad) at the cone distance `mean_cone_distance` (mm). Each may be a batch (...).
-    """
+    """Tooth line of a cutter on a crown gear. Each value may be a batch (...)."""
 
+    #: face cutter
     cutter: FaceCutter
+    #: mean cone distance R_m, mm
     mean_cone_distance: Value
+    #: spiral angle at the mean cone distance, rad
     spiral_angle: Value
+    #: number of teeth of the crown gear, z_p = z_2 / sin(delta_2)
     crown_teeth: Value
 
     @property
     def lead_angle(self) -> Value:
-        """nu: of the cutter's blades, 0 in face milling; nan where the cutter is too small [ISO 23509 (98), (176)]."""
+        """Lead angle nu of the cutter's blades, rad: 0 in face milling, nan for a cutter that is too small [ISO 23509
+        (98), (176)].
+        """
         rolled = self.cutter.blade_groups * self.mean_cone_distance * np.cos(self.spiral_angle)
         return np.arcsin(_sine(rolled / (self.cutter.radius * self.crown_teeth)))
 
     @property
     def centre_angle(self) -> Value:
-        """lambda: at the mean point, from the crown gear's centre to the cutter's [ISO 23509 (36), (43)]."""
+        """Angle lambda at the mean point, from the crown gear's centre to the cutter's, rad [ISO 23509 (36), (43)]."""
         return 0.5 * np.pi - self.spiral_angle + self.lead_angle
 
     @property
     def centre_distance(self) -> Value:
-        """rho_P0: from the crown gear's centre to the cutter's [ISO 23509 (37), (79), (177)]."""
+        """Distance rho_P0 from the crown gear's centre to the cutter's, mm [ISO 23509 (37), (79), (177)]."""
         mean, radius = self.mean_cone_distance, self.cutter.radius
         return np.sqrt(mean**2 + radius**2 - 2.0 * mean * radius * np.cos(self.centre_angle))
 
     @property
     def base_radius(self) -> Value:
-        """rho_b: of the circle on which the cutter's one rolls, all of `centre_distance` in face milling [ISO 23509 (178)]."""
+        """Radius rho_b of the base circle on which the cutter's circle rolls, mm [ISO 23509 (178)].
+
+        In face milling it equals `centre_distance`.
+        """
         return self.centre_distance / (1.0 + self.cutter.blade_groups / self.crown_teeth)
 
     @property
     def curvature(self) -> Value:
-        """One over the radius of curvature rho_mbeta at the mean point (1/mm), > 0 towards the cutter [ISO 23509 (34)-(40)]."""
+        """Curvature 1 / rho_mbeta at the mean point, 1/mm, > 0 towards the cutter [ISO 23509 (34)-(40)]."""
         across, radius, lead = self.mean_cone_distance * np.cos(self.spiral_angle), self.cutter.radius, self.lead_angle
-        # eta_1, at the crown gear's centre, from the tooth's normal to the cutter's centre (52)
+        # tan(eta_1): angle at the crown gear's centre from the tooth's normal to the cutter's centre (52)
         beside = radius * np.cos(lead) - self.mean_cone_distance * np.sin(self.spiral_angle)
-        other = beside / (across + radius * np.sin(lead))
+        tan_eta = beside / (across + radius * np.sin(lead))
         spiral = np.tan(self.spiral_angle)
-        rolling = 1.0 + np.tan(lead) * (spiral + other)
-        return rolling / (across * (spiral * rolling + other))
+        rolling = 1.0 + np.tan(lead) * (spiral + tan_eta)
+        return rolling / (across * (spiral * rolling + tan_eta))
 
     def spiral_angle_at(self, cone_distance: Value) -> Value:
-        """Spiral angle (rad) at a cone distance, 90 deg where the line does not reach it [ISO 23509 (179)-(184), (189)-(194)]."""
+        """Return the spiral angle (rad) at a cone distance (mm) [ISO 23509 (179)-(184), (189)-(194)].
+
+        The angle is 90 deg at a cone distance that the line does not reach.
+        """
         radius, centre = self.cutter.radius, self.centre_distance
         if not self.cutter.blade_groups:
             mean = self.mean_cone_distance
@@ -95,13 +107,13 @@ class ToothLine:
         return np.arctan2(cone_distance - self.base_radius * np.cos(turn), self.base_radius * np.sin(turn))
 
     def reaches(self, cone_distance: float) -> bool:
-        """Whether the line has a point at a cone distance, and goes on beyond it."""
+        """Return True if the line crosses a cone distance (mm)."""
         radius, centre = self.cutter.radius, float(self.centre_distance)
         return bool(abs(centre - radius) < cone_distance < centre + radius)
 
 
 def reaching(line: ToothLine, distances: tuple[float, ...]) -> None:
-    """Raise DesignError where the cutter does not reach all of some cone distances (mm)."""
+    """Raise DesignError for a cutter that does not reach all given cone distances (mm)."""
     for distance in distances:
         if not line.reaches(distance):
             inner = abs(float(line.centre_distance) - line.cutter.radius)
@@ -115,5 +127,5 @@ def reaching(line: ToothLine, distances: tuple[float, ...]) -> None:
 
 
 def _sine(value: Value) -> Value:
-    """The value, nan where it is no sine."""
+    """Return the value where it is a possible sine, else nan."""
     return np.where(np.abs(value) <= 1.0, value, np.nan)

@@ -18,7 +18,7 @@ from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import member_rows
 from gearmesh.systems.spiral_bevel.iso23509.dimensions import FaceSpan, MemberDimensions
 from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
-from gearmesh.systems.spiral_bevel.iso23509.tapers import MOST_TILT, duplex_sum, standard_dedendum_angle
+from gearmesh.systems.spiral_bevel.iso23509.tapers import MAX_TILT_RATIO, duplex_sum, standard_dedendum_angle
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.sheet.contact_ratios import contact_ratios
 from gearmesh.systems.spiral_bevel.sheet.tooth_measures import ToothMeasures
@@ -231,7 +231,7 @@ def _taper(blank: BevelBlank) -> str:
         ("uniform", 0.0),
         ("standard", standard),
         ("duplex", _duplex(blank)),
-        ("tilted root line", MOST_TILT * standard),
+        ("tilted root line", MAX_TILT_RATIO * standard),
     ):
         if abs(_dedenda(blank) - angle) < ALIKE:
             return name
