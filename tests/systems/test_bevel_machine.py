@@ -22,7 +22,7 @@ from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import parse
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank, gear_sides, mean_point, pinion_side
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
@@ -63,8 +63,8 @@ def generated(design: Any, blank: BevelBlank | None = None) -> dict[str, Generat
     blank = blank or basic_blank(own)
     gear, base = gear_sides(own, blank), gear_base(blank.shaft_angle)
     found = {f"gear {name}": side for name, side in gear.items()}
-    for name in SIDES:
-        mean = mean_point(own, blank, gear[MATING[name]], base, contact_said(own, blank, name))
+    for name in BLADE_SIDES:
+        mean = mean_point(own, blank, gear[MATING_SIDES[name]], base, contact_said(own, blank, name))
         found[f"pinion {name}"] = pinion_side(own, blank, name, mean)
     return found
 
@@ -106,7 +106,7 @@ def along_normals(side: Generated, points: Array, normals: Array, q: Array) -> A
 
 
 @pytest.mark.sweep_cases("pinion concave-left", "gear convex-right")
-@pytest.mark.parametrize("hand", HANDS)
+@pytest.mark.parametrize("hand", HAND_SIGNS)
 @pytest.mark.parametrize("name", some(["pinion concave", "pinion convex", "gear concave", "gear convex"], 2))
 def test_flanks_are_what_swept_cutters_leave(hand: str, name: str) -> None:
     """352 points: no position of the cutter is inside the tooth, and one touches it, to 1e-6 mm."""
@@ -147,7 +147,7 @@ def surface_of(side: Generated, machine: Any, place: float) -> Envelope:
     return Envelope(Revolved(side.blade.flank, side.blade.side), machine.motion(side.hand, place))
 
 
-@pytest.mark.parametrize("hand", HANDS)
+@pytest.mark.parametrize("hand", HAND_SIGNS)
 def test_the_zero_of_the_cradle_is_free(hand: str) -> None:
     """Settings counted from another cradle angle, every polynomial expanded anew, cut the same flank."""
     side = generated(design_of(hand=hand, pinion={"teeth": 15, "concave": EVERYTHING}))["pinion concave"]
@@ -480,7 +480,7 @@ def test_the_sheet_shows_tilt_and_motions_and_loads_back() -> None:
     assert rows["helical motion a2"] == ("inch/rad^2", pytest.approx(0.05), 0.0, 0.0, 0.0)
     assert rows["tilt motion a1"] == ("deg/rad^1", 0.0, pytest.approx(0.3), 0.0, 0.0)
     # the sliding base of a tilted cutter is derived
-    assert {f"pinion.{name}.sliding_base" for name in SIDES} <= sheet.values.keys()
+    assert {f"pinion.{name}.sliding_base" for name in BLADE_SIDES} <= sheet.values.keys()
     again = design.with_values(sheet.values)
     assert again.pinion.concave.helical_motion == (0.0, 0.05)
     for one, other in zip(gears.members.values(), pair_of(again).members.values(), strict=True):

@@ -22,7 +22,13 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross, unit
 from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.build import build
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES, nominal_base, without_errors
+from gearmesh.systems.spiral_bevel.machine.pair import (
+    BLADE_SIDES,
+    HAND_SIGNS,
+    MATING_SIDES,
+    nominal_base,
+    without_errors,
+)
 from gearmesh.systems.spiral_bevel.synthesis import teeth_choice
 from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import ContactAsked
@@ -78,10 +84,10 @@ def design_of(name: str = "12/41", **more: Any) -> Any:
 def cut(design: Any) -> dict[str, Any]:
     """Machine settings and blades of all four flanks, with a plain contact asked for."""
     blank = basic_blank(design)
-    gear, base = gear_sides(design, blank), nominal_base(blank, HANDS[design.hand])
+    gear, base = gear_sides(design, blank), nominal_base(blank, HAND_SIGNS[design.hand])
     found = {f"gear {name}": side for name, side in gear.items()}
-    for name in SIDES:
-        mean = mean_point(design, blank, gear[MATING[name]], base, SIMPLE)
+    for name in BLADE_SIDES:
+        mean = mean_point(design, blank, gear[MATING_SIDES[name]], base, SIMPLE)
         found[f"pinion {name}"] = pinion_side(design, blank, name, mean)
     return found
 
@@ -91,7 +97,7 @@ def cut(design: Any) -> dict[str, Any]:
 def test_axes_and_mean_point(name: str) -> None:
     """Offset and shaft angle of the axes; what stands over both x axes is one point, where the members slide along the teeth."""
     design = design_of(name)
-    blank, hand = basic_blank(design), HANDS[design.hand]
+    blank, hand = basic_blank(design), HAND_SIGNS[design.hand]
     base = nominal_base(blank, hand)
     axis, origin = base.rotation[:, 2], base.translation
     across = np.cross([0.0, 0.0, 1.0], axis)
@@ -136,7 +142,7 @@ def test_tips_clear_the_roots_of_the_mating_gear(name: str) -> None:
     """In space, cone over cone: the least distance over the face is the clearance."""
     design = design_of(name)
     blank = basic_blank(design)
-    base = nominal_base(blank, HANDS[design.hand])
+    base = nominal_base(blank, HAND_SIGNS[design.hand])
     for own, mating, to_mating in (
         (blank.pinion, blank.gear, base.inverse),
         (blank.gear, blank.pinion, base),
@@ -241,7 +247,7 @@ def test_the_cradle_takes_a_formate_gears_place(more: dict[str, Any]) -> None:
     """The cradle's axis is parallel to the gear's, the pinion's cutters all but upright on its root cone at the mean."""
     design = design_of("formate", **more)
     blank = basic_blank(design)
-    gear_axis = nominal_base(blank, HANDS[design.hand]).rotation[:, 2]
+    gear_axis = nominal_base(blank, HAND_SIGNS[design.hand]).rotation[:, 2]
     c, s = np.cos(blank.pinion.root_angle), np.sin(blank.pinion.root_angle)
     for name, side in cut(design).items():
         if not name.startswith("pinion"):
@@ -287,8 +293,8 @@ def test_misaligned_axes_stand_as_the_letters_say(name: str, hand: str) -> None:
         assert np.degrees(np.arccos(first.axis @ second.axis)) == pytest.approx(
             design.shaft_angle + share * errors["d_delta"], abs=1e-9
         )
-        aside = -HANDS[hand] * ((second.origin - first.origin) @ across) / np.linalg.norm(across)
-        assert aside == pytest.approx(design.offset + share * HANDS[hand] * errors["dV"], abs=1e-9)
+        aside = -HAND_SIGNS[hand] * ((second.origin - first.origin) @ across) / np.linalg.norm(across)
+        assert aside == pytest.approx(design.offset + share * HAND_SIGNS[hand] * errors["dV"], abs=1e-9)
         # where both axes are nearest to each other, from the members' origins
         apart = np.linalg.lstsq(
             np.stack((first.axis, -second.axis), axis=-1), second.origin - first.origin, rcond=None

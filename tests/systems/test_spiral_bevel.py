@@ -29,7 +29,7 @@ from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import contact_of as mean_contact_of
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
     ContactChoice,
@@ -73,7 +73,7 @@ DIGITS = (4, 3, 3, 4, (3, 5), 3, 3)
 def sides(design: Any, name: str) -> tuple[MeanPoint, Generated, Generated]:
     """Mean point, pinion's and gear's side of a design, as cut: what it asks of the contact, nothing chosen."""
     blank = basic_blank(design)
-    gear = gear_sides(design, blank)[MATING[name]]
+    gear = gear_sides(design, blank)[MATING_SIDES[name]]
     choice = ContactChoice(contact_asked(design, blank, name), design.pinion.side(name).mean_offset)
     mean = mean_point(design, blank, gear, gear_base(blank.shaft_angle), choice)
     return mean, pinion_side(design, blank, name, mean), gear
@@ -82,7 +82,7 @@ def sides(design: Any, name: str) -> tuple[MeanPoint, Generated, Generated]:
 def bare_path(design: Any, name: str, phi1: Array) -> tuple[ContactPath, MeanPoint, Pair]:
     """Contact of one pair of sides as cut, their surfaces untrimmed, about the mean point."""
     mean, pinion, gear = sides(design, name)
-    sense = float(HANDS[design.hand])
+    sense = float(HAND_SIGNS[design.hand])
     shaft = np.radians(design.shaft_angle)
     mounts = (Mount(Rigid.identity(), sense), Mount(gear_base(shaft), -sense, zero=sense * mean.gear_turn))
     blank = basic_blank(design)
@@ -95,7 +95,7 @@ def bare_path(design: Any, name: str, phi1: Array) -> tuple[ContactPath, MeanPoi
         grid = np.stack((p, along(surface, p, stations, axial)[0]), axis=-1)
         flanks.append(Flank(surface, mount, {"box": PlaneLevel(1e6)}, axial, extent, grid))
     ratio = design.pinion.teeth / design.gear.teeth
-    pair = Pair(flanks[0], flanks[1], ratio, SIDES[name], design.contact.delta)
+    pair = Pair(flanks[0], flanks[1], ratio, BLADE_SIDES[name], design.contact.delta)
     return contact_path(pair, phi1, edges=False), mean, pair
 
 
@@ -194,7 +194,7 @@ def sensible(rng: np.random.Generator) -> tuple[dict[str, Any], str]:
         "shaft_angle": rng.uniform(75.0, 105.0),
         "pressure_angle": rng.uniform(18.0, 24.0),
         "hand": str(rng.choice(["right", "left"])),
-        "pinion": {"teeth": teeth, name: {**side, **NOTHING_CHOSEN}, MATING[name]: {**side, **NOTHING_CHOSEN}},
+        "pinion": {"teeth": teeth, name: {**side, **NOTHING_CHOSEN}, MATING_SIDES[name]: {**side, **NOTHING_CHOSEN}},
         "gear": {"teeth": int(teeth * rng.uniform(1.5, 4.0))},
     }
     return design, name
@@ -249,7 +249,7 @@ def test_bare_contact_beside_a_saddle_of_the_advance() -> None:
 @pytest.mark.sweep
 def test_hands_are_mirror_images() -> None:
     found = {}
-    for hand in HANDS:
+    for hand in HAND_SIGNS:
         gears = pair_of(parse({**BASIC, "hand": hand}))
         path = contact_path(solver_pair(gears), np.radians(np.linspace(-10.0, 10.0, 5)), edges=False)
         found[hand] = path, gears.pinion.tooth.volume()
@@ -271,7 +271,7 @@ def test_inches_are_millimetres() -> None:
 @pytest.mark.parametrize("backlash", [0.0, 0.2])
 def test_backlash_is_what_the_gear_turns_between_both_sides(backlash: float) -> None:
     turned, radius, normal = {}, 0.0, 0.0
-    for name in SIDES:
+    for name in BLADE_SIDES:
         gears = pair_of(parse({**BASIC, "backlash": backlash, "contact": {"side": f"pinion_{name}"}}))
         pinion, gear = gears.pinion.mount, gears.gear.mount
         # the pinion's tooth in the middle of the gear's space
@@ -398,7 +398,7 @@ def test_free_edge_radii_give_way_and_given_ones_do_not() -> None:
     edges = next(row for row in machines.rows if row[0] == "edge radius")[2:]
     # the pinion's spaces are too narrow at the toe for the default that the gear keeps
     assert 0.0 < edges[0] == edges[1] < edges[2] == edges[3]
-    given = {"teeth": 10, **{side: {"edge_radius": edges[2]} for side in SIDES}}
+    given = {"teeth": 10, **{side: {"edge_radius": edges[2]} for side in BLADE_SIDES}}
     with pytest.raises(GearmeshError, match=r"pinion: the fillets of neighbouring teeth overlap .*edge radius"):
         pair_of(parse({**narrow, "pinion": given}))
 

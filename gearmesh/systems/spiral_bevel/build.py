@@ -14,7 +14,7 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import open_factors
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import upright_cutter
-from gearmesh.systems.spiral_bevel.machine.pair import MATING, SIDES, bevel_pair, undercut_warnings
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, MATING_SIDES, bevel_pair, undercut_warnings
 from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_figures, form_warnings
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
     basic_blank,
@@ -137,10 +137,10 @@ def _is_made(design: FaceMilledDesign) -> bool:
 def _leaning(design: FaceMilledDesign) -> dict[str, float]:
     """Tilt and swivel (deg) that are left out, by dotted key."""
     own, angles = design.in_mm(), dict[str, float]()
-    for name in SIDES:
+    for name in BLADE_SIDES:
         if own.leans(name):
             blank, angle = basic_blank(own), float(np.radians(pinion_root_angle(own, name) or 0.0))
-            leant = upright_cutter(own, blank, gear_sides(own, blank)[MATING[name]], angle)
+            leant = upright_cutter(own, blank, gear_sides(own, blank)[MATING_SIDES[name]], angle)
             angles |= {
                 f"pinion.{name}.{key}": float(np.degrees(x)) for key, x in zip(("tilt", "swivel"), leant, strict=True)
             }
@@ -153,7 +153,7 @@ def _sliding_bases(design: FaceMilledDesign) -> dict[str, float]:
     if not any(open_bases):
         return {}
     cut = bevel_teeth(design.in_mm()).cut
-    sides = {"gear.cutter": cut.gear["concave"], **{f"pinion.{name}": cut.pinion[name] for name in SIDES}}
+    sides = {"gear.cutter": cut.gear["concave"], **{f"pinion.{name}": cut.pinion[name] for name in BLADE_SIDES}}
     keys = ("pinion.concave", "pinion.convex", "gear.cutter")
     return {
         f"{key}.sliding_base": sides[key].settings.sliding_base / design.mm_per_unit

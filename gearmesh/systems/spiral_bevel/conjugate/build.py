@@ -16,9 +16,9 @@ from gearmesh.systems.spiral_bevel.conjugate.geometry import ConjugateGeometry
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
 from gearmesh.systems.spiral_bevel.machine.pair import (
-    HANDS,
-    MATING,
-    SIDES,
+    BLADE_SIDES,
+    HAND_SIGNS,
+    MATING_SIDES,
     CutSides,
     basic_data,
     bevel_pair,
@@ -41,10 +41,10 @@ def build(design: ConjugateDesign) -> GearTrain:
     """The pair of a conjugate design (in mm). Raises DesignError for blanks and teeth that cannot exist."""
     blank = conjugate_blank(design)
     pinion, gear = {}, {}
-    for name, side in SIDES.items():
+    for name, side in BLADE_SIDES.items():
         geometry = conjugate_geometry(design, blank, name)
         pinion[name] = _generate(design, blank, geometry, side, 1)
-        gear[MATING[name]] = _generate(design, blank, geometry, -side, 2)
+        gear[MATING_SIDES[name]] = _generate(design, blank, geometry, -side, 2)
     away = thinning(design.backlash, blank)
     places = tuple(
         {
@@ -53,7 +53,7 @@ def build(design: ConjugateDesign) -> GearTrain:
         }
         for sides, teeth, give in ((pinion, blank.pinion.teeth, away), (gear, blank.gear.teeth, 0.0))
     )
-    cut = CutSides(blank, pinion, gear, (places[0], places[1]), *(dict.fromkeys(SIDES, 0.0) for _ in range(2)))
+    cut = CutSides(blank, pinion, gear, (places[0], places[1]), *(dict.fromkeys(BLADE_SIDES, 0.0) for _ in range(2)))
     wheel = cut_member(design, cut, "gear")
     return bevel_pair(design, cut, cut_member(design, cut, "pinion"), wheel)
 
@@ -86,7 +86,7 @@ def _check_rho(rho: float | None, blank: BevelBlank) -> None:
 
 def conjugate_geometry(design: ConjugateDesign, blank: BevelBlank, name: str) -> ConjugateGeometry:
     """The closed forms of one side ("concave" or "convex") of the pinion, for a left-hand pinion."""
-    sign = -SIDES[name]
+    sign = -BLADE_SIDES[name]
     return ConjugateGeometry(
         cone_distance=blank.pinion.mean_cone_distance,
         spiral_angle=blank.pinion.spiral_angle,
@@ -116,6 +116,6 @@ def _generate(
     profile = -design.rho if member == 1 and design.rho is not None else 0.0
     edge = or_else(spec.edge_radius, blank.edge_radius)
     blade = Blade.through(side, radius, own.mean_dedendum, blank.pressure_angle, edge, profile)
-    hand = HANDS[design.hand] * (1 if member == 1 else -1)
+    hand = HAND_SIGNS[design.hand] * (1 if member == 1 else -1)
     tip_height = own.mean_dedendum + own.mean_addendum
     return Generated(machine, blade, hand, own.mean_cone_distance, tip_height, spec.edge_radius is None)

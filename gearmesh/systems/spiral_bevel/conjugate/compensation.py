@@ -19,7 +19,7 @@ from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.systems.common.restoring import restoring
 from gearmesh.systems.spiral_bevel.conjugate.build import build, conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.errors.kinematic_errors import compensation
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, displaced_frames, without_errors
+from gearmesh.systems.spiral_bevel.machine.pair import HAND_SIGNS, displaced_frames, without_errors
 from gearmesh.systems.system import Setting
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def _first_order(design: ConjugateDesign, blank: BevelBlank) -> FirstOrder:
     closed = -float(np.radians(design.assembly.d_delta))
     across, along = compensation(geometry.spiral_angle, geometry.psi_c, geometry.cone_distance, closed, cradle)
     # the closed form is that of a left-hand pinion
-    across *= -HANDS[design.hand]
+    across *= -HAND_SIGNS[design.hand]
     source = "3.5.28, 29" if cradle is None else "3.5.34, 35"
     return FirstOrder(source, across, along, {"dV": across, **_along_the_axes(blank, along)})
 

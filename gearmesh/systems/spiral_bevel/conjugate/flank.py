@@ -31,7 +31,7 @@ from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, nominal_base
+from gearmesh.systems.spiral_bevel.machine.pair import HAND_SIGNS, MATING_SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.settings import gear_sides, meshing_turns
 
 if TYPE_CHECKING:
@@ -174,7 +174,7 @@ class _OnGear:
 
     @cached_property
     def _gear(self) -> Generated:
-        return gear_sides(self.design, self.blank)[MATING[self.name]]
+        return gear_sides(self.design, self.blank)[MATING_SIDES[self.name]]
 
     @cached_property
     def _surface(self) -> Surface:
@@ -186,7 +186,7 @@ class _OnGear:
 
     @property
     def _sense(self) -> int:
-        return HANDS[self.design.hand]
+        return HAND_SIGNS[self.design.hand]
 
     @property
     def _ratio(self) -> float:

@@ -22,8 +22,8 @@ from gearmesh.systems.spiral_bevel.build import build
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED
 from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash, pinion_places
 from gearmesh.systems.spiral_bevel.machine.pair import (
-    HANDS,
-    SIDES,
+    BLADE_SIDES,
+    HAND_SIGNS,
     Angles,
     CutSides,
     Sides,
@@ -54,7 +54,7 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
 
     Raises NoSolutionError where no setting restores the contact, DesignError where the contact is that of an ease-off.
     """
-    for name in SIDES:
+    for name in BLADE_SIDES:
         if design.ease_off(name) is not None:
             raise DesignError(
                 design.ease_off_key(name),
@@ -69,7 +69,7 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
     rows: list[Setting] = []
     turns: Angles = {}
     made: Sides = {}
-    for name in SIDES:
+    for name in BLADE_SIDES:
         (gears,) = build(design.with_values({**without_errors(design), "contact.side": f"pinion_{name}"}).in_mm()).pairs
         path = analyse(gears, np.zeros(1))
         if path.kind[0] != "point":
@@ -79,12 +79,12 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
             )
         pinion, gear = (_single(jet) for jet in touching_jets(gears, path))
         base = gears.gear.mount.base
-        nominal = _as_it_touches(gear, base, HANDS[own.hand], blank.gear.pitch_apex)
+        nominal = _as_it_touches(gear, base, HAND_SIGNS[own.hand], blank.gear.pitch_apex)
         e1, e2 = tangent_basis(pinion)
         basis = np.stack((e1, e2))
         asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
         # the gear as it meets the aligned pinion has not far to turn to meet the misaligned one
-        farther, standing = mean_contact(gear.move(base.inverse), first.inverse @ second, HANDS[own.hand], blank)
+        farther, standing = mean_contact(gear.move(base.inverse), first.inverse @ second, HAND_SIGNS[own.hand], blank)
         turns[name] = teeth.cut.turns[name] + gears.gear.mount.sign * float(path.phi2[0]) + farther
         spec, choice = own.pinion.side(name), teeth.choices[name]
         kept = _chosen_values(spec, choice)
@@ -113,7 +113,7 @@ def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Ang
     (rad), or the thickness where the design gives that: they leave the backlash that it has."""
     own, unit = design.in_mm(), design.mm_per_unit
     free = {"pinion.thickness": None}
-    free |= {f"pinion.{name}.{key}": None for name in SIDES for key in ("index_angle", "mesh_angle")}
+    free |= {f"pinion.{name}.{key}": None for name in BLADE_SIDES for key in ("index_angle", "mesh_angle")}
     open_index = own.with_values({**free, "backlash": indexed_backlash(cut) if own.indexed else own.backlash})
     places = pinion_places(open_index, cut.blank, made, turns)
     if own.pinion.thickness is not None:
@@ -121,7 +121,7 @@ def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Ang
         key, noun = "pinion.thickness", design.units
         return [Setting(key, own.pinion.thickness / unit, after_mm / unit, noun, "backlash kept")]
     before, after = cut.index_angles, replace(cut, pinion=made, places=(places, cut.places[1])).index_angles
-    meshing = [name for name in SIDES if own.pinion.side(name).mesh_angle is not None]
+    meshing = [name for name in BLADE_SIDES if own.pinion.side(name).mesh_angle is not None]
     return [
         *(
             Setting(
@@ -131,7 +131,7 @@ def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Ang
                 "deg",
                 "backlash kept",
             )
-            for name in SIDES
+            for name in BLADE_SIDES
         ),
         *(
             Setting(

@@ -31,7 +31,7 @@ from gearmesh.progress import in_turn, tell
 from gearmesh.systems.common.pattern.meshing_place import MeshingPlace, Moves
 from gearmesh.systems.common.pattern.targets import gear_targets, on_flank
 from gearmesh.systems.spiral_bevel.errors.displacements import displaced_bases
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.settings import meshing_turns
 from gearmesh.systems.system import PatternShift
 from gearmesh.teeth.gear_train import GearPair, GearTrain
@@ -64,8 +64,8 @@ def vh_check(
     (pair,) = train.pairs
     now = np.array([getattr(design.assembly, key) for key in MOVES.keys.values()])
     pattern_shifts = []
-    for name in in_turn(SIDES):
-        shares, extra = _Side.of(pair, name, HANDS[design.hand], clearance, moved).places()
+    for name in in_turn(BLADE_SIDES):
+        shares, extra = _Side.of(pair, name, HAND_SIGNS[design.hand], clearance, moved).places()
         for (place, asked), share, shift in zip(PLACES.items(), shares, now + extra, strict=True):
             v, h, j, alpha = (float(x) for x in shift)
             pattern_shifts.append(PatternShift(f"pinion_{name}", place, asked, v, h, j, alpha, float(share)))
@@ -84,9 +84,9 @@ class _Side:
     @classmethod
     def of(cls, pair: GearPair, name: str, hand: int, clearance: float, moved: tuple[str, ...]) -> _Side:
         """Of a gear set's pair, whichever of its sides that is of. Eccentricities are neglected."""
-        flanks = _flank(name == "concave", hand), _flank(MATING[name] == "concave", -hand)
+        flanks = _flank(name == "concave", hand), _flank(MATING_SIDES[name] == "concave", -hand)
         members = [replace(member, mount=replace(member.mount, eccentricity=(0.0, 0.0))) for member in pair.both]
-        own = replace(pair, pinion=members[0], gear=members[1], flanks=flanks, drive=SIDES[name])
+        own = replace(pair, pinion=members[0], gear=members[1], flanks=flanks, drive=BLADE_SIDES[name])
         return cls(own, name, clearance, moved)
 
     def places(self) -> tuple[Array, Array]:

@@ -1,4 +1,6 @@
-"""How a pair is cut: both sides of both members for the requested contact, and the positions of the sides on their teeth."""
+"""Cutting of a pair: both sides of both members for the requested contact, and the positions of the sides on their
+teeth.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +10,11 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.spiral_bevel.machine.index import FARTHEST
+from gearmesh.systems.spiral_bevel.machine.index import MAX_CONTACT_TURN_PITCHES
 from gearmesh.systems.spiral_bevel.machine.pair import (
-    HANDS,
-    MATING,
-    SIDES,
+    BLADE_SIDES,
+    HAND_SIGNS,
+    MATING_SIDES,
     Angles,
     CutSides,
     Sides,
@@ -24,22 +26,22 @@ from gearmesh.systems.spiral_bevel.machine.thickness import thin_to
 from gearmesh.systems.spiral_bevel.synthesis.settings import ContactChoice, gear_sides, mean_point, pinion_side
 from gearmesh.teeth.region import Side
 
-#: how much (mm) a tooth may be too thick for rounding
-ROOM = 1e-10
+#: largest excess of a tooth's thickness (mm, along the normal) that counts as rounding
+MAX_THICKNESS_ROUNDING_MM = 1e-10
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
-#: what is asked of the contact, by the pinion's sides
+#: requested contact by side of the pinion
 Choices = dict[str, ContactChoice]
 
 
 def cut_sides(design: FaceMilledDesign, blank: BevelBlank, choices: Choices) -> CutSides:
-    """Both sides of both members of a design (in mm), for the contact that `choices` ask for.
+    """Return both sides of both members of a design (in mm) for the contact of `choices`.
 
-    Raises NoSolutionError where no pinion gives it, DesignError for cutters that cannot exist, and where sides that are cut at once
-    leave the pinion too thick a tooth.
+    Raises NoSolutionError if no pinion has this contact. Raises DesignError for cutters that cannot exist, and for
+    sides cut at once that leave too thick a tooth on the pinion.
     """
     gear = gear_sides(design, blank)
     pinion, turns = cut_pinion(design, blank, choices, gear)
@@ -54,54 +56,60 @@ def cut_sides(design: FaceMilledDesign, blank: BevelBlank, choices: Choices) -> 
 
 
 def cut_pinion(design: FaceMilledDesign, blank: BevelBlank, choices: Choices, gear: Sides) -> tuple[Sides, Angles]:
-    """The pinion's sides, and how far (rad) the gear, as cut, is turned when it meets each at its mean point.
+    """Return the pinion's sides, and by side the gear's rotation (rad) at contact.
 
-    Raises as `cut_sides`.
+    The rotation brings the gear, as cut, to contact with the pinion's side at its mean point. Raises as `cut_sides`.
     """
-    nominal = nominal_base(blank, HANDS[design.hand])
-    means = {name: mean_point(design, blank, gear[MATING[name]], nominal, choices[name]) for name in SIDES}
-    pinion = {name: pinion_side(design, blank, name, means[name]) for name in SIDES}
+    nominal = nominal_base(blank, HAND_SIGNS[design.hand])
+    means = {name: mean_point(design, blank, gear[MATING_SIDES[name]], nominal, choices[name]) for name in BLADE_SIDES}
+    pinion = {name: pinion_side(design, blank, name, means[name]) for name in BLADE_SIDES}
     return pinion, {name: mean.gear_turn for name, mean in means.items()}
 
 
 def _start(design: FaceMilledDesign, blank: BevelBlank, name: str, turned: float) -> float:
-    """Rotation (rad) of the pinion from contact at the mean point, where a side is `turned` (rad) since it was cut, to phi1 = 0.
+    """Return the rotation (rad) of the pinion from contact at the mean point to phi1 = 0.
 
-    Machines that generate the mean point at cradle rotation 0 define phi1 = 0: the position as cut. A cradle angle that counts from
-    elsewhere, as in a maker's summary, puts that position far from any contact; phi1 = 0 is then contact at the mean point.
+    `turned` (rad) is the rotation of the pinion from cutting a side to contact. Machines that generate the mean point
+    at cradle rotation 0 define phi1 = 0: the position as cut. If the cradle angle counts from elsewhere, as in a
+    maker's summary, that position is far from any contact. phi1 = 0 is then contact at the mean point.
     """
-    far = abs(turned) >= FARTHEST * 2.0 * np.pi / blank.pinion.teeth
+    far = abs(turned) >= MAX_CONTACT_TURN_PITCHES * 2.0 * np.pi / blank.pinion.teeth
     fixed = design.pinion.side(name).mesh_angle is not None
     return 0.0 if far or fixed or design.mean_point != "cradle_zero" else -turned
 
 
 def pinion_places(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, gear_turns: Angles) -> Angles:
-    """Places (rad) of the pinion's sides, by the index angles or the thickness that the design gives, or by the backlash.
+    """Return the index positions (rad) of the pinion's sides.
 
-    Each side stands where the gear, as cut and turned by `gear_turns` (rad), touches it: turned back, it fits the gear's space.
+    They follow from the index angles or the thickness of the design, else from the backlash. `gear_turns` (rad):
+    rotation of the gear, as cut, to contact with each side.
     """
     ratio = blank.gear.teeth / blank.pinion.teeth
+    # positions without backlash: each side touches the gear; the turn of the gear is transferred to the pinion
     fitting = {name: turn * ratio for name, turn in gear_turns.items()}
-    given = {name: design.pinion.side(name).index_angle for name in SIDES}
+    given = {name: design.pinion.side(name).index_angle for name in BLADE_SIDES}
     known = {name: angle for name, angle in given.items() if angle is not None}
-    if len(known) == len(SIDES):
+    if len(known) == len(BLADE_SIDES):
         places = {}
     elif design.completing:
         places = _cut_at_once(blank, sides, fitting)
     else:
         thickness = design.pinion.thickness
-        away = (
+        set_back = (
             thinning(design.backlash, blank) if thickness is None else thin_to(thickness, blank.pinion, sides, fitting)
         )
-        places = {name: fitting[name] + (-away if side.flank is Side.LEFT else away) for name, side in sides.items()}
-    own, hand = beside_space(sides, blank.pinion.teeth), HANDS[design.hand]
+        places = {
+            name: fitting[name] + (-set_back if side.flank is Side.LEFT else set_back) for name, side in sides.items()
+        }
+    # given index angles replace these positions
+    in_space, hand = beside_space(sides, blank.pinion.teeth), HAND_SIGNS[design.hand]
     return places | {
-        name: own[name] + hand * float(np.radians(angle)) - sides[name].turned for name, angle in known.items()
+        name: in_space[name] + hand * float(np.radians(angle)) - sides[name].turned for name, angle in known.items()
     }
 
 
 def indexed_backlash(cut: CutSides) -> float:
-    """The normal backlash (mm) that the places of the pinion's sides leave, at the mean point."""
+    """Return the normal backlash (mm) at the mean point that the index positions of the pinion's sides leave."""
     ratio = cut.blank.gear.teeth / cut.blank.pinion.teeth
     away = [
         (cut.turns[name] * ratio - cut.places[0][name]) * (1.0 if side.flank is Side.LEFT else -1.0)
@@ -111,9 +119,9 @@ def indexed_backlash(cut: CutSides) -> float:
 
 
 def _refuse_thicker(thickness: float, cut: CutSides) -> None:
-    """Raises DesignError where a pinion of a given mean normal `thickness` (mm) has no room in the gear's space."""
+    """Raise DesignError for a pinion whose mean normal `thickness` (mm) does not fit the gear's tooth space."""
     lacking = -indexed_backlash(cut)
-    if lacking <= ROOM:
+    if lacking <= MAX_THICKNESS_ROUNDING_MM:
         return
     most = at_most(thickness - lacking / float(np.cos(cut.blank.pressure_angle)))
     raise DesignError(
@@ -126,19 +134,23 @@ def _refuse_thicker(thickness: float, cut: CutSides) -> None:
 
 
 def _cut_at_once(blank: BevelBlank, sides: Sides, fitting: Angles) -> Angles:
-    """Places (rad) of both sides of the pinion in the middle of where each would fit the gear's space: what is left is backlash."""
-    beside = beside_space(sides, blank.pinion.teeth)
-    # how far the blank would have to be turned before each side was cut
-    middle = 0.5 * sum(fitting[name] + side.turned - beside[name] for name, side in sides.items())
-    return {name: beside[name] + middle - side.turned for name, side in sides.items()}
+    """Return the index positions (rad) of the pinion's sides, both cut at once.
+
+    The pinion is in the middle between the positions in which each side would touch the gear. The remaining gap is the
+    backlash.
+    """
+    in_space = beside_space(sides, blank.pinion.teeth)
+    # mean of the two index angles at which the one or the other side would touch the gear
+    middle = 0.5 * sum(fitting[name] + side.turned - in_space[name] for name, side in sides.items())
+    return {name: in_space[name] + middle - side.turned for name, side in sides.items()}
 
 
 def _refuse_thick(design: FaceMilledDesign, cut: CutSides) -> None:
-    """Raises DesignError where sides that are cut at once leave a tooth that is too thick for the gear's space."""
+    """Raise DesignError for sides cut at once that leave a tooth too thick for the gear's space."""
     lacking = -indexed_backlash(cut)
-    if lacking <= ROOM:
+    if lacking <= MAX_THICKNESS_ROUNDING_MM:
         return
-    blades = {name: cut.pinion[name].blade.tip_radius for name in SIDES}
+    blades = {name: cut.pinion[name].blade.tip_radius for name in BLADE_SIDES}
     width = blades["concave"] - blades["convex"]
     least = at_least(width + lacking / float(np.cos(cut.blank.pressure_angle)))
     raise DesignError(

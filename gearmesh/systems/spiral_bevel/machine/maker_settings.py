@@ -1,9 +1,9 @@
 """Machine settings by the names, axes and signs of the makers' sheets, beside those of `machine`.
 
-They count machine centre to back X_D along the blank's axis, the sliding base X_B along the cradle's; the ratio of roll R_a as
-blank over cradle, and its modification as the derivatives of the blank's rotation, 2C, 6D, 24E, 120F, 720G: the blank turns
-R_a (q - C q^2 - D q^3 - ...). The cutter's lean is a tilt i and a swivel j from the cutter's own radius, or the slopes of
-its axis along and across the root line.
+Machine centre to back X_D counts along the blank's axis, the sliding base X_B along the cradle axis. The ratio of roll
+R_a is blank over cradle. Its modification is given as derivatives of the blank's rotation, 2C, 6D, 24E, 120F, 720G: the
+blank turns R_a (q - C q^2 - D q^3 - ...). The cutter's lean is a tilt i and a swivel j from the cutter's radius, or the
+slopes of the cutter's axis along and across the root line.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
 from gearmesh.systems.system import SheetTable
 
-#: derivatives of the blank's rotation, from the second on
-ROLLED = ("2C", "6D", "24E", "120F", "720G")
+#: symbols of the derivatives of the blank's rotation, from the second on
+ROLL_DERIVATIVES = ("2C", "6D", "24E", "120F", "720G")
 
 
 def maker_table(sides: list[Generated], columns: tuple[str, ...], unit: float, noun: str) -> SheetTable:
-    """The settings of some sides; lengths over `unit` (mm) in `noun`."""
+    """Return the table of settings of some sides; lengths over `unit` (mm) in `noun`."""
     machines = [side.settings for side in sides]
     leans = [_slopes(side) for side in sides]
 
@@ -43,7 +43,7 @@ def maker_table(sides: list[Generated], columns: tuple[str, ...], unit: float, n
         row("gamma_m", "machine root angle", "deg", [m.machine_root_angle for m in machines]),
         row("R_a", "ratio of roll, blank over cradle", "-", [ratio(m) for m in machines]),
     ]
-    for power, symbol in enumerate(ROLLED, start=2):
+    for power, symbol in enumerate(ROLL_DERIVATIVES, start=2):
         values = [derivative(m, power) for m in machines]
         if any(values):
             rows.append(
@@ -58,22 +58,22 @@ def maker_table(sides: list[Generated], columns: tuple[str, ...], unit: float, n
 
 
 def centre_to_back(machine: MachineSettings) -> float:
-    """X_D (mm): the blank's apex is that much behind the machine centre, along its own axis."""
+    """Return X_D (mm): distance of the blank's apex behind the machine centre along the blank's axis."""
     return -machine.machine_centre_to_back / math.cos(machine.machine_root_angle)
 
 
 def base(machine: MachineSettings) -> float:
-    """X_B (mm), along the cradle axis, once X_D is along the blank's."""
+    """Return X_B (mm) along the cradle axis, when X_D is along the blank's axis."""
     return machine.sliding_base - centre_to_back(machine) * math.sin(machine.machine_root_angle)
 
 
 def ratio(machine: MachineSettings) -> float | None:
-    """R_a: None of a machine that does not roll."""
+    """Return R_a, or None for a machine without roll."""
     return None if machine.formate else 1.0 / machine.ratio_of_roll
 
 
 def derivative(machine: MachineSettings, power: int) -> float | None:
-    """power! times the coefficient of the cradle's rotation to that power; None of a machine that does not roll."""
+    """Return power! times the coefficient of the cradle's rotation to that power, or None for a machine without roll."""
     roll = machine.modified_roll
     if machine.formate:
         return None
@@ -81,6 +81,9 @@ def derivative(machine: MachineSettings, power: int) -> float | None:
 
 
 def _slopes(side: Generated) -> tuple[float, float]:
-    """Angles (rad) by which the cutter's axis leans towards the heel and, y of a right-hand member, across."""
+    """Return the angles (rad) by which the cutter's axis leans towards the heel and across the root line.
+
+    Across counts along y of a right-hand member.
+    """
     x, y, z = side.settings.cutter_axes(side.hand)[:, 2]
     return float(np.arctan2(x, z)), float(np.arctan2(side.hand * y, z))

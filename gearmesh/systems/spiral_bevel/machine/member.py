@@ -27,12 +27,14 @@ from gearmesh.teeth.tooth import Tooth
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import BevelBody
 
-#: edge radii that are tried where the default does not fit
+#: shares of the default edge radius that are tried if it does not fit
 EDGE_SHARES = (1.0, 0.75, 0.5, 0.35, 0.2, 0.1, 0.0)
-#: depth of front and back cone under the root, in mean depths of the teeth
-TOE_RIM, HEEL_RIM = 0.35, 1.2
-#: what helps against a tooth that cannot be trimmed
-ALLOWED = {
+#: depth of the front cone under the root, in mean depths of the teeth
+TOE_RIM_DEPTHS = 0.35
+#: depth of the back cone under the root, in mean depths of the teeth
+HEEL_RIM_DEPTHS = 1.2
+#: remedies for a tooth that cannot be trimmed, by the kind of failure
+TRIM_REMEDIES = {
     "pointed": "a smaller addendum, spiral angle or face width",
     "undercut": "more teeth, a smaller dedendum or a larger pressure angle",
     "flank": "a larger addendum, a smaller face width or a smaller edge radius of the {name}'s blades",
@@ -40,10 +42,10 @@ ALLOWED = {
     "tip": "settings whose cutter generates the whole tooth: check face width, spiral angle and cutter radius",
     "crossing": "a toprem_angle nearer to the blade angle, a smaller toprem_height or a toprem_radius",
 }
-#: what may be wrong with a tooth because of its edge radii
-OF_EDGES = ("flank", "crossing")
-#: the keys that this is about, and whether they have to be larger (1) or smaller (-1)
-REMEDIES = {
+#: failures that the edge radii may cause
+EDGE_FAILURES = ("flank", "crossing")
+#: keys that remedy a failure; their values have to be larger (1) or smaller (-1), or either (0)
+REMEDY_KEYS = {
     "pointed": {"addendum_factor": 0, "spiral_angle": -1, "face_width": -1},
     "undercut": {"pressure_angle": 1, "pinion.teeth": 1, "gear.teeth": 1, "depth_factor": -1},
     "tip": {"face_width": -1, "spiral_angle": 0, "gear.cutter.tip_radius": 0},
@@ -58,17 +60,23 @@ def bevel_member(
     sides: dict[str, Generated],
     places: dict[Side, float],
 ) -> Member:
-    """A member from its part `spec` of a design (in mm), its `own` part of the blank, and its two sides.
+    """Return a member of a pair.
 
-    Each side is turned by its flank's place (rad), `places` by flank. Raises DesignError for teeth that cannot be closed from
-    toe to heel.
+    - `name`: "pinion" or "gear"
+    - `spec`: its part of the design, lengths in mm
+    - `blank`: blank of the pair
+    - `own`: the member's blank
+    - `sides`: its sides, "concave" and "convex"
+    - `places`: index positions of the flanks, rad
+
+    Raises DesignError for teeth that cannot be closed from toe to heel.
     """
     axial, extent = own.stations, own.extent
     by_flank = {side.flank: side for side in sides.values()}
     try:
         root = root_cone(name, by_flank, axial, extent)
     except TrimError as failure:
-        raise VagueError(name, reason=failure.reason, allowed=ALLOWED["tip"]) from failure
+        raise VagueError(name, reason=failure.reason, allowed=TRIM_REMEDIES["tip"]) from failure
     body = Blank(
         axial,
         extent,
@@ -88,20 +96,20 @@ def bevel_member(
     return with_end_chamfers(Member(name, tooth, source_parameters, body_features(spec, under)), spec)
 
 
-def _on_cone(own: MemberBlank, root: ConeLevel, cone_distance: float, below: float = 0.0) -> tuple[float, float]:
-    """(rho, z) on the cone across the pitch cone at a cone distance, `below` mm under the root."""
-    c, s = np.cos(own.pitch_angle), np.sin(own.pitch_angle)
-    # down from the pitch line until rho = radius + slope z
-    above = s * cone_distance - root.radius - root.slope * c * cone_distance + root.slope * own.pitch_apex
+def _on_cone(member: MemberBlank, root: ConeLevel, cone_distance: float, below: float = 0.0) -> tuple[float, float]:
+    """Return (rho, z), mm, on the cone across the pitch cone at a cone distance, `below` mm under the root."""
+    c, s = np.cos(member.pitch_angle), np.sin(member.pitch_angle)
+    # depth under the pitch line at which the root cone rho = radius + slope z is reached
+    above = s * cone_distance - root.radius - root.slope * c * cone_distance + root.slope * member.pitch_apex
     depth = above / (c + root.slope * s) + below
-    return float(s * cone_distance - c * depth), float(c * cone_distance + s * depth - own.pitch_apex)
+    return float(s * cone_distance - c * depth), float(c * cone_distance + s * depth - member.pitch_apex)
 
 
-def _body(name: str, spec: BevelBody, blank: BevelBlank, own: MemberBlank, root: ConeLevel) -> Body:
-    """The body between front cone and back cone."""
-    toe_root = _on_cone(own, root, own.inner_cone_distance)
-    toe = _on_cone(own, root, own.inner_cone_distance, TOE_RIM * blank.mean_depth)
-    heel = _on_cone(own, root, own.outer_cone_distance, HEEL_RIM * blank.mean_depth)
+def _body(name: str, spec: BevelBody, blank: BevelBlank, member: MemberBlank, root: ConeLevel) -> Body:
+    """Return the body between front cone and back cone."""
+    toe_root = _on_cone(member, root, member.inner_cone_distance)
+    toe = _on_cone(member, root, member.inner_cone_distance, TOE_RIM_DEPTHS * blank.mean_depth)
+    heel = _on_cone(member, root, member.outer_cone_distance, HEEL_RIM_DEPTHS * blank.mean_depth)
     bore = bore_radius(
         name, spec.stated_bore, toe[0], "the diameter under the teeth at the toe", min(toe[0], toe_root[0])
     )
@@ -116,9 +124,10 @@ def _fitting_tooth(
     places: dict[Side, float],
     given_sides: tuple[str, ...],
 ) -> Tooth:
-    """The tooth, its free edge radii as large as the fillets of neighbouring teeth leave room for, in steps of EDGE_SHARES.
+    """Return the tooth with the largest free edge radii that the fillets of neighbouring teeth leave room for.
 
-    Of `given_sides` edge radii may also be what leaves no flank. They are tried where they are free, and named in a refusal.
+    The radii are shares in EDGE_SHARES of the default. The edge radii of `given_sides` may also leave no flank: free
+    radii are then reduced as well, and a refusal names them.
     """
 
     def prove(share: float) -> Tooth:
@@ -132,21 +141,21 @@ def _fitting_tooth(
                 tooth.prove_root(np.array([0.0, 0.5, 1.0]))
             tooth.prove()
         except TrimError as failure:
-            if share > 0.0 and (failure.what == "root" or (given_sides and failure.what in OF_EDGES)):
+            if share > 0.0 and (failure.what == "root" or (given_sides and failure.what in EDGE_FAILURES)):
                 raise
             raise _refusal(name, tooth, failure, given_sides) from failure
         except ValueError as failure:
             raise VagueError(
                 name,
                 reason="the fillets do not end in a smooth line along the face",
-                allowed=ALLOWED["tip"] + _given_remedy(given_sides),
+                allowed=TRIM_REMEDIES["tip"] + _given_remedy(given_sides),
             ) from failure
         return tooth
 
     try:
         return prove(EDGE_SHARES[0])
     except TrimError:
-        # what has no room for sharp edges has none for any
+        # a tooth without room for sharp edges has no room for any edge radius
         sharp = prove(0.0)
     for share in EDGE_SHARES[1:-1]:
         with suppress(TrimError):
@@ -155,17 +164,18 @@ def _fitting_tooth(
 
 
 def _refusal(name: str, tooth: Tooth, failure: TrimError, given_sides: tuple[str, ...]) -> VagueError:
+    """Return the refusal of a tooth that cannot be trimmed, with its remedies."""
     return VagueError(
         name,
         reason=f"{failure.reason} at the cone distance {tooth.stations(failure.station):.5g} mm",
-        allowed=ALLOWED[failure.what].format(name=name) + _given_remedy(given_sides),
+        allowed=TRIM_REMEDIES[failure.what].format(name=name) + _given_remedy(given_sides),
         topic=f"{name}: {failure.what}",
-        remedies=REMEDIES.get(failure.what),
+        remedies=REMEDY_KEYS.get(failure.what),
     )
 
 
 def _given_remedy(given_sides: tuple[str, ...]) -> str:
-    """What also helps where machine settings of sides are given: their fillets, and how thick they make the tooth."""
+    """Return further remedies for given machine settings of sides: their edge radii, and the thickness that they leave."""
     if not given_sides:
         return ""
     edges, angles = (" and ".join(f"{side}.{key}" for side in given_sides) for key in ("edge_radius", "index_angle"))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.systems.spiral_bevel.build import cut_alone
-from gearmesh.systems.spiral_bevel.machine.pair import SIDES, index_angles
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, index_angles
 from gearmesh.systems.spiral_bevel.sheet.accuracy import tolerance_table
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutTooth, measured_table, measures_of, point_width
 from gearmesh.systems.spiral_bevel.sheet.sheet import (
@@ -52,8 +52,8 @@ def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
         SheetTable("Pair", ("",), pair_rows_of(blank, unit, noun)),
         *setting_tables(
             list(sides.values()),
-            tuple(f"{name} {side}" for side in SIDES),
-            tuple(float(np.degrees(angles[side])) for side in SIDES) if angles else (),
+            tuple(f"{name} {side}" for side in BLADE_SIDES),
+            tuple(float(np.degrees(angles[side])) for side in BLADE_SIDES) if angles else (),
             unit,
             noun,
         ),

@@ -23,7 +23,7 @@ from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
 from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.maker_settings import maker_table
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES, nominal_base
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.sheet.accuracy import tolerance_table
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutPair, dimension_tables
 from gearmesh.systems.spiral_bevel.sheet.form_tables import form_tables
@@ -63,7 +63,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
     members = teeth["pinion"], teeth["gear"]
     slots = [slot_widths_of(member.tooth, own_blank) for member, own_blank in zip(members, blank.members, strict=True)]
     cut = CutPair(blank, pinion, gear, members, indexed_backlash(made.cut), own.completing)
-    sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in SIDES)
+    sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in BLADE_SIDES)
     narrowest = float(slots[0].min()), float(slots[1].min())
     tables = tables_of(
         (
@@ -163,7 +163,7 @@ def setting_tables(
 
 def _replaced_keys(design: FaceMilledDesign) -> tuple[str, ...]:
     """Keys of a design that ask for the settings that the values of the sheet give."""
-    own = [f"pinion.{name}.ease_off" for name in SIDES if design.pinion.side(name).ease_off is not None]
+    own = [f"pinion.{name}.ease_off" for name in BLADE_SIDES if design.pinion.side(name).ease_off is not None]
     own += ["contact.ease_off"] if design.contact.ease_off is not None else []
     return (*own, *(["gear.thickness"] if design.gear.thickness is not None else []))
 
@@ -188,8 +188,8 @@ def tooth_forces(design: FaceMilledDesign, torque: float, speed: float | None) -
     own = design.in_mm()
     made = bevel_teeth(own)
     blank, gear = made.cut.blank, made.cut.gear
-    base = nominal_base(blank, HANDS[own.hand])
-    means = {name: mean_point(own, blank, gear[MATING[name]], base, made.choices[name]) for name in SIDES}
+    base = nominal_base(blank, HAND_SIGNS[own.hand])
+    means = {name: mean_point(own, blank, gear[MATING_SIDES[name]], base, made.choices[name]) for name in BLADE_SIDES}
     ratio = own.gear.teeth / own.pinion.teeth
     speeds = None if speed is None else (speed, speed / ratio)
     running = table("Torque, speed and power", ("pinion", "gear"), running_rows((torque, torque * ratio), speeds))

@@ -18,7 +18,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import AXIS, Array
 from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
-from gearmesh.systems.spiral_bevel.machine.pair import SIDES
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.settings import MeanPoint
 from gearmesh.systems.system import SheetTable
 
@@ -65,7 +65,7 @@ def thrust_table(blank: BevelBlank, means: dict[str, MeanPoint], gear_base: Rigi
     """Forces for a torque (Nm) on the pinion, driven by either of its sides; `means`: mean points by the pinion's sides."""
     columns, formulas, normals = [], [], []
     # the drive side, concave on the pinion, is cut by the gear's inside blades
-    for (name, side), pressure in zip(SIDES.items(), blank.blade_angles, strict=True):
+    for (name, side), pressure in zip(BLADE_SIDES.items(), blank.blade_angles, strict=True):
         exact = along_normal(1e3 * torque, means[name].contact.point, means[name].contact.normal, gear_base)
         for k, (member, own) in enumerate((("pinion", blank.pinion), ("gear", blank.gear))):
             columns.append(f"{member}, {name}")

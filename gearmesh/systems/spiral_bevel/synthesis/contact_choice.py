@@ -22,7 +22,7 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
 from gearmesh.systems.spiral_bevel.design import ORDERS, SYNTHESISED
-from gearmesh.systems.spiral_bevel.machine.pair import SIDES
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.contact_preview import ContactPreview, ContactPreviews
 from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_choice
 from gearmesh.systems.spiral_bevel.synthesis.settings import ContactChoice, contact_asked
@@ -209,6 +209,6 @@ class _Search:
         blank = self.previews.blank
         roll = path.pinion.settings.ratio_of_roll
         per_pitch, ratio = roll * 2.0 * np.pi / blank.pinion.teeth, blank.pinion.teeth / blank.gear.teeth
-        changes = SIDES[self.previews.name] * path.orders[3:6] * roll / (ratio * per_pitch ** np.array([3, 4, 5]))
+        changes = BLADE_SIDES[self.previews.name] * path.orders[3:6] * roll / (ratio * per_pitch ** np.array([3, 4, 5]))
         third, fourth, fifth = np.clip(np.array(choice.roll) + changes, -MOST_ROLL, MOST_ROLL).tolist()
         return replace(choice, roll=(third, fourth, fifth))

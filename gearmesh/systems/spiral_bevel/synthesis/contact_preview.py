@@ -21,7 +21,7 @@ from gearmesh.kernel.surface.stations import along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES, nominal_base
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
     ContactChoice,
     MeanPoint,
@@ -146,7 +146,7 @@ class ContactPreviews:
         Of points of the gear's flank that stand, at the ratio of the teeth, where they are points of contact: how far the gear
         would lag if the pinion touched there, on the circle about its own axis.
         """
-        blank, sense, ratio = self.blank, HANDS[self.design.hand], self._ratio
+        blank, sense, ratio = self.blank, HAND_SIGNS[self.design.hand], self._ratio
         jet, turns = self._conjugate
         phi1 = sense * (path.mean.gear_turn - turns) / ratio
         r = (Rigid.about_z(-sense * phi1) @ (self._base @ Rigid.about_z(turns))).point(jet.r)
@@ -170,7 +170,7 @@ class ContactPreviews:
             solution = solve(same_circle, start, tolerance=tolerance)
             surface = flank.jet(solution.values[:, 0], solution.values[:, 1]).r
         ahead = (polar_angle(r) - polar_angle(surface) + np.pi) % (2.0 * np.pi) - np.pi
-        lag = SIDES[self.name] * sense * ratio * ahead
+        lag = BLADE_SIDES[self.name] * sense * ratio * ahead
         own_margin = np.minimum(-blank.pinion.tip.value(surface), _above_form_point(path.pinion, solution.values[:, 0]))
         margin = np.where(solution.converged, np.minimum(own_margin, self._margin[self._in_contact]), np.nan)
         # where pairs change over the least lag has a corner, and what is ahead may be as narrow as that
@@ -207,13 +207,13 @@ class ContactPreviews:
         stations = np.linspace(*blank.gear.extent, GRID[0])
         curves = follow(self._surface, p, stations, level)
         margin = np.minimum(-blank.gear.tip.value(curves.jet.r), _above_form_point(self._gear, p))
-        turns = meshing_turns(curves.jet, self._base, HANDS[self.design.hand], self._ratio)
+        turns = meshing_turns(curves.jet, self._base, HAND_SIGNS[self.design.hand], self._ratio)
         return curves.jet, turns, np.where(curves.converged, margin, np.nan)
 
     @cached_property
     def _gear(self) -> Generated:
         """The gear's side that it meets."""
-        return gear_sides(self.design, self.blank)[MATING[self.name]]
+        return gear_sides(self.design, self.blank)[MATING_SIDES[self.name]]
 
     @cached_property
     def _surface(self) -> Surface:
@@ -221,7 +221,7 @@ class ContactPreviews:
 
     @cached_property
     def _base(self) -> Rigid:
-        return nominal_base(self.blank, HANDS[self.design.hand])
+        return nominal_base(self.blank, HAND_SIGNS[self.design.hand])
 
     @property
     def _ratio(self) -> float:
@@ -233,7 +233,7 @@ class ContactPreviews:
 
     def _follow(self, pinion: Generated, mean: MeanPoint) -> ContactPreview:
         """The path of a pinion's side as cut, from the mean point on."""
-        blank, sense = self.blank, float(HANDS[self.design.hand])
+        blank, sense = self.blank, float(HAND_SIGNS[self.design.hand])
         own, mating = blank.pinion.stations, blank.gear.stations
         first = Flank(pinion.side(0.0).flank, Mount(Rigid.identity(), sense), {}, own, blank.pinion.extent, _NO_GRID)
         turned = Mount(self._base @ Rigid.about_z(mean.gear_turn), -sense)
@@ -250,7 +250,7 @@ class ContactPreviews:
             for margin in self._margins(part, side, r[k], x[:, 2 * k])
         ]
         begin, end = _ends(phi, np.min(margins, axis=0))
-        lag = -SIDES[self.name] * (x[:, 4] - self._ratio * phi * self._pitch)
+        lag = -BLADE_SIDES[self.name] * (x[:, 4] - self._ratio * phi * self._pitch)
         above = self._gear.settings.tip_cone().value(r[1]) - blank.clearance
         up = 0.5 * (above + blank.gear.tip.value(r[1]))
         place = np.stack((mating.value(r[1]) - blank.gear.mean_cone_distance, up), axis=-1)

@@ -34,7 +34,7 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
 from gearmesh.systems.spiral_bevel.conjugate.flank import ActiveFlank, ConjugateFlank
 from gearmesh.systems.spiral_bevel.design import EASE_OFF, SYNTHESISED, PinionSide
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, nominal_base
+from gearmesh.systems.spiral_bevel.machine.pair import HAND_SIGNS, MATING_SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import MeanContact, conjugate_operator
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
     ContactChoice,
@@ -87,7 +87,7 @@ def form_choice(design: FaceMilledDesign, blank: BevelBlank, name: str, target: 
         conjugate.height - 0.5 * blank.mean_depth,
         conjugate.station - blank.gear.mean_cone_distance,
     )
-    gear, base = gear_sides(design, blank)[MATING[name]], nominal_base(blank, HANDS[design.hand])
+    gear, base = gear_sides(design, blank)[MATING_SIDES[name]], nominal_base(blank, HAND_SIGNS[design.hand])
     contact = mean_point(design, blank, gear, base, at_middle).contact
     start, spec = _start(design, blank, name, at_middle, contact, wanted), design.pinion.side(name)
     keys = tuple(key for key in SYNTHESISED if getattr(spec, key) is None)

@@ -28,7 +28,7 @@ from gearmesh.systems.spiral_bevel.machine.gear_cradle import machine_axes, root
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.index import touching_turn
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
-from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATING, SIDES, basic_data
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, basic_data
 from gearmesh.systems.spiral_bevel.machine.thickness import cut_to
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import (
     ContactAsked,
@@ -184,7 +184,7 @@ def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generat
     machine = _machine(spec, member.root_angle, values, design.formate)
 
     def cut_by(width: float) -> dict[str, Generated]:
-        return {name: _gear_side(design, blank, machine, name, width) for name in SIDES}
+        return {name: _gear_side(design, blank, machine, name, width) for name in BLADE_SIDES}
 
     if design.gear.thickness is not None:
         return cut_to(design.gear.thickness, member, blank.mean_normal_module, cut_by)
@@ -195,14 +195,14 @@ def _gear_side(
     design: FaceMilledDesign, blank: BevelBlank, machine: MachineSettings, name: str, width: float
 ) -> Generated:
     """One side of the gear by its machine and the cutter's point width (mm). Raises DesignError for a blade that cannot exist."""
-    spec, member, side = design.gear.cutter, blank.gear, SIDES[name]
+    spec, member, side = design.gear.cutter, blank.gear, BLADE_SIDES[name]
     table, nominal = ("outside", blank.blade_angles[1]) if side == OUTSIDE else ("inside", blank.blade_angles[0])
     own = blade_keys(spec, getattr(spec, table))
     prefix = f"gear.cutter.{table}" if getattr(spec, table).model_fields_set else "gear.cutter"
     angle = _radians(own["blade_angle"], nominal)
     blade = _blade(prefix, (side, blank.cutter_radius + 0.5 * side * width, angle), own, 0.5 * blank.mean_depth, blank)
     tip_height, mean = blank.mean_depth - blank.clearance, member.along_root(member.mean_cone_distance)
-    return Generated(machine, blade, -HANDS[design.hand], mean, tip_height, own["edge_radius"] is None)
+    return Generated(machine, blade, -HAND_SIGNS[design.hand], mean, tip_height, own["edge_radius"] is None)
 
 
 def _check_gear_tilt(spec: GearCutter) -> None:
@@ -299,7 +299,7 @@ def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: Me
     values = pinion_values(design, blank, name, mean.contact, mean.choice)
     made = side_of(design, blank, name, values, _roll_of(spec, mean.choice))
     if spec.mesh_angle is not None:
-        return replace(made, turned=HANDS[design.hand] * float(np.radians(spec.mesh_angle)))
+        return replace(made, turned=HAND_SIGNS[design.hand] * float(np.radians(spec.mesh_angle)))
     if mean.choice.form is not None or not spec.moves_flank:
         return made
     return replace(made, turned=made.turned + touching_turn(made, mean.mating, mean.parameters, blank))
@@ -313,13 +313,13 @@ def side_of(
     Raises DesignError for a blade that cannot exist.
     """
     spec, member = design.pinion.side(name), blank.pinion
-    edge = SIDES[name], values["tip_radius"], float(np.radians(values["blade_angle"]))
+    edge = BLADE_SIDES[name], values["tip_radius"], float(np.radians(values["blade_angle"]))
     blade = _blade(f"pinion.{name}", edge, blade_keys(spec), values["blade_height"], blank)
     machine = _machine(spec, _radians(pinion_root_angle(design, name), member.root_angle), values)
     made = Generated(
         replace(machine, modified_roll=roll),
         blade,
-        HANDS[design.hand],
+        HAND_SIGNS[design.hand],
         member.along_root(member.mean_cone_distance),
         blank.mean_depth - blank.clearance,
         spec.edge_radius is None,
@@ -346,7 +346,7 @@ def given_roll(spec: Machine) -> tuple[float, ...]:
 
 def pinion_root_angle(design: FaceMilledDesign, name: str) -> float | None:
     """Machine root angle (deg) of one side of the pinion: its own or the other side's, for both are cut to one depth."""
-    other = MATING[name]
+    other = MATING_SIDES[name]
     return or_none(design.pinion.side(name).machine_root_angle, design.pinion.side(other).machine_root_angle)
 
 
@@ -405,7 +405,7 @@ def tool_values(
 
     Raises NoSolutionError, naming the side, where no cutter has them.
     """
-    spec, hand, side = design.pinion.side(name), HANDS[design.hand], SIDES[name]
+    spec, hand, side = design.pinion.side(name), HAND_SIGNS[design.hand], BLADE_SIDES[name]
     cradle = machine_axes(machine_root_angle(design, blank, name))[2]
     after = turned_after_cut(design, blank)
     to_cut = Rigid.about_z(-after)
@@ -467,7 +467,7 @@ def contact_asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Con
     """What the design asks of the contact on one side of the pinion."""
     spec, ratio = design.pinion.side(name), blank.pinion.teeth / blank.gear.teeth
     # at the change of teeth the gear lags by ratio * derivative / 2 * (pi / N1)^2; concave flanks drive towards larger phi2
-    lag = -SIDES[name] * spec.te_at_change * ARCSEC * 2.0 / (ratio * (np.pi / blank.pinion.teeth) ** 2)
+    lag = -BLADE_SIDES[name] * spec.te_at_change * ARCSEC * 2.0 / (ratio * (np.pi / blank.pinion.teeth) ** 2)
     return ContactAsked(
         ratio_derivative=or_else(spec.ratio_derivative, lag),
         path_angle=float(np.radians(spec.path_angle)),
@@ -487,7 +487,7 @@ def longer_than_standard(design: FaceMilledDesign, blank: BevelBlank) -> tuple[s
     return tuple(
         f"pinion.{name}.semi_major_axis = {length:.4g} mm: the default; a quarter of the face width, {standard:.4g} mm, is too "
         f"short for the flanks to separate by contact.delta = {design.contact.delta:.4g} mm"
-        for name in SIDES
+        for name in BLADE_SIDES
         if length > standard
         and any(getattr(design.pinion.side(name), key) is None for key in SYNTHESISED)
         and design.pinion.side(name).semi_major_axis is None
@@ -511,7 +511,7 @@ def mean_point(
         parameters = gear.at_cone_distance(height, level)
     flank = gear.side(0.0).flank
     jet = flank.jet(*(np.array(x) for x in parameters))
-    turn, contact = mean_contact(jet, gear_to_pinion, HANDS[design.hand], blank)
+    turn, contact = mean_contact(jet, gear_to_pinion, HAND_SIGNS[design.hand], blank)
     return MeanPoint(parameters, turn, contact, choice, (flank, gear_to_pinion @ Rigid.about_z(turn)))
 
 

@@ -21,7 +21,7 @@ from gearmesh.systems.spiral_bevel.blank.proportion_choice import (
 )
 from gearmesh.systems.spiral_bevel.machine.cutting import Choices, cut_pinion, cut_sides, pinion_places
 from gearmesh.systems.spiral_bevel.machine.pair import (
-    SIDES,
+    BLADE_SIDES,
     Angles,
     CutMember,
     CutSides,
@@ -122,11 +122,11 @@ def pinion_alone(design: FaceMilledDesign) -> CutAlone:
 
     Raises as `bevel_teeth` does.
     """
-    if open_factors(design) or any(chooses(design, name) for name in SIDES):
+    if open_factors(design) or any(chooses(design, name) for name in BLADE_SIDES):
         made = bevel_teeth(design)
         return CutAlone(made.cut.blank, made.cut.pinion, made.cut.places[0], made.pinion)
     blank = basic_blank(design, proportions(design))
-    choices = {name: contact_said(design, blank, name) for name in SIDES}
+    choices = {name: contact_said(design, blank, name) for name in BLADE_SIDES}
     sides, turns = cut_pinion(design, blank, choices, gear_sides(design, blank))
     places = pinion_places(design, blank, sides, turns)
     return CutAlone(blank, sides, places, member_of(design, blank, "pinion", sides, places))
@@ -152,7 +152,7 @@ class _Remembered:
         design = self.design
         pinion = {
             name: design.pinion.side(name).model_copy(update={BASE: DERIVED})
-            for name in SIDES
+            for name in BLADE_SIDES
             if not design.sets(f"pinion.{name}.{BASE}")
         }
         opened: dict[str, object] = {"pinion": design.pinion.model_copy(update=pinion)}
@@ -209,7 +209,7 @@ def _with_proportions(design: FaceMilledDesign, given: Proportions, *, first: bo
     """
     blank = basic_blank(design, given)
     try:
-        teeth = _make(design, (given, blank), {name: contact_said(design, blank, name) for name in SIDES})
+        teeth = _make(design, (given, blank), {name: contact_said(design, blank, name) for name in BLADE_SIDES})
     except NoSolutionError as failure:
         return _Plain(given, blank, unsolved=failure)
     except VagueError as refusal:
@@ -248,14 +248,14 @@ def _saying(first: _Plain, best: _Plain) -> _Plain:
 
 @lru_cache(maxsize=REMEMBERED)
 def _search(key: _Remembered, blank: BevelBlank) -> Choices:
-    return {name: contact_choice(key.design, blank, name) for name in in_turn(SIDES)}
+    return {name: contact_choice(key.design, blank, name) for name in in_turn(BLADE_SIDES)}
 
 
 @lru_cache(maxsize=REMEMBERED)
 def _best_teeth(key: _Remembered) -> BevelTeeth:
     """With the proportions of the plain teeth; shallower where those are whole and the contact that is chosen undercuts them."""
     design, first = key.design, _plain(key)
-    if first.teeth is not None and not any(chooses(design, name) for name in SIDES):
+    if first.teeth is not None and not any(chooses(design, name) for name in BLADE_SIDES):
         return first.teeth
     best = _with_contact(key, first)
     if not _may_become_shallower(design, first):
