@@ -6,9 +6,9 @@ from gearmesh.systems.spiral_bevel.conjugate import compensation as conjugate_co
 from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.errors.compensation import compensate
-from gearmesh.systems.spiral_bevel.errors.displacements import DISPLACEMENTS
+from gearmesh.systems.spiral_bevel.errors.displacements import ASSEMBLY_DISPLACEMENTS
 from gearmesh.systems.spiral_bevel.errors.first_order import first_order
-from gearmesh.systems.spiral_bevel.errors.vh_check import MOVES, vh_check
+from gearmesh.systems.spiral_bevel.errors.vh_check import ASSEMBLY_MOVES, vh_check
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.pinned import conjugate_values, settings_values
 from gearmesh.systems.spiral_bevel.rexs import BEVEL, HYPOID
@@ -34,11 +34,11 @@ SYSTEMS = (
             compensate=compensate,
             vh=PatternCheck(
                 lambda design, train, moved: vh_check(design, train, bevel_teeth(design).cut.blank.clearance, moved),
-                MOVES.keys,
+                ASSEMBLY_MOVES.keys,
                 ("V", "H"),
             ),
             first_order=lambda design: first_order(design, build),
-            displacements=DISPLACEMENTS,
+            displacements=ASSEMBLY_DISPLACEMENTS,
             pinned=settings_values,
             drawn=DRAWN,
             inspection=bevel_inspection,
@@ -58,11 +58,11 @@ SYSTEMS = (
             lambda design, train, moved: vh_check(
                 design, train, conjugate_build.conjugate_blank(design).clearance, moved
             ),
-            MOVES.keys,
+            ASSEMBLY_MOVES.keys,
             ("V", "H"),
         ),
         first_order=lambda design: first_order(design, conjugate_build.build),
-        displacements=DISPLACEMENTS,
+        displacements=ASSEMBLY_DISPLACEMENTS,
         pinned=conjugate_values,
     ),
 )

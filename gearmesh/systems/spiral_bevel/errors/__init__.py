@@ -1,1 +1,1 @@
-"""Errors of assembly and eccentricity of bevel pairs, in closed form, and what compensates them; V-H check."""
+"""Errors of assembly and eccentricity of bevel pairs in closed form, their compensation, and the V-H check."""

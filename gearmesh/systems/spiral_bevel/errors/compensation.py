@@ -1,7 +1,7 @@
 """Machine settings that restore the contact of a misassembled pair [AB; CR3553 3.5].
 
-Local synthesis anew, with the gear where the assembly errors put it: path, ellipse and parabola that the pair has when it
-stands right come back at the same point of the gear, and index angles keep the backlash.
+Local synthesis is repeated with the gear in its misaligned position. Path, ellipse and parabola of the aligned pair are
+restored at the same point of the gear, and index angles keep the backlash.
 """
 
 from __future__ import annotations
@@ -50,9 +50,9 @@ if TYPE_CHECKING:
 
 
 def compensate(design: FaceMilledDesign) -> list[Setting]:
-    """Settings of both sides of the pinion for the gear in its mounting.
+    """Return the settings of both sides of the pinion for the gear in its misaligned position.
 
-    Raises NoSolutionError where no setting restores the contact, DesignError where the contact is that of an ease-off.
+    Raises NoSolutionError if no setting restores the contact, and DesignError for the contact of an ease-off.
     """
     for name in BLADE_SIDES:
         if design.ease_off(name) is not None:
@@ -61,15 +61,16 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
                 reason="compensation is for contact given by its values at the mean point",
                 allowed="a design with settings, as gearmesh settings writes it",
             )
-    own = design.in_mm()
-    teeth = bevel_teeth(own)
+    design_mm = design.in_mm()
+    teeth = bevel_teeth(design_mm)
     blank = teeth.cut.blank
-    first, second = displaced_frames(own, blank)
+    pinion_frame, gear_frame = displaced_frames(design_mm, blank)
     unit = design.mm_per_unit
     rows: list[Setting] = []
     turns: Angles = {}
     made: Sides = {}
     for name in BLADE_SIDES:
+        # contact of the aligned pair at phi1 = 0
         (gears,) = build(design.with_values({**without_errors(design), "contact.side": f"pinion_{name}"}).in_mm()).pairs
         path = analyse(gears, np.zeros(1))
         if path.kind[0] != "point":
@@ -79,18 +80,22 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
             )
         pinion, gear = (_single(jet) for jet in touching_jets(gears, path))
         base = gears.gear.mount.base
-        nominal = _as_it_touches(gear, base, HAND_SIGNS[own.hand], blank.gear.pitch_apex)
+        # its path, ellipse and parabola are the requested contact of the new synthesis
+        nominal = _as_it_touches(gear, base, HAND_SIGNS[design_mm.hand], blank.gear.pitch_apex)
         e1, e2 = tangent_basis(pinion)
         basis = np.stack((e1, e2))
-        asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
-        # the gear as it meets the aligned pinion has not far to turn to meet the misaligned one
-        farther, standing = mean_contact(gear.move(base.inverse), first.inverse @ second, HAND_SIGNS[own.hand], blank)
-        turns[name] = teeth.cut.turns[name] + gears.gear.mount.sign * float(path.phi2[0]) + farther
-        spec, choice = own.pinion.side(name), teeth.choices[name]
+        asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, design_mm.contact.delta)
+        # small further turn of the gear, from contact with the aligned pinion, to contact in the misaligned position
+        further_turn, displaced = mean_contact(
+            gear.move(base.inverse), pinion_frame.inverse @ gear_frame, HAND_SIGNS[design_mm.hand], blank
+        )
+        turns[name] = teeth.cut.turns[name] + gears.gear.mount.sign * float(path.phi2[0]) + further_turn
+        # values chosen for the aligned pair remain; the synthesis determines the others anew
+        spec, choice = design_mm.pinion.side(name), teeth.choices[name]
         kept = _chosen_values(spec, choice)
-        before = {**pinion_values(own, blank, name, nominal, choice), **kept}
-        free = _base_free(own, design, name)
-        values = synthesise(free, blank, name, standing, asked)
+        before = {**pinion_values(design_mm, blank, name, nominal, choice), **kept}
+        free = _base_free(design_mm, design, name)
+        values = synthesise(free, blank, name, displaced, asked)
         after = {**values, **kept}
         made[name] = side_of(free, blank, name, values, given_roll(spec))
         for key in (
@@ -105,23 +110,27 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
             noun = "" if number else design.units if length else "deg"
             effect = f"path {np.degrees(asked.path_angle):.4g} deg, ellipse {2.0 * asked.semi_major_axis:.4g} mm long"
             rows.append(Setting(f"pinion.{name}.{key}", before[key] / scale, after[key] / scale, noun, effect))
-    return rows if own.completing else [*rows, *_index_rows(design, teeth.cut, made, turns)]
+    return rows if design_mm.completing else [*rows, *_index_rows(design, teeth.cut, made, turns)]
 
 
 def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Angles) -> list[Setting]:
-    """Index angles of the sides that are `made`, which meet the gear, as it stands with its errors, as cut and turned by `turns`
-    (rad), or the thickness where the design gives that: they leave the backlash that it has."""
-    own, unit = design.in_mm(), design.mm_per_unit
+    """Return the index angles of the sides in `made`, or the thickness if the design gives it; both keep the backlash.
+
+    `turns` (rad) is the rotation of the gear, as cut, to contact with each side in the misaligned position.
+    """
+    design_mm, unit = design.in_mm(), design.mm_per_unit
     free = {"pinion.thickness": None}
     free |= {f"pinion.{name}.{key}": None for name in BLADE_SIDES for key in ("index_angle", "mesh_angle")}
-    open_index = own.with_values({**free, "backlash": indexed_backlash(cut) if own.indexed else own.backlash})
+    open_index = design_mm.with_values(
+        {**free, "backlash": indexed_backlash(cut) if design_mm.indexed else design_mm.backlash}
+    )
     places = pinion_places(open_index, cut.blank, made, turns)
-    if own.pinion.thickness is not None:
+    if design_mm.pinion.thickness is not None:
         after_mm = mean_thickness(cut.blank.pinion, made, places)
         key, noun = "pinion.thickness", design.units
-        return [Setting(key, own.pinion.thickness / unit, after_mm / unit, noun, "backlash kept")]
+        return [Setting(key, design_mm.pinion.thickness / unit, after_mm / unit, noun, "backlash kept")]
     before, after = cut.index_angles, replace(cut, pinion=made, places=(places, cut.places[1])).index_angles
-    meshing = [name for name in BLADE_SIDES if own.pinion.side(name).mesh_angle is not None]
+    meshing = [name for name in BLADE_SIDES if design_mm.pinion.side(name).mesh_angle is not None]
     return [
         *(
             Setting(
@@ -147,13 +156,16 @@ def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Ang
 
 
 def _mesh_angle(side: Generated) -> float:
-    """Mesh angle (deg) of a side of the pinion."""
+    """Return the mesh angle (deg) of a side of the pinion."""
     return float(np.degrees(side.hand * side.turned))
 
 
 def _chosen_values(spec: PinionSide, choice: ContactChoice) -> dict[str, float]:
-    """What was chosen of a side that leaves it open, and stays, under its keys: place of the mean point (mm), modified roll, and
-    the machine root angle (deg) of a cutter that leans."""
+    """Return the values chosen for open keys of a side, which remain, by key.
+
+    The keys are those of the mean point's place (mm), the modified roll, and the machine root angle (deg) of a tilted
+    cutter.
+    """
     chosen = {"mean_offset": choice.height, "mean_shift": choice.along}
     if any(choice.roll):
         chosen |= {
@@ -166,7 +178,10 @@ def _chosen_values(spec: PinionSide, choice: ContactChoice) -> dict[str, float]:
 
 
 def _base_free(own: FaceMilledDesign, design: FaceMilledDesign, name: str) -> FaceMilledDesign:
-    """The design in mm with the sliding base of a tilted cutter left to geometry again, where `design` does not set it."""
+    """Return the design in mm with a derived sliding base of a tilted cutter, unless `design` sets it.
+
+    `own`: the design in mm.
+    """
     spec = own.pinion.side(name)
     if spec.upright or design.sets(f"pinion.{name}.sliding_base"):
         return own
@@ -175,13 +190,13 @@ def _base_free(own: FaceMilledDesign, design: FaceMilledDesign, name: str) -> Fa
 
 
 def _as_it_touches(gear: Jet, base: Rigid, sense: int, apex: float) -> MeanContact:
-    """The gear at its actual contact, with the ratio that it has there: n . v12 = 0."""
+    """Return the gear's data at its actual contact with the ratio at that contact: n . v12 = 0."""
     axis, origin = base.rotation[:, 2], base.translation
-    first = gear.n @ np.cross(AXIS, gear.r)
-    second = gear.n @ np.cross(-axis, gear.r - origin)
-    return contact_at(gear, base, sense, float(first / second), apex)
+    pinion_arm = gear.n @ np.cross(AXIS, gear.r)
+    gear_arm = gear.n @ np.cross(-axis, gear.r - origin)
+    return contact_at(gear, base, sense, float(pinion_arm / gear_arm), apex)
 
 
 def _single(jet: Jet) -> Jet:
-    """The jet of one point out of a batch of one."""
+    """Return the jet of the only point of a batch."""
     return Jet(*(getattr(jet, name)[0] for name in ("r", "n", "r_u", "r_v", "n_u", "n_v")))

@@ -1,4 +1,4 @@
-"""Positions of the members of bevel pairs in many assemblies at once: the errors of `pair.displaced_frames`, as arrays."""
+"""Positions of the members of bevel pairs in many assemblies at once: the errors of `pair.displaced_frames` as arrays."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 
 
 def displaced_bases(mounts: tuple[Mount, Mount], errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
-    """The bases of pinion and gear, moved from `mounts` by errors (M,) of the table assembly, mm and deg, under their keys.
+    """Return the bases of pinion and gear, moved from `mounts` by assembly errors (M,), mm and deg, by key of the table
+    assembly.
 
-    About the frame of the axes: z along the pinion's axis, y along the common perpendicular.
+    The errors refer to the frame of the axes: z along the pinion's axis, y along the common perpendicular.
     """
     pinion, gear = (mount.base for mount in mounts)
     z = pinion.rotation[:, 2]
@@ -35,7 +36,9 @@ def displaced_bases(mounts: tuple[Mount, Mount], errors: Mapping[str, Array]) ->
 
 
 def _bases(design: BevelDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    """Return the bases of the first pair of a gear set."""
     return displaced_bases(train.pairs[0].mounts, errors)
 
 
-DISPLACEMENTS: Displacements[BevelDesign] = Displacements(("dA", "dG", "dV", "d_delta"), _bases)
+#: keys of the assembly errors, and the bases that they displace
+ASSEMBLY_DISPLACEMENTS: Displacements[BevelDesign] = Displacements(("dA", "dG", "dV", "d_delta"), _bases)

@@ -1,6 +1,6 @@
-"""Transmission error of a misassembled or eccentric bevel pair in closed form, of first order [CR3553 3.4, 3.5].
+"""Transmission error of a misassembled or eccentric bevel pair in closed form, to first order [CR3553 3.4, 3.5].
 
-The nominal contact is that of the pair without errors; what each error adds is a scalar product (see `kinematic_errors`).
+The nominal contact is the contact of the pair without errors. Each error adds a scalar product: see `kinematic_errors`.
 """
 
 from __future__ import annotations
@@ -21,21 +21,23 @@ from gearmesh.teeth.gear_train import GearTrain
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import BevelDesign
 
-B = TypeVar("B", bound="BevelDesign")
+BevelT = TypeVar("BevelT", bound="BevelDesign")
 
 
-def first_order(design: B, build: Callable[[B], GearTrain]) -> FirstOrder | None:
-    """The closed form for a design in mm that `build` builds; None where it has no errors."""
+def first_order(design: BevelT, build: Callable[[BevelT], GearTrain]) -> FirstOrder | None:
+    """Return the closed form for a design in mm that `build` builds, or None for a design without errors."""
     errors = design.assembly
-    # directions without lengths are no errors
+    # phases alone are no errors
     if not any(value for key, value in errors.plain().items() if not key.endswith("_phase")):
         return None
 
     def transmission_error(phi1: Array) -> Array:
         pair = build(design.with_values(without_errors(design))).pairs[0]
+        # nominal contact at phi1, and at the mean point as the last one
         path = analyse(pair, np.append(phi1, 0.0))
         first, second = pair.mounts
         nominal = NominalContact(path.point, path.normal, first.axis, second.axis, first.sign, second.origin)
+        # displacement of the teeth of each member by its eccentricity, in the fixed frame
         teeth = [
             member.mount.at(turn).vector(np.array([*runout(design, member.name), 0.0]))
             for member, turn in zip(pair.both, (path.rotation, path.phi2), strict=True)
@@ -48,6 +50,7 @@ def first_order(design: B, build: Callable[[B], GearTrain]) -> FirstOrder | None
             + nominal.eccentricity(*teeth)
         )
         total: Array = path.te + error
+        # relative to the mean point
         relative: Array = (total - total[-1])[:-1]
         return relative
 

@@ -1,24 +1,27 @@
-"""First-order kinematic errors of gears in closed form: eccentricity, misalignment and their compensation [CR3553 ch. 3].
+"""First-order kinematic errors of gears in closed form: eccentricity, misalignment and their compensation [CR3553 ch.
+3].
 
-When errors move the point of a driving flank by ds1 and that of the driven one by ds2, the gear turns until the flanks
-touch again [3.3.16]:
+If errors move the point of a driving flank by ds1 and the point of the driven flank by ds2, the gear turns until the
+flanks touch again [3.3.16]:
 
     dphi2 (axis2 x rho2) . n = (ds1 - ds2) . n
 
 with the nominal contact point, its normal n and the signed axis of the gear. All vectors are in the fixed frame (the
-pinion's own at its nominal place), lengths in mm, angles in rad; shapes broadcast to (...,). The errors of the exact
-contact differ from these by terms of second order.
+pinion's frame at its nominal position), lengths in mm, angles in rad; shapes broadcast to (...,). The errors of the
+exact contact differ by terms of second order.
 
-What the source prints differently:
-- Chapter 3 is chapter 2 seen with the other sense of x_f. Matrices L_fh and L_fp of (3.4.1) and (3.4.3) are transposed against
-  (2.3.1) and (2.3.3), which turns the sign of sin(gamma_i) in (3.4.2), (3.4.4) and in b_1, b_2 of (3.4.13), and both
-  eccentricities turn the other way. Here all follow chapter 2. Denominators are not touched by it: their terms in
-  cos(gamma_2) cancel on the line of action, where y n_x = x n_y (2.2.16).
-- (3.1.3) and (3.2.17) count the error as nominal less actual, (3.2.5) and (3.3.16) as actual less nominal, as it is here.
+Differences from the printed source:
+
+- Chapter 3 is chapter 2 with the other sense of x_f. Matrices L_fh and L_fp of (3.4.1) and (3.4.3) are transposed
+  against (2.3.1) and (2.3.3). This reverses the sign of sin(gamma_i) in (3.4.2), (3.4.4) and in b_1, b_2 of (3.4.13),
+  and both eccentricities turn the other way. Here all equations follow chapter 2. Denominators are unchanged: their
+  terms in cos(gamma_2) cancel on the line of action, where y n_x = x n_y (2.2.16).
+- (3.1.3) and (3.2.17) count the error as nominal less actual, (3.2.5) and (3.3.16) as actual less nominal. Here it is
+  actual less nominal.
 - (3.4.14) has + before its second term, and phi_1 in it; (3.4.12) gives - and phi_2 (see `parallel_axes_eccentricity`).
-- (3.5.5) lacks the sign of (3.5.4), and y of (3.5.17) the factor x_f of (2.2.25).
-- (3.5.31) must be + cot(q_d) tan(psi_c) / (sin(gamma_2) cos(beta)) Delta delta; (3.5.34) and (3.5.35) follow from this, not
-  from what is printed.
+- (3.5.5) lacks the sign of (3.5.4), and y of (3.5.17) lacks the factor x_f of (2.2.25).
+- (3.5.31) must be + cot(q_d) tan(psi_c) / (sin(gamma_2) cos(beta)) Delta delta; (3.5.34) and (3.5.35) follow from this
+  equation, not from the printed one.
 """
 
 from __future__ import annotations
@@ -33,58 +36,75 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 
 @dataclass(frozen=True)
 class NominalContact:
-    """Contact without errors: points and unit normals (..., 3); axes from the apex to the heel, each (3,).
+    """Contact without errors. Axes point from the apex to the heel.
 
-    `sense`: +1 where the pinion turns right-handed about its axis as phi1 grows (right-hand pinions), -1 otherwise; the gear
-    turns the other way. The pinion's axis passes through the origin, the gear's through `gear_origin`; both are the feet of
-    their common perpendicular.
+    The pinion's axis passes through the origin, the gear's axis through `gear_origin`. Both points are the feet of the
+    common perpendicular.
     """
 
+    #: points of contact (..., 3), mm
     point: Array
+    #: unit normals (..., 3)
     normal: Array
+    #: direction of the pinion's axis (3,)
     pinion_axis: Array
+    #: direction of the gear's axis (3,)
     gear_axis: Array
+    #: +1 where the pinion turns right-handed about its axis as phi1 grows (right-hand pinions), else -1; the gear turns
+    #: in the opposite sense
     sense: float
+    #: point of the gear's axis (3,), mm
     gear_origin: Array = field(default_factory=lambda: np.zeros(3))
 
     @property
     def across(self) -> Array:
-        """Direction of the common perpendicular, (3,): y of the pinion's frame where the axes meet."""
+        """Direction of the common perpendicular, (3,): y of the pinion's frame where the axes intersect."""
         return unit(cross(self.pinion_axis, self.gear_axis))
 
     @property
     def lever(self) -> Array:
-        """n . (axis2 x rho2), (...,): how fast the gear's flank moves along the normal as phi2 grows."""
+        """n . (axis2 x rho2), (...,), mm: velocity of the gear's flank along the normal per unit of phi2."""
         return dot(self.normal, cross(-self.sense * self.gear_axis, self.point - self.gear_origin))
 
     def error(self, shift: Array) -> Array:
-        """Error of phi2 (...,) for a displacement ds1 - ds2 (..., 3) [3.3.16]."""
+        """Return the error of phi2 (...,) for a displacement ds1 - ds2 (..., 3) [3.3.16]."""
         return dot(self.normal, shift) / self.lever
 
     def pinion_axial(self, shift: ArrayLike) -> Array:
-        """Pinion displaced by `shift` along its axis away from the apex."""
+        """Return the error for a pinion displaced by `shift` along its axis away from the apex."""
         return self.error(np.asarray(shift, dtype=float)[..., None] * self.pinion_axis)
 
     def gear_axial(self, shift: ArrayLike) -> Array:
-        """Gear displaced by `shift` along its axis away from the apex."""
+        """Return the error for a gear displaced by `shift` along its axis away from the apex."""
         return self.error(-np.asarray(shift, dtype=float)[..., None] * self.gear_axis)
 
     def crown_axial(self, shift: ArrayLike, pitch_angle: float) -> Array:
-        """Pinion displaced by `shift` along -x_f, the axis of the crown gear [3.5.1, 3.5.3]; `pitch_angle` of the pinion."""
+        """Return the error for a pinion displaced by `shift` along -x_f, the axis of the crown gear [3.5.1, 3.5.3].
+
+        `pitch_angle`: pitch angle of the pinion.
+        """
         x_f = np.array([np.cos(pitch_angle), 0.0, -np.sin(pitch_angle)])
         return self.error(-np.asarray(shift, dtype=float)[..., None] * x_f)
 
     def offset(self, shift: ArrayLike) -> Array:
-        """Pinion displaced by `shift` along the common perpendicular, +y; the source's Delta E is along -y [3.5.4, 3.5.5]."""
+        """Return the error for a pinion displaced by `shift` along the common perpendicular, +y.
+
+        The source's Delta E is along -y [3.5.4, 3.5.5].
+        """
         return self.error(np.asarray(shift, dtype=float)[..., None] * self.across)
 
     def shaft_angle(self, angle: ArrayLike) -> Array:
-        """Shaft angle opened by `angle`, the gear turned about y, the common perpendicular; the source closes it [3.5.6-3.5.9]."""
+        """Return the error for a shaft angle opened by `angle`, with the gear turned about y, the common perpendicular.
+
+        The source closes the shaft angle [3.5.6-3.5.9].
+        """
         turned = cross(self.across, self.point)
         return self.error(-np.asarray(angle, dtype=float)[..., None] * turned)
 
     def eccentricity(self, pinion: Array, gear: Array) -> Array:
-        """Teeth displaced by the vectors `pinion`, `gear` (..., 3), as they stand in the fixed frame [3.4.5, 3.4.7]."""
+        """Return the error for teeth displaced by the vectors `pinion` and `gear` (..., 3) in the fixed frame [3.4.5,
+        3.4.7].
+        """
         return self.error(pinion - gear)
 
 
@@ -92,43 +112,49 @@ class NominalContact:
 class Harmonics:
     """Error of phi2 as a_1 sin(t1) + b_1 cos(t1) + a_2 sin(t2) + b_2 cos(t2) [3.4.11-3.4.13].
 
-    t1 = phi1 + alpha1 and t2 = phi2 + alpha2 are the directions of the eccentricities, counted as phi1 and phi2 are, from the
-    members' x axes towards the pitch line. One period of each is a turn of the pinion, of the gear.
+    t1 = phi1 + alpha1 and t2 = phi2 + alpha2 are the directions of the eccentricities. They count in the sense of phi1
+    and phi2 from the members' x axes towards the pitch line. The period of t1 is a turn of the pinion, the period of t2
+    a turn of the gear.
     """
 
+    #: coefficient of sin(t1), rad
     a1: float
+    #: coefficient of cos(t1), rad
     b1: float
+    #: coefficient of sin(t2), rad
     a2: float
+    #: coefficient of cos(t2), rad
     b2: float
 
     def at(self, t1: ArrayLike, t2: ArrayLike) -> Array:
-        """Error (...,), rad."""
+        """Return the error (...,), rad, at t1 and t2 (...,), rad."""
         t1, t2 = np.asarray(t1, dtype=float), np.asarray(t2, dtype=float)
         error: Array = self.a1 * np.sin(t1) + self.b1 * np.cos(t1) + self.a2 * np.sin(t2) + self.b2 * np.cos(t2)
         return error
 
     @property
     def amplitudes(self) -> tuple[float, float]:
-        """Of the waves of the pinion and of the gear, rad."""
+        """Amplitudes of the pinion's and the gear's wave, rad."""
         return float(np.hypot(self.a1, self.b1)), float(np.hypot(self.a2, self.b2))
 
     @property
     def phases(self) -> tuple[float, float]:
-        """t1 and t2 (rad) at which the waves of the pinion and of the gear have their crests."""
+        """t1 and t2 (rad) of the crests of the pinion's and the gear's wave."""
         return float(np.arctan2(self.a1, self.b1)), float(np.arctan2(self.a2, self.b2))
 
 
 def harmonics(mean: NominalContact, pinion: float, gear: float) -> Harmonics:
-    """The four harmonics of the eccentricities `pinion`, `gear` (mm): contact taken at the mean point throughout [3.4.11].
+    """Return the four harmonics of the eccentricities `pinion` and `gear` (mm), with contact at the mean point
+    throughout [3.4.11].
 
-    Smooth where (3.4.7) breaks at the change of teeth.
+    They are smooth where (3.4.7) has a corner, at the change of teeth.
     """
     y = np.array([0.0, 1.0, 0.0])
     x1, x2 = cross(y, mean.pinion_axis), cross(mean.gear_axis, y)
     return Harmonics(
         a1=float(mean.error(pinion * mean.sense * y)),
         b1=float(mean.error(pinion * x1)),
-        # the gear's own y axis is -y, and phi2 turns it the other way
+        # the y axis of the gear's frame is -y, and phi2 turns the gear in the opposite sense
         a2=float(mean.error(-gear * mean.sense * y)),
         b2=float(mean.error(-gear * x2)),
     )
@@ -137,13 +163,15 @@ def harmonics(mean: NominalContact, pinion: float, gear: float) -> Harmonics:
 def parallel_axes_eccentricity(
     pinion: float, gear: float, t1: ArrayLike, t2: ArrayLike, pitch_radius: float, pressure_angle: float
 ) -> Array:
-    """Error of phi2 (...,), rad, by eccentricities `pinion`, `gear` (mm) of spur gears [3.4.12, 3.4.14].
+    """Return the error of phi2 (...,), rad, by eccentricities `pinion` and `gear` (mm) of spur gears [3.4.12, 3.4.14].
 
-    t1 and t2 (..., rad) are the directions of the eccentricities, from that of the gear's axis to the pinion's, each counted
-    as its gear turns; `pitch_radius` (mm) and `pressure_angle` (rad) are the gear's in working. The angle is > 0 as the
-    source has it, where the pinion pushes the gear towards smaller phi2, < 0 where towards larger.
-    With equal teeth and eccentricities nothing is left where t2 - t1 = pi - 2 pressure_angle; where it is pi, as the source
-    has it, 2 e tan(pressure_angle) / pitch_radius is.
+    - `t1`, `t2`: directions of the eccentricities (..., rad), from the direction from the gear's axis to the pinion's;
+      each counts in the sense of rotation of its member
+    - `pitch_radius`, `pressure_angle`: working values of the gear, mm and rad; as in the source, the angle is > 0 where
+      the pinion pushes the gear towards smaller phi2, < 0 where towards larger phi2
+
+    With equal teeth and eccentricities the error is 0 for t2 - t1 = pi - 2 pressure_angle. At the source's value, pi,
+    the error is 2 e tan(pressure_angle) / pitch_radius.
     """
     t1, t2 = np.asarray(t1, dtype=float), np.asarray(t2, dtype=float)
     waves = pinion * np.sin(pressure_angle - t1) - gear * np.sin(pressure_angle + t2)
@@ -154,11 +182,12 @@ def parallel_axes_eccentricity(
 def compensation(
     spiral_angle: float, psi_c: float, cone_distance: float, closed: float, cradle_angle: float | None = None
 ) -> tuple[float, float]:
-    """Displacements (along y, along the pitch line to the heel; mm) of the pinion that cancel a shaft angle closed by `closed`
-    (rad): value and slope of the error at the mean point vanish to first order.
+    """Return the displacements of the pinion (mm) that cancel a shaft angle closed by `closed` (rad).
 
-    Geometry I (3.5.28), (3.5.29), or, with the cradle angle q of the gear's cutter, Geometry II (3.5.34), (3.5.35); left-hand
-    pinion, convex side, as in `conjugate`. The source's Delta E, Delta L are those that cause the same error: their opposite.
+    The displacements are along y, and along the pitch line to the heel. To first order they cancel the error at the
+    mean point and its slope. Geometry I: (3.5.28), (3.5.29). Geometry II, with the cradle angle q of the gear's cutter:
+    (3.5.34), (3.5.35). Both are for a left-hand pinion's convex side, as in `conjugate`. The source's Delta E and Delta
+    L cause the same error; they have the opposite sign.
     """
     s, c, size = np.sin(spiral_angle), np.cos(spiral_angle), cone_distance * np.tan(psi_c) * closed
     if cradle_angle is None:

@@ -1,12 +1,14 @@
-"""The V-H check: how far members are moved so that the centre of contact goes to the toe, the middle and the heel of the gear.
+"""V-H check: displacements of the members that bring the centre of contact to the toe, the middle and the heel of the
+gear.
 
-The centre of contact is where the gears turn at the ratio of their teeth, the vertex of the transmission error: six unknowns of six
-conditions (`common.pattern.meshing_place`), solved by Newton with exact derivatives. The displacements are two of V of the pinion
-across both axes (assembly.dV), H along its own (dA), J of the gear along its axis (dG) and alpha of the shaft angle (d_delta); the
-others stay what the design says.
+The centre of contact is the point at which the gears turn at the ratio of their teeth, the vertex of the transmission
+error. Its six conditions (`common.pattern.meshing_place`) have six unknowns, solved by Newton with exact derivatives.
+Two displacements are unknowns: V of the pinion across both axes (assembly.dV), H of the pinion along its axis (dA), J
+of the gear along its axis (dG), or alpha of the shaft angle (d_delta). The others keep the values of the design.
 
-These are conditions in the small. Whether the contact is there is decided by the first touch of the displaced teeth, over the whole
-of both: it must be that point. Pairs whose gear runs ahead at the change of teeth, as in [AB], have neighbouring teeth ahead of it.
+These conditions are local. The first touch of the displaced teeth, over both whole flanks, decides whether the contact
+exists: it must be at this point. If the gear runs ahead at the change of teeth, as in [AB], neighbouring teeth touch
+before it.
 """
 
 from __future__ import annotations
@@ -40,86 +42,107 @@ from gearmesh.teeth.region import Side
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import BevelDesign
 
-#: places along the face from toe to heel
-PLACES = {"toe": 0.25, "middle": 0.5, "heel": 0.75}
-#: displacements, and their keys of the table assembly
-MOVES = Moves({"V": "dV", "H": "dA", "J": "dG", "alpha": "d_delta"})
-#: residual (mm) of a contact, and Newton steps at most
-TOLERANCE, ITERATIONS = 1e-10, 60
-#: from the middle to toe and to heel: steps of a hundredth of the face, in which another place is looked for
-STEPS = 25
-#: distance (mm) of the first touch from the contact asked for that counts as none
-THERE = 1e-6
+#: shares of the face, from toe to heel, by name of the place
+PLACE_SHARES = {"toe": 0.25, "middle": 0.5, "heel": 0.75}
+#: displacements and their keys in the table assembly
+ASSEMBLY_MOVES = Moves({"V": "dV", "H": "dA", "J": "dG", "alpha": "d_delta"})
+#: residual (mm) at which a contact is solved
+CONTACT_TOLERANCE_MM = 1e-10
+#: largest number of Newton steps
+MAX_NEWTON_STEPS = 60
+#: steps of a hundredth of the face from the middle to toe and to heel, in which possible places are sought
+SWEEP_STEPS = 25
+#: largest distance (mm) of the first touch from the requested contact
+MAX_FIRST_TOUCH_DISTANCE_MM = 1e-6
 
 
 def vh_check(
     design: BevelDesign, train: GearTrain, clearance: float, moved: tuple[str, ...] = ("V", "H")
 ) -> list[PatternShift]:
-    """Displacements `moved`, two of MOVES, for both sides of the pinion and all PLACES, of a design in mm; `clearance`: between its
-    tips and roots, mm.
+    """Return the displacements of both sides of the pinion for all places in PLACE_SHARES.
 
-    All four displacements are values of the table assembly. A place that the contact cannot be brought to has those of the nearest
-    one that it can be brought to. Raises NoSolutionError where there is none between toe and heel.
+    - `design`: the design in mm
+    - `train`: its gear set
+    - `clearance`: clearance between tips and roots, mm
+    - `moved`: two displacements of ASSEMBLY_MOVES that are determined
+
+    All four displacements are values of the table assembly. If the contact cannot be brought to a place, the row has
+    the nearest possible place. Raises NoSolutionError if no place between toe and heel is possible.
     """
     (pair,) = train.pairs
-    now = np.array([getattr(design.assembly, key) for key in MOVES.keys.values()])
+    now = np.array([getattr(design.assembly, key) for key in ASSEMBLY_MOVES.keys.values()])
     pattern_shifts = []
     for name in in_turn(BLADE_SIDES):
         shares, extra = _Side.of(pair, name, HAND_SIGNS[design.hand], clearance, moved).places()
-        for (place, asked), share, shift in zip(PLACES.items(), shares, now + extra, strict=True):
-            v, h, j, alpha = (float(x) for x in shift)
-            pattern_shifts.append(PatternShift(f"pinion_{name}", place, asked, v, h, j, alpha, float(share)))
+        for (place, asked), share, shift in zip(PLACE_SHARES.items(), shares, now + extra, strict=True):
+            pinion_offset, pinion_axial, gear_axial, alpha = (float(x) for x in shift)
+            pattern_shifts.append(
+                PatternShift(
+                    f"pinion_{name}", place, asked, pinion_offset, pinion_axial, gear_axial, alpha, float(share)
+                )
+            )
     return pattern_shifts
 
 
 @dataclass(frozen=True)
 class _Side:
-    """One side of the pinion, `name`, and the `pair` that contacts on it; displacements `moved` are looked for."""
+    """One side of the pinion."""
 
+    #: the pair that contacts on this side
     pair: GearPair
+    #: "concave" or "convex"
     name: str
+    #: clearance between tips and roots, mm
     clearance: float
+    #: the two displacements that are determined
     moved: tuple[str, ...]
 
     @classmethod
     def of(cls, pair: GearPair, name: str, hand: int, clearance: float, moved: tuple[str, ...]) -> _Side:
-        """Of a gear set's pair, whichever of its sides that is of. Eccentricities are neglected."""
+        """Return the side `name` of a gear set's pair, on whichever side the pair contacts. Eccentricities are
+        neglected.
+        """
         flanks = _flank(name == "concave", hand), _flank(MATING_SIDES[name] == "concave", -hand)
         members = [replace(member, mount=replace(member.mount, eccentricity=(0.0, 0.0))) for member in pair.both]
-        own = replace(pair, pinion=members[0], gear=members[1], flanks=flanks, drive=BLADE_SIDES[name])
-        return cls(own, name, clearance, moved)
+        pair_on_side = replace(pair, pinion=members[0], gear=members[1], flanks=flanks, drive=BLADE_SIDES[name])
+        return cls(pair_on_side, name, clearance, moved)
 
     def places(self) -> tuple[Array, Array]:
-        """Shares (3,) of the face nearest PLACES at which the contact can be, and the displacements (3, 4) that bring it there.
+        """Return the possible shares (3,) of the face nearest to PLACE_SHARES, and their displacements (3, 4).
 
-        Raises NoSolutionError where there are none.
+        Raises NoSolutionError if no place is possible.
         """
-        asked = np.array(list(PLACES.values()))
-        shares, x = asked, self._solve(asked, None)
+        asked = np.array(list(PLACE_SHARES.values()))
+        shares, unknowns = asked, self._solve(asked, None)
         tell(0.2)
-        good = self._holds(x)
-        if not good.all():
+        possible = self._holds(unknowns)
+        if not possible.all():
+            # where a place is impossible, places between toe and heel are swept as substitutes
             swept = self._swept()
-            shares, x = np.append(asked, swept[0]), np.concatenate((x, swept[1]))
-            good = np.append(good, self._holds(swept[1]))
-        if not good.any():
+            shares, unknowns = np.append(asked, swept[0]), np.concatenate((unknowns, swept[1]))
+            possible = np.append(possible, self._holds(swept[1]))
+        if not possible.any():
             raise NoSolutionError(
                 f"pinion.{self.name}",
                 reason=f"no values of {' and '.join(self.moved)} bring the contact to any place from {asked[0]:g} to "
                 f"{asked[-1]:g} of "
                 "the face: check its settings",
             )
-        shares, x = shares[good], x[good]
+        shares, unknowns = shares[possible], unknowns[possible]
+        # the nearest possible place to each requested one
         nearest = np.abs(shares - asked[:, None]).argmin(axis=-1)
-        values = MOVES.values(x, self.moved)
-        return shares[nearest], np.stack([values[key] for key in MOVES.keys.values()], axis=-1)[nearest]
+        values = ASSEMBLY_MOVES.values(unknowns, self.moved)
+        return shares[nearest], np.stack([values[key] for key in ASSEMBLY_MOVES.keys.values()], axis=-1)[nearest]
 
     def _swept(self) -> tuple[Array, Array]:
-        """Shares (N,) over all PLACES and the unknowns (N, 6), each found from its neighbour's, from the middle to both ends."""
+        """Return shares (N,) over the whole range of PLACE_SHARES and the unknowns (N, 6).
+
+        The unknowns of a share start from those of its neighbour, from the middle to both ends.
+        """
         shares, x = [], []
-        for end in (PLACES["toe"], PLACES["heel"]):
+        for end in (PLACE_SHARES["toe"], PLACE_SHARES["heel"]):
             start: Array | None = None
-            for share in np.round(np.linspace(PLACES["middle"], end, STEPS + 1), 6):
+            for share in np.round(np.linspace(PLACE_SHARES["middle"], end, SWEEP_STEPS + 1), 6):
                 unknowns = self._solve(np.array([share]), start)
                 start = unknowns if np.isfinite(unknowns).all() else start
                 shares.append(share)
@@ -127,13 +150,15 @@ class _Side:
         return np.array(shares), np.array(x)
 
     def _solve(self, shares: Array, start: Array | None) -> Array:
-        """Unknowns (N, 6) of contacts at `shares` (N,) of the face; NaN where there are none."""
+        """Return the unknowns (N, 6) of contacts at `shares` (N,) of the face; NaN where there is no contact."""
         mating = gear_targets(self.pair.gear, self.pair.flanks[1], self.clearance, shares)
         jet = self.pair.gear.tooth.side(self.pair.flanks[1]).flank.jet(mating[:, 0], mating[:, 1])
-        conditions = MeshingPlace(self.pair, jet, self.moved, MOVES, partial(displaced_bases, self.pair.mounts))
+        conditions = MeshingPlace(
+            self.pair, jet, self.moved, ASSEMBLY_MOVES, partial(displaced_bases, self.pair.mounts)
+        )
         begin = _start(self.pair, jet) if start is None else start
         with np.errstate(all="ignore"):
-            solution = newton.solve(conditions, begin, tolerance=TOLERANCE, max_iterations=ITERATIONS)
+            solution = newton.solve(conditions, begin, tolerance=CONTACT_TOLERANCE_MM, max_iterations=MAX_NEWTON_STEPS)
         lost = ~solution.converged | np.isnan(mating).any(axis=-1)
         return np.where(lost[:, None], np.nan, solution.values)
 
@@ -142,39 +167,47 @@ class _Side:
         return solver_pair(self.pair)
 
     def _holds(self, x: Array) -> NDArray[np.bool_]:
-        """Whether (N,) the displaced teeth touch first where the unknowns x (N, 6) have it."""
+        """Return True (N,) where the displaced teeth first touch at the point of the unknowns x (N, 6)."""
         good: NDArray[np.bool_] = np.asarray(np.isfinite(x).all(axis=-1))
         if not good.any():
             return good
         x, mount = x[good], self.pair.pinion.mount
+        # the first touch of all teeth at the rotation of the vertex
         vertex = mount.zero + mount.sign * x[:, 2]
         vertex = (vertex + np.pi) % (2.0 * np.pi) - np.pi
-        bases = displaced_bases(self.pair.mounts, MOVES.values(x, self.moved))
+        bases = displaced_bases(self.pair.mounts, ASSEMBLY_MOVES.values(x, self.moved))
         paths = assembly_paths(self._solver, bases, vertex[:, None])
+        # it must be the vertex's point
         r = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1]).r
         with np.errstate(invalid="ignore"):
-            good[good] = paths.surface[:, 0] & (np.linalg.norm(paths.point[:, 0] - r, axis=-1) <= THERE)
+            good[good] = paths.surface[:, 0] & (
+                np.linalg.norm(paths.point[:, 0] - r, axis=-1) <= MAX_FIRST_TOUCH_DISTANCE_MM
+            )
         return good
 
 
 def _flank(concave: bool, hand: int) -> Side:
-    """The concave side of a right-hand member is its left."""
+    """Return the flank of a side: the concave side of a right-hand member is its left flank."""
     return Side.LEFT if concave == (hand > 0) else Side.RIGHT
 
 
 def _start(pair: GearPair, mating: Jet) -> Array:
-    """Turns at which the gear's points are in contact if nothing is displaced, and points of the pinion as far out."""
-    first, second = (mount.base for mount in pair.mounts)
+    """Return start values (N, 6): turns at which the undisplaced gear's points are in contact, and the pinion's points
+    there.
+
+    The pinion's points have the same station and height as the gear's points.
+    """
+    pinion_base, gear_base = (mount.base for mount in pair.mounts)
     sense = int(pair.pinion.mount.sign)
-    turns = meshing_turns(mating, first.inverse @ second, sense, pair.ratio)
-    r = (first.inverse @ second @ Rigid.about_z(turns)).point(mating.r)
-    tooth, which = pair.pinion.tooth, pair.flanks[0]
+    turns = meshing_turns(mating, pinion_base.inverse @ gear_base, sense, pair.ratio)
+    r = (pinion_base.inverse @ gear_base @ Rigid.about_z(turns)).point(mating.r)
+    tooth, side = pair.pinion.tooth, pair.flanks[0]
     levels = tooth.blank.axial, perpendicular(tooth.blank.axial)
     wanted = np.stack([level.value(r) for level in levels], axis=-1)
     toe, heel = tooth.blank.extent
     t = np.clip((wanted[:, 0] - toe) / (heel - toe), 0.0, 1.0)
-    start = tooth.flank_grid(which, [0.5], t).parameters[0]
-    x, jet = on_flank(tooth.side(which).flank, start, levels, wanted)
+    start = tooth.flank_grid(side, [0.5], t).parameters[0]
+    x, jet = on_flank(tooth.side(side).flank, start, levels, wanted)
     turned = polar_angle(r) - polar_angle(jet.r)
     zero = np.zeros_like(turned)
     return np.stack((x[:, 0], x[:, 1], turned, turns, zero, zero), axis=-1)
