@@ -1,7 +1,8 @@
-"""Conjugate spiral bevel gears, Geometry I and II [CR3553 chapter 2], through the engine of all head-cut bevel gears.
+"""Construction of conjugate spiral bevel gears, Geometry I and II [CR3553 chapter 2], as head-cut bevel gears.
 
-The machine plane is the pitch plane: teeth of uniform depth. On the convex side of the pinion its cutter is the smaller one
-by gear.r_d - pinion.r_d, on the concave side the larger one by as much, which makes both sides touch in a point.
+The machine plane is the pitch plane, so that the teeth have uniform depth. On the pinion's convex side the pinion's
+cutter is smaller than the gear's by gear.r_d - pinion.r_d; on the concave side it is larger by the same amount. Both
+sides therefore have point contact.
 """
 
 from __future__ import annotations
@@ -33,33 +34,38 @@ from gearmesh.tools.head_cutter import Blade
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
 
-#: largest profile radius rho over the depth of the teeth: within one the arc is 1/8000 of it off its tangent
-FLATTEST = 1000.0
+#: largest profile radius rho over the depth of the teeth: within one depth the arc departs from its tangent by 1/8000
+#: of the depth
+MAX_RHO_DEPTHS = 1000.0
 
 
 def build(design: ConjugateDesign) -> GearTrain:
-    """The pair of a conjugate design (in mm). Raises DesignError for blanks and teeth that cannot exist."""
+    """Return the pair of a conjugate design (in mm). Raises DesignError for blanks and teeth that cannot exist."""
     blank = conjugate_blank(design)
     pinion, gear = {}, {}
     for name, side in BLADE_SIDES.items():
         geometry = conjugate_geometry(design, blank, name)
         pinion[name] = _generate(design, blank, geometry, side, 1)
         gear[MATING_SIDES[name]] = _generate(design, blank, geometry, -side, 2)
-    away = thinning(design.backlash, blank)
+    # the pinion's teeth are thinned for the backlash
+    set_back = thinning(design.backlash, blank)
     places = tuple(
         {
-            name: (0.5 * np.pi / teeth - give) * (1.0 if side.flank is Side.LEFT else -1.0)
+            name: (0.5 * np.pi / teeth - turn) * (1.0 if side.flank is Side.LEFT else -1.0)
             for name, side in sides.items()
         }
-        for sides, teeth, give in ((pinion, blank.pinion.teeth, away), (gear, blank.gear.teeth, 0.0))
+        for sides, teeth, turn in ((pinion, blank.pinion.teeth, set_back), (gear, blank.gear.teeth, 0.0))
     )
     cut = CutSides(blank, pinion, gear, (places[0], places[1]), *(dict.fromkeys(BLADE_SIDES, 0.0) for _ in range(2)))
+    # the gear first: a fault of the gear shows on the pinion as well
     wheel = cut_member(design, cut, "gear")
     return bevel_pair(design, cut, cut_member(design, cut, "pinion"), wheel)
 
 
 def conjugate_blank(design: ConjugateDesign) -> BevelBlank:
-    """The blank, of uniform depth, of a design in mm. Raises DesignError for one that cannot exist or be cut with its rho."""
+    """Return the blank, of uniform depth, of a design in mm. Raises DesignError for a blank that cannot exist or be cut
+    with rho.
+    """
     data = basic_data(design, design.beta, design.psi_c)
     blank = uniform_blank(data, (design.addendum, design.dedendum), design.gear.r_d)
     _check_rho(design.rho, blank)
@@ -67,13 +73,15 @@ def conjugate_blank(design: ConjugateDesign) -> BevelBlank:
 
 
 def _check_rho(rho: float | None, blank: BevelBlank) -> None:
-    """Refuse a profile that bends away within the depth of the tooth, or that cannot be distinguished from a straight one."""
+    """Raise DesignError for a profile radius that is too small for the depth of the tooth, or too large to differ from
+    a line.
+    """
     if rho is None:
         return
-    # upright at the blade's tip, or level at the tooth's
-    sine, own = np.sin(blank.pressure_angle), blank.pinion
-    low = max(own.mean_dedendum / sine, own.mean_addendum / (1.0 - sine))
-    high = FLATTEST * blank.mean_depth
+    # the arc must not become upright before the tip of the blade, nor level before the tip of the tooth
+    sine, pinion = np.sin(blank.pressure_angle), blank.pinion
+    low = max(pinion.mean_dedendum / sine, pinion.mean_addendum / (1.0 - sine))
+    high = MAX_RHO_DEPTHS * blank.mean_depth
     if not low < rho <= high:
         raise DesignError(
             "rho",
@@ -85,7 +93,7 @@ def _check_rho(rho: float | None, blank: BevelBlank) -> None:
 
 
 def conjugate_geometry(design: ConjugateDesign, blank: BevelBlank, name: str) -> ConjugateGeometry:
-    """The closed forms of one side ("concave" or "convex") of the pinion, for a left-hand pinion."""
+    """Return the closed forms of one side ("concave" or "convex") of the pinion, for a left-hand pinion."""
     sign = -BLADE_SIDES[name]
     return ConjugateGeometry(
         cone_distance=blank.pinion.mean_cone_distance,
@@ -102,20 +110,20 @@ def conjugate_geometry(design: ConjugateDesign, blank: BevelBlank, name: str) ->
 def _generate(
     design: ConjugateDesign, blank: BevelBlank, geometry: ConjugateGeometry, side: int, member: int
 ) -> Generated:
-    """One side of pinion (1) or gear (2): generating surface F or K, in the crown gear's motion."""
-    own, spec = (blank.pinion, design.pinion) if member == 1 else (blank.gear, design.gear)
+    """Return one side of pinion (1) or gear (2): generating surface F or K in the crown gear's motion."""
+    blank_of_member, spec = (blank.pinion, design.pinion) if member == 1 else (blank.gear, design.gear)
     radius = (geometry.r_f, geometry.r_k)[member - 1]
     b, q = geometry.setting(radius)
     machine = MachineSettings(
         radial=b,
         cradle_angle=q,
-        ratio_of_roll=float(np.sin(own.pitch_angle)),
-        machine_root_angle=own.pitch_angle,
-        sliding_base=-own.mean_dedendum,
+        ratio_of_roll=float(np.sin(blank_of_member.pitch_angle)),
+        machine_root_angle=blank_of_member.pitch_angle,
+        sliding_base=-blank_of_member.mean_dedendum,
     )
     profile = -design.rho if member == 1 and design.rho is not None else 0.0
     edge = or_else(spec.edge_radius, blank.edge_radius)
-    blade = Blade.through(side, radius, own.mean_dedendum, blank.pressure_angle, edge, profile)
+    blade = Blade.through(side, radius, blank_of_member.mean_dedendum, blank.pressure_angle, edge, profile)
     hand = HAND_SIGNS[design.hand] * (1 if member == 1 else -1)
-    tip_height = own.mean_dedendum + own.mean_addendum
-    return Generated(machine, blade, hand, own.mean_cone_distance, tip_height, spec.edge_radius is None)
+    tip_height = blank_of_member.mean_dedendum + blank_of_member.mean_addendum
+    return Generated(machine, blade, hand, blank_of_member.mean_cone_distance, tip_height, spec.edge_radius is None)

@@ -1,7 +1,8 @@
-"""Displacements that restore uniform transmission of a conjugate pair whose shaft angle is off [CR3553 3.5.28-3.5.35].
+"""Displacements that restore uniform transmission of a conjugate pair with a shaft angle error [CR3553 3.5.28-3.5.35].
 
-The pinion moves across both axes and along the pitch line until the error of phi2 at the mean point and its slope are gone. The
-source has the displacements to first order (`kinematic_errors.compensation`); here they are solved for on the exact contact.
+The pinion moves across both axes and along the pitch line until the error of phi2 at the mean point and its slope are
+0. The source gives the displacements to first order (`kinematic_errors.compensation`). Here they are solved on the
+exact contact.
 """
 
 from __future__ import annotations
@@ -26,39 +27,41 @@ if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
     from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
 
-#: pinion rotations (rad) between which the slope of the transmission error is taken
+#: pinion rotations (rad) between which the slope of the transmission error is computed
 SLOPE_RANGE = np.radians((-0.5, 0.5))
 
 
 def compensate(design: ConjugateDesign) -> list[Setting]:
-    """Assembly displacements dV, dA and dG that restore phi2 and its slope at the mean point of the design's side.
+    """Return the assembly displacements dV, dA and dG that restore phi2 and its slope at the mean point of the design's
+    side.
 
-    Raises NoSolutionError where none do.
+    Raises NoSolutionError if no displacements do.
     """
-    own = design.in_mm()
-    blank = conjugate_blank(own)
-    aligned = solver_pair(build(own.with_values(without_errors(own))).pairs[0])
+    design_mm = design.in_mm()
+    blank = conjugate_blank(design_mm)
+    aligned = solver_pair(build(design_mm.with_values(without_errors(design_mm))).pairs[0])
     turn = np.array([SLOPE_RANGE[0], 0.0, SLOPE_RANGE[1]])
-    straight = _touching(aligned, turn)
-    assembly = own.assembly
+    aligned_phi2 = _touching(aligned, turn)
+    assembly = design_mm.assembly
 
     def displacements_of(values: dict[str, float]) -> dict[str, float]:
-        """dV, dA and dG (mm) for displacements of the pinion across both axes and along the pitch line."""
+        """Return dV, dA and dG (mm) for displacements of the pinion across both axes and along the pitch line."""
         axial = _along_the_axes(blank, values["along"])
         return {"dV": values["across"], "dA": assembly.dA + axial["dA"], "dG": assembly.dG + axial["dG"]}
 
     def errors(values: dict[str, float]) -> Array:
-        """Error of phi2 (rad) at the mean point, and its slope."""
-        stands = own.with_values({f"assembly.{key}": value for key, value in displacements_of(values).items()})
-        first, second = (
+        """Return the error of phi2 (rad) at the mean point, and its slope."""
+        displaced = design_mm.with_values({f"assembly.{key}": value for key, value in displacements_of(values).items()})
+        pinion, gear = (
             flank.remount(replace(flank.mount, base=base))
-            for flank, base in zip(aligned.flanks, displaced_frames(stands, blank), strict=True)
+            for flank, base in zip(aligned.flanks, displaced_frames(displaced, blank), strict=True)
         )
-        error = _touching(replace(aligned, pinion=first, gear=second), turn) - straight
+        error = _touching(replace(aligned, pinion=pinion, gear=gear), turn) - aligned_phi2
         return np.array([error[1], (error[2] - error[0]) / np.ptp(SLOPE_RANGE)])
 
-    first_order = _first_order(own, blank)
+    first_order = _first_order(design_mm, blank)
     start = {"across": first_order.across, "along": first_order.along}
+    # Newton steps from the first-order displacements
     solved = restoring(errors, start, list(start))
     before, after = (
         errors(displacements) / ARCSEC for displacements in ({"across": assembly.dV, "along": 0.0}, solved)
@@ -83,35 +86,40 @@ def compensate(design: ConjugateDesign) -> list[Setting]:
 
 @dataclass(frozen=True)
 class FirstOrder:
-    """Displacements of the pinion (mm) by the equations of the `source`: across both axes,
-    along the pitch line, and as dV, dA, dG."""
+    """Displacements of the pinion to first order."""
 
+    #: numbers of the equations in [CR3553]
     source: str
+    #: displacement across both axes, mm
     across: float
+    #: displacement along the pitch line, to the heel, mm
     along: float
+    #: the same displacement as dV, dA and dG, mm
     displacements: dict[str, float]
 
 
 def _first_order(design: ConjugateDesign, blank: BevelBlank) -> FirstOrder:
-    """What compensates the d_delta of a design in mm, to first order."""
+    """Return the displacements that compensate the d_delta of a design in mm, to first order."""
     geometry = conjugate_geometry(design, blank, design.contact.pinion_side)
     cradle = None if np.isinf(geometry.rho) else geometry.setting(geometry.r_k)[1]
     closed = -float(np.radians(design.assembly.d_delta))
     across, along = compensation(geometry.spiral_angle, geometry.psi_c, geometry.cone_distance, closed, cradle)
-    # the closed form is that of a left-hand pinion
+    # the closed form is for a left-hand pinion
     across *= -HAND_SIGNS[design.hand]
     source = "3.5.28, 29" if cradle is None else "3.5.34, 35"
     return FirstOrder(source, across, along, {"dV": across, **_along_the_axes(blank, along)})
 
 
 def _along_the_axes(blank: BevelBlank, along: float) -> dict[str, float]:
-    """dA and dG (mm) that together are a displacement of the pinion along the pitch line, to the heel."""
+    """Return dA and dG (mm) that together displace the pinion along the pitch line, to the heel."""
     share = along / np.sin(blank.shaft_angle)
     return {"dA": float(share * np.sin(blank.gear.pitch_angle)), "dG": float(-share * np.sin(blank.pinion.pitch_angle))}
 
 
 def _touching(pair: Pair, turn: Array) -> Array:
-    """phi2 (N,) of the contact inside both flanks at rotations (N,). Raises NoSolutionError where there is none."""
+    """Return phi2 (N,) of the contact inside both flanks at rotations (N,). Raises NoSolutionError where there is no
+    contact.
+    """
     path = contact_path(pair, turn, edges=False)
     if (path.kind != "point").any():
         raise NoSolutionError(
