@@ -13,7 +13,7 @@ from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.pinned import conjugate_values, settings_values
 from gearmesh.systems.spiral_bevel.rexs import BEVEL, HYPOID
 from gearmesh.systems.spiral_bevel.sheet.accuracy import bevel_inspection
-from gearmesh.systems.spiral_bevel.sheet.drawn import DRAWN
+from gearmesh.systems.spiral_bevel.sheet.drawn import DRAWN_ROWS
 from gearmesh.systems.spiral_bevel.sheet.member_sheet import member_sheet
 from gearmesh.systems.spiral_bevel.sheet.sheet import settings_sheet, tooth_forces
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
@@ -40,7 +40,7 @@ SYSTEMS = (
             first_order=lambda design: first_order(design, build),
             displacements=ASSEMBLY_DISPLACEMENTS,
             pinned=settings_values,
-            drawn=DRAWN,
+            drawn=DRAWN_ROWS,
             inspection=bevel_inspection,
             rexs=form,
         )

@@ -1,4 +1,4 @@
-"""The table of tolerances of bevel and hypoid gears, and what they are inspected by [ISO 17485:2006]."""
+"""Table of tolerances of bevel and hypoid gears, and the basis of their inspection [ISO 17485:2006]."""
 
 from __future__ import annotations
 
@@ -17,20 +17,27 @@ if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
     from gearmesh.teeth.gear_train import GearTrain
 
-MEMBERS = ("pinion", "gear")
+#: names of the members in order
+MEMBER_NAMES = ("pinion", "gear")
 
 
 def tolerance_sizes(blank: BevelBlank, number: int) -> BevelSizes:
-    """Those of the pinion, 0, or the gear, 1: d_T = d_m + 2 (h_am - h_mw / 2) cos(delta), h_mw the sum of both addenda."""
-    own, addenda = blank.members[number], [depth.addendum for depth in blank.standard_depths]
+    """Return the sizes of the pinion (0) or the gear (1) on which tolerances depend.
+
+    The tolerance diameter is d_T = d_m + 2 (h_am - h_mw / 2) cos(delta), with h_mw the sum of both mean addenda.
+    """
+    member, addenda = blank.members[number], [depth.addendum for depth in blank.standard_depths]
     above = addenda[number] - 0.5 * sum(addenda)
-    diameter = 2.0 * (own.mean_radius + above * math.cos(own.pitch_angle))
-    return BevelSizes(own.teeth, diameter, blank.mean_normal_module)
+    diameter = 2.0 * (member.mean_radius + above * math.cos(member.pitch_angle))
+    return BevelSizes(member.teeth, diameter, blank.mean_normal_module)
 
 
 def tolerance_table(grade: int, blank: BevelBlank, members: Sequence[str]) -> SheetTable:
-    """The table of the members named, "pinion" and "gear" or one of them; without tolerances beyond the range of the standard."""
-    sizes = [tolerance_sizes(blank, MEMBERS.index(name)) for name in members]
+    """Return the table of the named members; it has no tolerances beyond the range of the standard.
+
+    `members`: "pinion", "gear" or both.
+    """
+    sizes = [tolerance_sizes(blank, MEMBER_NAMES.index(name)) for name in members]
     limits = [own.tolerances(grade) or {} for own in sizes]
     diameters: Values = tuple(own.diameter for own in sizes)
     rows: list[Row] = [
@@ -42,6 +49,10 @@ def tolerance_table(grade: int, blank: BevelBlank, members: Sequence[str]) -> Sh
 
 
 def bevel_inspection(design: FaceMilledDesign, train: GearTrain, name: str) -> InspectionBasis:
-    """Of the "pinion" or the "gear" of a design: pitch and runout have tolerances, flanks have not."""
-    own = design.in_mm()
-    return InspectionBasis(tolerance_sizes(bevel_teeth(own).cut.blank, MEMBERS.index(name)), own.accuracy_grade)
+    """Return the inspection basis of the "pinion" or the "gear" of a design: pitch and runout have tolerances, flanks
+    have none.
+    """
+    design_mm = design.in_mm()
+    return InspectionBasis(
+        tolerance_sizes(bevel_teeth(design_mm).cut.blank, MEMBER_NAMES.index(name)), design_mm.accuracy_grade
+    )

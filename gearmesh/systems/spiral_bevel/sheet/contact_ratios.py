@@ -1,10 +1,12 @@
-"""Contact ratios of a bevel pair as its sheet has them: of the virtual cylindrical gears, and of the tooth line along the face.
+"""Contact ratios of a bevel pair on its sheet: of the virtual cylindrical gears, and of the tooth line along the face.
 
-Virtual gears [ISO 10300-1:2014, annex A]: in the transverse section at the mean point both pitch cones unroll to circles of
-d_v = d_m / cos(delta), with the teeth's mean addenda and the pressure angle tan(alpha_vt) = tan(alpha_n) / cos(beta_v); beta_v is
-the mean of both spiral angles, which offset makes differ. The face contact ratio is how many pitches of the crown gear the tooth
-line goes round from the gear's toe to its heel: the cutter's circle, exactly. What a localised contact covers of both, contact
-analysis says.
+Virtual gears [ISO 10300-1:2014, annex A]: in the transverse section at the mean point both pitch cones unroll to
+circles of d_v = d_m / cos(delta). The virtual gears have the mean addenda of the teeth and the pressure angle
+tan(alpha_vt) = tan(alpha_n) / cos(beta_v). beta_v is the mean of both spiral angles, which differ with offset.
+
+The face contact ratio is the turn of the tooth line about the crown gear's centre from the gear's toe to its heel, in
+pitches. It is exact for the circle of the cutter. Contact analysis determines the part of both ratios that a localised
+contact covers.
 """
 
 from __future__ import annotations
@@ -18,19 +20,21 @@ from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
 
 @dataclass(frozen=True)
 class BevelContactRatios:
-    """Transverse eps_v_alpha and face eps_v_beta; `modified_ratio` eps_v_gamma."""
+    """Contact ratios of a pair."""
 
+    #: transverse contact ratio eps_v_alpha
     transverse: float
+    #: face contact ratio eps_v_beta
     face: float
 
     @property
     def modified_ratio(self) -> float:
-        """Root of the sum of both squares [AGMA 2003-B97; ISO 10300-1:2001]."""
+        """Modified contact ratio eps_v_gamma: root of the sum of both squares [AGMA 2003-B97; ISO 10300-1:2001]."""
         return float(np.hypot(self.transverse, self.face))
 
 
 def contact_ratios(blank: BevelBlank) -> BevelContactRatios:
-    """Contact ratios of a blank and its nominal cutter."""
+    """Return the contact ratios of a blank and its nominal cutter."""
     spiral = 0.5 * (blank.pinion.spiral_angle + blank.gear.spiral_angle)
     transverse = np.arctan(np.tan(blank.pressure_angle) / np.cos(spiral))
     radii, reaches = [], []
@@ -39,18 +43,19 @@ def contact_ratios(blank: BevelBlank) -> BevelContactRatios:
         base = radius * np.cos(transverse)
         radii.append(radius)
         reaches.append(np.sqrt((radius + member.mean_addendum) ** 2 - base**2))
+    # length of the path of contact of the virtual gears, over the transverse base pitch
     path = sum(reaches) - sum(radii) * np.sin(transverse)
     pitch = np.pi * blank.mean_normal_module / np.cos(spiral) * np.cos(transverse)
     return BevelContactRatios(float(path / pitch), _face_ratio(blank))
 
 
 def _face_ratio(blank: BevelBlank) -> float:
-    """Turn of the tooth line about the crown gear's centre, in pitches."""
+    """Return the turn of the tooth line about the crown gear's centre from toe to heel, in pitches."""
     line = blank.tooth_line
     centre, radius = float(line.centre_distance), blank.cutter_radius
     turns = []
     for distance in blank.gear.extent:
         cosine = (distance**2 + centre**2 - radius**2) / (2.0 * distance * centre)
         turns.append(float(np.arccos(np.clip(cosine, -1.0, 1.0))))
-    # where the circle is tangent to a ray the line turns back, as that of a zerol gear does in the middle of its face
+    # the line reverses where the circle is tangent to a ray, as in the middle of a zerol gear's face
     return abs(turns[1] - turns[0]) * float(line.crown_teeth) / (2.0 * np.pi)

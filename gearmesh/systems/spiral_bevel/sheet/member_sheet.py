@@ -1,4 +1,4 @@
-"""The sheet of one member of a bevel pair: blank, cutters and machines, what its teeth measure; nothing that needs the other."""
+"""Sheet of one member of a bevel pair: blank, cutters and machines, and measures of its teeth, without its mating gear."""
 
 from __future__ import annotations
 
@@ -23,26 +23,26 @@ from gearmesh.systems.system import SheetTable
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
-#: of the blank: what the mating gear's cutter has a part in
-OF_BOTH = ("mean normal thickness",)
+#: rows of the blank that depend on the mating gear's cutter
+PAIR_ROWS = ("mean normal thickness",)
 
 
 def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
-    """Tables of the member "pinion" or "gear" of a design in its own units. Raises as `build` does."""
-    own_design, unit, noun = design.in_mm(), design.mm_per_unit, design.units
-    made = cut_alone(own_design, name)
+    """Return the tables of the member "pinion" or "gear" of a design in its units. Raises as `build` does."""
+    design_mm, unit, noun = design.in_mm(), design.mm_per_unit, design.units
+    made = cut_alone(design_mm, name)
     pinion, member, blank = name == "pinion", made.cut.member, made.blank
-    own = blank.pinion if pinion else blank.gear
+    member_blank = blank.pinion if pinion else blank.gear
     sides = {key: fit_edge_radius(side, member) for key, side in made.sides.items()}
-    slots = slot_widths_of(member.tooth, own)
-    angles = index_angles(made.sides, own.teeth, made.places) if pinion else {}
-    one_cutter = not pinion or own_design.completing
-    rows = [row for row in member_rows((own,), unit, noun) if row[0] not in OF_BOTH]
+    slots = slot_widths_of(member.tooth, member_blank)
+    angles = index_angles(made.sides, member_blank.teeth, made.places) if pinion else {}
+    one_cutter = not pinion or design_mm.completing
+    rows = [row for row in member_rows((member_blank,), unit, noun) if row[0] not in PAIR_ROWS]
     tooth = CutTooth(
         member,
-        own,
+        member_blank,
         sides,
-        measures_of(member, own, sides),
+        measures_of(member, member_blank, sides),
         float(slots.min()),
         point_width(sides) if one_cutter else None,
         around=pinion and bool(blank.offset),
@@ -58,5 +58,5 @@ def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
             noun,
         ),
         measured_table((tooth,), blank, unit, noun),
-        tolerance_table(own_design.accuracy_grade, blank, (name,)),
+        tolerance_table(design_mm.accuracy_grade, blank, (name,)),
     )

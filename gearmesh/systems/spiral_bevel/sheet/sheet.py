@@ -1,4 +1,4 @@
-"""The sheet of a spiral bevel pair: blank, cutters and machine settings as the shop wants them; dimensions; forces."""
+"""Sheet of a spiral bevel pair: blank, cutters and machine settings for the shop; dimensions; forces."""
 
 from __future__ import annotations
 
@@ -41,20 +41,20 @@ if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 #: title of the table of hypoid gears
-OFFSET = "Pitch plane with offset [ISO 23509]"
+OFFSET_TITLE = "Pitch plane with offset [ISO 23509]"
 
 
 def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
-    """The sheet of a spiral bevel design and the gear set built of it, lengths in the design's units, angles in deg.
+    """Return the sheet of a spiral bevel design and its gear set, lengths in the design's units, angles in deg.
 
-    Raises DesignError for blanks that cannot exist, NoSolutionError where local synthesis has none.
+    Raises DesignError for blanks that cannot exist, and NoSolutionError if local synthesis has no solution.
     """
-    own, unit = design.in_mm(), design.mm_per_unit
-    made = bevel_teeth(own)
+    design_mm, unit = design.in_mm(), design.mm_per_unit
+    made = bevel_teeth(design_mm)
     blank, pinion, gear, choices = made.cut.blank, made.cut.pinion, made.cut.gear, made.choices
     index = {name: float(np.degrees(angle)) for name, angle in made.cut.index_angles.items()}
     teeth = train.members
-    # free edge radii as they fit the teeth
+    # free edge radii as reduced to fit the teeth
     pinion, gear = (
         {name: fit_edge_radius(side, teeth[member]) for name, side in sides.items()}
         for member, sides in (("pinion", pinion), ("gear", gear))
@@ -62,7 +62,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
     made_sides = [*pinion.values(), *gear.values()]
     members = teeth["pinion"], teeth["gear"]
     slots = [slot_widths_of(member.tooth, own_blank) for member, own_blank in zip(members, blank.members, strict=True)]
-    cut = CutPair(blank, pinion, gear, members, indexed_backlash(made.cut), own.completing)
+    cut = CutPair(blank, pinion, gear, members, indexed_backlash(made.cut), design_mm.completing)
     sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in BLADE_SIDES)
     narrowest = float(slots[0].min()), float(slots[1].min())
     tables = tables_of(
@@ -79,13 +79,14 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
         ),
         ("Pair", lambda: SheetTable("Pair", ("",), pair_rows_of(blank, unit, design.units))),
         ("Settings", lambda: setting_tables(made_sides, sides, tuple(index.values()), unit, design.units)),
-        ("Dimensions", lambda: dimension_tables(cut, own.hand, narrowest, unit, design.units)),
-        ("Tolerances", lambda: [tolerance_table(own.accuracy_grade, blank, ("pinion", "gear"))]),
+        ("Dimensions", lambda: dimension_tables(cut, design_mm.hand, narrowest, unit, design.units)),
+        ("Tolerances", lambda: [tolerance_table(design_mm.accuracy_grade, blank, ("pinion", "gear"))]),
     )
-    if isinstance(own, HypoidDesign):
-        offset = tables_of((OFFSET, lambda: _offset_table(own, made.proportions, unit, design.units)))
+    if isinstance(design_mm, HypoidDesign):
+        offset = tables_of((OFFSET_TITLE, lambda: _offset_table(design_mm, made.proportions, unit, design.units)))
         tables = (*tables, *offset)
-    nouns = {key: noun for _, noun, key in _SETTINGS}
+    # values of the sheet by key of the design: settings and blades, then contact, blank and edge radii
+    nouns = {key: noun for _, noun, key in _SETTING_KEYS}
     values = {
         f"{prefix}.{key}": _value(side, key, 1.0 if nouns[key] else unit)
         for prefix, side in (
@@ -118,7 +119,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
         for power, value in enumerate(side.settings.modified_roll, start=2)
         if any(choices[name].roll) or choices[name].form is not None
     }
-    # those that are chosen; what is only suggested follows from the basic data again
+    # chosen factors; suggested ones follow from the basic data again
     values |= {key: value for key in FACTOR_KEYS if (value := getattr(made.proportions, key)) is not None}
     values |= {
         "gear.cutter.tip_radius": blank.cutter_radius / unit,
@@ -132,7 +133,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
         "face_width": blank.gear.face_width / unit,
         "clearance": blank.clearance / unit,
     }
-    if isinstance(own, SpiralBevelDesign):
+    if isinstance(design_mm, SpiralBevelDesign):
         values["mean_cone_distance"] = blank.gear.mean_cone_distance / unit
     for name, member in (("pinion", blank.pinion), ("gear", blank.gear)):
         values |= {
@@ -141,20 +142,24 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
         }
     forms = {name: choice.form for name, choice in choices.items() if choice.form is not None}
     indexed = {f"pinion.{name}.index_angle": angle for name, angle in index.items()}
-    # a flank of an ease-off stands where that has it; others follow their settings again
+    # the index of a flank with ease-off is a result; other flanks follow their settings again
     values |= {key: angle for key, angle in indexed.items() if key.split(".")[1] in forms}
-    of_form = tables_of(("Flank form", lambda: form_tables(own, forms)))
+    of_form = tables_of(("Flank form", lambda: form_tables(design_mm, forms)))
     return Sheet((*tables, *of_form), values, _replaced_keys(design), following=indexed)
 
 
 def setting_tables(
     sides: list[Generated], names: tuple[str, ...], index: tuple[float, ...], unit: float, noun: str
 ) -> tuple[SheetTable, SheetTable]:
-    """Cutters and machines of sides with their `names`, by this program's names and by the makers'; `index`: angles (deg) of the
-    pinion's, those of the gear's are 0; lengths over `unit` (mm) in `noun`."""
+    """Return the tables of cutters and machines, by this program's names and by the makers' names.
+
+    - `sides`, `names`: sides and their names
+    - `index`: index angles of the pinion's sides, deg; those of the gear's sides are 0
+    - `unit`, `noun`: unit of lengths (mm) and its name
+    """
     angles = (*index, *(0.0 for _ in sides[len(index) :]))
     rows = (
-        *_setting_rows(_SETTINGS, sides, unit, noun),
+        *_setting_rows(_SETTING_KEYS, sides, unit, noun),
         *([("index angle of the blank", "deg", *angles)] if index else []),
         *_extra_rows(sides, unit, noun),
     )
@@ -162,17 +167,20 @@ def setting_tables(
 
 
 def _replaced_keys(design: FaceMilledDesign) -> tuple[str, ...]:
-    """Keys of a design that ask for the settings that the values of the sheet give."""
-    own = [f"pinion.{name}.ease_off" for name in BLADE_SIDES if design.pinion.side(name).ease_off is not None]
-    own += ["contact.ease_off"] if design.contact.ease_off is not None else []
-    return (*own, *(["gear.thickness"] if design.gear.thickness is not None else []))
+    """Return the keys of a design that are replaced by the settings on the sheet."""
+    keys = [f"pinion.{name}.ease_off" for name in BLADE_SIDES if design.pinion.side(name).ease_off is not None]
+    keys += ["contact.ease_off"] if design.contact.ease_off is not None else []
+    return (*keys, *(["gear.thickness"] if design.gear.thickness is not None else []))
 
 
 def _offset_table(design: HypoidDesign, given: Proportions, unit: float, noun: str) -> SheetTable:
-    """What ISO 23509 has of both members of a hypoid design in mm of `given` proportions, with its symbols."""
+    """Return the table of ISO 23509 dimensions common to both members of a hypoid design in mm, with their symbols.
+
+    `given`: proportions of the teeth.
+    """
     rows = pair_rows(cone_dimensions(ConeData.of_hypoid(offset_data(design)), given))
     return SheetTable(
-        OFFSET,
+        OFFSET_TITLE,
         ("",),
         tuple(
             (words, noun if kind == "mm" else kind, value / unit if kind == "mm" else value)
@@ -183,14 +191,18 @@ def _offset_table(design: HypoidDesign, given: Proportions, unit: float, noun: s
 
 
 def tooth_forces(design: FaceMilledDesign, torque: float, speed: float | None) -> tuple[SheetTable, ...]:
-    """Forces on the members of a design for a torque (Nm) on the pinion, which turns at a speed (1/min). Raises as
-    `settings_sheet`."""
-    own = design.in_mm()
-    made = bevel_teeth(own)
+    """Return the forces on the members for a torque (Nm) on the pinion, which turns at a speed (1/min).
+
+    Raises as `settings_sheet`.
+    """
+    design_mm = design.in_mm()
+    made = bevel_teeth(design_mm)
     blank, gear = made.cut.blank, made.cut.gear
-    base = nominal_base(blank, HAND_SIGNS[own.hand])
-    means = {name: mean_point(own, blank, gear[MATING_SIDES[name]], base, made.choices[name]) for name in BLADE_SIDES}
-    ratio = own.gear.teeth / own.pinion.teeth
+    base = nominal_base(blank, HAND_SIGNS[design_mm.hand])
+    means = {
+        name: mean_point(design_mm, blank, gear[MATING_SIDES[name]], base, made.choices[name]) for name in BLADE_SIDES
+    }
+    ratio = design_mm.gear.teeth / design_mm.pinion.teeth
     speeds = None if speed is None else (speed, speed / ratio)
     running = table("Torque, speed and power", ("pinion", "gear"), running_rows((torque, torque * ratio), speeds))
     forces = thrust_table(blank, means, base, torque)
@@ -198,17 +210,17 @@ def tooth_forces(design: FaceMilledDesign, torque: float, speed: float | None) -
 
 
 def fit_edge_radius(side: Generated, member: Member) -> Generated:
-    """The side with the edge radius that its fillet has."""
+    """Return the side with the edge radius of its fillet."""
     return replace(side, blade=replace(side.blade, edge_radius=edge_radius(member, side.flank)))
 
 
 def edge_radius(member: Member, flank: Side) -> float:
-    """Rounding (mm) of the blade's tip that generates a fillet of a member."""
+    """Return the rounding (mm) of the blade's tip that generates a fillet of a member."""
     return member.tooth.side(flank).tool.tip_radius
 
 
 #: item, unit ("" for the design's), key of the design
-_SETTINGS = (
+_SETTING_KEYS = (
     ("blade angle", "deg", "blade_angle"),
     ("blade radius (0 = straight)", "", "blade_radius"),
     ("blade angle holds at height", "", "blade_height"),
@@ -222,19 +234,20 @@ _SETTINGS = (
     ("sliding base", "", "sliding_base"),
     ("machine root angle", "deg", "machine_root_angle"),
 )
-_DEGREES = ("blade_angle", "cradle_angle", "machine_root_angle", "tilt", "swivel")
+#: keys whose values are angles
+_ANGLE_KEYS = ("blade_angle", "cradle_angle", "machine_root_angle", "tilt", "swivel")
 
 
-#: the same of what not every machine and blade has, shown where one does
-_EXTRA = (
+#: settings that not every machine and blade has, shown if one side has them
+_OPTIONAL_SETTING_KEYS = (
     ("tilt", "deg", "tilt"),
     ("swivel", "deg", "swivel"),
     ("toprem height", "", "toprem.height"),
     ("toprem angle", "deg", "toprem.angle"),
     ("toprem radius (0 = straight)", "", "toprem.radius"),
 )
-#: item, unit of the coefficients ("" for the design's), setting, and the power of the first of them
-_POLYNOMIALS = (
+#: item, unit of the coefficients ("" for the design's), setting, and power of the first coefficient
+_POLYNOMIAL_SETTINGS = (
     ("modified roll c", "-", "modified_roll", 2),
     ("helical motion a", "", "helical_motion", 1),
     ("vertical motion a", "", "vertical_motion", 1),
@@ -247,6 +260,7 @@ _POLYNOMIALS = (
 def _setting_rows(
     items: tuple[tuple[str, str, str], ...], sides: list[Generated], unit: float, units: str
 ) -> tuple[tuple[Any, ...], ...]:
+    """Return the rows of settings; values are lengths over `unit` (mm), angles in deg."""
     return tuple(
         (item, noun or units, *(_value(side, key, 1.0 if noun else unit) for side in sides))
         for item, noun, key in items
@@ -254,11 +268,11 @@ def _setting_rows(
 
 
 def _extra_rows(sides: list[Generated], unit: float, units: str) -> Iterator[tuple[Any, ...]]:
-    """Rows of tilt, toprem and motions that some side has."""
-    for row in _setting_rows(_EXTRA, sides, unit, units):
+    """Return the rows of tilt, toprem and motions that at least one side has."""
+    for row in _setting_rows(_OPTIONAL_SETTING_KEYS, sides, unit, units):
         if any(row[2:]):
             yield row
-    for item, noun, key, first in _POLYNOMIALS:
+    for item, noun, key, first in _POLYNOMIAL_SETTINGS:
         polynomials = [getattr(side.settings, key) for side in sides]
         scale = {"deg": np.pi / 180.0, "-": 1.0, "": unit}[noun]
         for power in range(max(map(len, polynomials))):
@@ -270,55 +284,63 @@ def _extra_rows(sides: list[Generated], unit: float, units: str) -> Iterator[tup
 
 
 def slot_widths_of(tooth: Tooth, own: MemberBlank) -> Array:
-    """Normal widths (3,), mm, of the spaces between the blades' edges, prolonged to the root, at toe, mean and heel."""
+    """Return the normal widths (3,), mm, of the slots between the blades' edges at the root, at toe, mean and heel.
+
+    The blades' edges are prolonged to the root.
+    """
     return _slot_widths(tooth, np.array([tooth.blank.extent[0], own.mean_cone_distance, tooth.blank.extent[1]]))
 
 
 def slot_rows(widths: list[Array], unit: float, units: str) -> Iterator[tuple[Any, ...]]:
+    """Return the rows of slot widths, a column per member."""
     for k, place in enumerate(("toe", "mean", "heel")):
         yield f"slot width at the root, {place}", units, *(float(width[k] / unit) for width in widths)
 
 
 def _slot_widths(tooth: Tooth, stations: Array) -> Array:
-    """Widths (T,), mm, across the root land between the fillets and, at either end of it, from there to the edge of the blade."""
-    ends, tangents, beside = [], [], np.zeros_like(stations)
-    for which in Side:
-        side = tooth.side(which)
+    """Return the slot widths (T,), mm: root land between the fillets, and at each end the distance to the blade's edge."""
+    ends, tangents, to_edges = [], [], np.zeros_like(stations)
+    for side_of_tooth in Side:
+        side = tooth.side(side_of_tooth)
         jet = along(side.fillet, np.full_like(stations, side.root), stations, tooth.blank.axial)[1]
         gradient = tooth.blank.axial.gradient(jet.r)
-        # along the fillet's end, not along the face: what is left of r_v at a constant first parameter
-        back = Rigid.about_z(-tooth.pitch_angle if which is Side.LEFT else 0.0)
+        # tangent along the end of the fillet, towards the heel; the left side is turned back by a pitch to one space
+        back = Rigid.about_z(-tooth.pitch_angle if side_of_tooth is Side.LEFT else 0.0)
         ends.append(back.point(jet.r))
         tangents.append(back.vector(unit_vector(jet.r_v)) * np.sign(dot(gradient, jet.r_v))[:, None])
         tip, blade = side.tool.tip, side.tool.profile
+        # the fillet ends at the tip land of the blade
         assert tip is not None
         assert blade is not None
-        # the cutting edge, prolonged to the tip plane
+        # distance from there to the cutting edge, prolonged to the tip plane
         edge = blade.section(np.array(at_height(blade, 0.0, side.form_point[0])))[0][1]
-        beside += abs(float(tip.section(np.array(side.root))[0][1] - edge))
-    return width_across((ends[0], ends[1]), tangents[0] + tangents[1]) + beside
+        to_edges += abs(float(tip.section(np.array(side.root))[0][1] - edge))
+    return width_across((ends[0], ends[1]), tangents[0] + tangents[1]) + to_edges
 
 
 def _value(side: Generated, key: str, unit: float) -> float:
+    """Return the value of a key of the design for a side: an angle in deg, or a length or number over `unit`."""
     if key.startswith("toprem."):
         measure = getattr(side.blade.toprem, key.removeprefix("toprem."), 0.0)
         return float(np.degrees(measure)) if key == "toprem.angle" else float(measure) / unit
     source = {"blade_height": "height"}.get(key, key)
     value = getattr(side.blade if hasattr(side.blade, source) else side.settings, source)
-    return float(np.degrees(value)) if key in _DEGREES else float(value) / unit
+    return float(np.degrees(value)) if key in _ANGLE_KEYS else float(value) / unit
 
 
 def _with_thicknesses(cut: CutPair) -> tuple[MemberBlank, ...]:
-    """The members' blanks with the thicknesses of the teeth as they are cut."""
+    """Return the members' blanks with the thicknesses of the teeth as cut."""
     return tuple(
-        replace(own, thickness=thickness) for own, thickness in zip(cut.blank.members, cut.thicknesses, strict=True)
+        replace(member, thickness=thickness)
+        for member, thickness in zip(cut.blank.members, cut.thicknesses, strict=True)
     )
 
 
 def member_rows(members: tuple[MemberBlank, ...], unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
-    """Rows of the table "Blank", one column per member; lengths over `unit` (mm) in `noun`."""
+    """Return the rows of the table "Blank", one column per member; lengths over `unit` (mm) in `noun`."""
 
     def row(item: str, kind: str, pick: Callable[[MemberBlank], float]) -> tuple[Any, ...]:
+        """Return one row; `pick` returns the value of a member."""
         scale = {"deg": np.pi / 180.0, "": unit, "-": 1.0}[kind]
         return (
             item,
@@ -327,7 +349,7 @@ def member_rows(members: tuple[MemberBlank, ...], unit: float, noun: str) -> tup
         )
 
     def tip(member: MemberBlank) -> float:
-        """rho of the tip on the back cone."""
+        """Return rho (mm) of the tip on the back cone."""
         back = member.outer_cone_distance * np.sin(member.pitch_angle)
         return float(back + member.outer_addendum * np.cos(member.pitch_angle))
 
@@ -349,6 +371,7 @@ def member_rows(members: tuple[MemberBlank, ...], unit: float, noun: str) -> tup
 
 
 def pair_rows_of(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
+    """Return the rows of the table "Pair"; lengths over `unit` (mm) in `noun`."""
     gear = blank.gear
     lengths = [
         ("outer cone distance", gear.outer_cone_distance),

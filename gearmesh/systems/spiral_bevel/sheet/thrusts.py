@@ -1,11 +1,14 @@
 """Forces on both members of a bevel pair for a torque on the pinion, at the mean point, without friction.
 
-Formulas of AGMA 2003-B97, ISO 10300-1 (see `by_formula`) and, beside them, the normal of the flanks themselves. Three parts
-each: tangential, against the motion of the pinion and along that of the gear; axial, > 0 away from the crossing point;
-separating, > 0 away from the mating gear.
+The forces are computed by the formulas of AGMA 2003-B97 and ISO 10300-1 (see `by_formula`), and by the normal of the
+exact flanks. Each force has three components:
 
-The formulas are for the mean cone distances, the spiral angle of either member and the pressure angle of the side that drives; the
-normal is that of the flanks where contact is to be at phi1 = 0.
+- tangential, against the motion of the pinion and along the motion of the gear
+- axial, > 0 away from the crossing point
+- separating, > 0 away from the mating gear
+
+The formulas use the mean cone distances, the spiral angle of each member and the pressure angle of the driving side.
+The exact normal is the normal of the flanks at the nominal contact of phi1 = 0.
 """
 
 from __future__ import annotations
@@ -25,18 +28,22 @@ from gearmesh.systems.system import SheetTable
 
 @dataclass(frozen=True)
 class ToothForces:
-    """Parts of the force on one member, N."""
+    """Components of the force on one member."""
 
+    #: tangential force, N
     tangential: float
+    #: axial force, N, > 0 away from the crossing point
     axial: float
+    #: separating force, N, > 0 away from the mating gear
     separating: float
 
 
 def by_formula(tangential: float, member: MemberBlank, pressure_angle: float, sense: int) -> ToothForces:
-    """F_x = F_t / cos(beta) (tan(alpha) sin(delta) + sense sin(beta) cos(delta)), F_r with cos(delta) and - sense sin(delta).
+    """Return the components by F_x = F_t / cos(beta) (tan(alpha) sin(delta) + sense sin(beta) cos(delta)).
 
-    `sense` +1 where the member's spiral pushes it away from the crossing point: a pinion that drives with its concave side,
-    a gear that its concave side drives; else -1. Angles in rad.
+    F_r has cos(delta) in the first term and - sense sin(delta) in the second. Angles in rad. `sense` is +1 where the
+    member's spiral pushes it away from the crossing point, else -1. It is +1 for a pinion that drives with its concave
+    side, and for a gear that is driven on its concave side.
     """
     s, c = np.sin(member.pitch_angle), np.cos(member.pitch_angle)
     across, along = np.tan(pressure_angle) / np.cos(member.spiral_angle), sense * np.tan(member.spiral_angle)
@@ -46,9 +53,11 @@ def by_formula(tangential: float, member: MemberBlank, pressure_angle: float, se
 
 
 def along_normal(torque: float, point: Array, normal: Array, gear_base: Rigid) -> tuple[ToothForces, ToothForces]:
-    """Forces on pinion and gear of a contact at a point with the flanks' normal (3,) out of the pinion, its own frame.
+    """Return the forces on pinion and gear of a contact at a point (3,) of the pinion's frame.
 
-    `torque` in Nmm on the pinion; `gear_base`: the gear's frame in the pinion's.
+    - `torque`: torque on the pinion, Nmm
+    - `normal`: normal of the flanks (3,) out of the pinion
+    - `gear_base`: position of the gear's frame in the pinion's
     """
     arm = abs(float(normal @ np.cross(AXIS, point)))
     force = -torque / arm * normal
@@ -57,24 +66,32 @@ def along_normal(torque: float, point: Array, normal: Array, gear_base: Rigid) -
 
 
 def _parts(force: Array, point: Array) -> ToothForces:
+    """Return the components of a force (3,) on a member at a point (3,), in its frame."""
     outward = np.array([point[0], point[1], 0.0]) / np.hypot(point[0], point[1])
     return ToothForces(abs(float(force @ np.cross(AXIS, outward))), float(force @ AXIS), -float(force @ outward))
 
 
 def thrust_table(blank: BevelBlank, means: dict[str, MeanPoint], gear_base: Rigid, torque: float) -> SheetTable:
-    """Forces for a torque (Nm) on the pinion, driven by either of its sides; `means`: mean points by the pinion's sides."""
+    """Return the table of forces for a torque (Nm) on the pinion, for both driving sides.
+
+    `means`: mean points by side of the pinion.
+    """
     columns, formulas, normals = [], [], []
-    # the drive side, concave on the pinion, is cut by the gear's inside blades
+    # the drive side, concave on the pinion, meets the gear's convex side, which inside blades cut
     for (name, side), pressure in zip(BLADE_SIDES.items(), blank.blade_angles, strict=True):
         exact = along_normal(1e3 * torque, means[name].contact.point, means[name].contact.normal, gear_base)
-        for k, (member, own) in enumerate((("pinion", blank.pinion), ("gear", blank.gear))):
+        for k, (member, member_blank) in enumerate((("pinion", blank.pinion), ("gear", blank.gear))):
             columns.append(f"{member}, {name}")
-            # what is across the teeth is the same of both
+            # the component across the teeth is the same on both members
             tangential = (
-                1e3 * torque / blank.pinion.mean_radius * np.cos(own.spiral_angle) / np.cos(blank.pinion.spiral_angle)
+                1e3
+                * torque
+                / blank.pinion.mean_radius
+                * np.cos(member_blank.spiral_angle)
+                / np.cos(blank.pinion.spiral_angle)
             )
             sense = side if k == 0 else -side
-            formulas.append(by_formula(float(tangential), own, pressure, sense))
+            formulas.append(by_formula(float(tangential), member_blank, pressure, sense))
             normals.append(exact[k])
     rows: list[Row] = []
     for symbol, words, key in (

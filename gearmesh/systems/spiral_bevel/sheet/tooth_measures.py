@@ -1,7 +1,7 @@
-"""What can be measured on the exact flanks of a bevel gear's tooth: thicknesses, chords, lands, spiral angles.
+"""Measures on the exact flanks of a bevel gear's tooth: thicknesses, chords, lands, spiral angles.
 
-All in the member's own frame, lengths in mm, angles in rad, stations (T,) are cone distances. The pitch cone is the one through the
-apex whose generatrices the stations count along.
+All are in the member's frame, lengths in mm, angles in rad. Stations (T,) are cone distances. The pitch cone is the
+cone through the apex whose generatrices the stations count along.
 """
 
 from __future__ import annotations
@@ -20,25 +20,27 @@ from gearmesh.systems.common.pattern.targets import on_flank
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
-#: distance (mm) from what is looked for that counts as none
-REACHED = 1e-10
+#: distance (mm) from the sought point that counts as 0
+PITCH_LINE_TOLERANCE_MM = 1e-10
 
 
 def width_across(ends: tuple[Array, Array], tangents: Array) -> Array:
-    """Distance (T,) of two points (T, 3) each, across a direction (T, 3)."""
-    way, across = unit_vector(tangents), ends[0] - ends[1]
-    across = across - way * dot(across, way)[:, None]
+    """Return the distances (T,) of two points (T, 3) each, across a direction (T, 3)."""
+    direction, across = unit_vector(tangents), ends[0] - ends[1]
+    across = across - direction * dot(across, direction)[:, None]
     width: Array = np.sqrt(dot(across, across))
     return width
 
 
 @dataclass(frozen=True)
 class PitchLines:
-    """Where the flanks of a tooth of a `hand` (+1 right, -1 left) cross its pitch cone: jets (T,) by side, and the `levels` of cone
-    distance and of height over the pitch cone."""
+    """Lines in which the flanks of a tooth cross its pitch cone."""
 
+    #: jets (T,) of the flanks at the stations, by side
     jets: dict[Side, Jet]
+    #: hand of the member: +1 right, -1 left
     hand: int
+    #: levels of cone distance and of height over the pitch cone
     levels: tuple[Level, Level]
 
     @classmethod
@@ -50,22 +52,24 @@ class PitchLines:
         stations: Array,
         levels: tuple[Level, Level],
     ) -> PitchLines:
-        """Those of flanks at `stations` (T,), near parameters `starts` (T, 2)."""
+        """Return the pitch lines of flanks at `stations` (T,), near parameters `starts` (T, 2)."""
         wanted = np.stack((stations, np.zeros_like(stations)), axis=-1)
         return cls({which: on_flank(flanks[which], starts[which], levels, wanted)[1] for which in Side}, hand, levels)
 
     def lengthwise(self, which: Side) -> Array:
-        """Unit vectors (T, 3) along a flank's pitch line, towards the heel."""
+        """Return the unit vectors (T, 3) along a flank's pitch line, towards the heel."""
         axial, height = self.levels
         jet = self.jets[which]
-        way = unit_vector(cross(jet.n, height.gradient(jet.r)))
-        return way * np.sign(dot(way, axial.gradient(jet.r)))[:, None]
+        direction = unit_vector(cross(jet.n, height.gradient(jet.r)))
+        return direction * np.sign(dot(direction, axial.gradient(jet.r)))[:, None]
 
     def spiral_angles(self, which: Side) -> Array:
-        """Angles (T,) between a flank's pitch line and the generatrices of the pitch cone, > 0 in the sense of the hand."""
-        way, jet = self.lengthwise(which), self.jets[which]
-        around = dot(way, unit_vector(cross(AXIS, jet.r)))
-        angles: Array = np.arctan2(self.hand * around, dot(way, self.levels[0].gradient(jet.r)))
+        """Return the angles (T,) between a flank's pitch line and the generatrices of the pitch cone, > 0 in the sense
+        of the hand.
+        """
+        direction, jet = self.lengthwise(which), self.jets[which]
+        around = dot(direction, unit_vector(cross(AXIS, jet.r)))
+        angles: Array = np.arctan2(self.hand * around, dot(direction, self.levels[0].gradient(jet.r)))
         return angles
 
     @property
@@ -90,26 +94,31 @@ class PitchLines:
 
 @dataclass(frozen=True)
 class ToothMeasures:
-    """A tooth of a `hand` (+1 right, -1 left) measured at `stations` (T,), ascending, within its face, from its `pitch_cone`."""
+    """Measures of a tooth at stations within its face."""
 
+    #: the tooth
     tooth: Tooth
+    #: hand of the member: +1 right, -1 left
     hand: int
+    #: cone distances (T,), ascending, mm
     stations: Array
+    #: level of the height over the pitch cone
     pitch_cone: ConeLevel
 
     @property
     def _levels(self) -> tuple[Level, Level]:
-        """Cone distance, and height over the pitch cone."""
+        """Levels of cone distance and of height over the pitch cone."""
         return self.tooth.blank.axial, self.pitch_cone
 
     @property
     def _t(self) -> Array:
+        """Shares (T,) of the face at the stations, from toe to heel."""
         toe, heel = self.tooth.blank.extent
         return (self.stations - toe) / (heel - toe)
 
     @cached_property
     def pitch_lines(self) -> PitchLines:
-        """Where the flanks cross the pitch cone."""
+        """Lines in which the flanks cross the pitch cone."""
         flanks = {which: self.tooth.side(which).flank for which in Side}
         starts = {which: self.tooth.flank_grid(which, [0.5], self._t).parameters[0] for which in Side}
         return PitchLines.of(flanks, starts, self.hand, self.stations, self._levels)
@@ -121,9 +130,9 @@ class ToothMeasures:
         for which in Side:
             jet = self.tooth.flank_grid(which, [1.0], self._t).jet
             assert jet is not None
-            way = unit_vector(cross(jet.n[0], tip.gradient(jet.r[0])))
+            direction = unit_vector(cross(jet.n[0], tip.gradient(jet.r[0])))
             ends.append(jet.r[0])
-            tangents.append(way * np.sign(dot(way, self._levels[0].gradient(jet.r[0])))[:, None])
+            tangents.append(direction * np.sign(dot(direction, self._levels[0].gradient(jet.r[0])))[:, None])
         return width_across((ends[0], ends[1]), tangents[0] + tangents[1])
 
     @property
@@ -137,7 +146,7 @@ class ToothMeasures:
         return np.array([self._section_point(number, self.tooth.blank.root)[2] for number in range(len(self.stations))])
 
     def _section_point(self, number: int, cone: Level) -> Array:
-        """Point of a cone in the axial plane at a station, by its `number`: (rho, z, height over the pitch cone), mm."""
+        """Return the point of a cone in the axial plane at station `number`: (rho, z, height over the pitch cone), mm."""
         axial, height = self._levels
         # both levels are linear in rho and z
         rows = [station_normal(level) for level in (axial, cone)]
@@ -146,14 +155,16 @@ class ToothMeasures:
         return np.array([rho, z, float(height.value(np.array([rho, 0.0, z])))])
 
     def advance(self, which: Side) -> float:
-        """Angle (rad) about the axis by which a flank's pitch line goes on from the first station to the last."""
+        """Return the angle (rad) about the axis between the first and the last station of a flank's pitch line."""
         angles = np.unwrap(polar_angle(self.pitch_lines.jets[which].r))
         return abs(float(angles[-1] - angles[0]))
 
     def chord(self, number: int, depth: float) -> float:
-        """What a tooth calliper reads at a station, by its `number`, with its tongue `depth` (mm) under the middle of the tip.
+        """Return the reading (mm) of a tooth calliper at station `number`, with its tongue `depth` (mm) under the
+        middle of the tip.
 
-        It stands across the tooth and square to the pitch cone; NaN where it finds no flank.
+        The calliper is across the tooth and perpendicular to the pitch cone. The reading is NaN if a jaw finds no
+        flank.
         """
         height = self.pitch_cone
         r = [self.pitch_lines.jets[which].r[number] for which in (Side.RIGHT, Side.LEFT)]
@@ -161,13 +172,14 @@ class ToothMeasures:
         rho, z, _ = self._section_point(number, self.tooth.blank.tip)
         middle = float(np.mean(angles))
         tip = np.array([rho * np.cos(middle), rho * np.sin(middle), z])
+        # axes of the calliper: out of the pitch cone, and along the tooth by the mean of both flanks
         up = unit_vector(height.gradient(tip))
         along = sum(self.pitch_lines.lengthwise(which)[number] for which in Side)
         along = unit_vector(along - up * dot(along, up))
         ends = []
         for which in Side:
             start = self.tooth.flank_grid(which, [0.5], self._t[[number]]).parameters[0]
-            # the planes of a calliper
+            # the jaw touches the flank in the plane across the tooth, at the depth of the tongue
             jaws = SlantedLevel(along, tip), SlantedLevel(up, tip)
             ends.append(on_flank(self.tooth.side(which).flank, start, jaws, np.array([[0.0, -depth]]))[1].r[0])
         return abs(float(dot(ends[0] - ends[1], np.cross(up, along))))
