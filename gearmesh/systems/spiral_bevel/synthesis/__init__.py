@@ -1,1 +1,3 @@
-"""Settings that give the contact asked for: local synthesis, ease-off, and what is chosen where a design leaves it open."""
+"""Settings that give the requested contact: local synthesis, ease-off, and the choices for contact that a design leaves
+open.
+"""

@@ -1,14 +1,18 @@
-"""The contact that is asked of local synthesis where a design leaves it open: mean point, direction of the path, parabola.
+"""Choice of the contact for local synthesis where a design leaves it open: mean point, direction of the path, parabola.
 
-Local synthesis gives what is asked at one point, to second order. Whether teeth hand over smoothly is decided over a pitch and
-more: surface contact has to last that long, and as long before the mean point, where the parabola has its vertex, as after it.
-Of `ContactPreviews`, the paths of contact of what may be asked,
+Local synthesis gives the requested contact at one point, to second order. Smooth transfer of load between teeth depends
+on a pitch and more. Surface contact must last that long, with the mean point, the vertex of the parabola, in its
+middle. The choice uses `ContactPreviews`, the paths of contact of possible requests:
 
-1. directions are tried, from across the profile on ever more lengthwise, until a path is long enough;
-2. the mean point goes where the path has its middle, and the path where the flank has its own;
-3. the parabola becomes the one that lags as was asked where neighbouring pairs change over, third order included;
-4. the ellipse becomes so short that nothing else of the flanks touches before the path does;
-5. where that does not give a good pair, modified roll takes the third and higher orders out of the parabola.
+1. Directions are tried, from across the profile to more and more lengthwise, until a path is long enough.
+
+2. The mean point moves to the middle of the path, and the path to the middle of the flank.
+
+3. The parabola is scaled until the gear has the requested lag at the change of tooth pairs, third order included.
+
+4. The ellipse is shortened until no other point of the flanks touches before the path does.
+
+5. If that gives no good pair, modified roll removes the third and higher orders from the parabola.
 """
 
 from __future__ import annotations
@@ -31,26 +35,34 @@ if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
-#: directions of the path (deg) that are tried, in this order: across the profile is the least sensitive to misalignment
-ANGLES = (90.0, 75.0, 105.0, 60.0, 120.0, 45.0, 135.0, 30.0, 150.0)
-#: pitches of surface contact that are long enough, and those on the shorter side of the mean point
-ENOUGH, ENOUGH_ASIDE = 1.25, 0.6
-#: lengths of the ellipse that are tried, as parts of what it is by default
-SHORTER = (1.0, 0.75, 0.55, 0.4, 0.3)
-#: part of the lag at the change of teeth by which anything else may touch before the path does, and by which that lag may be missed
-AHEAD, MISSED = 0.03, 0.05
-#: rounds of centring, of scaling the parabola and of bending it, and what of them is small enough to leave (pitches; part)
-ROUNDS, CENTRED, CLOSE = 5, 0.02, 2e-3
-#: farthest from the middle of the flank that the mean point goes, as parts of face width and working depth
-FARTHEST = (0.25, 0.35)
-#: contact previews after which no other direction is tried, without modified roll and, all in all, with it
-MOST = (45, 70)
+#: directions of the path (deg) in the order of trial: across the profile is the least sensitive to misalignment
+PATH_ANGLES_DEG = (90.0, 75.0, 105.0, 60.0, 120.0, 45.0, 135.0, 30.0, 150.0)
+#: least length of surface contact, in pitches
+MIN_SURFACE_PITCHES = 1.25
+#: least length of surface contact on the shorter side of the mean point, in pitches
+MIN_SIDE_PITCHES = 0.6
+#: lengths of the ellipse that are tried, over its default length
+ELLIPSE_SHARES = (1.0, 0.75, 0.55, 0.4, 0.3)
+#: share of the lag at the change of teeth by which other points may touch before the path
+MAX_AHEAD_SHARE = 0.03
+#: largest relative error of the lag at the change of teeth
+MAX_LAG_ERROR = 0.05
+#: rounds of centring, scaling and bending a path
+MAX_REFINE_ROUNDS = 5
+#: distance (pitches) of the mean point from the middle of the path that is left
+CENTRE_TOLERANCE_PITCHES = 0.02
+#: relative error of the lag that is left
+LAG_TOLERANCE = 2e-3
+#: largest distances of the mean point from the middle of the flank, over face width and working depth
+MAX_SHIFT_SHARES = (0.25, 0.35)
+#: numbers of contact previews after which no other direction is tried: without modified roll, and in all with it
+MAX_PREVIEW_COUNTS = (45, 70)
 #: largest coefficient of modified roll
-MOST_ROLL = 1.0
+MAX_ROLL_COEFFICIENT = 1.0
 
 
 def contact_said(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactChoice:
-    """The contact of the pinion's side `name` as a design in mm says, and by plain defaults what it leaves out."""
+    """Return the contact of the pinion's side `name` that a design in mm requests, with plain defaults for open keys."""
     target = design.ease_off(name)
     if target is not None:
         return form_choice(design, blank, name, target)
@@ -59,10 +71,11 @@ def contact_said(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Cont
 
 
 def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactChoice:
-    """The contact of the pinion's side `name` ("concave", "convex") of a design in mm: as it says, and what it leaves out chosen.
+    """Return the contact of the pinion's side `name` ("concave", "convex") of a design in mm, with its open keys
+    chosen.
 
-    Where no contact preview is good the best is taken; a given ease-off determines all. Whether teeth with it
-    close is for `bevel_teeth` to say.
+    If no contact preview is good, the best one is chosen. A given ease-off leaves nothing open. `bevel_teeth` decides
+    whether teeth with this contact close.
     """
     first = contact_said(design, blank, name)
     if not chooses(design, name):
@@ -75,8 +88,10 @@ def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Co
 
 
 def chooses(design: FaceMilledDesign, name: str) -> bool:
-    """Whether anything is chosen of the contact of a side: not where its settings are given, or an ease-off or [AB]'s mean point is
-    asked for."""
+    """Return True if parts of the contact of a side are chosen.
+
+    Nothing is chosen if the side's settings are given, or if the design requests an ease-off or the mean point of [AB].
+    """
     if design.ease_off(name) is not None:
         return False
     given = all(getattr(design.pinion.side(name), setting) is not None for setting in SYNTHESISED)
@@ -85,24 +100,26 @@ def chooses(design: FaceMilledDesign, name: str) -> bool:
 
 @dataclass(frozen=True)
 class _Search:
-    """The search for one side of a pinion; `free`: what it may choose."""
+    """Search for the contact of one side of a pinion."""
 
+    #: contact previews of the side
     previews: ContactPreviews
+    #: keys that may be chosen, and "roll"
     free: frozenset[str]
 
     def best(self, first: ContactChoice) -> ContactChoice:
-        """The first choice that is good, or the one that is least bad."""
+        """Return the first good choice, or else the best one."""
         best, most = first, (-np.inf, -np.inf)
         for rolled in (False, True) if "roll" in self.free else (False,):
-            # roll makes no path longer
+            # modified roll makes no path longer: it is tried only for long paths that are not good
             if sum(most) >= 1.0 or (rolled and most[1] >= 0.0):
                 break
             for direction in self._directions(first):
-                if self.previews.count >= MOST[rolled]:
+                if self.previews.count >= MAX_PREVIEW_COUNTS[rolled]:
                     break
                 for choice, path in self._ellipses(direction, rolled=rolled):
-                    # of previews the most are known, how many are enough is not
-                    tell(min(self.previews.count / max(MOST), 1.0))
+                    # the number of previews is not known in advance, but its limit is
+                    tell(min(self.previews.count / max(MAX_PREVIEW_COUNTS), 1.0))
                     good = self._good(path)
                     if sum(good) > sum(most):
                         best, most = choice, good
@@ -111,60 +128,64 @@ class _Search:
         return best
 
     def _good(self, path: ContactPreview) -> tuple[float, float]:
-        """How long a path is, 1 where it is long enough, and by how much other places touch before it and its parabola is missed,
-        0 where all is as asked for."""
+        """Return two measures of a path: its length (1 if long enough), and its faults (0 if there are none, else < 0).
+
+        Faults are contact of other points before the path, and a wrong lag, each beyond its limit.
+        """
         missed = abs(path.at_change / self.previews.wanted_lag - 1.0) if self._scales else 0.0
-        ahead = float(np.clip(self.previews.apart(path) + AHEAD, -1.0, 0.0))
+        ahead = float(np.clip(self.previews.apart(path) + MAX_AHEAD_SHARE, -1.0, 0.0))
         return (
-            min(path.shorter / ENOUGH_ASIDE, 1.0),
-            ahead - (1.0 if np.isnan(missed) else float(np.clip(missed - MISSED, 0.0, 1.0))),
+            min(path.shorter / MIN_SIDE_PITCHES, 1.0),
+            ahead - (1.0 if np.isnan(missed) else float(np.clip(missed - MAX_LAG_ERROR, 0.0, 1.0))),
         )
 
     @property
     def _scales(self) -> bool:
+        """True if the parabola may be scaled to the requested lag."""
         return "ratio_derivative" in self.free and self.previews.wanted_lag > 0.0
 
     def _directions(self, first: ContactChoice) -> Iterator[ContactChoice]:
-        """Choices whose paths are long enough in all, then the others."""
+        """Yield the choices whose paths are long enough, then the others from the longest path to the shortest."""
         if "path_angle" not in self.free:
             yield first
             return
         short = []
-        for angle in ANGLES:
+        for angle in PATH_ANGLES_DEG:
             choice = replace(first, asked=replace(first.asked, path_angle=float(np.radians(angle))))
             path = self.previews.of(choice)
             if path is None:
                 continue
-            if path.end - path.begin >= ENOUGH:
+            if path.end - path.begin >= MIN_SURFACE_PITCHES:
                 yield choice
             else:
                 short.append((path.begin - path.end, choice))
         yield from (choice for _, choice in sorted(short, key=lambda shortage: shortage[0]))
 
     def _ellipses(self, choice: ContactChoice, *, rolled: bool) -> Iterator[tuple[ContactChoice, ContactPreview]]:
-        """A choice of direction with ever shorter ellipses, and their paths."""
+        """Yield the choice of a direction with shorter and shorter ellipses, and their paths."""
         whole, least = choice.asked.semi_major_axis, -np.inf
-        for share in SHORTER if "semi_major_axis" in self.free else (1.0,):
+        for share in ELLIPSE_SHARES if "semi_major_axis" in self.free else (1.0,):
             choice = replace(choice, asked=replace(choice.asked, semi_major_axis=share * whole))
             refined = self._refine(choice, rolled=rolled)
             if refined is None:
                 continue
             choice, path = refined
             apart = self.previews.apart(path)
-            # what a shorter ellipse makes worse is none of the ellipse's
+            # a fault that grows with a shorter ellipse has another cause
             if apart < least:
                 return
             yield refined
-            if apart >= -AHEAD:
+            if apart >= -MAX_AHEAD_SHARE:
                 return
             least = apart
 
     def _refine(self, choice: ContactChoice, *, rolled: bool) -> tuple[ContactChoice, ContactPreview] | None:
-        """The choice centred and with the parabola asked for, and its path; None where it has none."""
+        """Return the choice with centred path and requested parabola, and its path; None if it has no path."""
         path = self.previews.of(choice)
-        for _ in range(ROUNDS):
+        for _ in range(MAX_REFINE_ROUNDS):
             if path is None:
                 return None
+            # corrections by the last path; the loop ends when they change nothing
             better = self._scale(self._centre(choice, path), path)
             if rolled:
                 better = self._roll(better, path)
@@ -175,18 +196,21 @@ class _Search:
         return None if path is None else (choice, path)
 
     def _centre(self, choice: ContactChoice, path: ContactPreview) -> ContactChoice:
-        """The choice with its mean point in the middle of the path, and the path in the middle of the flank."""
-        if abs(path.begin + path.end) < 2.0 * CENTRED:
+        """Return the choice with its mean point in the middle of the path, and the path in the middle of the flank."""
+        if abs(path.begin + path.end) < 2.0 * CENTRE_TOLERANCE_PITCHES:
             return choice
+        # move along the path to its middle, and across the path to the middle of the flank
         middle = path.at(0.5 * (path.begin + path.end))
-        way = path.at(path.end) - path.at(path.begin)
-        aside = np.array([-way[1], way[0]]) / max(float(np.hypot(*way)), 1e-9 * self.previews.blank.mean_depth)
-        return self._move(choice, middle - path.at(0.0) - (middle @ aside) * aside)
+        path_direction = path.at(path.end) - path.at(path.begin)
+        across_path = np.array([-path_direction[1], path_direction[0]]) / max(
+            float(np.hypot(*path_direction)), 1e-9 * self.previews.blank.mean_depth
+        )
+        return self._move(choice, middle - path.at(0.0) - (middle @ across_path) * across_path)
 
     def _move(self, choice: ContactChoice, step: Array) -> ContactChoice:
-        """The mean point moved by `step` (2,), mm, as far as it is free and near the middle."""
+        """Return the choice with its mean point moved by `step` (2,), mm, as far as it is free and near the middle."""
         blank = self.previews.blank
-        along, height = FARTHEST[0] * blank.gear.face_width, FARTHEST[1] * blank.mean_working_depth
+        along, height = MAX_SHIFT_SHARES[0] * blank.gear.face_width, MAX_SHIFT_SHARES[1] * blank.mean_working_depth
         if "mean_shift" in self.free:
             choice = replace(choice, along=float(np.clip(choice.along + step[0], -along, along)))
         if "mean_offset" in self.free:
@@ -194,21 +218,27 @@ class _Search:
         return choice
 
     def _scale(self, choice: ContactChoice, path: ContactPreview) -> ContactChoice:
-        """The choice with the parabola that lags by what was asked at the change of teeth."""
-        if not self._scales or not path.at_change > 0.0 or abs(path.at_change / self.previews.wanted_lag - 1.0) < CLOSE:
+        """Return the choice with a parabola scaled towards the requested lag at the change of teeth."""
+        if (
+            not self._scales
+            or not path.at_change > 0.0
+            or abs(path.at_change / self.previews.wanted_lag - 1.0) < LAG_TOLERANCE
+        ):
             return choice
         share = float(np.clip(self.previews.wanted_lag / path.at_change, 0.5, 2.0))
         return replace(choice, asked=replace(choice.asked, ratio_derivative=share * choice.asked.ratio_derivative))
 
     def _roll(self, choice: ContactChoice, path: ContactPreview) -> ContactChoice:
-        """The choice with modified roll that takes the orders from the third to the fifth out of its lag.
+        """Return the choice with modified roll that removes the third to fifth order from its lag.
 
-        A blank that lags by c q^n / m when the cradle has turned by q has a flank that is so much behind where q generated it,
-        which is in contact about q / m from the mean point.
+        If the blank lags by c q^n / m at the cradle rotation q, the flank generated at q is set back by that angle. It
+        is in contact about q / m from the mean point.
         """
         blank = self.previews.blank
         roll = path.pinion.settings.ratio_of_roll
         per_pitch, ratio = roll * 2.0 * np.pi / blank.pinion.teeth, blank.pinion.teeth / blank.gear.teeth
         changes = BLADE_SIDES[self.previews.name] * path.orders[3:6] * roll / (ratio * per_pitch ** np.array([3, 4, 5]))
-        third, fourth, fifth = np.clip(np.array(choice.roll) + changes, -MOST_ROLL, MOST_ROLL).tolist()
+        third, fourth, fifth = np.clip(
+            np.array(choice.roll) + changes, -MAX_ROLL_COEFFICIENT, MAX_ROLL_COEFFICIENT
+        ).tolist()
         return replace(choice, roll=(third, fourth, fifth))

@@ -1,6 +1,7 @@
-"""Contact preview of a bevel pair: the path of contact that a choice for local synthesis has, and what else touches.
+"""Contact preview of a bevel pair: path of contact of a choice for local synthesis, and other contact before it.
 
-Of untrimmed flanks as they are cut; what bounds the teeth is asked of the blank. A path is followed from the mean point either way.
+The flanks are untrimmed, as cut; the blank gives the limits of the teeth. A path is followed from the mean point in
+both directions.
 """
 
 from __future__ import annotations
@@ -35,91 +36,111 @@ from gearmesh.teeth.mount import Mount
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
-#: positions either way, and pitches that they reach
-STEPS, REACH = 8, 1.0
-#: residual of a position over the mean normal module, and how it is solved for: one length of a step an evaluation, since settings
-#: that are searched for depend on the last digits
-TOLERANCE = 1e-7
+#: number of positions on either side of the mean point
+PATH_STEPS = 8
+#: length of the path on either side of the mean point, in pitches
+PATH_REACH_PITCHES = 1.0
+#: residual at which a position is solved, over the mean normal module
+POSITION_TOLERANCE = 1e-7
+#: Newton with one step length per evaluation: the sought settings depend on the last digits
 solve = partial(newton.solve, max_iterations=10, at_once=1)
-#: points of the gear's flank, along and up, that may touch before the path does; their heights over that of the tooth in its middle
-GRID, HIGHEST = (9, 26), 1.3
-#: parts of the steps up in which lags are looked at
-FINER = 6
-#: pitches from the mean point, and degree, of the polynomial that says of what order the lag is
-FITTED, DEGREE = 0.8, 5
-#: degree of that which gives the lag where neighbouring pairs change over, and points in which the change is looked for
-SMOOTH, CHANGES = 6, 401
+#: numbers of points of the gear's flank, along and up, that may touch before the path
+FLANK_GRID_SHAPE = (9, 26)
+#: height of the highest points, over the height of the tooth in its middle
+MAX_HEIGHT_SHARE = 1.3
+#: number of parts of a step up in which lags are interpolated
+HEIGHT_SUBDIVISIONS = 6
+#: range (pitches from the mean point) of the polynomial that gives the orders of the lag
+ORDER_FIT_PITCHES = 0.8
+#: degree of the polynomial that gives the orders of the lag
+ORDER_FIT_DEGREE = 5
+#: degree of the polynomial of the lag along the whole path
+LAG_FIT_DEGREE = 6
+#: number of points in which the change of tooth pairs is sought
+CHANGE_POINTS = 401
 
 _NO_GRID = np.zeros((1, 1, 2))
 
 
 @dataclass(frozen=True)
 class ContactPreview:
-    """A path of contact at phi (K,), pitches of the pinion from the mean point, ascending: `lag` (K,) of the gear, rad; `place`
-    (K, 2) on the gear's flank: mm along the face from its middle and up from the middle of the working depth; surface contact from
-    `begin` to `end`, pitches. Of the `pinion`, which has the `mean` point."""
+    """A path of contact at K positions."""
 
+    #: pinion rotations (K,) from the mean point, ascending, in pitches
     phi: Array
+    #: lag (K,) of the gear, rad
     lag: Array
+    #: places (K, 2) on the gear's flank, mm: along the face from its middle, and up from the middle of the working
+    #: depth
     place: Array
+    #: begin of surface contact, in pitches
     begin: float
+    #: end of surface contact, in pitches
     end: float
+    #: side of the pinion
     pinion: Generated
+    #: mean point of the side
     mean: MeanPoint
 
     @property
     def shorter(self) -> float:
-        """Pitches of surface contact on the shorter side of the mean point."""
+        """Length of surface contact on the shorter side of the mean point, in pitches."""
         return min(-self.begin, self.end)
 
     def at(self, phi: float) -> Array:
-        """The place (2,) on the gear's flank."""
+        """Return the place (2,) on the gear's flank at a rotation phi."""
         return np.array([np.interp(phi, self.phi, column) for column in self.place.T])
 
     @cached_property
     def orders(self) -> Array:
-        """Coefficients (6,) of the lag (rad) by powers of phi, pitches, about the mean point."""
-        near = np.abs(self.phi) <= FITTED
-        degree = min(DEGREE, int(near.sum()) - 1)
+        """Coefficients (6,) of the lag (rad) by powers of phi (pitches) about the mean point."""
+        near = np.abs(self.phi) <= ORDER_FIT_PITCHES
+        degree = min(ORDER_FIT_DEGREE, int(near.sum()) - 1)
         coefficients = np.polynomial.Polynomial.fit(self.phi[near], self.lag[near], degree).convert().coef
-        return np.pad(coefficients, (0, DEGREE + 1 - len(coefficients)))
+        return np.pad(coefficients, (0, ORDER_FIT_DEGREE + 1 - len(coefficients)))
 
     @cached_property
     def smooth(self) -> np.polynomial.Polynomial:
-        """The lag (rad) by phi, pitches, all along the path."""
-        return np.polynomial.Polynomial.fit(self.phi, self.lag, min(SMOOTH, len(self.phi) - 1))
+        """Polynomial of the lag (rad) by phi (pitches) along the whole path."""
+        return np.polynomial.Polynomial.fit(self.phi, self.lag, min(LAG_FIT_DEGREE, len(self.phi) - 1))
 
     @cached_property
     def at_change(self) -> float:
-        """Lag (rad) of the gear where neighbouring pairs change over, less the least of either; NaN where they do not."""
+        """Lag (rad) of the gear at the change of tooth pairs, less the least lag of a pair; NaN if there is no change."""
         span = float(self.phi[-1] - self.phi[0])
         if span <= 1.0:
             return np.nan
-        smooth, phi = self.smooth, np.linspace(self.phi[0], self.phi[-1] - 1.0, CHANGES)
+        # at the change the lags of a pair and of its successor, one pitch later, are equal
+        smooth, phi = self.smooth, np.linspace(self.phi[0], self.phi[-1] - 1.0, CHANGE_POINTS)
         apart = smooth(phi) - smooth(phi + 1.0)
         change = np.flatnonzero(apart[:-1] * apart[1:] <= 0.0)
         if not change.size:
             return np.nan
+        # the change nearest to half a pitch before the mean point, interpolated linearly
         k = change[np.abs(phi[change] + 0.5).argmin()]
         at = phi[k] + (phi[k + 1] - phi[k]) * apart[k] / (apart[k] - apart[k + 1])
-        return float(smooth(at) - smooth(np.linspace(at, at + 1.0, CHANGES)).min())
+        return float(smooth(at) - smooth(np.linspace(at, at + 1.0, CHANGE_POINTS)).min())
 
 
 @dataclass(frozen=True)
 class ContactPreviews:
-    """ContactPreviews of the pinion's side `name` of a design in mm."""
+    """Contact previews of one side of the pinion."""
 
+    #: design in mm
     design: FaceMilledDesign
+    #: blank of the pair
     blank: BevelBlank
+    #: side of the pinion, "concave" or "convex"
     name: str
 
     def of(self, choice: ContactChoice) -> ContactPreview | None:
-        """The path of contact of a choice, None where no pinion gives it."""
+        """Return the path of contact of a choice, None if no pinion gives it. Paths are computed once."""
         if choice not in self._cache:
             self._cache[choice] = self._of(choice)
         return self._cache[choice]
 
     def _of(self, choice: ContactChoice) -> ContactPreview | None:
+        """Compute the path of contact of a choice, None if no pinion gives it."""
         try:
             mean = mean_point(self.design, self.blank, self._gear, self._base, choice)
             return self._follow(pinion_side(self.design, self.blank, self.name, mean), mean)
@@ -128,29 +149,32 @@ class ContactPreviews:
 
     @cached_property
     def _cache(self) -> dict[ContactChoice, ContactPreview | None]:
+        """Paths computed so far, by choice."""
         return {}
 
     @property
     def count(self) -> int:
-        """How many choices have been looked at."""
+        """Number of choices whose paths have been computed."""
         return len(self._cache)
 
     @property
     def wanted_lag(self) -> float:
-        """Lag (rad) asked for at the change of teeth."""
+        """Requested lag (rad) at the change of teeth."""
         return self.design.pinion.side(self.name).te_at_change * ARCSEC
 
     def apart(self, path: ContactPreview) -> float:
-        """By how much the flanks are apart where they are least of all beyond what the gears lag; parts of the lag asked for.
+        """Return the least clearance of the flanks beyond the lag of the gear, over the requested lag: 0, or < 0 if
+        another point touches before the path.
 
-        Of points of the gear's flank that stand, at the ratio of the teeth, where they are points of contact: how far the gear
-        would lag if the pinion touched there, on the circle about its own axis.
+        Each point of the gear's flank is placed where it would be in contact at the ratio of the teeth. Its distance
+        from the pinion's flank, along the circle about the pinion's axis, is the lag at which it would touch.
         """
         blank, sense, ratio = self.blank, HAND_SIGNS[self.design.hand], self._ratio
         jet, turns = self._conjugate
         phi1 = sense * (path.mean.gear_turn - turns) / ratio
         r = (Rigid.about_z(-sense * phi1) @ (self._base @ Rigid.about_z(turns))).point(jet.r)
         flank, own = path.pinion.side(0.0).flank, blank.pinion.stations
+        # point of the pinion's flank on the same circle about its axis, by Newton from a point at the same station
         p = _parameters(path.pinion, r)
         start = np.stack((p, follow(flank, p, own.value(r), own).values), axis=-1)
         rho = np.hypot(r[:, 0], r[:, 1])
@@ -165,15 +189,16 @@ class ContactPreviews:
             ]
             return f, np.stack(columns, axis=-1)
 
-        tolerance = TOLERANCE * blank.mean_normal_module
+        tolerance = POSITION_TOLERANCE * blank.mean_normal_module
         with np.errstate(all="ignore"):
             solution = solve(same_circle, start, tolerance=tolerance)
             surface = flank.jet(solution.values[:, 0], solution.values[:, 1]).r
+        # lag at which the points would touch, and how far both are inside the limits of their flanks
         ahead = (polar_angle(r) - polar_angle(surface) + np.pi) % (2.0 * np.pi) - np.pi
         lag = BLADE_SIDES[self.name] * sense * ratio * ahead
         own_margin = np.minimum(-blank.pinion.tip.value(surface), _above_form_point(path.pinion, solution.values[:, 0]))
         margin = np.where(solution.converged, np.minimum(own_margin, self._margin[self._in_contact]), np.nan)
-        # where pairs change over the least lag has a corner, and what is ahead may be as narrow as that
+        # the least lag has a corner at the change of pairs; points ahead of it may be as narrow, hence the finer steps
         table = np.full((3, *self._margin.shape), np.nan)
         table[:, self._in_contact] = lag, phi1 / self._pitch, margin
         lag, pitches, margin = _finer(table, table[2] >= 0.0)
@@ -182,29 +207,32 @@ class ContactPreviews:
 
     @cached_property
     def _conjugate(self) -> tuple[Jet, Array]:
-        """Points (M,) of the gear's flank as cut, and how far (rad) it is turned where they are points of contact at the ratio of
-        the teeth."""
+        """Points (M,) of the gear's flank, as cut, and the gear rotations (rad) at which they are in contact at the
+        ratio of the teeth.
+        """
         jet, turns, _ = self._of_grid
         met = self._in_contact
         return Jet(*(getattr(jet, name)[met] for name in ("r", "n", "r_u", "r_v", "n_u", "n_v"))), turns[met]
 
     @cached_property
     def _in_contact(self) -> NDArray[np.bool_]:
-        """Which points of the grid are points of contact somewhere."""
+        """True for points of the grid that are in contact at some rotation."""
         return np.isfinite(self._of_grid[1]) & np.isfinite(self._margin)
 
     @property
     def _margin(self) -> Array:
-        """How far (mm) points of the grid are inside tip and form point of the gear's flank, NaN where it has none."""
+        """Distances (mm) of the points of the grid inside tip and form point of the gear's flank; NaN where it has no
+        point.
+        """
         return self._of_grid[2]
 
     @cached_property
     def _of_grid(self) -> tuple[Jet, Array, Array]:
-        """Points of the gear's flank up and along, turns (rad) and margins (mm), see above."""
+        """Grid of points of the gear's flank, (up, along): jets, gear rotations (rad) at contact, and margins (mm)."""
         blank, level = self.blank, self.blank.gear.stations
-        heights = np.linspace(0.0, HIGHEST * self._gear.tip_height, GRID[1])
+        heights = np.linspace(0.0, MAX_HEIGHT_SHARE * self._gear.tip_height, FLANK_GRID_SHAPE[1])
         p = np.array([self._gear.blade.at_height(float(height)) for height in heights])[:, None]
-        stations = np.linspace(*blank.gear.extent, GRID[0])
+        stations = np.linspace(*blank.gear.extent, FLANK_GRID_SHAPE[0])
         curves = follow(self._surface, p, stations, level)
         margin = np.minimum(-blank.gear.tip.value(curves.jet.r), _above_form_point(self._gear, p))
         turns = meshing_turns(curves.jet, self._base, HAND_SIGNS[self.design.hand], self._ratio)
@@ -212,38 +240,45 @@ class ContactPreviews:
 
     @cached_property
     def _gear(self) -> Generated:
-        """The gear's side that it meets."""
+        """Side of the gear that meets the pinion's side."""
         return gear_sides(self.design, self.blank)[MATING_SIDES[self.name]]
 
     @cached_property
     def _surface(self) -> Surface:
+        """Flank of the gear as cut."""
         return self._gear.side(0.0).flank
 
     @cached_property
     def _base(self) -> Rigid:
+        """Motion from the gear's frame to the pinion's."""
         return nominal_base(self.blank, HAND_SIGNS[self.design.hand])
 
     @property
     def _ratio(self) -> float:
+        """Ratio of the teeth, pinion over gear."""
         return self.blank.pinion.teeth / self.blank.gear.teeth
 
     @property
     def _pitch(self) -> float:
+        """Angular pitch of the pinion, rad."""
         return 2.0 * np.pi / self.blank.pinion.teeth
 
     def _follow(self, pinion: Generated, mean: MeanPoint) -> ContactPreview:
-        """The path of a pinion's side as cut, from the mean point on."""
+        """Return the path of a pinion's side as cut, from the mean point in both directions."""
         blank, sense = self.blank, float(HAND_SIGNS[self.design.hand])
-        own, mating = blank.pinion.stations, blank.gear.stations
-        first = Flank(pinion.side(0.0).flank, Mount(Rigid.identity(), sense), {}, own, blank.pinion.extent, _NO_GRID)
+        pinion_stations, gear_stations = blank.pinion.stations, blank.gear.stations
+        pinion_flank = Flank(
+            pinion.side(0.0).flank, Mount(Rigid.identity(), sense), {}, pinion_stations, blank.pinion.extent, _NO_GRID
+        )
         turned = Mount(self._base @ Rigid.about_z(mean.gear_turn), -sense)
-        second = Flank(self._surface, turned, {}, mating, blank.gear.extent, _NO_GRID)
-        at = mean.contact.point[None]
-        p = _parameters(pinion, at)
-        v, _ = along(first.surface, p, own.value(at), own)
+        gear_flank = Flank(self._surface, turned, {}, gear_stations, blank.gear.extent, _NO_GRID)
+        contact_point = mean.contact.point[None]
+        p = _parameters(pinion, contact_point)
+        v, _ = along(pinion_flank.surface, p, pinion_stations.value(contact_point), pinion_stations)
         start = np.array([p[0], v[0], *mean.parameters, 0.0])
-        phi, x = _path((first, second), start, self._pitch, blank.mean_normal_module)
-        r = first.surface.jet(x[:, 0], x[:, 1]).r, second.surface.jet(x[:, 2], x[:, 3]).r
+        phi, x = _path((pinion_flank, gear_flank), start, self._pitch, blank.mean_normal_module)
+        # surface contact ends where a point leaves the limits of either flank
+        r = pinion_flank.surface.jet(x[:, 0], x[:, 1]).r, gear_flank.surface.jet(x[:, 2], x[:, 3]).r
         margins = [
             margin
             for k, (part, side) in enumerate(((blank.pinion, pinion), (blank.gear, self._gear)))
@@ -251,24 +286,31 @@ class ContactPreviews:
         ]
         begin, end = _ends(phi, np.min(margins, axis=0))
         lag = -BLADE_SIDES[self.name] * (x[:, 4] - self._ratio * phi * self._pitch)
+        # height over the middle of the working depth: mean of the heights over its lower and upper limit
         above = self._gear.settings.tip_cone().value(r[1]) - blank.clearance
         up = 0.5 * (above + blank.gear.tip.value(r[1]))
-        place = np.stack((mating.value(r[1]) - blank.gear.mean_cone_distance, up), axis=-1)
+        place = np.stack((gear_stations.value(r[1]) - blank.gear.mean_cone_distance, up), axis=-1)
         return ContactPreview(phi, lag, place, begin, end, pinion, mean)
 
     @staticmethod
     def _margins(own: MemberBlank, side: Generated, r: Array, p: Array) -> tuple[Array, ...]:
-        """How far (mm) points r (K, 3) of a flank, at blade parameters p (K,), are inside each of what bounds it."""
+        """Return the distances (mm) of points r (K, 3) of a flank inside each of its limits.
+
+        `p`: blade parameters (K,) of the points.
+        """
         station = own.stations.value(r)
         ends = station - own.inner_cone_distance, own.outer_cone_distance - station
         return *ends, -own.tip.value(r), _above_form_point(side, p)
 
 
 def _finer(table: Array, on: NDArray[np.bool_]) -> Array:
-    """What stands in columns of a table (K, H, S) where they are `on` (H, S), in finer steps (K, F, S): straight in between, and as
-    straight up to a step beyond, for what is off there may be of another branch; NaN elsewhere."""
+    """Return a table (K, H, S) where it is `on` (H, S), in finer steps (K, F, S) along its second axis.
+
+    Values are interpolated linearly between neighbouring rows that are on. They are extrapolated linearly up to a step
+    beyond, because values that are off may belong to another branch. All others are NaN.
+    """
     inside = np.where(on, table, np.nan)
-    share, step = np.arange(FINER)[:, None] / FINER, np.diff(inside, axis=1)[:, :, None]
+    share, step = np.arange(HEIGHT_SUBDIVISIONS)[:, None] / HEIGHT_SUBDIVISIONS, np.diff(inside, axis=1)[:, :, None]
     off = np.where(np.pad(on, ((1, 1), (0, 0))), np.nan, 0.0)[:, None]
     between = inside[:, :-1, None] + share * step
     above = inside[:, 1:, None] + share * step + off[2:][1:]
@@ -277,9 +319,12 @@ def _finer(table: Array, on: NDArray[np.bool_]) -> Array:
 
 
 def _above_form_point(side: Generated, p: Array) -> Array:
-    """How far (mm) along the blade parameters p (...,) are from its form point with the rounding, towards the tip of the tooth."""
+    """Return the distances (mm) of blade parameters p (...,) from the form point, towards the tip of the tooth.
+
+    The form point is where the blade meets its rounding.
+    """
     form_point = side.blade.form_point[0]
-    # the parameter is an angle where the blade is an arc
+    # the parameter is a length on a straight blade, an angle on an arc
     height: Array = (
         np.sign(side.blade.at_height(side.tip_height) - form_point)
         * (p - form_point)
@@ -289,49 +334,61 @@ def _above_form_point(side: Generated, p: Array) -> Array:
 
 
 def _parameters(side: Generated, r: Array) -> Array:
-    """Blade parameters (K,) near which own points r (K, 3) of a flank were generated: by height over the machine root plane."""
+    """Return blade parameters (K,) near points r (K, 3) of a flank in the member's frame, by height over the machine
+    plane.
+    """
     return np.array([side.blade.at_height(float(height)) for height in side.above_plane(r)])
 
 
 def _path(flanks: tuple[Flank, Flank], x: Array, pitch: float, length: float) -> tuple[Array, Array]:
-    """phi (K,), pitches, ascending, and unknowns (K, 5) of contacts on either side of that at phi1 = 0, as far as they go on."""
-    step = REACH / STEPS
+    """Return rotations phi (K,), pitches, ascending, and unknowns (K, 5) of contacts on both sides of phi1 = 0.
+
+    `x` (5,): start values at phi1 = 0; `pitch`: angular pitch, rad; `length`: mean normal module, mm. A side ends where
+    no contact is found. Raises NoSolutionError if the flanks do not meet at the mean point.
+    """
+    step = PATH_REACH_PITCHES / PATH_STEPS
     at_mean = Conditions(flanks, np.zeros(1), length)
-    first = solve(at_mean, x[None], tolerance=TOLERANCE * length)
-    if not first.converged[0]:
+    mean_solution = solve(at_mean, x[None], tolerance=POSITION_TOLERANCE * length)
+    if not mean_solution.converged[0]:
         raise NoSolutionError(reason="the flanks do not meet at the mean point")
-    known = {0: first.values[0]}
-    rate = at_mean.rate(first.values, np.zeros(1, dtype=np.intp))[0]
-    going = [1, -1]
-    for k in range(1, STEPS + 1):
+    known = {0: mean_solution.values[0]}
+    # the derivatives at the mean point predict the first step
+    rate = at_mean.rate(mean_solution.values, np.zeros(1, dtype=np.intp))[0]
+    directions = [1, -1]
+    # both sides step by step: start values are extrapolated from up to three positions
+    for k in range(1, PATH_STEPS + 1):
         starts = []
-        for way in going:
-            before = [known[way * (k - n)] for n in range(1, min(k, 3) + 1)]
+        for direction in directions:
+            before = [known[direction * (k - n)] for n in range(1, min(k, 3) + 1)]
             if k == 1:
-                starts.append(before[0] + way * step * pitch * rate)
+                starts.append(before[0] + direction * step * pitch * rate)
             elif k == 2:
                 starts.append(2.0 * before[0] - before[1])
             else:
                 starts.append(3.0 * (before[0] - before[1]) + before[2])
-        conditions = Conditions(flanks, np.array(going) * (k * step * pitch), length)
-        solution = solve(conditions, np.array(starts), tolerance=TOLERANCE * length)
-        known |= {way * k: x for way, x, good in zip(going, solution.values, solution.converged, strict=True) if good}
-        going = [way for way in going if way * k in known]
-        if not going:
+        conditions = Conditions(flanks, np.array(directions) * (k * step * pitch), length)
+        solution = solve(conditions, np.array(starts), tolerance=POSITION_TOLERANCE * length)
+        known |= {
+            direction * k: x
+            for direction, x, good in zip(directions, solution.values, solution.converged, strict=True)
+            if good
+        }
+        directions = [direction for direction in directions if direction * k in known]
+        if not directions:
             break
     order = sorted(known)
     return np.array(order) * step, np.array([known[k] for k in order])
 
 
 def _ends(phi: Array, inside: Array) -> tuple[float, float]:
-    """Where `inside` (K,) turns negative next to phi = 0 either way, or phi (K,) ends."""
+    """Return the rotations on both sides of phi = 0 at which `inside` (K,) becomes negative, or phi (K,) ends."""
     middle = int(np.abs(phi).argmin())
     ends = []
-    for way in (-1, 1):
+    for direction in (-1, 1):
         k = middle
-        while 0 <= k + way < len(phi) and inside[k + way] >= 0.0:
-            k += way
-        beyond = k + way
+        while 0 <= k + direction < len(phi) and inside[k + direction] >= 0.0:
+            k += direction
+        beyond = k + direction
         if 0 <= beyond < len(phi) and inside[k] > 0.0:
             ends.append(float(phi[k] + inside[k] / (inside[k] - inside[beyond]) * (phi[beyond] - phi[k])))
         else:

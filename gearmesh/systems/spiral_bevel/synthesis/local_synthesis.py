@@ -1,22 +1,23 @@
-"""Local synthesis: pinion machine settings that give the contact asked for at the mean point [AB; Litvin & Lee].
+"""Local synthesis: pinion machine settings that give the requested contact at the mean point [AB; Litvin & Lee].
 
-Everything is in the pinion's own frame (z along its axis from the apex to the heel), where the pinion stands as it is
-being cut: the blank turns with unit rate about z, the cradle with the ratio of roll m about its axis c, which points
-from the cutter into the blank. n is the outward normal of the pinion at the mean point B, and all shape operators
-K (3, 3) are taken with it: dn = -K dr in the tangent plane.
+All vectors are in the pinion's frame (z along its axis from the apex to the heel), with the pinion in its position as
+cut. The blank turns with unit rate about z. The cradle turns with the ratio of roll m about its axis c, which points
+from the cutter into the blank. n is the outward normal of the pinion at the mean point B. All shape operators K (3, 3)
+refer to n: dn = -K dr in the tangent plane.
 
-1. The contact. With w12 = w1 - w2 and v12 = v1 - v2 at B, contact in the neighbourhood asks for [AB 8; CR3553 1.1]
+1. The contact. With w12 = w1 - w2 and v12 = v1 - v2 at B, contact in the neighbourhood requires [AB 8; CR3553 1.1]
 
        (K1 - K2) u1 = b,   b = w12 x n + K2 v12,   u2 = u1 + v12,
        b . u2 = (w2 x n) . v12 + n . (w12 x v2) - m2' n . v2,   m2' = (d2 phi2 / d phi1^2) / (N1/N2)
 
-   where u1, u2 are the velocities of the contact point over pinion and gear. The direction of u2 is given, the second
-   equation gives its length; K1 - K2 has the eigenvalue -2 delta / a^2 along the ellipse's major axis, and the first
-   equation gives the rest of it.
-2. The tool. Its normal at B is n, which gives the blade angle; the pinion is the envelope of the tool, so that
-   K1 - Kt is of rank one [AB 17-19], which gives the cutter's radius; direction and size of that rank-one part are
-   linear in the ratio of roll [AB 20-50], of a tilted cutter the size is quadratic, which gives m and the sliding
-   velocity, hence the machine centre [AB 51, 52]; the position of B gives radial setting and cradle angle [AB 53-56].
+where u1, u2 are the velocities of the contact point over pinion and gear. The direction of u2 is given; the second
+equation gives its length. K1 - K2 has the eigenvalue -2 delta / a^2 along the major axis of the ellipse; the first
+equation gives the rest of K1 - K2.
+
+2. The tool. Its normal at B is n, which gives the blade angle. The pinion is the envelope of the tool, so that K1 - Kt
+has rank one [AB 17-19], which gives the cutter's radius. Direction and size of the rank-one part are linear in the
+ratio of roll [AB 20-50]; for a tilted cutter the size is quadratic. This gives m and the sliding velocity, hence the
+machine centre [AB 51, 52]. The position of B gives radial setting and cradle angle [AB 53-56].
 """
 
 from __future__ import annotations
@@ -31,69 +32,81 @@ from gearmesh.kernel.numeric.algebra import AXIS, Array
 
 @dataclass(frozen=True)
 class ContactAsked:
-    """What the contact shall be at the mean point.
+    """Requested contact at the mean point."""
 
-    `ratio_derivative`: (d2 phi2 / d phi1^2) / (N1/N2), 1/rad, phi1 growing as the pinion turns (Table 2 of [AB]);
-    `path_angle` (rad): line along which the contact moves over the gear, counted from the gear's lengthwise principal
-    direction, taken towards the toe, towards the gear's root; `semi_major_axis` (mm) of the ellipse for `delta` (mm).
-    """
-
+    #: (d2 phi2 / d phi1^2) / (N1/N2), 1/rad; phi1 grows as the pinion turns (Table 2 of [AB])
     ratio_derivative: float
+    #: direction of the contact's path on the gear, rad, from the lengthwise principal direction (towards the toe)
+    #: towards the gear's root
     path_angle: float
+    #: half the length of the ellipse, mm
     semi_major_axis: float
+    #: separation of the flanks at the edge of the ellipse, mm
     delta: float
 
 
 @dataclass(frozen=True)
 class MeanContact:
-    """The gear at the mean point, where it meets the pinion.
+    """Geometry of the gear at the mean point in contact. The pinion's axis passes through the origin."""
 
-    `point` B, `normal` n and K2 (`gear_operator`, (3, 3)); unit vectors `lengthwise` (towards the toe) and `profilewise`
-    (towards the gear's root) along the gear's principal directions; `spin1`, `spin2` the angular velocities per unit of
-    phi1 at the nominal ratio; `origin2` a point of the gear's axis. The pinion's axis passes through the origin.
-    """
-
+    #: mean point B (3,), mm
     point: Array
+    #: outward normal n (3,) of the pinion
     normal: Array
+    #: shape operator K2 (3, 3) of the gear, 1/mm
     gear_operator: Array
+    #: unit vector (3,) along the gear's lengthwise principal direction, towards the toe
     lengthwise: Array
+    #: unit vector (3,) along the gear's other principal direction, towards its root
     profilewise: Array
+    #: angular velocity (3,) of the pinion per unit of phi1
     spin1: Array
+    #: angular velocity (3,) of the gear per unit of phi1, at the nominal ratio
     spin2: Array
+    #: point (3,) of the gear's axis, mm
     origin2: Array
 
 
 @dataclass(frozen=True)
 class ToolSettings:
-    """Settings of the tool that follow from the mean contact, mm and rad.
+    """Settings of the tool that follow from the mean contact.
 
-    In the machine plane, (along the machine root line from the apex to the heel, along cradle axis x root line): `centre`
-    is the machine centre, `cutter` the cutter's centre less the machine centre. `radius` and `height` over the tip plane are
-    the cutter's at the mean point; `tip_plane` is where its centre is along the cradle axis, from the origin.
+    Positions in the machine plane are (along the machine root line from the apex to the heel, along cradle axis x root
+    line).
     """
 
+    #: blade angle, rad
     blade_angle: float
+    #: radius of the cutter at the mean point, mm
     radius: float
+    #: height of the mean point over the tip plane of the cutter, mm
     height: float
+    #: rotation of the cradle over rotation of the blank
     ratio_of_roll: float
+    #: position of the machine centre in the machine plane, mm
     centre: tuple[float, float]
+    #: position of the cutter's centre from the machine centre in the machine plane, mm
     cutter: tuple[float, float]
+    #: position of the cutter's centre along the cradle axis, from the origin, mm
     tip_plane: float
 
 
 def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
-    """Shape operator K1 (3, 3) of the pinion that gives the contact asked for.
+    """Return the shape operator K1 (3, 3) of the pinion that gives the requested contact.
 
-    Raises NoSolutionError where the flanks would have to cut into each other.
+    Raises NoSolutionError if the flanks would have to cut into each other.
     """
     operator, n = gear.gear_operator, gear.normal
     v12, turning, rest = _relative_motion(gear)
     direction = np.cos(asked.path_angle) * gear.lengthwise + np.sin(asked.path_angle) * gear.profilewise
-    # axis2 x (B - O2) scales with the gear's speed, hence the normalised derivative
+    # m2' is normalised because axis2 x (B - O2) is scaled with the gear's speed
     rest -= float(asked.ratio_derivative * (n @ np.cross(gear.spin2, gear.point - gear.origin2)))
+    # u1: the second equation gives the length of u2 along the requested direction
     over_pinion = direction * (rest / (turning @ direction)) - v12
+    # K1 - K2 = flat + rank one: `flat` along the major axis, and the rest so that (K1 - K2) u1 = b
     flat = -2.0 * asked.delta / asked.semi_major_axis**2
     across = turning - flat * over_pinion
+    # the rest must separate the flanks as well
     share = across @ over_pinion
     if not share < 0.0:
         raise NoSolutionError(
@@ -106,14 +119,16 @@ def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
 
 
 def conjugate_operator(gear: MeanContact) -> Array:
-    """Shape operator K1 (3, 3) of the pinion that is conjugate to the gear: K1 - K2 = b b^T / (b . u1), for any u1."""
+    """Return the shape operator K1 (3, 3) of the pinion that is conjugate to the gear: K1 - K2 = b b^T / (b . u1), for
+    any u1.
+    """
     v12, turning, rest = _relative_motion(gear)
     conjugate_operator: Array = gear.gear_operator + np.outer(turning, turning) / (rest - turning @ v12)
     return conjugate_operator
 
 
 def contact_of(operator: Array, gear: MeanContact, delta: float) -> ContactAsked:
-    """The contact that a pinion with shape operator K1 (3, 3) has at the mean point: undoes `pinion_operator`.
+    """Return the contact at the mean point of a pinion with shape operator K1 (3, 3): the inverse of `pinion_operator`.
 
     The path angle is between 0 and pi.
     """
@@ -132,7 +147,10 @@ def contact_of(operator: Array, gear: MeanContact, delta: float) -> ContactAsked
 
 
 def _relative_motion(gear: MeanContact) -> tuple[Array, Array, float]:
-    """v12, w12 x n + K2 v12, and the part of d/dt (n . v12) = 0 without the contact's motion and the ratio's derivative."""
+    """Return v12, b = w12 x n + K2 v12, and the known part of d/dt (n . v12) = 0.
+
+    The known part excludes the motion of the contact point and the derivative of the ratio.
+    """
     w12, n = gear.spin1 - gear.spin2, gear.normal
     v2 = np.cross(gear.spin2, gear.point - gear.origin2)
     v12 = np.cross(gear.spin1, gear.point) - v2
@@ -149,21 +167,30 @@ def tool_settings(
     tip_plane: float | None,
     leaning: tuple[Array, Array, float] | None = None,
 ) -> ToolSettings:
-    """Settings of the tool whose envelope has the given point and normal (`mean`) and shape operator (see the module's text).
+    """Return the settings of the tool whose envelope has a given point, normal and shape operator (see the module's
+    text).
 
-    `cradle` is the cradle axis (3,); `side` +1 for outside, -1 for inside blades; `blade_curvature` 1/R of the blade
-    (1/mm; 0 straight, > 0 convex); `tip_plane` (mm) the cutter's centre along the cradle axis from the origin. `leaning`: the
-    axis (3,) of a cutter that is tilted against the cradle's, and the plane, by its normal (3,) and how far (mm) it is along it,
-    in which its blade, prolonged, ends where no tip plane is given.
-    Raises NoSolutionError where no cutter of that side does it.
+    - `operator`: shape operator (3, 3) of the pinion, 1/mm
+    - `mean`: mean point (3,) and normal (3,)
+    - `cradle`: cradle axis (3,)
+    - `side`: +1 for outside, -1 for inside blades
+    - `blade_curvature`: 1/R of the blade, 1/mm; 0 straight, > 0 convex
+    - `tip_plane`: position of the cutter's centre along the cradle axis from the origin, mm, or None
+    - `leaning`: for a tilted cutter its axis (3,), and normal (3,) and distance (mm) of the plane in which its
+      prolonged blade ends if no tip plane is given
+
+    Raises NoSolutionError if no cutter of that side gives the contact.
     """
     point, normal = mean
     axis, floor, over = (None, cradle, 0.0) if leaning is None else leaning
     tool = cradle if axis is None else axis
+    # blade angle by the normal; e1 along the rotation of the cutter, e2 along the blade
     sin_blade = -float(normal @ tool)
     cos_blade = float(np.sqrt(1.0 - sin_blade**2))
     e1 = np.cross(tool, normal) / cos_blade
     e2 = np.cross(normal, e1)
+    # K1 - Kt has rank one with the principal curvatures (around, blade_curvature) of the tool along e1 and e2: its
+    # determinant is 0, which gives the curvature around the cutter's axis and hence the radius
     k11, k12, k22 = e1 @ operator @ e1, e1 @ operator @ e2, e2 @ operator @ e2 - blade_curvature
     around = k11 - k12**2 / k22
     radius = side * cos_blade / around
@@ -172,15 +199,15 @@ def tool_settings(
             reason="no head cutter gives this contact", remedy="change the path angle or the length of the ellipse"
         )
 
-    # the cradle's axis and the turning of the normal about it, along e1 and e2
+    # components along e1 and e2 of the cradle axis, and of the turning of the normal about it
     along2 = float(e2 @ cradle)
     along1, turning1, turning2 = 0.0, cos_blade, 0.0
     if axis is not None:
         by_cradle = np.cross(cradle, normal)
         along1, turning1, turning2 = (float(x) for x in (e1 @ cradle, by_cradle @ e1, by_cradle @ e2))
     velocity1, turned = np.cross(AXIS, point), np.cross(AXIS, normal)
-    # sliding (s1, s2) and the vector (a1, a2) of the rank-one part, linear in m: nothing slides along the cradle's axis but with
-    # the pinion, and a1 / a2 = k12 / k22
+    # Sliding velocity (s1, s2) and vector (a1, a2) of the rank-one part, both linear in m. Conditions: the sliding along
+    # the cradle axis is that of the pinion alone, since the cradle has none; and a1 / a2 = k12 / k22.
     level, share = -(velocity1 @ cradle) / along2, along1 / along2
     stiff = around + blade_curvature * share * k12 / k22
     s1 = ((blade_curvature * level - turned @ e2) * k12 / k22 + turned @ e1) / stiff
@@ -191,7 +218,7 @@ def tool_settings(
     lever1, lever2 = a1 - normal @ np.cross(AXIS, e1), normal @ np.cross(AXIS, e2)
     constant = -normal @ np.cross(AXIS, velocity1) - lever2 * s2 + a2 * s2 + lever1 * s1
     slope = normal @ np.cross(cradle, velocity1) + lever1 * s1_m
-    # its size: square m^2 + slope m + constant = 0, which an upright cutter makes linear
+    # size of the rank-one part: square m^2 + slope m + constant = 0; square is 0 for an upright cutter
     constant = a2**2 / k22 + constant
     slope += 2.0 * a2 * a2_m / k22 + (a2 - lever2) * s2_m + a2_m * s2 + a1_m * s1
     square = a2_m**2 / k22 + a2_m * s2_m + a1_m * s1_m
@@ -201,14 +228,16 @@ def tool_settings(
             reason="no ratio of roll gives this contact with this tilt",
             remedy="change tilt, swivel or the path angle",
         )
+    # the root that tends to -constant / slope, the ratio of an upright cutter, as square tends to 0
     ratio = float(-2.0 * constant / (slope + np.sign(slope) * np.sqrt(inner)))
 
+    # machine centre: the cradle moves the mean point with the sliding velocity plus the pinion's
     sliding = (s1 + s1_m * ratio) * e1 + (s2 + s2_m * ratio) * e2
     arm = -np.cross(cradle, sliding + velocity1) / ratio
     root = np.array([cradle[2], 0.0, -cradle[0]])
     across = np.cross(cradle, root)
     radial = -side * (normal + sin_blade * tool) / cos_blade
-    # from the mean point along the blade to its tip, per unit of height
+    # the blade is prolonged from the mean point to the given plane, or to the tip plane
     down = tool - side * sin_blade / cos_blade * radial
     height = float((over - point @ floor) / (down @ floor))
     if tip_plane is not None:

@@ -1,7 +1,8 @@
-"""Machine settings of a spiral bevel pair: those of the design where given, elsewhere standard rules and local synthesis.
+"""Machine settings of a spiral bevel pair: given by the design, or else by standard rules and local synthesis.
 
-The gear's spread-blade cutter follows from the blank [AB 4-7]; the pinion's sides follow from the contact asked for at
-the mean point of the gear [AB 8-56], in the assembly at hand: with assembly errors in it they are what makes them good.
+The gear's spread-blade cutter follows from the blank [AB 4-7]. The pinion's sides follow from the requested contact at
+the mean point of the gear [AB 8-56], in the given assembly. An assembly with errors gives settings that compensate
+them.
 """
 
 from __future__ import annotations
@@ -42,45 +43,57 @@ from gearmesh.tools.head_cutter import OUTSIDE, Blade, Toprem
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import BladeTable, FaceMilledDesign, GearCutter, Machine, PinionSide
 
-_THIRDS = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
-#: steps, and the change (rad) of the direction in which a cutter leans that counts as none
-LEANING, LEANT = 100, 1e-14
-#: default edge radius under a toprem, at most, over the largest that fits
-EDGE_OF_TOPREM = 0.8
-#: largest difference of curvatures along the ellipse that a default asks for, over the module
-CLOSEST = 0.025
+#: three equally spaced rotations (rad) that determine A cos + B sin + C
+_THIRD_TURNS = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
+#: largest number of steps to the direction in which a cutter leans
+MAX_LEAN_STEPS = 100
+#: change (rad) of the direction of lean at which the iteration ends
+LEAN_TOLERANCE_RAD = 1e-14
+#: largest default edge radius under a toprem, over the largest that fits
+TOPREM_EDGE_SHARE = 0.8
+#: largest difference of curvatures along the default ellipse, in 1/module
+MAX_ELLIPSE_CURVATURE = 0.025
 
 
 @dataclass(frozen=True)
 class ContactChoice:
-    """What is asked of one side of the pinion: `asked` at the mean point, which is `height` (mm) farther from the gear's root than
-    the middle of the working depth and `along` (mm) farther from the apex than the mean cone distance. `roll`: coefficients of
-    the third to the fifth order that modified roll has besides those of the design. `form`: settings that are not those of local
-    synthesis, found for an ease-off; nothing else is asked then but where the mean point is."""
+    """Requested contact of one side of the pinion."""
 
+    #: requested contact at the mean point
     asked: ContactAsked
+    #: distance of the mean point from the middle of the working depth, away from the gear's root, mm
     height: float = 0.0
+    #: distance of the mean point beyond the mean cone distance, mm
     along: float = 0.0
+    #: coefficients of modified roll from the third to the fifth order, added to those of the design
     roll: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    #: settings for an ease-off in place of local synthesis; of the rest only the mean point then counts
     form: FlankForm | None = None
 
 
 @dataclass(frozen=True)
 class FlankForm:
-    """Settings of one side of the pinion that were found for an ease-off: `values` under their keys (mm, deg), NaN for a sliding
-    base that follows from them, and the coefficients of modified `roll` from the second order on, those of the design included.
+    """Settings of one side of the pinion that were found for an ease-off.
 
-    Over its active flank, at coordinates `along` (I, J) and `up` (I, J) from -1 to 1, the side has the ease-off `reached` (I, J),
-    mm, where `wanted` (I, J) was asked for (NaN where the gear has no conjugate), by its polynomial the five `parameters`. Both
-    neglect that the flank is turned about the pinion's axis, to be `away` (mm) in the middle: nowhere it projects."""
+    The grids (I, J) are over the active flank. `wanted` and `reached` are without the turn of the flank about the
+    pinion's axis, which makes the ease-off `away` in the middle. With this turn the flank projects nowhere.
+    """
 
+    #: settings by key (mm, deg); NaN for a sliding base that follows from the others
     values: dict[str, float]
+    #: coefficients of modified roll from the second order on, including those of the design
     roll: tuple[float, ...]
+    #: coordinates (I, J) along the face, -1 to 1
     along: Array
+    #: coordinates (I, J) up the tooth, -1 to 1
     up: Array
+    #: requested ease-off (I, J), mm; NaN where the gear has no conjugate
     wanted: Array
+    #: reached ease-off (I, J), mm
     reached: Array
+    #: ease-off in the middle of the turned flank, mm
     away: float
+    #: five parameters of the reached ease-off, by key
     parameters: dict[str, float]
 
     @property
@@ -90,35 +103,41 @@ class FlankForm:
 
     @property
     def rest_max(self) -> float:
-        """The most of it, mm, either way."""
+        """Largest absolute residual topography, mm."""
         return float(np.nanmax(np.abs(self.residual)))
 
     @property
     def most(self) -> float:
-        """The most that was asked for, mm, either way."""
+        """Largest absolute requested ease-off, mm."""
         return float(np.nanmax(np.abs(self.wanted)))
 
 
 @dataclass(frozen=True)
 class MeanPoint:
-    """Mean point of one pair of sides: parameters on the gear's flank (as cut), and the rotation (rad) of the gear, as
-    cut, about its axis at which it is the point of contact; `contact` is what local synthesis wants to know of it, `choice`
-    what it shall be there; `mating`: that flank, and its position then in the pinion's own frame."""
+    """Mean point of one pair of sides."""
 
+    #: parameters on the gear's flank, as cut
     parameters: tuple[float, float]
+    #: rotation of the gear, as cut, about its axis at which the mean point is in contact, rad
     gear_turn: float
+    #: geometry of the gear at the mean point
     contact: MeanContact
+    #: requested contact
     choice: ContactChoice
+    #: the gear's flank, and its position in contact in the pinion's frame
     mating: tuple[Surface, Rigid]
 
 
 def or_else(value: float | None, otherwise: float) -> float:
-    """A key's value, or what takes its place where it is left out."""
+    """Return a key's value, or `otherwise` if it is left out."""
     return otherwise if value is None else value
 
 
 def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> BevelBlank:
-    """The blank of a design in mm, of `given` proportions or those that it says. Raises DesignError for one that cannot exist."""
+    """Return the blank of a design in mm, with `given` proportions or those of the design.
+
+    Raises DesignError for a blank that cannot exist.
+    """
     given, radius = proportions(design) if given is None else given, design.gear.cutter.tip_radius
     if isinstance(design, HypoidDesign):
         return cone_blank(ConeData.of_hypoid(offset_data(design)), given, design.gear_backlash)
@@ -130,22 +149,22 @@ def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> B
 
 
 def proportions(design: FaceMilledDesign) -> Proportions:
-    """The tooth proportions that a design in mm gives."""
+    """Return the tooth proportions that a design in mm gives."""
     members = (design.pinion, design.gear)
-    first, second = (_given_radians(spec.root_angle) for spec in members)
-    first_face, second_face = (_given_radians(spec.face_angle) for spec in members)
+    pinion_root, gear_root = (_given_radians(spec.root_angle) for spec in members)
+    pinion_face, gear_face = (_given_radians(spec.face_angle) for spec in members)
     return Proportions(
         design.depth_factor,
         design.addendum_factor,
         design.thickness_factor,
         design.clearance,
-        (first, second),
-        (first_face, second_face),
+        (pinion_root, gear_root),
+        (pinion_face, gear_face),
     )
 
 
 def offset_data(design: HypoidDesign) -> OffsetData:
-    """Basic data of a hypoid design in mm."""
+    """Return the basic data of a hypoid design in mm."""
     return OffsetData(
         (design.pinion.teeth, design.gear.teeth),
         design.given_module,
@@ -161,7 +180,7 @@ def offset_data(design: HypoidDesign) -> OffsetData:
 
 
 def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generated]:
-    """Both sides of the gear by the spread-blade cutter [AB 4-7], rolling or, of a Formate gear, not.
+    """Return both sides of the gear by the spread-blade cutter [AB 4-7]; the gear rolls unless it is a Formate gear.
 
     Raises DesignError for blades that cannot exist.
     """
@@ -184,6 +203,7 @@ def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generat
     machine = _machine(spec, member.root_angle, values, design.formate)
 
     def cut_by(width: float) -> dict[str, Generated]:
+        """Return the sides of a point width (mm)."""
         return {name: _gear_side(design, blank, machine, name, width) for name in BLADE_SIDES}
 
     if design.gear.thickness is not None:
@@ -194,7 +214,10 @@ def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generat
 def _gear_side(
     design: FaceMilledDesign, blank: BevelBlank, machine: MachineSettings, name: str, width: float
 ) -> Generated:
-    """One side of the gear by its machine and the cutter's point width (mm). Raises DesignError for a blade that cannot exist."""
+    """Return one side of the gear by its machine and the cutter's point width (mm).
+
+    Raises DesignError for a blade that cannot exist.
+    """
     spec, member, side = design.gear.cutter, blank.gear, BLADE_SIDES[name]
     table, nominal = ("outside", blank.blade_angles[1]) if side == OUTSIDE else ("inside", blank.blade_angles[0])
     own = blade_keys(spec, getattr(spec, table))
@@ -206,7 +229,9 @@ def _gear_side(
 
 
 def _check_gear_tilt(spec: GearCutter) -> None:
-    """Refuse a tilted cutter of the gear without the settings that the standard rules give for an upright one only."""
+    """Raise DesignError for a tilted cutter of the gear without settings that the standard rules give only for an
+    upright one.
+    """
     missing = [key for key in ("radial", "cradle_angle", "ratio_of_roll") if getattr(spec, key) is None]
     if spec.tilt and missing:
         raise DesignError(
@@ -219,7 +244,7 @@ def _check_gear_tilt(spec: GearCutter) -> None:
 
 
 def blade_keys(spec: Machine, own: BladeTable | None = None) -> dict[str, float | None]:
-    """Keys of a blade: its own where given, else those that the cutter has."""
+    """Return the keys of a blade: its values where given, else those of the cutter."""
     keys = {key: getattr(spec, key) for key in BLADE_KEYS}
     return keys if own is None else {key: or_none(getattr(own, key), value) for key, value in keys.items()}
 
@@ -227,9 +252,12 @@ def blade_keys(spec: Machine, own: BladeTable | None = None) -> dict[str, float 
 def _blade(
     name: str, cutting_edge: tuple[int, float, float], keys: dict[str, float | None], height: float, blank: BevelBlank
 ) -> Blade:
-    """The blade of the keys of `name`; `cutting_edge`: its side, tip radius and angle, which holds at `height` if nowhere else.
+    """Return the blade of the keys of `name`.
 
-    Raises DesignError for a blade that bends away within the depth of the tooth, and for a toprem that does not fit.
+    `cutting_edge`: its side, tip radius and angle, which holds at `height` unless the keys give another height.
+
+    Raises DesignError for a blade that bends too much within the depth of the tooth, and for a toprem that does not
+    fit.
     """
     radius, high = or_else(keys["blade_radius"], 0.0), or_else(keys["toprem_height"], 0.0)
     limit = 5.0 * blank.mean_depth
@@ -244,7 +272,7 @@ def _blade(
 
 
 def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: BevelBlank) -> dict[str, Any]:
-    """Toprem and edge radius of a blade. Raises DesignError where they do not fit on each other."""
+    """Return toprem and edge radius of a blade. Raises DesignError if they do not fit each other."""
     high, arc = or_else(keys["toprem_height"], 0.0), or_else(keys["toprem_radius"], 0.0)
     straight, most = keys["toprem_angle"], 0.5 * blank.mean_depth
     if not high < most:
@@ -266,9 +294,9 @@ def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: Bevel
             unit="deg",
             allowed=f"less than the blade's, {at_most(np.degrees(angle))} deg",
         )
-    # the rounding touches the toprem, not what is over it
+    # the rounding touches the toprem, not the cutting edge above it
     most = high / (1.0 - float(np.sin(angle if straight is None else np.radians(straight))))
-    edge = blade.edge_radius if keys["edge_radius"] is not None else min(blade.edge_radius, EDGE_OF_TOPREM * most)
+    edge = blade.edge_radius if keys["edge_radius"] is not None else min(blade.edge_radius, TOPREM_EDGE_SHARE * most)
     if not edge < most:
         raise DesignError(
             f"{name}.edge_radius",
@@ -277,6 +305,7 @@ def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: Bevel
             reason="reaches beyond the toprem",
             allowed=f"less than {at_most(most)} mm",
         )
+    # an arc with a smaller radius would make the blade concave
     least = (high - edge) / float(np.sin(angle))
     if straight is None and not arc > least:
         raise DesignError(
@@ -290,10 +319,11 @@ def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: Bevel
 
 
 def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
-    """One side ("concave" or "convex") of the pinion: as given, and by local synthesis what is left out. What is given is turned
-    about the pinion's axis to touch the gear at the mean point.
+    """Return one side ("concave" or "convex") of the pinion: given settings, and local synthesis for those left out.
 
-    Raises NoSolutionError where the contact asked for cannot be had, DesignError for a blade that cannot exist.
+    A side with given settings is turned about the pinion's axis until it touches the gear at the mean point.
+
+    Raises NoSolutionError if the requested contact is impossible, and DesignError for a blade that cannot exist.
     """
     spec = design.pinion.side(name)
     values = pinion_values(design, blank, name, mean.contact, mean.choice)
@@ -308,7 +338,10 @@ def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: Me
 def side_of(
     design: FaceMilledDesign, blank: BevelBlank, name: str, values: dict[str, float], roll: tuple[float, ...]
 ) -> Generated:
-    """One side of the pinion by its settings' `values` under their keys (mm, deg) and the coefficients of modified `roll`.
+    """Return one side of the pinion.
+
+    - `values`: settings by key (mm, deg); a sliding base of NaN is derived
+    - `roll`: coefficients of modified roll from the second order on
 
     Raises DesignError for a blade that cannot exist.
     """
@@ -332,7 +365,7 @@ def side_of(
 
 
 def _roll_of(spec: PinionSide, choice: ContactChoice) -> tuple[float, ...]:
-    """Coefficients of modified roll from the second order on, with those chosen from the third on."""
+    """Return the coefficients of modified roll from the second order on, with the chosen ones from the third on."""
     second, *others = given_roll(spec)
     if choice.form is not None:
         return choice.form.roll
@@ -340,36 +373,39 @@ def _roll_of(spec: PinionSide, choice: ContactChoice) -> tuple[float, ...]:
 
 
 def given_roll(spec: Machine) -> tuple[float, ...]:
-    """Coefficients of modified roll of a design from the second order on."""
+    """Return the coefficients of modified roll of a design from the second order on."""
     return tuple(getattr(spec, f"modified_roll_c{k}") for k in range(2, ORDERS + 1))
 
 
 def pinion_root_angle(design: FaceMilledDesign, name: str) -> float | None:
-    """Machine root angle (deg) of one side of the pinion: its own or the other side's, for both are cut to one depth."""
+    """Return the given machine root angle (deg) of one side of the pinion, or else the other side's: both have one
+    depth.
+    """
     other = MATING_SIDES[name]
     return or_none(design.pinion.side(name).machine_root_angle, design.pinion.side(other).machine_root_angle)
 
 
 def machine_root_angle(design: FaceMilledDesign, blank: BevelBlank, name: str) -> float:
-    """Machine root angle (rad) of one side of the pinion."""
+    """Return the machine root angle (rad) of one side of the pinion."""
     return float(np.radians(or_else(pinion_root_angle(design, name), float(np.degrees(blank.pinion.root_angle)))))
 
 
 def upright_base(design: FaceMilledDesign, blank: BevelBlank, name: str) -> float:
-    """Sliding base (mm) with which an upright cutter of one side of the pinion reaches the root cone's apex."""
+    """Return the sliding base (mm) with which an upright cutter of one side of the pinion reaches the root cone's apex."""
     return blank.pinion.root_base(machine_root_angle(design, blank, name))
 
 
 def or_none(value: float | None, otherwise: float | None) -> float | None:
-    """A key's value, or what takes its place where it is left out, which may be left out as well."""
+    """Return a key's value, or `otherwise` if it is left out; both may be None."""
     return otherwise if value is None else value
 
 
 def pinion_values(
     design: FaceMilledDesign, blank: BevelBlank, name: str, contact: MeanContact, choice: ContactChoice
 ) -> dict[str, float]:
-    """Settings of one side of the pinion under their keys (mm, deg): as given, else as found for its ease-off or by local
-    synthesis."""
+    """Return the settings of one side of the pinion by key (mm, deg): given, or else found for its ease-off or by local
+    synthesis.
+    """
     if choice.form is not None:
         return choice.form.values
     spec = design.pinion.side(name)
@@ -386,9 +422,9 @@ def pinion_values(
 def synthesise(
     design: FaceMilledDesign, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
 ) -> dict[str, float]:
-    """Settings of one side of the pinion by local synthesis, under their keys (mm, deg).
+    """Return the settings of one side of the pinion by local synthesis, by key (mm, deg).
 
-    Raises NoSolutionError, naming the side, where the contact asked for cannot be had.
+    Raises NoSolutionError, naming the side, if the requested contact is impossible.
     """
     try:
         operator = pinion_operator(contact, asked)
@@ -400,26 +436,29 @@ def synthesise(
 def tool_values(
     design: FaceMilledDesign, blank: BevelBlank, name: str, mean: tuple[Array, Array], operator: Array
 ) -> dict[str, float]:
-    """Settings (mm, deg) under their keys of one side of the pinion with the given point and normal (3,) and shape operator (3, 3),
-    in its own frame.
+    """Return the settings by key (mm, deg) of one side of the pinion with a given point, normal and shape operator.
 
-    Raises NoSolutionError, naming the side, where no cutter has them.
+    `mean`: point (3,) and normal (3,), `operator`: shape operator (3, 3), in the pinion's frame.
+
+    Raises NoSolutionError, naming the side, if no cutter has them.
     """
     spec, hand, side = design.pinion.side(name), HAND_SIGNS[design.hand], BLADE_SIDES[name]
     cradle = machine_axes(machine_root_angle(design, blank, name))[2]
-    after = turned_after_cut(design, blank)
-    to_cut = Rigid.about_z(-after)
+    turned = turned_after_cut(design, blank)
+    to_cut = Rigid.about_z(-turned)
     curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
     base = None if np.isnan(spec.sliding_base) else -spec.sliding_base
     plane = -upright_base(design, blank, name) if base is None else base
+    # local synthesis is in the frame of the pinion as cut
     mean = to_cut.point(mean[0]), to_cut.vector(mean[1])
     operator = to_cut.rotation @ operator @ to_cut.rotation.T
     try:
+        # upright cutter first; a tilted one starts from its position on the cradle
         settings = tool_settings(operator, mean, cradle, side, curvature, plane)
         if not spec.upright:
 
             def leaning(axis: Array) -> ToolSettings:
-                floor = root_normal(blank.pinion, -after)
+                floor = root_normal(blank.pinion, -turned)
                 over = -blank.pinion.root_base(blank.pinion.root_angle)
                 return tool_settings(operator, mean, cradle, side, curvature, base, (axis, floor, over))
 
@@ -443,28 +482,30 @@ def tool_values(
 def _leaning(
     solve: Callable[[Array], ToolSettings], upright: ToolSettings, cradle: Array, spec: PinionSide, hand: int
 ) -> ToolSettings:
-    """Settings of a tilted cutter: the swivel counts from the cutter's place on the cradle, which depends on how it leans.
+    """Return the settings of a tilted cutter.
 
-    Raises NoSolutionError where the iteration between both does not converge.
+    The swivel counts from the cutter's position on the cradle, which depends on the lean: fixed-point steps.
+
+    Raises NoSolutionError if the steps do not converge.
     """
     tilt, swivel = np.radians(spec.tilt), np.radians(spec.swivel)
     root = np.array([cradle[2], 0.0, -cradle[0]])
     across = np.cross(cradle, root)
-    settings, before = upright, np.inf
-    for _ in range(LEANING):
-        towards = np.arctan2(settings.cutter[1], settings.cutter[0]) + hand * (0.5 * np.pi + swivel)
-        axis = np.sin(tilt) * (np.cos(towards) * root + np.sin(towards) * across) + np.cos(tilt) * cradle
+    settings, last_azimuth = upright, np.inf
+    for _ in range(MAX_LEAN_STEPS):
+        lean_azimuth = np.arctan2(settings.cutter[1], settings.cutter[0]) + hand * (0.5 * np.pi + swivel)
+        axis = np.sin(tilt) * (np.cos(lean_azimuth) * root + np.sin(lean_azimuth) * across) + np.cos(tilt) * cradle
         settings = solve(axis)
-        if abs(towards - before) <= LEANT:
+        if abs(lean_azimuth - last_azimuth) <= LEAN_TOLERANCE_RAD:
             return settings
-        before = towards
+        last_azimuth = lean_azimuth
     raise NoSolutionError(
         reason="no cutter with this tilt and swivel gives this contact", remedy="change tilt or swivel"
     )
 
 
 def contact_asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactAsked:
-    """What the design asks of the contact on one side of the pinion."""
+    """Return the requested contact of a design on one side of the pinion, with plain defaults."""
     spec, ratio = design.pinion.side(name), blank.pinion.teeth / blank.gear.teeth
     # at the change of teeth the gear lags by ratio * derivative / 2 * (pi / N1)^2; concave flanks drive towards larger phi2
     lag = -BLADE_SIDES[name] * spec.te_at_change * ARCSEC * 2.0 / (ratio * (np.pi / blank.pinion.teeth) ** 2)
@@ -477,12 +518,15 @@ def contact_asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Con
 
 
 def _default_semi_major_axis(design: FaceMilledDesign, blank: BevelBlank) -> float:
-    """A quarter of the face width (mm), but on a narrow face as long as flanks can be this close to each other."""
-    return max(0.25 * blank.gear.face_width, float(np.sqrt(2.0 * design.contact.delta * design.given_module / CLOSEST)))
+    """Return a quarter of the face width (mm), or more on a narrow face, where flanks cannot separate within it."""
+    return max(
+        0.25 * blank.gear.face_width,
+        float(np.sqrt(2.0 * design.contact.delta * design.given_module / MAX_ELLIPSE_CURVATURE)),
+    )
 
 
 def longer_than_standard(design: FaceMilledDesign, blank: BevelBlank) -> tuple[str, ...]:
-    """Warnings of ellipses that the design leaves out and that are longer than a quarter of the face width."""
+    """Return the warnings on default ellipses that are longer than a quarter of the face width."""
     length, standard = _default_semi_major_axis(design, blank), 0.25 * blank.gear.face_width
     return tuple(
         f"pinion.{name}.semi_major_axis = {length:.4g} mm: the default; a quarter of the face width, {standard:.4g} mm, is too "
@@ -498,10 +542,10 @@ def longer_than_standard(design: FaceMilledDesign, blank: BevelBlank) -> tuple[s
 def mean_point(
     design: FaceMilledDesign, blank: BevelBlank, gear: Generated, gear_to_pinion: Rigid, choice: ContactChoice
 ) -> MeanPoint:
-    """Mean point of a side of the pinion and of the gear (as cut), in the position `gear_to_pinion`.
+    """Return the mean point of a side of the pinion and of the gear (as cut), in the position `gear_to_pinion`.
 
-    It lies on the gear at the middle of the mean working depth and at the mean cone distance, or where `choice` has it, or where
-    [AB] have it.
+    It is on the gear at the middle of the mean working depth and at the mean cone distance, plus the shifts of
+    `choice`, or at the point of [AB].
     """
     height = 0.5 * blank.mean_depth + choice.height
     if design.mean_point == "cradle_zero":
@@ -516,9 +560,11 @@ def mean_point(
 
 
 def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, blank: BevelBlank) -> tuple[float, MeanContact]:
-    """Rotation (rad) of the gear, nearest 0, at which a point of it (its jet, own frame) meets the pinion, and what is there.
+    """Return the rotation (rad) of the gear, nearest 0, at which its point (jet, gear's frame) meets the pinion, and
+    the contact.
 
-    `sense` +1 where the pinion turns right-handed about its axis as phi1 grows.
+    `sense`: +1 where the pinion turns right-handed about its axis as phi1 grows. Raises NoSolutionError if the point is
+    never in contact.
     """
     ratio = blank.pinion.teeth / blank.gear.teeth
     turn = float(meshing_turns(jet, gear_to_pinion, sense, ratio))
@@ -526,14 +572,16 @@ def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, blank: BevelBlank)
         raise NoSolutionError(
             reason="the mean point of the gear never meets the pinion", remedy="reduce the assembly errors"
         )
-    at = jet.move(gear_to_pinion @ Rigid.about_z(turn))
-    return turn, contact_at(at, gear_to_pinion, sense, ratio, blank.gear.pitch_apex)
+    placed = jet.move(gear_to_pinion @ Rigid.about_z(turn))
+    return turn, contact_at(placed, gear_to_pinion, sense, ratio, blank.gear.pitch_apex)
 
 
 def contact_at(at: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, apex: float) -> MeanContact:
-    """What local synthesis wants to know of the gear at a point of contact: its jet, in the pinion's own frame.
+    """Return the data of the gear at a point of contact for local synthesis.
 
-    `ratio`: of the angular velocities there; `apex`: of the gear's pitch cone beyond its origin, mm.
+    - `at`: jet of the gear at the point, in the pinion's frame
+    - `ratio`: ratio of the angular velocities
+    - `apex`: apex of the gear's pitch cone beyond its origin, mm
     """
     axis, origin = gear_to_pinion.rotation[:, 2], gear_to_pinion.translation
     e1, e2 = tangent_basis(at)
@@ -541,12 +589,13 @@ def contact_at(at: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, apex: f
     angle, basis = float(principal(operator).angle), np.stack((e1, e2))
     c, s = np.cos(angle), np.sin(angle)
     pitch_line = unit(at.r - (origin - apex * axis))
+    # the principal direction nearer to the pitch line is the lengthwise one
     directions = sorted((c * e1 + s * e2, c * e2 - s * e1), key=lambda d: -abs(float(d @ pitch_line)))
     to_axis = axis - (axis @ pitch_line) * pitch_line
     return MeanContact(
         point=at.r,
         normal=-at.n,
-        # along -n, out of the pinion, curvatures change their sign
+        # with -n, the outward normal of the pinion, curvatures change their sign
         gear_operator=-(basis.T @ operator @ basis),
         lengthwise=-directions[0] * np.sign(directions[0] @ pitch_line),
         profilewise=directions[1] * np.sign(directions[1] @ to_axis),
@@ -557,21 +606,24 @@ def contact_at(at: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, apex: f
 
 
 def meshing_turns(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, near: float = 0.0) -> Array:
-    """Rotations (...,), rad, of the gear about its axis, nearest `near`, at which points of it (jet, own frame) meet the equation
-    of meshing n . v12 = 0; NaN where they never do. `sense`, `ratio` as for `mean_contact`.
+    """Return the rotations (...,), rad, of the gear nearest `near` at which points meet the equation of meshing n . v12
+    = 0.
 
-    n and r turn with the gear, so that the equation is A cos + B sin + C = 0.
+    `jet`: points in the gear's frame; `sense`, `ratio` as for `mean_contact`. The rotation is NaN for a point that is
+    never in contact. n and r turn with the gear, so that the equation is A cos + B sin + C = 0.
     """
     spin1, spin2 = sense * AXIS, -sense * ratio * gear_to_pinion.rotation[:, 2]
     values = []
-    for turn in _THIRDS:
+    for turn in _THIRD_TURNS:
         placed = gear_to_pinion @ Rigid.about_z(turn)
         r, n = placed.point(jet.r), placed.vector(jet.n)
         values.append((n * (cross(spin1, r) - cross(spin2, r - gear_to_pinion.translation))).sum(axis=-1))
+    # A, B and C by three equally spaced rotations
     f = np.stack(values, axis=-1)
-    mean, a, b = f.mean(axis=-1), 2.0 / 3.0 * (f @ np.cos(_THIRDS)), 2.0 / 3.0 * (f @ np.sin(_THIRDS))
+    mean, a, b = f.mean(axis=-1), 2.0 / 3.0 * (f @ np.cos(_THIRD_TURNS)), 2.0 / 3.0 * (f @ np.sin(_THIRD_TURNS))
     with np.errstate(invalid="ignore"):
         away, middle = np.arccos(-mean / np.hypot(a, b)), np.arctan2(b, a)
+    # both roots; the one nearest `near` is returned
     roots = np.stack((middle - away, middle + away)) - near
     roots = (roots + np.pi) % (2.0 * np.pi) - np.pi
     nearest: Array = near + np.where(np.abs(roots[0]) <= np.abs(roots[1]), roots[0], roots[1])
@@ -579,15 +631,17 @@ def meshing_turns(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, nea
 
 
 def _given_radians(degrees: float | None) -> float | None:
+    """Return an angle in rad, or None if it is left out."""
     return None if degrees is None else float(np.radians(degrees))
 
 
 def _radians(degrees: float | None, otherwise: float) -> float:
+    """Return an angle in rad, or `otherwise` (rad) if it is left out."""
     return otherwise if degrees is None else float(np.radians(degrees))
 
 
 def _machine(spec: Machine, root_angle: float, values: dict[str, float], formate: bool = False) -> MachineSettings:
-    """Machine settings from their keys' values (mm, deg)."""
+    """Return machine settings from the values of their keys (mm, deg)."""
     return MachineSettings(
         radial=values["radial"],
         cradle_angle=float(np.radians(values["cradle_angle"])),

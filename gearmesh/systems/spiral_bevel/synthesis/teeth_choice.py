@@ -1,6 +1,6 @@
-"""The teeth of a design, where it leaves their contact open: what is chosen, or what plainer can be made.
+"""Teeth of a design that leaves their contact open: the chosen contact, or plainer teeth that can be made.
 
-The one place that decides: whoever asks for the blank, the contact, the settings or the members of a design asks here.
+This is the only place of this choice: blank, contact, settings and members of a design all come from here.
 """
 
 from __future__ import annotations
@@ -40,46 +40,60 @@ if TYPE_CHECKING:
     from gearmesh.teeth.tooth import Tooth
 
 #: keys on which no tooth depends
-ASIDE = ("assembly.", "contact.side", "contact.phi1.", "contact.delta", "fe.", "mesh.", "material.", "name")
-#: the key that geometry itself gives where it is left open
-BASE = "sliding_base"
-#: what teeth are without a fault
-WHOLE = ToothFaults()
-#: parts of their depth that teeth get which are whole but for the contact that is chosen
-SHALLOWER = (0.95, 0.9, 0.85)
-#: margin of undercut from which on no contact that is chosen is taken to undercut a pinion
-NEAR_UNDERCUT = 0.2
-#: top land (mean normal modules) that a pinion keeps when its addendum grows
-LAND = 0.2
-#: designs whose teeth are remembered
-REMEMBERED = 64
+KEYS_WITHOUT_EFFECT = (
+    "assembly.",
+    "contact.side",
+    "contact.phi1.",
+    "contact.delta",
+    "fe.",
+    "mesh.",
+    "material.",
+    "name",
+)
+#: key whose value follows from geometry if it is left out
+BASE_KEY = "sliding_base"
+#: faults of teeth without a fault
+NO_FAULTS = ToothFaults()
+#: shares of their depth given to teeth that only the chosen contact undercuts
+SHALLOW_DEPTH_SHARES = (0.95, 0.9, 0.85)
+#: margin of undercut from which on no chosen contact is expected to undercut a pinion
+SAFE_UNDERCUT_MARGIN = 0.2
+#: least top land (mean normal modules) of a pinion whose addendum grows
+MIN_LAND_MODULES = 0.2
+#: largest number of designs whose teeth are cached
+MAX_CACHED_DESIGNS = 64
 
 
 @dataclass(frozen=True)
 class BevelTeeth:
-    """What is made of a design: the proportions of its teeth, the contact that is asked of the pinion's sides, how they are `cut`,
-    and the members."""
+    """Teeth of a design."""
 
+    #: proportions of the teeth
     proportions: Proportions
+    #: requested contact of the pinion's sides
     choices: Choices
+    #: sides of both members as they are cut
     cut: CutSides
+    #: the pinion
     pinion: CutMember
+    #: the gear
     gear: CutMember
 
 
 def bevel_teeth(design: FaceMilledDesign) -> BevelTeeth:
-    """The teeth of a design in mm, with the contact that is best, or where no teeth with that close, with the plain one.
+    """Return the teeth of a design in mm with the best contact, or with the plain contact if teeth with the best do not
+    close.
 
-    Raises DesignError for blanks and teeth that cannot exist, before any contact has been looked for, NoSolutionError where no
-    pinion gives the contact asked for.
+    Raises DesignError for blanks and teeth that cannot exist, before any contact is sought, and NoSolutionError if no
+    pinion has the requested contact.
     """
     return _best_teeth(_key(design))
 
 
 def closing_teeth(design: FaceMilledDesign) -> BevelTeeth:
-    """Teeth of a design in mm, with nothing of the contact chosen.
+    """Return teeth of a design in mm with no contact chosen.
 
-    Raises as `bevel_teeth` does, and where a contact would have to be chosen for there to be any.
+    Raises as `bevel_teeth`, and also if teeth exist only with a chosen contact.
     """
     plain = _plain(_key(design))
     if plain.teeth is None:
@@ -89,19 +103,22 @@ def closing_teeth(design: FaceMilledDesign) -> BevelTeeth:
 
 @dataclass(frozen=True)
 class CutAlone:
-    """A member that is made without the other: the pair's blank, its own sides as they are cut, how far (rad) each is turned to
-    stand in its tooth on +x, and the member."""
+    """A member that is made without the other."""
 
+    #: blank of the pair
     blank: BevelBlank
+    #: sides of the member as they are cut
     sides: Sides
+    #: index positions of the sides, rad: rotation from cutting a side to its position in the tooth on +x
     places: Angles
+    #: the member
     cut: CutMember
 
 
 def gear_alone(design: FaceMilledDesign) -> CutAlone:
-    """The gear of a design in mm, for which the pinion is only looked at as far as the depth of the teeth is open.
+    """Return the gear of a design in mm; the pinion is computed only if the depth of the teeth is open.
 
-    Raises as `bevel_teeth` does.
+    Raises as `bevel_teeth`.
     """
     if not open_factors(design):
         blank = basic_blank(design, proportions(design))
@@ -118,9 +135,9 @@ def gear_alone(design: FaceMilledDesign) -> CutAlone:
 
 
 def pinion_alone(design: FaceMilledDesign) -> CutAlone:
-    """The pinion of a design in mm; where nothing is chosen of it, the gear's flanks alone are asked for its index.
+    """Return the pinion of a design in mm; if nothing is chosen, its index needs only the gear's flanks.
 
-    Raises as `bevel_teeth` does.
+    Raises as `bevel_teeth`.
     """
     if open_factors(design) or any(chooses(design, name) for name in BLADE_SIDES):
         made = bevel_teeth(design)
@@ -134,37 +151,53 @@ def pinion_alone(design: FaceMilledDesign) -> CutAlone:
 
 @dataclass(frozen=True)
 class _Remembered:
-    """A design by all that its teeth depend on; of designs that are equal one may set what the other leaves to its default."""
+    """A design with a text of all values on which its teeth depend.
 
+    Designs with equal texts are equal, even if one sets values that the other leaves to their defaults.
+    """
+
+    #: values on which the teeth depend
     text: str
+    #: design in mm
     design: FaceMilledDesign = field(compare=False)
 
     @classmethod
     def of(cls, design: FaceMilledDesign) -> _Remembered:
-        own = [(key, value) for key, value in design.own() if not key.startswith(ASIDE) and not key.endswith(BASE)]
+        """Return a design with the text of its values."""
+        values = [
+            (key, value)
+            for key, value in design.own()
+            if not key.startswith(KEYS_WITHOUT_EFFECT) and not key.endswith(BASE_KEY)
+        ]
         cutters = design.pinion.concave, design.pinion.convex, design.gear.cutter
         derived = [(cutter.sliding_base, cutter.tilt, cutter.swivel, cutter.tip_radius) for cutter in cutters]
-        return cls(repr((type(design), own, derived, design.contact.delta)), design)
+        return cls(repr((type(design), values, derived, design.contact.delta)), design)
 
     @property
     def stated_design(self) -> _Remembered:
-        """The design before sliding bases were derived of its geometry, which the search for a contact is to find."""
+        """The design before sliding bases were derived from its geometry.
+
+        The search for a contact starts from this design.
+        """
         design = self.design
         pinion = {
-            name: design.pinion.side(name).model_copy(update={BASE: DERIVED})
+            name: design.pinion.side(name).model_copy(update={BASE_KEY: DERIVED})
             for name in BLADE_SIDES
-            if not design.sets(f"pinion.{name}.{BASE}")
+            if not design.sets(f"pinion.{name}.{BASE_KEY}")
         }
         opened: dict[str, object] = {"pinion": design.pinion.model_copy(update=pinion)}
-        if not design.sets(f"gear.cutter.{BASE}"):
-            cutter = design.gear.cutter.model_copy(update={BASE: DERIVED})
+        if not design.sets(f"gear.cutter.{BASE_KEY}"):
+            cutter = design.gear.cutter.model_copy(update={BASE_KEY: DERIVED})
             opened["gear"] = design.gear.model_copy(update={"cutter": cutter})
         return _Remembered.of(design.model_copy(update=opened).fill({}))
 
 
 def _key(design: FaceMilledDesign) -> _Remembered:
-    """The design by which its teeth are chosen: as it is stated, so that derived sliding bases are those of the proportions that
-    are chosen; but where machine settings are given, as a sheet has them, derived sliding bases stay with them."""
+    """Return the design by which its teeth are chosen.
+
+    It is the stated design, so that derived sliding bases belong to the chosen proportions. If machine settings are
+    given, as on a sheet, derived sliding bases remain with them.
+    """
     key = _Remembered.of(design)
     cutters = design.pinion.concave, design.pinion.convex, design.gear.cutter
     return key if any(cutter.radial is not None for cutter in cutters) else key.stated_design
@@ -172,25 +205,31 @@ def _key(design: FaceMilledDesign) -> _Remembered:
 
 @dataclass(frozen=True)
 class _Plain:
-    """The blank of `given` proportions, the teeth with the contact that the design says, None where no pinion gives that
-    (`unsolved`) or they are refused (`refusal`); `faults`: what is wrong with the teeth."""
+    """Teeth of given proportions with the contact that the design states."""
 
+    #: proportions of the teeth
     given: Proportions
+    #: blank of the pair
     blank: BevelBlank
+    #: the teeth; None if there are none
     teeth: BevelTeeth | None = None
+    #: refusal of the teeth, if they cannot be made
     refusal: VagueError | None = None
+    #: error of a contact that no pinion has
     unsolved: NoSolutionError | None = None
-    faults: ToothFaults = WHOLE
+    #: faults of the teeth
+    faults: ToothFaults = NO_FAULTS
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=MAX_CACHED_DESIGNS)
 def _plain(key: _Remembered) -> _Plain:
-    """With the proportions that are best. Raises DesignError for blanks and teeth that cannot exist."""
+    """Return the teeth with the best proportions. Raises DesignError for blanks and teeth that cannot exist."""
     design = key.design
     given = proportions(design)
     teeth_by_proportions = {given: _with_proportions(design, given, first=True)}
 
     def faults_of(asked: Proportions) -> ToothFaults:
+        """Return the faults of teeth with other proportions."""
         teeth_by_proportions[asked] = _with_proportions(design, asked)
         return teeth_by_proportions[asked].faults
 
@@ -203,9 +242,9 @@ def _plain(key: _Remembered) -> _Plain:
 
 
 def _with_proportions(design: FaceMilledDesign, given: Proportions, *, first: bool = False) -> _Plain:
-    """The teeth of given proportions. Raises DesignError for blanks that cannot exist.
+    """Return the teeth of given proportions. Raises DesignError for blanks that cannot exist.
 
-    Of the `first` that are tried the land is not looked at where nothing is undercut: they are taken.
+    The land of the `first` teeth is not measured unless they are undercut, because otherwise they are accepted.
     """
     blank = basic_blank(design, given)
     try:
@@ -216,25 +255,27 @@ def _with_proportions(design: FaceMilledDesign, given: Proportions, *, first: bo
         return _Plain(given, blank, refusal=refusal, faults=ToothFaults(refused=True))
     undercut = _undercut(teeth)
     taken = first and not any(undercut)
-    thin = not taken and _land(teeth.pinion.member.tooth) < LAND * blank.mean_normal_module
+    thin = not taken and _land(teeth.pinion.member.tooth) < MIN_LAND_MODULES * blank.mean_normal_module
     return _Plain(given, blank, teeth, faults=ToothFaults(undercut, thin))
 
 
 def _undercut(teeth: BevelTeeth) -> tuple[float, float]:
-    """How much (mm) undercut takes from (pinion, gear), at most."""
-    first, second = (max(member.lost.values(), default=0.0) for member in (teeth.pinion, teeth.gear))
-    return first, second
+    """Return the largest height (mm) lost to undercut of (pinion, gear)."""
+    pinion_loss, gear_loss = (max(member.lost.values(), default=0.0) for member in (teeth.pinion, teeth.gear))
+    return pinion_loss, gear_loss
 
 
 def _land(tooth: Tooth) -> float:
-    """The thinnest top land (mm)."""
+    """Return the least width of the top land (mm)."""
     sections = tooth.even
     radius = crossing(tooth.blank.tip, tooth.blank.axial, sections.stations)[0]
     return float((radius * (sections.left.tip_angle - sections.right.tip_angle)).min())
 
 
 def _saying(first: _Plain, best: _Plain) -> _Plain:
-    """The `best` teeth, whose blank says which factors they have instead of those that the `first` ones had, and why."""
+    """Return the `best` teeth with a warning: their factors, the factors of the `first` teeth, and the fault of the
+    `first` teeth.
+    """
     old, new = (factors(plain.given, plain.blank) for plain in (first, best))
     changed = [k for k in range(2) if new[k] != old[k]]
     said, instead = (" and ".join(f"{FACTOR_KEYS[k]} = {pair[k]:.4g}" for k in changed) for pair in (new, old))
@@ -246,21 +287,25 @@ def _saying(first: _Plain, best: _Plain) -> _Plain:
     return replace(best, blank=blank, teeth=teeth)
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=MAX_CACHED_DESIGNS)
 def _search(key: _Remembered, blank: BevelBlank) -> Choices:
+    """Return the chosen contact of both sides of the pinion."""
     return {name: contact_choice(key.design, blank, name) for name in in_turn(BLADE_SIDES)}
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=MAX_CACHED_DESIGNS)
 def _best_teeth(key: _Remembered) -> BevelTeeth:
-    """With the proportions of the plain teeth; shallower where those are whole and the contact that is chosen undercuts them."""
+    """Return the teeth with the proportions of the plain teeth and the chosen contact.
+
+    The teeth become shallower if the plain teeth are whole but the chosen contact undercuts them.
+    """
     design, first = key.design, _plain(key)
     if first.teeth is not None and not any(chooses(design, name) for name in BLADE_SIDES):
         return first.teeth
     best = _with_contact(key, first)
     if not _may_become_shallower(design, first):
         return best
-    for part in SHALLOWER:
+    for part in SHALLOW_DEPTH_SHARES:
         if not any(_undercut(best)):
             break
         depth, share = factors(first.given, first.blank)
@@ -273,20 +318,20 @@ def _best_teeth(key: _Remembered) -> BevelTeeth:
 
 
 def _may_become_shallower(design: FaceMilledDesign, first: _Plain) -> bool:
-    """Whether the contact that is chosen may undercut the pinion of teeth that are whole without, and their depth is free."""
+    """Return True if the chosen contact may undercut the pinion of otherwise whole teeth, and their depth is free."""
     if first.teeth is None or any(first.faults.undercut) or "depth_factor" not in open_factors(design):
         return False
-    return undercut_margin(first.teeth.pinion.member.tooth) < NEAR_UNDERCUT
+    return undercut_margin(first.teeth.pinion.member.tooth) < SAFE_UNDERCUT_MARGIN
 
 
 def _with_contact(key: _Remembered, first: _Plain) -> BevelTeeth:
-    """The teeth with the contact that is chosen, or the plain ones."""
+    """Return the teeth with the chosen contact, or else the plain teeth."""
     plain = first.teeth
     try:
         choices = _search(key.stated_design, first.blank)
         return _make(key.design, (first.given, first.blank), choices, None if plain is None else plain.gear)
     except (DesignError, NoSolutionError):
-        # a blank that has room for the one contact may have none for the other
+        # a blank with room for the plain contact may have none for the chosen one
         if plain is None:
             raise
         return plain
@@ -295,8 +340,10 @@ def _with_contact(key: _Remembered, first: _Plain) -> BevelTeeth:
 def _make(
     design: FaceMilledDesign, basis: tuple[Proportions, BevelBlank], choices: Choices, gear: CutMember | None = None
 ) -> BevelTeeth:
-    """The teeth of some proportions and their blank with a contact, on which the gear does not depend; that first: what is wrong
-    with it would show on the pinion."""
+    """Return the teeth of some proportions and their blank with a contact.
+
+    The gear does not depend on the contact. It is cut first, because a fault of the gear shows on the pinion as well.
+    """
     given, blank = basis
     cut = cut_sides(design, blank, choices)
     gear = cut_member(design, cut, "gear") if gear is None else gear
