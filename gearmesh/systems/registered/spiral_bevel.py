@@ -11,7 +11,7 @@ from gearmesh.systems.spiral_bevel.errors.first_order import first_order
 from gearmesh.systems.spiral_bevel.errors.vh_check import ASSEMBLY_MOVES, vh_check
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.pinned import conjugate_values, settings_values
-from gearmesh.systems.spiral_bevel.rexs import BEVEL, HYPOID
+from gearmesh.systems.spiral_bevel.rexs import BEVEL_FORM, HYPOID_FORM
 from gearmesh.systems.spiral_bevel.sheet.accuracy import bevel_inspection
 from gearmesh.systems.spiral_bevel.sheet.drawn import DRAWN_ROWS
 from gearmesh.systems.spiral_bevel.sheet.member_sheet import member_sheet
@@ -45,8 +45,8 @@ SYSTEMS = (
             rexs=form,
         )
         for kind, design, form in (
-            ("spiral_bevel", SpiralBevelDesign, BEVEL),
-            ("hypoid", HypoidDesign, HYPOID),
+            ("spiral_bevel", SpiralBevelDesign, BEVEL_FORM),
+            ("hypoid", HypoidDesign, HYPOID_FORM),
         )
     ),
     System(

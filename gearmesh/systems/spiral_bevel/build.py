@@ -1,4 +1,4 @@
-"""Spiral, zerol and straight bevel gears cut by head cutters [AB; CR3553; ISO 23509]."""
+"""Construction of spiral, zerol and straight bevel gears cut by head cutters [AB; CR3553; ISO 23509]."""
 
 from __future__ import annotations
 
@@ -31,47 +31,60 @@ if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, CutAlone
 
 
-#: key of the radius of the gear's cutter, which makes teeth straight
-STRAIGHT = "gear.cutter.tip_radius"
-#: the largest radius that is tried, in mean cone distances; halvings of the range, and part of the largest radius that is taken:
-#: next to it the contact that is chosen may have no pinion
-STRAIGHT_ENOUGH, STRAIGHT_ROUNDS, STRAIGHT_SHARE = 100.0, 12, 0.99
+#: key of the radius of the gear's cutter, which determines how straight the teeth are
+STRAIGHT_KEY = "gear.cutter.tip_radius"
+#: largest cutter radius that is tried, in mean cone distances
+MAX_RADIUS_SHARE = 100.0
+#: number of halvings of the range of possible radii
+RADIUS_HALVINGS = 12
+#: share of the largest possible radius that is used: at the limit the chosen contact may have no pinion
+KEPT_RADIUS_SHARE = 0.99
 
 
 def build(design: FaceMilledDesign) -> GearTrain:
-    """The pair of a spiral bevel design (in mm).
+    """Return the pair of a spiral bevel design (in mm).
 
-    Raises DesignError for blanks and teeth that cannot exist, NoSolutionError where no pinion gives the contact asked for.
+    Raises DesignError for blanks and teeth that cannot exist, and NoSolutionError if no pinion has the requested
+    contact.
     """
     teeth = bevel_teeth(design)
     train = bevel_pair(design, teeth.cut, teeth.pinion, teeth.gear)
     forms = {name: choice.form for name, choice in teeth.choices.items()}
     form = forms[design.contact.pinion_side]
-    told = None if form is None else form_figures(form)
+    figures = None if form is None else form_figures(form)
     return replace(
         train,
-        pairs=tuple(replace(pair, figures=told) for pair in train.pairs),
+        pairs=tuple(replace(pair, figures=figures) for pair in train.pairs),
         warnings=(*train.warnings, *form_warnings(design, forms), *longer_than_standard(design, teeth.cut.blank)),
     )
 
 
 def try_build(design: FaceMilledDesign) -> BevelTeeth:
-    """Fails where `build` does, and where only a chosen contact gives teeth."""
+    """Return teeth of a design in mm without a choice of the contact.
+
+    Raises as `build`, and also if teeth exist only with a chosen contact.
+    """
     return closing_teeth(_leant(design))
 
 
 def gear_part(design: FaceMilledDesign) -> ToolPart:
-    """The gear of a design in mm, without more of the pinion than it depends on. Raises as `build`."""
+    """Return the gear of a design in mm; of the pinion only the data on which the gear depends are computed.
+
+    Raises as `build`.
+    """
     return _part(cut_alone(design, "gear"))
 
 
 def pinion_part(design: FaceMilledDesign) -> ToolPart:
-    """The pinion of a design in mm, without a gear that it would fit. Raises as `build`."""
+    """Return the pinion of a design in mm; the gear need not fit it. Raises as `build`."""
     return _part(cut_alone(design, "pinion"))
 
 
 def cut_alone(design: FaceMilledDesign, name: str) -> CutAlone:
-    """The member "pinion" or "gear" of a design in mm, without more of the other than it depends on. Raises as `build`."""
+    """Return the member "pinion" or "gear" of a design in mm.
+
+    Of the other member only the data on which it depends are computed. Raises as `build`.
+    """
     radius = _straightest_radius(design)
     design = design.fill(radius) if radius else design
     if name == "pinion":
@@ -80,18 +93,21 @@ def cut_alone(design: FaceMilledDesign, name: str) -> CutAlone:
 
 
 def _part(made: CutAlone) -> ToolPart:
+    """Return a member with its warnings."""
     return ToolPart(made.cut.member, warnings=(*made.blank.warnings, *undercut_warnings(made.cut, made.blank)))
 
 
 def _leant(design: FaceMilledDesign) -> FaceMilledDesign:
-    """The design with tilt and swivel that it leaves out."""
+    """Return the design with tilt and swivel where it leaves them out."""
     leaning = _leaning(design)
     return design.fill(leaning) if leaning else design
 
 
 def left_to_geometry(design: FaceMilledDesign) -> dict[str, float]:
-    """Settings that only geometry knows, in the design's units, by dotted key: the radius of the straightest teeth, tilt and swivel
-    for a gear that is not generated, sliding bases of tilted cutters and of pairs with offset.
+    """Return settings that follow from the geometry, in the design's units, by dotted key.
+
+    They are the radius of the straightest teeth, tilt and swivel for a gear that is not generated, and sliding bases of
+    tilted cutters and of pairs with offset.
 
     Raises DesignError and NoSolutionError as `build`.
     """
@@ -102,31 +118,33 @@ def left_to_geometry(design: FaceMilledDesign) -> dict[str, float]:
 
 
 def _straightest_radius(design: FaceMilledDesign) -> dict[str, float]:
-    """Radius of the gear's cutter that a design with `straightest` leaves out, by dotted key: the largest that works.
+    """Return the largest possible radius of the gear's cutter for a design with `straightest`, by dotted key.
 
-    Raises as `build` where not even a cutter as large as the mean cone distance does.
+    The result is empty if the radius is given. Raises as `build` if even a cutter as large as the mean cone distance is
+    impossible.
     """
     cutter = design.gear.cutter
     if not cutter.straightest or cutter.tip_radius is not None:
         return {}
 
     def with_radius(radius: float) -> FaceMilledDesign:
-        return design.fill({STRAIGHT: radius})
+        return design.fill({STRAIGHT_KEY: radius})
 
     def works(logarithms: Array, _: NDArray[np.intp]) -> NDArray[np.bool_]:
         return np.array([_is_made(with_radius(float(radius))) for radius in np.exp(logarithms)])
 
     least = basic_blank(design.in_mm()).gear.mean_cone_distance / design.mm_per_unit
     try_build(with_radius(least).in_mm())
-    most = STRAIGHT_ENOUGH * least
+    most = MAX_RADIUS_SHARE * least
     if _is_made(with_radius(most)):
-        return {STRAIGHT: float(at_most(most))}
-    low, _ = last_true(works, np.log([least]), np.log([most]), rounds=STRAIGHT_ROUNDS)
-    return {STRAIGHT: float(at_most(max(least, STRAIGHT_SHARE * float(np.exp(low[0])))))}
+        return {STRAIGHT_KEY: float(at_most(most))}
+    # bisection over the logarithm of the radius
+    low, _ = last_true(works, np.log([least]), np.log([most]), rounds=RADIUS_HALVINGS)
+    return {STRAIGHT_KEY: float(at_most(max(least, KEPT_RADIUS_SHARE * float(np.exp(low[0])))))}
 
 
 def _is_made(design: FaceMilledDesign) -> bool:
-    """True where a design can be built."""
+    """Return True if a design can be built."""
     try:
         try_build(design.in_mm())
     except (DesignError, NoSolutionError):
@@ -135,12 +153,12 @@ def _is_made(design: FaceMilledDesign) -> bool:
 
 
 def _leaning(design: FaceMilledDesign) -> dict[str, float]:
-    """Tilt and swivel (deg) that are left out, by dotted key."""
-    own, angles = design.in_mm(), dict[str, float]()
+    """Return tilt and swivel (deg) that are left out, by dotted key."""
+    design_mm, angles = design.in_mm(), dict[str, float]()
     for name in BLADE_SIDES:
-        if own.leans(name):
-            blank, angle = basic_blank(own), float(np.radians(pinion_root_angle(own, name) or 0.0))
-            leant = upright_cutter(own, blank, gear_sides(own, blank)[MATING_SIDES[name]], angle)
+        if design_mm.leans(name):
+            blank, angle = basic_blank(design_mm), float(np.radians(pinion_root_angle(design_mm, name) or 0.0))
+            leant = upright_cutter(design_mm, blank, gear_sides(design_mm, blank)[MATING_SIDES[name]], angle)
             angles |= {
                 f"pinion.{name}.{key}": float(np.degrees(x)) for key, x in zip(("tilt", "swivel"), leant, strict=True)
             }
@@ -148,6 +166,7 @@ def _leaning(design: FaceMilledDesign) -> dict[str, float]:
 
 
 def _sliding_bases(design: FaceMilledDesign) -> dict[str, float]:
+    """Return the sliding bases that are left out, in the design's units, by dotted key."""
     members = design.pinion.concave, design.pinion.convex, design.gear.cutter
     open_bases = [np.isnan(spec.sliding_base) for spec in members]
     if not any(open_bases):

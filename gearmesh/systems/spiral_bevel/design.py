@@ -18,9 +18,10 @@ from gearmesh.design.shown import value_text
 from gearmesh.systems.kinds import KINDS
 from gearmesh.systems.spiral_bevel.iso23509.taper_names import TAPER_NAMES
 
-_SYNTHESIS = "derived: see gearmesh settings"
+#: default of settings that local synthesis or standard rules derive
+_SYNTHESIS_DEFAULT = "derived: see gearmesh settings"
 
-#: The key `edge_radius` of any head cutter.
+#: type of the key `edge_radius` of any head cutter
 EdgeRadius = Annotated[
     float | None,
     Key(
@@ -32,17 +33,22 @@ EdgeRadius = Annotated[
 ]
 
 
-#: largest part of an ease-off, mm
-MOST = 1.0
-#: orders of the polynomials in the cradle's rotation
-ORDERS = 6
-_TILT = "tilt i of the cutter's axis, 0 = parallel to the cradle axis; > 0 leans its end in the blank by the swivel"
-_THICKNESS = "mean normal circular thickness s_mn of the tooth as it is cut"
-_MOTION = "by the cradle's rotation q in rad: a1 q + a2 q^2 + ..."
+#: largest parameter of an ease-off, mm
+MAX_EASE_OFF_MM = 1.0
+#: highest order of the polynomials in the cradle's rotation
+MAX_MOTION_ORDER = 6
+#: description of the tilt
+_TILT_TEXT = (
+    "tilt i of the cutter's axis, 0 = parallel to the cradle axis; > 0 leans its end in the blank by the swivel"
+)
+#: description of the thickness
+_THICKNESS_TEXT = "mean normal circular thickness s_mn of the tooth as it is cut"
+#: description of the coefficients of a motion
+_MOTION_TEXT = "by the cradle's rotation q in rad: a1 q + a2 q^2 + ..."
 
 
 def _blade_angle(default: str, source: str = "") -> Key:
-    """The key of a blade's angle, whatever it is by default."""
+    """Return the key of a blade's angle with a given default."""
     return Key(
         "angle",
         "blade angle, between blade and cutter axis",
@@ -55,7 +61,7 @@ def _blade_angle(default: str, source: str = "") -> Key:
 
 
 class BladeTable(Table):
-    """One blade of a cutter, where it is not as the cutter's keys have it."""
+    """One blade of a cutter, for keys that differ from the cutter's keys."""
 
     blade_angle: Annotated[float | None, _blade_angle("that of the cutter")] = None
     blade_radius: Annotated[
@@ -82,30 +88,45 @@ class BladeTable(Table):
 
 
 class Machine(Table):
-    """Machine and cutter settings that every side has."""
+    """Machine and cutter settings of a side."""
 
     radial: Annotated[
-        float | None, Key("length", "radial setting S", low=0, above=True, default=_SYNTHESIS, source="[AB] (6), (53)")
+        float | None,
+        Key("length", "radial setting S", low=0, above=True, default=_SYNTHESIS_DEFAULT, source="[AB] (6), (53)"),
     ] = None
     cradle_angle: Annotated[
-        float | None, Key("angle", "cradle angle q", low=-180, high=180, default=_SYNTHESIS, source="[AB] (7), (53)")
+        float | None,
+        Key("angle", "cradle angle q", low=-180, high=180, default=_SYNTHESIS_DEFAULT, source="[AB] (7), (53)"),
     ] = None
     ratio_of_roll: Annotated[
         float | None,
-        Key("number", "cradle over blank", low=0, high=10, above=True, default=_SYNTHESIS, source="[AB] (4), (50)"),
+        Key(
+            "number",
+            "cradle over blank",
+            low=0,
+            high=10,
+            above=True,
+            default=_SYNTHESIS_DEFAULT,
+            source="[AB] (4), (50)",
+        ),
     ] = None
     machining_offset: Annotated[
         float | None,
         Key(
             "length",
             "blank offset E, > 0 towards the side of the cutter's centre",
-            default=_SYNTHESIS,
+            default=_SYNTHESIS_DEFAULT,
             source="[AB] (51)",
         ),
     ] = None
     machine_centre_to_back: Annotated[
         float | None,
-        Key("length", "machine centre beyond the apex, along the root line", default=_SYNTHESIS, source="[AB] (52)"),
+        Key(
+            "length",
+            "machine centre beyond the apex, along the root line",
+            default=_SYNTHESIS_DEFAULT,
+            source="[AB] (52)",
+        ),
     ] = None
     sliding_base: Annotated[float, Key("length", "blank withdrawn along the cradle axis", source="[AB] Fig. 4")] = 0.0
     machine_root_angle: Annotated[
@@ -118,7 +139,7 @@ class Machine(Table):
     modified_roll_c4: Annotated[float, Key("number", "modified roll, fourth order", low=-1, high=1)] = 0.0
     modified_roll_c5: Annotated[float, Key("number", "modified roll, fifth order", low=-1, high=1)] = 0.0
     modified_roll_c6: Annotated[float, Key("number", "modified roll, sixth order", low=-1, high=1)] = 0.0
-    tilt: Annotated[float, Key("angle", _TILT, low=-40, high=40, source="[LF04] 21")] = 0.0
+    tilt: Annotated[float, Key("angle", _TILT_TEXT, low=-40, high=40, source="[LF04] 21")] = 0.0
     swivel: Annotated[
         float,
         Key(
@@ -129,14 +150,20 @@ class Machine(Table):
             source="[LF04] 21",
         ),
     ] = 0.0
-    tilt_motion: Annotated[tuple[float, ...], Key("angle", f"added to tilt {_MOTION}", most=ORDERS)] = ()
-    swivel_motion: Annotated[tuple[float, ...], Key("angle", f"added to swivel {_MOTION}", most=ORDERS)] = ()
-    radial_motion: Annotated[tuple[float, ...], Key("length", f"added to radial {_MOTION}", most=ORDERS)] = ()
-    helical_motion: Annotated[tuple[float, ...], Key("length", f"added to sliding_base {_MOTION}", most=ORDERS)] = ()
-    vertical_motion: Annotated[
-        tuple[float, ...], Key("length", f"added to machining_offset {_MOTION}", most=ORDERS)
+    tilt_motion: Annotated[tuple[float, ...], Key("angle", f"added to tilt {_MOTION_TEXT}", most=MAX_MOTION_ORDER)] = ()
+    swivel_motion: Annotated[
+        tuple[float, ...], Key("angle", f"added to swivel {_MOTION_TEXT}", most=MAX_MOTION_ORDER)
     ] = ()
-    blade_angle: Annotated[float | None, _blade_angle(_SYNTHESIS, "[AB]")] = None
+    radial_motion: Annotated[
+        tuple[float, ...], Key("length", f"added to radial {_MOTION_TEXT}", most=MAX_MOTION_ORDER)
+    ] = ()
+    helical_motion: Annotated[
+        tuple[float, ...], Key("length", f"added to sliding_base {_MOTION_TEXT}", most=MAX_MOTION_ORDER)
+    ] = ()
+    vertical_motion: Annotated[
+        tuple[float, ...], Key("length", f"added to machining_offset {_MOTION_TEXT}", most=MAX_MOTION_ORDER)
+    ] = ()
+    blade_angle: Annotated[float | None, _blade_angle(_SYNTHESIS_DEFAULT, "[AB]")] = None
     blade_radius: Annotated[
         float, Key("length", "radius of a circular-arc blade, > 0 convex; 0 = straight blade", source="[AB] Table 4")
     ] = 0.0
@@ -159,10 +186,10 @@ class Machine(Table):
 
 
 class EaseOffTable(Table):
-    """Ease-off asked for, by the material that is missing on the pinion at the rims of its active flank against the conjugate.
+    """Requested ease-off: material missing on the pinion at the edges of its active flank against the conjugate flank.
 
-    e = pressure_angle y + spiral_angle x + profile_crowning y^2 + length_crowning x^2 + twist x y; x from -1 at the toe to 1 at
-    the heel, y from -1 where the gear's tip reaches to 1 at the pinion's tip.
+    e = pressure_angle y + spiral_angle x + profile_crowning y^2 + length_crowning x^2 + twist x y. x is -1 at the toe
+    and 1 at the heel. y is -1 as deep as the gear's tip reaches, and 1 at the pinion's tip.
     """
 
     pressure_angle: Annotated[
@@ -170,36 +197,57 @@ class EaseOffTable(Table):
         Key(
             "length",
             "material missing at the tip; as much in excess where the gear's tip reaches",
-            low=-MOST,
-            high=MOST,
+            low=-MAX_EASE_OFF_MM,
+            high=MAX_EASE_OFF_MM,
         ),
     ] = 0.0
     spiral_angle: Annotated[
-        float, Key("length", "material missing at the heel; as much in excess at the toe", low=-MOST, high=MOST)
+        float,
+        Key(
+            "length",
+            "material missing at the heel; as much in excess at the toe",
+            low=-MAX_EASE_OFF_MM,
+            high=MAX_EASE_OFF_MM,
+        ),
     ] = 0.0
     profile_crowning: Annotated[
-        float, Key("length", "material missing at tip and root, by a parabola over the height", low=-MOST, high=MOST)
+        float,
+        Key(
+            "length",
+            "material missing at tip and root, by a parabola over the height",
+            low=-MAX_EASE_OFF_MM,
+            high=MAX_EASE_OFF_MM,
+        ),
     ] = 0.0
     length_crowning: Annotated[
-        float, Key("length", "material missing at toe and heel, by a parabola along the face", low=-MOST, high=MOST)
+        float,
+        Key(
+            "length",
+            "material missing at toe and heel, by a parabola along the face",
+            low=-MAX_EASE_OFF_MM,
+            high=MAX_EASE_OFF_MM,
+        ),
     ] = 0.0
     twist: Annotated[
         float,
         Key(
-            "length", "material missing at heel tip and toe root, in excess in the other corners", low=-MOST, high=MOST
+            "length",
+            "material missing at heel tip and toe root, in excess in the other corners",
+            low=-MAX_EASE_OFF_MM,
+            high=MAX_EASE_OFF_MM,
         ),
     ] = 0.0
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
         if not self.model_fields_set:
-            # an empty table asks for the conjugate flank
+            # an empty table requests the conjugate flank
             self.model_fields_set.add("pressure_angle")
         return self
 
 
 class PinionSide(Machine):
-    """One side of the pinion: the contact asked for, and the settings that give it or are given instead."""
+    """One side of the pinion: the requested contact, and the settings that give it or are given instead."""
 
     ease_off: EaseOffTable | None = None
     sliding_base: Annotated[
@@ -215,7 +263,7 @@ class PinionSide(Machine):
         float,
         Key(
             "angle",
-            _TILT,
+            _TILT_TEXT,
             low=-40,
             high=40,
             default="0; where the gear is not generated the cutter is upright on the root line",
@@ -244,7 +292,8 @@ class PinionSide(Machine):
         ),
     ] = None
     tip_radius: Annotated[
-        float | None, Key("length", "cutter radius at the tip", low=0, above=True, default=_SYNTHESIS, source="[AB]")
+        float | None,
+        Key("length", "cutter radius at the tip", low=0, above=True, default=_SYNTHESIS_DEFAULT, source="[AB]"),
     ] = None
     index_angle: Annotated[
         float | None,
@@ -339,18 +388,18 @@ class PinionSide(Machine):
 
     @property
     def gives_roll(self) -> bool:
-        """Whether modified roll is given."""
-        return any(f"modified_roll_c{k}" in self.model_fields_set for k in range(2, ORDERS + 1))
+        """True if modified roll is given."""
+        return any(f"modified_roll_c{k}" in self.model_fields_set for k in range(2, MAX_MOTION_ORDER + 1))
 
     @property
     def moves_flank(self) -> bool:
-        """Whether settings or motions are given with which the flank need not pass through the mean point where it is cut."""
-        given = any(getattr(self, key) is not None for key in SYNTHESISED)
-        return given or any(any(getattr(self, key)[:1]) for key in MOTIONS)
+        """True if given settings or motions may move the flank away from the mean point when it is cut."""
+        given = any(getattr(self, key) is not None for key in SYNTHESISED_KEYS)
+        return given or any(any(getattr(self, key)[:1]) for key in MOTION_KEYS)
 
     @property
     def upright(self) -> bool:
-        """Whether the cutter's axis is the cradle's."""
+        """True if the cutter's axis is parallel to the cradle axis."""
         return self.tilt == 0.0
 
 
@@ -388,19 +437,19 @@ class GearCutter(Machine):
 
 
 class BevelBody(GearBody):
-    """The body of a bevel gear: between front and back cone, with a plane face at either end."""
+    """Body of a bevel gear: between front and back cone, with a plane face at either end."""
 
     web: Web | None = None
     holes: Holes | None = None
 
     @property
     def given_sides(self) -> tuple[str, ...]:
-        """Tables of the sides of the teeth whose flanks given machine settings move."""
+        """Tables of the sides of the teeth whose flanks are moved by given machine settings."""
         return ()
 
 
 class BevelMember(BevelBody):
-    """What both members have."""
+    """Keys of both members."""
 
     root_angle: Annotated[
         float | None,
@@ -429,12 +478,17 @@ class BevelMember(BevelBody):
 
 
 class BevelPinion(BevelMember):
-    """The pinion, each side by settings of its own."""
+    """The pinion, with settings for each side."""
 
     thickness: Annotated[
         float | None,
         Key(
-            "length", f"{_THICKNESS}: by index_angle", low=0, above=True, default="by the backlash", source="ISO 23509"
+            "length",
+            f"{_THICKNESS_TEXT}: by index_angle",
+            low=0,
+            above=True,
+            default="by the backlash",
+            source="ISO 23509",
         ),
     ] = None
     concave: PinionSide = PinionSide()
@@ -445,7 +499,7 @@ class BevelPinion(BevelMember):
         return tuple(f"pinion.{name}" for name in ("concave", "convex") if self.side(name).moves_flank)
 
     def side(self, name: str) -> PinionSide:
-        """The keys of a side of the pinion's teeth.
+        """Return the keys of a side of the pinion's teeth.
 
         Parameters
         ----------
@@ -473,7 +527,7 @@ class BevelGear(BevelMember):
         float | None,
         Key(
             "length",
-            f"{_THICKNESS}: by the cutter's point width",
+            f"{_THICKNESS_TEXT}: by the cutter's point width",
             low=0,
             above=True,
             default="by the blank and the backlash",
@@ -484,7 +538,7 @@ class BevelGear(BevelMember):
 
 
 class BevelAssembly(PairRunout):
-    """Positions of the members against their nominal ones: assembly errors."""
+    """Assembly errors: displacements of the members from their nominal positions."""
 
     dA: Annotated[
         float, Key("length", "pinion moved along its axis, away from the apex", source="[AB]; [CR3553] 3.5")
@@ -504,18 +558,18 @@ class BevelContact(ContactTable):
 
     @property
     def pinion_side(self) -> str:
-        """The pinion's side by its name alone."""
+        """Name of the side of the pinion, "concave" or "convex"."""
         return self.side.removeprefix("pinion_")
 
 
 class SpiralBevelContact(BevelContact):
-    """Contact of a pair that is cut, on one of the pinion's sides; the ease-off is asked of both."""
+    """Contact of a pair that is cut, on one of the pinion's sides; the ease-off is requested of both."""
 
     ease_off: EaseOffTable | None = None
 
 
 class BevelDesign(PairDesign):
-    """What all pairs of bevel gears have."""
+    """Keys of all pairs of bevel gears."""
 
     pinion: BevelBody
     gear: BevelBody
@@ -553,12 +607,16 @@ class BevelDesign(PairDesign):
         return {"module": "m_et", "diametral_pitch": "P_et"}
 
 
-#: how the members are cut: each flank of the pinion by a machine of its own or both at once; the gear both at once, rolling or not
-PROCESSES = ("fixed_setting", "completing", "formate_fixed", "formate_completing")
-COMPLETING, FORMATE = ("completing", "formate_completing"), ("formate_fixed", "formate_completing")
-#: keys of a blade, not of the machine; with those that ask for a contact: sides that are cut at once may differ in them
+#: processes: each flank of the pinion by its own machine, or both at once; the gear both at once, generated or not
+PROCESS_NAMES = ("fixed_setting", "completing", "formate_fixed", "formate_completing")
+#: processes that cut both flanks of the pinion at once
+COMPLETING_PROCESSES = ("completing", "formate_completing")
+#: processes that do not generate the gear
+FORMATE_PROCESSES = ("formate_fixed", "formate_completing")
+#: keys of a blade, not of the machine
 BLADE_KEYS = tuple(BladeTable.model_fields)
-OF_ONE_SIDE = (
+#: keys in which sides that are cut at once may differ: those of the blade, and those that request a contact
+ONE_SIDE_KEYS = (
     *BLADE_KEYS,
     "tip_radius",
     "mesh_angle",
@@ -568,10 +626,10 @@ OF_ONE_SIDE = (
     "semi_major_axis",
     "mean_offset",
 )
-#: mm by which lengths may differ that are the same: a hundred thousand times what solving settings of 100 mm rounds off
-SAME_LENGTH = 1e-9
-#: keys of a side of the pinion that leave nothing to local synthesis
-SYNTHESISED = (
+#: largest difference (mm) of lengths that count as equal: 1e5 times the rounding of solved settings of 100 mm
+MAX_LENGTH_ROUNDING_MM = 1e-9
+#: keys of a side of the pinion that, all given, leave nothing to local synthesis
+SYNTHESISED_KEYS = (
     "radial",
     "cradle_angle",
     "ratio_of_roll",
@@ -580,9 +638,10 @@ SYNTHESISED = (
     "blade_angle",
     "tip_radius",
 )
-#: the parameters of an ease-off, and what cannot be asked for beside them
-EASE_OFF = tuple(EaseOffTable.model_fields)
-INSTEAD_OF_EASE_OFF = (
+#: parameters of an ease-off
+EASE_OFF_KEYS = tuple(EaseOffTable.model_fields)
+#: keys that cannot be given together with an ease-off
+EASE_OFF_EXCLUDED_KEYS = (
     "te_at_change",
     "ratio_derivative",
     "path_angle",
@@ -590,22 +649,22 @@ INSTEAD_OF_EASE_OFF = (
     "mean_offset",
     "mean_shift",
 )
-MOTIONS = tuple(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical"))
-#: keys from which the backlash is derived, and those of tables on which no cone depends
-OF_BACKLASH = {"module", "diametral_pitch", "accuracy_grade", "units"}
-BESIDE_CONES = ("gearmesh.", "assembly.", "contact.", "mesh.", "material.", "fe.")
-#: what has no meaning for a machine that does not roll
-ROLLING = (
+#: keys of the polynomials in the cradle's rotation
+MOTION_KEYS = tuple(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical"))
+#: keys from which the backlash is derived
+BACKLASH_KEYS = {"module", "diametral_pitch", "accuracy_grade", "units"}
+#: keys and tables on which no cone depends
+KEYS_BESIDE_CONES = ("gearmesh.", "assembly.", "contact.", "mesh.", "material.", "fe.")
+#: keys without meaning for a machine that does not roll
+ROLLING_KEYS = (
     "ratio_of_roll",
-    *(f"modified_roll_c{k}" for k in range(2, ORDERS + 1)),
-    *MOTIONS,
+    *(f"modified_roll_c{k}" for k in range(2, MAX_MOTION_ORDER + 1)),
+    *MOTION_KEYS,
 )
 
 
 class FaceMilledDesign(BevelDesign):
-    """What pairs cut by face-milling head cutters have, with or without offset."""
-
-    #: sliding base with which an upright cutter of the pinion reaches the root cone, where it is the same for all designs
+    """Keys of all pairs cut by face-milling head cutters, with or without offset."""
 
     process: Annotated[
         str,
@@ -613,7 +672,7 @@ class FaceMilledDesign(BevelDesign):
             "choice",
             "pinion sides cut with a machine setting each (fixed_setting) or both in one cut (completing); formate: "
             "gear not generated",
-            choices=PROCESSES,
+            choices=PROCESS_NAMES,
         ),
     ] = "fixed_setting"
     backlash: Annotated[
@@ -696,12 +755,13 @@ class FaceMilledDesign(BevelDesign):
 
     @property
     def apex_base(self) -> float:
-        """Sliding base of cutters whose tips are to pass through the crossing point of the axes, where root cones have their apexes
-        there; else NaN."""
+        """Sliding base of cutters whose tips pass through the crossing point of the axes; NaN unless root cones have
+        their apex there.
+        """
         return DERIVED
 
     def ease_off(self, name: str) -> EaseOffTable | None:
-        """The ease-off that is asked of a side of the pinion: its own, or that of both.
+        """Return the requested ease-off of a side of the pinion: the side's table, or the table for both sides.
 
         Parameters
         ----------
@@ -711,7 +771,7 @@ class FaceMilledDesign(BevelDesign):
         Returns
         -------
         EaseOffTable or None
-            None where none is asked for.
+            None if no ease-off is requested.
 
         Examples
         --------
@@ -722,7 +782,7 @@ class FaceMilledDesign(BevelDesign):
         return self.contact.ease_off if own is None else own
 
     def ease_off_key(self, name: str) -> str:
-        """The key of the ease-off that is asked of a side of the pinion.
+        """Return the key of the requested ease-off of a side of the pinion.
 
         Parameters
         ----------
@@ -732,7 +792,7 @@ class FaceMilledDesign(BevelDesign):
         Returns
         -------
         str
-            Dotted.
+            Dotted key.
 
         Examples
         --------
@@ -752,53 +812,55 @@ class FaceMilledDesign(BevelDesign):
             del tables["backlash"]
         for name in ("concave", "convex"):
             if self.ease_off(name) is not None:
-                # the defaults of what an ease-off takes the place of
+                # without the defaults of keys that an ease-off replaces
                 side = tables["pinion"][name]
-                tables["pinion"][name] = {key: side[key] for key in side if key not in INSTEAD_OF_EASE_OFF}
+                tables["pinion"][name] = {key: side[key] for key in side if key not in EASE_OFF_EXCLUDED_KEYS}
         return tables
 
     @property
     def completing(self) -> bool:
-        """Whether both sides of the pinion are cut at once."""
-        return self.process in COMPLETING
+        """True if both sides of the pinion are cut at once."""
+        return self.process in COMPLETING_PROCESSES
 
     @property
     def indexed(self) -> bool:
-        """Whether the pinion's tooth is as thick as index angles or its thickness have it, not as the backlash does."""
+        """True if index angles or a given thickness, and not the backlash, determine the thickness of the pinion's
+        teeth.
+        """
         angles = [self.pinion.side(name).index_angle for name in ("concave", "convex")]
         return self.pinion.thickness is not None or any(angle is not None for angle in angles)
 
     @property
     def formate(self) -> bool:
-        """Whether the gear is not generated."""
-        return self.process in FORMATE
+        """True if the gear is not generated."""
+        return self.process in FORMATE_PROCESSES
 
     @model_validator(mode="before")
     @classmethod
     def _as_the_other_side(cls, data: Any) -> Any:
-        """Both sides of a pinion that are cut at once have the settings that either gives."""
+        """Copy settings given for one side to the other if both sides of the pinion are cut at once."""
         pinion = data.get("pinion") if isinstance(data, dict) else None
-        if not (isinstance(pinion, dict) and str(data.get("process", "")) in COMPLETING):
+        if not (isinstance(pinion, dict) and str(data.get("process", "")) in COMPLETING_PROCESSES):
             return data
         sides = {name: pinion.get(name, {}) for name in ("concave", "convex")}
         if not all(isinstance(side, dict) for side in sides.values()):
             return data
-        shared = {key: value for side in sides.values() for key, value in side.items() if key not in OF_ONE_SIDE}
+        shared = {key: value for side in sides.values() for key, value in side.items() if key not in ONE_SIDE_KEYS}
         return {**data, "pinion": {**pinion, **{name: {**shared, **side} for name, side in sides.items()}}}
 
     @model_validator(mode="after")
     def _one_machine(self) -> Self:
-        """Both sides that are cut at once have one machine, all of it given."""
+        """Refuse sides cut at once with different or missing machine settings."""
         if not self.completing:
             return self
         first, second = self.pinion.concave.plain(), self.pinion.convex.plain()
-        for key in sorted((first.keys() | second.keys()) - {*OF_ONE_SIDE}):
+        for key in sorted((first.keys() | second.keys()) - {*ONE_SIDE_KEYS}):
             one, other = first.get(key), second.get(key)
             if not self._alike(key, one, other):
                 why = f'process = "{self.process}" cuts both sides at once; allowed is pinion.concave.{key} = {value_text(one)}'
                 raise conflict(f"pinion.convex.{key}", other, reason=why)
         for name in ("concave", "convex"):
-            for key in SYNTHESISED:
+            for key in SYNTHESISED_KEYS:
                 if getattr(self.pinion.side(name), key) is None:
                     why = f'missing; process = "{self.process}" derives no settings of the pinion: give them all'
                     raise conflict(f"pinion.{name}.{key}", None, reason=why)
@@ -806,7 +868,9 @@ class FaceMilledDesign(BevelDesign):
         return self
 
     def _refuse_crossed_blades(self) -> None:
-        """Refuse blades of one cutter that cross: its outside blade cuts the concave side, its inside blade the convex one."""
+        """Refuse blades of one cutter that cross: the outside blade cuts the concave side, the inside blade the convex
+        side.
+        """
         outside, inside = self.pinion.concave.tip_radius, self.pinion.convex.tip_radius
         if outside is None or inside is None or outside > inside:
             return
@@ -821,16 +885,16 @@ class FaceMilledDesign(BevelDesign):
         )
 
     def _alike(self, key: str, one: Any, other: Any) -> bool:
-        """Whether a setting is the same on both sides: lengths, in the design's unit, but for rounding."""
+        """Return True if a setting is equal on both sides; lengths are compared up to rounding."""
         of_key = self.pinion.concave.key_of(key)
         if of_key is not None and of_key.unit == "length" and isinstance(one, float) and isinstance(other, float):
             apart = abs(one - other) * self.mm_per_unit
-            return apart <= SAME_LENGTH or (math.isnan(one) and math.isnan(other))
+            return apart <= MAX_LENGTH_ROUNDING_MM or (math.isnan(one) and math.isnan(other))
         return bool(one == other or (one != one and other != other))
 
     @model_validator(mode="after")
     def _thickness_alone(self) -> Self:
-        """A thickness that is given excludes other keys that determine it."""
+        """Refuse other keys that determine a given thickness."""
         given = self.pinion.thickness
         if self.gear.thickness is not None and self.gear.cutter.point_width is not None:
             why = "cannot be given together with gear.cutter.point_width"
@@ -853,12 +917,15 @@ class FaceMilledDesign(BevelDesign):
 
     @property
     def gear_backlash(self) -> float:
-        """Normal backlash (in the design's units) by which the gear is thinned: that of the pair, or of a pinion whose thickness is
-        given the one that it would have else."""
+        """Normal backlash (in the design's units) by which the gear is thinned.
+
+        It is the backlash of the pair, or the default backlash if the thickness of the pinion is given.
+        """
         return given_or(self.backlash, self._suggested_backlash)
 
     @property
     def _suggested_backlash(self) -> float:
+        """Default normal backlash by module and grade of accuracy, in the design's units."""
         from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_backlash
 
         mm = self.mm_per_unit
@@ -866,10 +933,10 @@ class FaceMilledDesign(BevelDesign):
 
     @model_validator(mode="after")
     def _standing(self) -> Self:
-        """A gear that is not generated has nothing that rolls."""
+        """Refuse keys of rolling for a gear that is not generated."""
         if not self.formate:
             return self
-        for key in ROLLING:
+        for key in ROLLING_KEYS:
             value = getattr(self.gear.cutter, key)
             if value:
                 raise conflict(
@@ -884,12 +951,12 @@ class FaceMilledDesign(BevelDesign):
 
     @model_validator(mode="after")
     def _ease_off_alone(self) -> Self:
-        """An ease-off says all of the contact, and settings follow from it."""
+        """Refuse other keys of the contact, and complete settings, beside an ease-off."""
         for name in ("concave", "convex"):
             if self.ease_off(name) is None:
                 continue
             side, asked = self.pinion.side(name), self.ease_off_key(name)
-            for key in INSTEAD_OF_EASE_OFF:
+            for key in EASE_OFF_EXCLUDED_KEYS:
                 if key in side.model_fields_set and getattr(side, key) is not None:
                     raise conflict(
                         f"pinion.{name}.{key}", getattr(side, key), reason=f"cannot be given together with {asked}"
@@ -901,24 +968,26 @@ class FaceMilledDesign(BevelDesign):
             if self.mean_point == "cradle_zero":
                 why = f'cannot be given together with {asked}; allowed is "mean_cone_distance"'
                 raise conflict("mean_point", self.mean_point, reason=why)
-            if all(getattr(side, key) is not None for key in SYNTHESISED):
+            if all(getattr(side, key) is not None for key in SYNTHESISED_KEYS):
                 why = f"pinion.{name} already gives all settings; leave the ease-off out, or some of the settings"
                 raise conflict(asked, None, reason=why)
         return self
 
     def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:
         if dotted == "backlash":
-            return not OF_BACKLASH & values.keys()
-        # a sliding base is that of the cones; machine settings that are given with them, as a sheet has them, are of the old one
+            return not BACKLASH_KEYS & values.keys()
+        # a sliding base belongs to the cones; machine settings given together, as on a sheet, belong to the old one
         whole = any(key.endswith(".radial") for key in values)
         if dotted == "gear.cutter.tip_radius":
-            return all(f"{key}.".startswith(BESIDE_CONES) for key in values)
+            return all(f"{key}.".startswith(KEYS_BESIDE_CONES) for key in values)
         return (
-            whole or not dotted.endswith(".sliding_base") or all(f"{key}.".startswith(BESIDE_CONES) for key in values)
+            whole
+            or not dotted.endswith(".sliding_base")
+            or all(f"{key}.".startswith(KEYS_BESIDE_CONES) for key in values)
         )
 
     def leans(self, name: str) -> bool:
-        """Whether tilt and swivel of a side of the pinion are still to be derived: for a gear that is not generated.
+        """Return True if tilt and swivel of a side of the pinion are to be derived, for a gear that is not generated.
 
         Parameters
         ----------
@@ -928,7 +997,7 @@ class FaceMilledDesign(BevelDesign):
         Returns
         -------
         bool
-            Whether they are.
+            True if they are to be derived.
 
         Examples
         --------
@@ -937,13 +1006,13 @@ class FaceMilledDesign(BevelDesign):
         """
         own = self.pinion.side(name)
         left = math.isnan(own.tilt) and math.isnan(own.swivel)
-        return self.formate and left and any(getattr(own, key) is None for key in SYNTHESISED)
+        return self.formate and left and any(getattr(own, key) is None for key in SYNTHESISED_KEYS)
 
     def derived_values(self) -> dict[str, float]:
-        """Backlash, tilt, swivel and sliding bases that the file leaves out.
+        """Return backlash, tilt, swivel and sliding bases that the file leaves out.
 
-        But for what only geometry knows: sliding bases of tilted cutters, and how they lean for a gear that is not generated. Both
-        sides of the pinion are cut to one depth.
+        Values that need the geometry are not included: sliding bases of tilted cutters, and their tilt and swivel for a
+        gear that is not generated. Both sides of the pinion are cut to one depth.
 
         Returns
         -------

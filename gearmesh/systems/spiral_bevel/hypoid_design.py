@@ -1,4 +1,4 @@
-"""Design of a hypoid pair: bevel gears whose axes are offset, the blank by method 1 of ISO 23509."""
+"""Design of a hypoid pair: bevel gears with offset axes; the blank follows method 1 of ISO 23509."""
 
 from __future__ import annotations
 

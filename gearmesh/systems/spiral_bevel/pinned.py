@@ -1,4 +1,4 @@
-"""What bevel pairs leave to their build: the settings of the sheet, and the proportions of the blank."""
+"""Values that bevel pairs leave to their build: settings of the sheet, and proportions of the blank."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import factors
-from gearmesh.systems.spiral_bevel.design import OF_ONE_SIDE
+from gearmesh.systems.spiral_bevel.design import ONE_SIDE_KEYS
 from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_thickness_factor
 from gearmesh.systems.spiral_bevel.sheet.sheet import edge_radius, settings_sheet
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def settings_values(design: FaceMilledDesign, train: GearTrain) -> Values:
-    """Of a complete design in mm and the gear set built of it."""
+    """Return the values of a complete design in mm and its gear set."""
     sheet, made = settings_sheet(design, train), bevel_teeth(design)
     blank, given = made.cut.blank, made.proportions
     depth, share = factors(given, blank)
@@ -48,17 +48,17 @@ def settings_values(design: FaceMilledDesign, train: GearTrain) -> Values:
 
 
 def _one_machine(values: Values) -> Values:
-    """Settings of sides that are cut at once, to the last digit those of the concave side."""
+    """Return values in which sides cut at once have equal settings to the last digit, those of the concave side."""
     return {
         key: values.get(f"pinion.concave.{leaf}", value)
-        if key.startswith("pinion.convex.") and (leaf := key.rpartition(".")[2]) not in OF_ONE_SIDE
+        if key.startswith("pinion.convex.") and (leaf := key.rpartition(".")[2]) not in ONE_SIDE_KEYS
         else value
         for key, value in values.items()
     }
 
 
 def conjugate_values(design: ConjugateDesign, train: GearTrain) -> Values:
-    """Of a complete conjugate design in mm and the gear set built of it: the face width, and edge radii as they fit."""
+    """Return the values of a complete conjugate design in mm and its gear set: face width, and edge radii as they fit."""
     toe, heel = train.members["gear"].tooth.blank.faces
     values: Values = {"face_width": heel - toe}
     for name, member in train.members.items():

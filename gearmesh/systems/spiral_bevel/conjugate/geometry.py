@@ -1,14 +1,15 @@
 """Conjugate spiral bevel gears in closed form: Geometry I and II of [CR3553] chapter 2.
 
-Two generating surfaces, F for the pinion and K for the gear, are rigidly connected and turn about the axis of a crown
+Two generating surfaces, F for the pinion and K for the gear, are rigidly connected. They turn about the axis of a crown
 gear whose pitch plane contains the common pitch line. Geometry I: two cones touch along a generatrix, and the contact
 moves across the tooth. Geometry II: a cone (K) and a surface of revolution (F) touch along a circle, and the contact
 moves along the tooth.
 
-Frame S_f: origin at the pitch apex, z along the pitch line from the apex to the heel, x along the crown gear's axis on
-the gear's side, y as in the pinion's frame. The formulas are for a left-hand pinion's convex side (psi_c > 0). The
-concave side has psi_c < 0; a right-hand pinion is the mirror image in y. Lengths in mm, angles in rad. phi_d (...,) is
-the rotation of the generating surfaces: phi_1 = phi_d / sin(gamma_1), phi_2 = phi_d / sin(gamma_2) [2.3.2, 2.3.4].
+Frame S_f: the origin is the pitch apex, z is along the pitch line from the apex to the heel. x is along the crown
+gear's axis on the gear's side, y as in the pinion's frame. The formulas are for a left-hand pinion's convex side (psi_c
+> 0). The concave side has psi_c < 0; a right-hand pinion is the mirror image in y. Lengths in mm, angles in rad. phi_d
+(...,) is the rotation of the generating surfaces: phi_1 = phi_d / sin(gamma_1), phi_2 = phi_d / sin(gamma_2) [2.3.2,
+2.3.4].
 """
 
 from __future__ import annotations

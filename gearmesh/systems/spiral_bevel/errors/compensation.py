@@ -19,7 +19,7 @@ from gearmesh.kernel.numeric.algebra import AXIS
 from gearmesh.kernel.surface.curvature import shape_operator, tangent_basis
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.systems.spiral_bevel.build import build
-from gearmesh.systems.spiral_bevel.design import SYNTHESISED
+from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS
 from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash, pinion_places
 from gearmesh.systems.spiral_bevel.machine.pair import (
     BLADE_SIDES,
@@ -99,7 +99,7 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
         after = {**values, **kept}
         made[name] = side_of(free, blank, name, values, given_roll(spec))
         for key in (
-            *SYNTHESISED,
+            *SYNTHESISED_KEYS,
             *(["blade_height"] if spec.blade_radius else []),
             *([] if spec.upright else ["sliding_base"]),
             *kept,

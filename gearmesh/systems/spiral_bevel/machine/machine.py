@@ -1,8 +1,9 @@
 r"""The universal bevel gear machine: a tilted cutter on a cradle, over a blank that rolls with the cradle or is fixed.
 
-Machine frame, seen from the member: x along the machine root line from the apex to the heel, z along the cradle axis
-from the cutter into the blank, y as in the member's frame. The cradle turns about z and the blank about its axis in the
-same sense. The machine of a left-hand member is the mirror image (y reversed) of a right-hand machine [AB Figs. 3-5].
+Machine frame, seen from the member: x is along the machine root line from the apex to the heel, y as in the member's
+frame. z is along the cradle axis from the cutter into the blank. The cradle turns about z and the blank about its axis
+in the same sense. The machine of a left-hand member is the mirror image (y reversed) of a right-hand machine
+[AB Figs. 3-5].
 
     y ^          ^ j = 0
       |           \

@@ -17,7 +17,7 @@ from gearmesh.systems.common.symbol_table import table, tables_of
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank, Proportions
 from gearmesh.systems.spiral_bevel.blank.cone_blank import ConeData, cone_dimensions
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTOR_KEYS
-from gearmesh.systems.spiral_bevel.design import SYNTHESISED, SpiralBevelDesign
+from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
 from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash
@@ -94,7 +94,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
             ("pinion.convex", pinion["convex"]),
             ("gear.cutter", gear["concave"]),
         )
-        for key in (*SYNTHESISED, "blade_height")
+        for key in (*SYNTHESISED_KEYS, "blade_height")
         if not (design.formate and prefix == "gear.cutter" and key == "ratio_of_roll")
     }
     values |= {

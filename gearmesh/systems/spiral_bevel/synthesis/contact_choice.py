@@ -25,7 +25,7 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
-from gearmesh.systems.spiral_bevel.design import ORDERS, SYNTHESISED
+from gearmesh.systems.spiral_bevel.design import MAX_MOTION_ORDER, SYNTHESISED_KEYS
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.contact_preview import ContactPreview, ContactPreviews
 from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_choice
@@ -82,7 +82,7 @@ def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Co
         return first
     key, named = f"pinion.{name}", ("path_angle", "mean_offset", "mean_shift", "semi_major_axis", "ratio_derivative")
     free = {stem for stem in named if not design.sets(f"{key}.{stem}")}
-    if not any(design.sets(f"{key}.modified_roll_c{k}") for k in range(2, ORDERS + 1)):
+    if not any(design.sets(f"{key}.modified_roll_c{k}") for k in range(2, MAX_MOTION_ORDER + 1)):
         free.add("roll")
     return _Search(ContactPreviews(design, blank, name), frozenset(free)).best(first)
 
@@ -94,7 +94,7 @@ def chooses(design: FaceMilledDesign, name: str) -> bool:
     """
     if design.ease_off(name) is not None:
         return False
-    given = all(getattr(design.pinion.side(name), setting) is not None for setting in SYNTHESISED)
+    given = all(getattr(design.pinion.side(name), setting) is not None for setting in SYNTHESISED_KEYS)
     return not (given or design.completing or design.mean_point != "mean_cone_distance")
 
 

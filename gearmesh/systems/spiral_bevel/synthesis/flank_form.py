@@ -36,7 +36,7 @@ from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
 from gearmesh.systems.spiral_bevel.conjugate.flank import ActiveFlank, ConjugateFlank
-from gearmesh.systems.spiral_bevel.design import EASE_OFF, SYNTHESISED, PinionSide
+from gearmesh.systems.spiral_bevel.design import EASE_OFF_KEYS, SYNTHESISED_KEYS, PinionSide
 from gearmesh.systems.spiral_bevel.machine.pair import HAND_SIGNS, MATING_SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import MeanContact, conjugate_operator
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
@@ -97,7 +97,7 @@ def form_choice(design: FaceMilledDesign, blank: BevelBlank, name: str, target: 
     settings give the ease-off at the mean point.
     """
     conjugate = ConjugateFlank.of(design, blank, name)
-    wanted = np.array([getattr(target, key) for key in EASE_OFF])
+    wanted = np.array([getattr(target, key) for key in EASE_OFF_KEYS])
     at_middle = ContactChoice(
         contact_asked(design, blank, name),
         conjugate.height - 0.5 * blank.mean_depth,
@@ -106,7 +106,7 @@ def form_choice(design: FaceMilledDesign, blank: BevelBlank, name: str, target: 
     gear, base = gear_sides(design, blank)[MATING_SIDES[name]], nominal_base(blank, HAND_SIGNS[design.hand])
     contact = mean_point(design, blank, gear, base, at_middle).contact
     start, spec = _start(design, blank, name, at_middle, contact, wanted), design.pinion.side(name)
-    keys = tuple(key for key in SYNTHESISED if getattr(spec, key) is None)
+    keys = tuple(key for key in SYNTHESISED_KEYS if getattr(spec, key) is None)
     exists = conjugate.exists
     least = float((terms(conjugate.along[exists], conjugate.up[exists]) @ wanted).min())
     # the flank is turned until its point with the least ease-off is on the conjugate flank
@@ -184,7 +184,7 @@ def _start(
     except NoSolutionError:
         values = synthesise(design, blank, name, contact, choice.asked)
     spec = design.pinion.side(name)
-    given = {key: getattr(spec, key) for key in (*SYNTHESISED, "blade_height") if getattr(spec, key) is not None}
+    given = {key: getattr(spec, key) for key in (*SYNTHESISED_KEYS, "blade_height") if getattr(spec, key) is not None}
     # the sliding base of a tilted cutter follows from the other settings
     base = values["sliding_base"] if spec.upright else spec.sliding_base
     return {**values, **given, "sliding_base": base}
@@ -289,7 +289,7 @@ class _Fit:
             wanted=grids[0],
             reached=grids[1],
             away=float(away),
-            parameters=dict(zip(EASE_OFF, map(float, five), strict=True)),
+            parameters=dict(zip(EASE_OFF_KEYS, map(float, five), strict=True)),
         )
 
     def cut(self, q: Array) -> Envelope:
@@ -351,7 +351,7 @@ class _Fit:
     def _can_be(self, q: Array) -> bool:
         """Return True if a design may have these settings; least squares take back a step beyond them."""
         values, _ = self._settings(q)
-        keys = {key: PinionSide.key_of(key) for key in SYNTHESISED}
+        keys = {key: PinionSide.key_of(key) for key in SYNTHESISED_KEYS}
         return all(
             key is not None and key.low < values[name] <= key.high
             for name, key in keys.items()

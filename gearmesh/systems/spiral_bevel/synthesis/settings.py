@@ -23,7 +23,7 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, Proportions, roots_through_apex, tapered_blank
 from gearmesh.systems.spiral_bevel.blank.cone_blank import ConeData, OffsetData, cone_blank
-from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, ORDERS, SYNTHESISED, SpiralBevelDesign
+from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, MAX_MOTION_ORDER, SYNTHESISED_KEYS, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import machine_axes, root_normal, turned_after_cut
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
@@ -374,7 +374,7 @@ def _roll_of(spec: PinionSide, choice: ContactChoice) -> tuple[float, ...]:
 
 def given_roll(spec: Machine) -> tuple[float, ...]:
     """Return the coefficients of modified roll of a design from the second order on."""
-    return tuple(getattr(spec, f"modified_roll_c{k}") for k in range(2, ORDERS + 1))
+    return tuple(getattr(spec, f"modified_roll_c{k}") for k in range(2, MAX_MOTION_ORDER + 1))
 
 
 def pinion_root_angle(design: FaceMilledDesign, name: str) -> float | None:
@@ -409,8 +409,8 @@ def pinion_values(
     if choice.form is not None:
         return choice.form.values
     spec = design.pinion.side(name)
-    values = {key: getattr(spec, key) for key in (*SYNTHESISED, "blade_height")}
-    if any(values[key] is None for key in SYNTHESISED):
+    values = {key: getattr(spec, key) for key in (*SYNTHESISED_KEYS, "blade_height")}
+    if any(values[key] is None for key in SYNTHESISED_KEYS):
         derived = synthesise(design, blank, name, contact, choice.asked)
     else:
         derived = {"blade_height": 0.5 * blank.mean_depth}
@@ -533,7 +533,7 @@ def longer_than_standard(design: FaceMilledDesign, blank: BevelBlank) -> tuple[s
         f"short for the flanks to separate by contact.delta = {design.contact.delta:.4g} mm"
         for name in BLADE_SIDES
         if length > standard
-        and any(getattr(design.pinion.side(name), key) is None for key in SYNTHESISED)
+        and any(getattr(design.pinion.side(name), key) is None for key in SYNTHESISED_KEYS)
         and design.pinion.side(name).semi_major_axis is None
         and design.ease_off(name) is None
     )
