@@ -18,7 +18,7 @@ import numpy as np
 
 from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, plan, samples
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.motion.joint import REVOLUTE
+from gearmesh.kernel.motion.joint import REVOLUTE_JOINT
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.numeric.splines import control_net, knots_of, tensor_product
@@ -173,7 +173,7 @@ class SplineTooth:
     def arc_width(self, i: int, row: int) -> float:
         """Angle (rad) from where link i begins to where it ends at one of the bounds, less than half a turn either way."""
         start, end = (float(np.arctan2(r[1], r[0])) for r in (self.corner(k, row) for k in (i, i + 1)))
-        return float(REVOLUTE.within(np.array(end - start)))
+        return float(REVOLUTE_JOINT.within(np.array(end - start)))
 
     def place(self, half: HalfGear) -> SplineTooth:
         """The first half's tooth in another row, from its own toe to its heel."""

@@ -21,7 +21,7 @@ from gearmesh.check.heightfield import Field, HeightFlank, Rays, along, as_flank
 from gearmesh.check.touch import first_touch
 from gearmesh.check.windings import WoundTouch, in_mesh, middle, windings
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.joint import REVOLUTE, Joint
+from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
@@ -184,7 +184,9 @@ def _no_map() -> tuple[Array, Array]:
 # --- first touch ------------------------------------------------------------------------------------------------------
 
 
-def arcs_over(flank: HeightFlank, own_to_base: Rigid, sense: float, side: float, joint: Joint = REVOLUTE) -> Field:
+def arcs_over(
+    flank: HeightFlank, own_to_base: Rigid, sense: float, side: float, joint: Joint = REVOLUTE_JOINT
+) -> Field:
     """A flank over circles about the gear's axis, or the lines along which it slides; heights grow the way the gear is pushed."""
     x, y, _ = own_to_base.point(flank.points).mean(axis=0)
     return flank.over(along(joint, sense, float(np.arctan2(y, x))), own_to_base, side)

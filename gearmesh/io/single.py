@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from gearmesh.io.digits import VERTEX_STEPS_PER_MM, vertices_on_grid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.numeric.grid import BORDER
+from gearmesh.kernel.numeric.grid import ROUND_UP_FRACTION
 from gearmesh.mesh.triangles import Facets, TriangleMesh
 
 Indices = NDArray[np.int64]
@@ -78,7 +78,7 @@ def in_decimals(mesh: Facets) -> Facets:
 
 def decimal_steps(points: Array) -> Array:
     """Twice the largest distances (N, 3), mm, by which `in_decimals` moves coordinates (N, 3): a little more than a step."""
-    return 2.0 * BORDER * _Numbers(single=False).steps(points)
+    return 2.0 * ROUND_UP_FRACTION * _Numbers(single=False).steps(points)
 
 
 def in_single(mesh: Facets, unit: float = 1.0, finest: float = 0.0) -> Facets:

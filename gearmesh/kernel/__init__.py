@@ -1,1 +1,1 @@
-"""Mathematics without gears: frames, motions, what a surface is, envelopes, curvature, root finders."""
+"""Mathematics without gears: frames, motions, surfaces, envelopes, curvature, root finders."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Figures
 from gearmesh.kernel.motion.joint import Joint
-from gearmesh.kernel.motion.rigid import PARALLEL, Rigid
+from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc
 from gearmesh.kernel.surface.levels import station_normal
@@ -491,7 +491,7 @@ class GearPair:
         """
         first, second = (mount.sign * mount.axis for mount in self.mounts)
         across = float(np.linalg.norm(np.cross(first, second)))
-        return float(np.arctan2(across, -(first @ second))) if across > PARALLEL else 0.0
+        return float(np.arctan2(across, -(first @ second))) if across > MAX_SINE_OF_PARALLEL else 0.0
 
     @property
     def acute_angle(self) -> float:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.limiting_line import area_density, singular_at, zeros
-from gearmesh.kernel.motion.joint import REVOLUTE, Joint
+from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle
@@ -98,7 +98,7 @@ class SideLimits:
     lost: Array
     undercut_from: float
     lost_flank: LostFlank
-    joint: Joint = REVOLUTE
+    joint: Joint = REVOLUTE_JOINT
 
     @property
     def singular_radius(self) -> Array:
@@ -384,7 +384,7 @@ def land_of_width(
     tip: Level,
     stations: Array,
     width: float = 0.0,
-    joint: Joint = REVOLUTE,
+    joint: Joint = REVOLUTE_JOINT,
 ) -> tuple[Array, Array, Array]:
     """Where two flanks, prolonged, leave a top land of `width` (mm, arc in the section of the station).
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.kernel.motion.joint import REVOLUTE, Joint
+from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -25,7 +25,7 @@ class Mount:
     sign: float = 1.0
     zero: float = 0.0
     eccentricity: tuple[float, float] = (0.0, 0.0)
-    joint: Joint = REVOLUTE
+    joint: Joint = REVOLUTE_JOINT
 
     def at(self, phi: ArrayLike) -> Rigid:
         """Where the member is at a rotation.

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.envelope.limiting_line import area_density
-from gearmesh.kernel.motion.joint import REVOLUTE, Joint
+from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
@@ -104,7 +104,7 @@ class Tooth:
     blank: Blank
     tip_edge: TipEdge | None = None
     bottom: Bottom | None = None
-    joint: Joint = REVOLUTE
+    joint: Joint = REVOLUTE_JOINT
 
     @property
     def pitch_angle(self) -> float:

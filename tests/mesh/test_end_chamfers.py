@@ -13,7 +13,7 @@ from oracles.plane_curves import from_polylines
 import gearmesh as gm
 from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.joint import REVOLUTE
+from gearmesh.kernel.motion.joint import REVOLUTE_JOINT
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.mesh.deviation.bound import CHAMFER
@@ -228,7 +228,7 @@ def test_corners_at_a_root_that_touches_neither_fillet() -> None:
         assert tooth.joint.to(tooth.pitch_angle).point(r[0]) == pytest.approx(r[-1], abs=1e-8)
         a, b = np.hypot(r[:, 0], r[:, 1])[:, None] / up, np.tile(np.hypot(curve[:, 0], curve[:, 1]), 3) / up
         angles = np.arctan2(curve[:, 1], curve[:, 0]) + tooth.pitch_angle * np.array([[-1.0], [0.0], [1.0]])
-        turn = REVOLUTE.within(np.arctan2(r[:, 1], r[:, 0])[:, None] - angles.ravel())
+        turn = REVOLUTE_JOINT.within(np.arctan2(r[:, 1], r[:, 0])[:, None] - angles.ravel())
         apart = np.sqrt((a - b) ** 2 + 4.0 * a * b * np.sin(0.5 * up * turn) ** 2).min(axis=1)
         assert apart == pytest.approx(width, abs=1e-4)
 

@@ -15,7 +15,7 @@ from gearmesh.contact.fit.fit import NOTHING, Fit, centre_distance, fit
 from gearmesh.contact.fit.freeing import direction, freeing_shift
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.figures import Figures, figure
-from gearmesh.kernel.motion.rigid import PARALLEL
+from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair
 
@@ -299,7 +299,7 @@ def _remedy(pair: GearPair, fit: Fit) -> str:
             else f"; free with a centre distance of at most {bound}"
         )
     name = pair.gear.name
-    if abs(float(direction(pair) @ pair.gear.mount.axis)) > 1.0 - PARALLEL:
+    if abs(float(direction(pair) @ pair.gear.mount.axis)) > 1.0 - MAX_SINE_OF_PARALLEL:
         sense = "+z" if shift > 0.0 else "-z"
         return f"; to free it move the {name} {by} mm along its axis ({sense} of its own frame)"
     return f"; to free it move the axes {by} mm {'apart' if shift > 0.0 else 'together'}"

@@ -11,7 +11,7 @@ import numpy as np
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.zone import ContactZone, LimitLine, contact_zone, limit_lines
 from gearmesh.figures import Figures, figure
-from gearmesh.kernel.motion.rigid import PARALLEL
+from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.gear_train import GearPair
@@ -59,7 +59,7 @@ class ActionPlane:
         k = int(touching[len(touching) // 2])
         point, of_pinion = path.point[k], f"along the axis of the {pair.pinion.name} (mm)"
         over = cross(first.axis, second.axis)
-        if float(np.linalg.norm(over)) < PARALLEL:
+        if float(np.linalg.norm(over)) < MAX_SINE_OF_PARALLEL:
             normal = path.normal[k] - dot(path.normal[k], first.axis) * first.axis
             labels = (of_pinion, "along the line of action (mm)")
             origin = _foot(first.origin, first.axis, point)

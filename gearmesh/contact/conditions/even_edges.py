@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.conditions.meshing import Bound, Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, advances_of, at_positions, margins
 from gearmesh.contact.pair import NUMBERED, OF_CORNERS, Pair
-from gearmesh.kernel.motion.rigid import PARALLEL
+from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, turn
 
@@ -36,7 +36,7 @@ def to_middle(pair: Pair, phi1: Array, contacts: Contacts, number: int) -> None:
         turn(rotation, level.gradient(jet.r))
         for rotation, level, jet in zip(touch.turns, axial, touch.own, strict=True)
     ]
-    parallel = np.linalg.norm(cross(*along), axis=-1) < PARALLEL
+    parallel = np.linalg.norm(cross(*along), axis=-1) < MAX_SINE_OF_PARALLEL
     # the face that both have, from the contact, in the sense of the pinion's stations
     stations = [level.value(jet.r) for level, jet in zip(axial, touch.own, strict=True)]
     ends = [np.sort(flank.extent)[:, None] - station for flank, station in zip(pair.flanks, stations, strict=True)]

@@ -32,7 +32,7 @@ from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.fit.clearance import Clearance, tip_clearance
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import FILLET, HAS_FILLET, PARTS, Pair
-from gearmesh.kernel.motion.rigid import PARALLEL
+from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 from gearmesh.teeth.gear_train import GearPair
@@ -362,7 +362,9 @@ def reversed_pair(pair: GearPair) -> GearPair:
 def centre_distance(pair: GearPair) -> float | None:
     """Distance (mm) between parallel axes of rotation, None where they are not parallel or a member has none."""
     first, second = pair.mounts
-    if float(np.linalg.norm(np.cross(first.spin, second.spin))) >= PARALLEL * abs(float(first.spin @ second.spin)):
+    if float(np.linalg.norm(np.cross(first.spin, second.spin))) >= MAX_SINE_OF_PARALLEL * abs(
+        float(first.spin @ second.spin)
+    ):
         return None
     return _off_axis(second.origin - first.origin, first.axis)
 

@@ -27,7 +27,7 @@ from gearmesh.contact.fit.fit import (
     slack_of,
 )
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.kernel.motion.rigid import PARALLEL, Rigid
+from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.effort import Effort, EffortSpentError, limit_effort
 from gearmesh.teeth.gear_train import GearPair
@@ -58,7 +58,7 @@ def direction(pair: GearPair) -> Array:
     common, between = np.cross(first.axis, second.axis), second.origin - first.origin
     length = float(np.linalg.norm(common))
     along = (between @ first.axis) * first.axis
-    across = between - along if length < PARALLEL else (between @ common) * common / length**2
+    across = between - along if length < MAX_SINE_OF_PARALLEL else (between @ common) * common / length**2
     apart = float(np.linalg.norm(across))
     return across / apart if apart > APART else second.axis
 

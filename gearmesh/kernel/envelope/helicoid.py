@@ -1,6 +1,6 @@
-"""Helicoids: what a curve sweeps in a screw motion about the z axis, with its exact jet.
+"""Helicoids: surfaces swept by a curve in a screw motion about the z axis, with their exact jets.
 
-With the screw parameter P (mm/rad) and a curve c(p) with unit normals n(p) of the surface along it
+With the screw parameter P (mm/rad), a curve c(p) and the surface's unit normals n(p) along it:
 
     r(p, v) = Rz(v) c + P v e_z,   r_p = Rz c',   r_v = Rz (e_z x c + P e_z)
     n(p, v) = Rz(v) n,             n_p = Rz n',   n_v = Rz (e_z x n)
@@ -16,16 +16,21 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import AXIS, Array, about_axis, about_z, broadcast_pair, cross, dot
 from gearmesh.kernel.surface.surface import Jet
 
+#: factors of x, y and z in a reflection
 Signs = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Generatrix:
-    """Points of a curve, unit normals of the surface that it sweeps, and the derivatives of both by p, each (..., 3)."""
+    """Points of a curve, normals of the surface that it sweeps, and their derivatives, each (..., 3)."""
 
+    #: points of the curve, mm
     c: Array
+    #: unit normals of the swept surface
     n: Array
+    #: derivative of c with respect to p
     c_p: Array
+    #: derivative of n with respect to p
     n_p: Array
 
 
@@ -33,13 +38,14 @@ class GeneratingCurve(Protocol):
     """A curve p -> c(p) on a surface that is swept in a screw motion."""
 
     def at(self, p: Array) -> Generatrix:
-        """Points and normals at p (...,)."""
+        """Return points and normals at p (...,)."""
 
 
 def swept(c: Array, along: tuple[Array, Array], c_p: Array, screw: float) -> Generatrix:
-    """The generatrix of a curve with points c and derivatives c_p (..., 3); `along`: its unit tangents and their derivatives.
+    """Return the moved of a curve with points c and derivatives c_p (..., 3).
 
-    The normal is tangent x (e_z x c + P e_z), with P = `screw` in mm/rad.
+    `along` holds its unit tangents and their derivatives. The normal is tangent x (e_z x c + P e_z), with P = `screw`
+    in mm/rad.
     """
     (t, t_p), path = along, about_axis(c) + screw * AXIS
     normal = cross(t, path)
@@ -51,16 +57,17 @@ def swept(c: Array, along: tuple[Array, Array], c_p: Array, screw: float) -> Gen
 
 @dataclass(frozen=True)
 class Helicoid:
-    """The surface that a curve sweeps, parameters (p, v): that of the curve and the angle of the screw motion (rad).
+    """Surface swept by a curve; its parameters are p of the curve and the angle v of the screw motion (rad)."""
 
-    `screw`: axial advance (mm/rad), negative of left-hand threads. The curve is moved along the axis by `lift` (mm), and
-    reflected with its normals by `signs`, before it is swept; `outward` -1 turns the normals.
-    """
-
+    #: the swept curve with its normals
     curve: GeneratingCurve
+    #: axial advance (mm/rad), negative for left-hand threads
     screw: float
+    #: reflection of the curve and its normals before it is swept
     signs: Signs = (1.0, 1.0, 1.0)
+    #: -1 to reverse the normals
     outward: float = 1.0
+    #: displacement of the curve along the axis (mm), before the reflection
     lift: float = 0.0
 
     def jet(self, u: Array, v: Array) -> Jet:
@@ -68,22 +75,29 @@ class Helicoid:
         return self.sweep(self.curve.at(u), v)
 
     def sweep(self, at: Generatrix, v: Array) -> Jet:
-        """Jet where points of the curve are swept to, at angles v (...,)."""
-        own = np.empty((4, *at.c.shape))
-        own[0], own[1], own[2], own[3] = at.c + self.lift * AXIS, at.c_p, self.outward * at.n, self.outward * at.n_p
-        r, r_u, n, n_u = about_z(np.cos(v), np.sin(v), np.array(self.signs) * own)
+        """Return the jet of points of the curve after the screw motion by angles v (...,)."""
+        moved = np.empty((4, *at.c.shape))
+        moved[0], moved[1], moved[2], moved[3] = (
+            at.c + self.lift * AXIS,
+            at.c_p,
+            self.outward * at.n,
+            self.outward * at.n_p,
+        )
+        r, r_u, n, n_u = about_z(np.cos(v), np.sin(v), np.array(self.signs) * moved)
         rise = self.screw * AXIS
         return Jet(r + v[..., None] * rise, n, r_u, about_axis(r) + rise, n_u, about_axis(n))
 
     def axial_section(self, p: Array) -> tuple[Array, Array]:
-        """Points (..., 2) and unit normals (..., 2) of the section by the half plane y = 0, x > 0, as x and z, at p (...,)."""
+        """Return points and unit normals (..., 2), as x and z, at p (...,) in the half plane y = 0, x > 0."""
         at = self.jet(p, np.zeros_like(p))
         return half_plane(at.r, at.n, self.screw)
 
 
 def half_plane(r: Array, n: Array, screw: float) -> tuple[Array, Array]:
-    """Points r (..., 3) with normals n of a screw surface, moved in it to the half plane y = 0, x > 0: x and z of point and of the
-    section's unit normal, (..., 2) each."""
+    """Move points r (..., 3) of a screw surface with normals n in their screw motion to the half plane y = 0, x > 0.
+
+    Returns x and z of the points and of the section's unit normals, (..., 2) each.
+    """
     rho, angle = np.hypot(r[..., 0], r[..., 1]), np.arctan2(r[..., 1], r[..., 0])
     across = (r[..., 0] * n[..., 0] + r[..., 1] * n[..., 1]) / rho
     points, normals = np.stack((rho, r[..., 2] - screw * angle), axis=-1), np.stack((across, n[..., 2]), axis=-1)

@@ -15,49 +15,55 @@ from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, rotation_about, 
 
 @dataclass(frozen=True)
 class Step:
-    """One factor of a `Chain`: turn about z by angle0 + rate phi, then shift by offset + velocity phi.
+    """One factor of a `Chain`: a turn about z by angle0 + rate phi, then a shift by offset + velocity phi, then `base`.
 
-    As a transform it takes r to Rz(angle0 + rate phi) r + offset + velocity phi, after the fixed frame `base`:
-    base o shift o turn. All vectors (3,) in the frame that `base` maps from. `higher` are coefficients of phi^2,
-    phi^3, ... which are added to the angle (modified roll), `plunge` those, (3,) each, which are added to the shift.
-    `parameter`: which of a motion's parameters phi is, where there are several.
+    As a transform: r -> base (Rz(angle0 + rate phi) r + offset + velocity phi). Vectors are (3,), in the frame that
+    `base` maps from.
     """
 
+    #: turn (rad) per unit of phi
     rate: float = 0.0
+    #: angle at phi = 0, rad
     angle0: float = 0.0
+    #: shift at phi = 0, mm
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    #: shift (mm) per unit of phi
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    #: fixed transform applied last; None for the identity
     base: Rigid | None = None
+    #: coefficients of phi^2, phi^3, ... added to the angle (modified roll)
     higher: tuple[float, ...] = ()
+    #: coefficients (3,) of phi^2, phi^3, ... added to the shift
     plunge: tuple[tuple[float, float, float], ...] = ()
+    #: number of the motion parameter that is phi, for motions of several parameters
     parameter: int = 0
 
     @property
     def moves(self) -> bool:
-        """Whether the shift changes with phi."""
+        """True if the shift changes with phi."""
         return any(self.velocity) or bool(self.plunge)
 
     @property
     def turns(self) -> bool:
-        """Whether there is an angle."""
+        """True if the step contains an angle."""
         return bool(self.rate or self.angle0 or any(self.higher))
 
     def shift(self, phi: Array) -> tuple[Array, Array, Array]:
-        """Shift and its first two derivatives with respect to phi, (..., 3) each, (3,) where they are constant."""
+        """Return the shift and its first two derivatives with respect to phi, (..., 3) each; (3,) if constant."""
         if not self.plunge:
             velocity = np.array(self.velocity)
             return np.array(self.offset) + phi[..., None] * velocity, velocity, np.zeros(3)
         path = np.array((self.offset, self.velocity, *self.plunge), dtype=float)
         powers = phi[..., None] ** np.arange(len(path))
-        first = np.arange(1, len(path))
+        power = np.arange(1, len(path))
         return (
             powers @ path,
-            powers[..., :-1] @ (first[:, None] * path[1:]),
-            powers[..., :-2] @ ((first[1:] * first[:-1])[:, None] * path[2:]),
+            powers[..., :-1] @ (power[:, None] * path[1:]),
+            powers[..., :-2] @ ((power[1:] * power[:-1])[:, None] * path[2:]),
         )
 
     def turning(self, phi: Array) -> tuple[Array, Array, Array]:
-        """Angle about z and its first two derivatives with respect to phi, each (...,)."""
+        """Return the angle about z and its first two derivatives with respect to phi, each (...,)."""
         if not any(self.higher):
             return self.angle0 + self.rate * phi, np.array(self.rate), np.array(0.0)
         angle = np.polynomial.Polynomial((self.angle0, self.rate, *self.higher))
@@ -68,17 +74,19 @@ class Step:
 class Chain:
     """Motion composed of steps, leftmost first: M(phi) = S_1(phi) S_2(phi) ... S_n(phi).
 
-    Twists are accumulated exactly: appending a factor J to a product with body twist xi gives
-    Ad(J^-1) xi + xi_J, and its derivative Ad(J^-1) xi' - [xi_J, Ad(J^-1) xi] + xi_J'.
+    Twists are accumulated exactly. When a factor J with body twist xi_J is appended to a product with body twist xi,
+    the new twist is Ad(J^-1) xi + xi_J. Its derivative is Ad(J^-1) xi' - [xi_J, Ad(J^-1) xi] + xi_J'.
     """
 
     steps: tuple[Step, ...]
+    #: True if omega is constant and tau is linear in phi
     linear: bool = False
+    #: True if the twist is harmonic in phi once the higher terms of the angles are left out
     harmonic: bool = False
 
     @cached_property
     def unmodified_motion(self) -> Chain | None:
-        """The chain without the higher terms of its angles, where `harmonic` says that its twist is then harmonic."""
+        """The chain without the higher terms of its angles, if it is `harmonic`; otherwise None."""
         if not self.harmonic:
             return None
         if not any(any(step.higher) for step in self.steps):
@@ -87,7 +95,9 @@ class Chain:
 
     @cached_property
     def _two_turns(self) -> TwoTurns | None:
-        """The same where two steps turn, in a constant ratio, and nothing shifts."""
+        """The same motion as `TwoTurns`, or None unless exactly two steps turn, in a constant ratio, and nothing
+        shifts.
+        """
         fixed, turns = [Rigid.identity()], list[tuple[float, float]]()
         for step in self.steps:
             if step.moves or any(step.higher):
@@ -102,7 +112,7 @@ class Chain:
         return TwoTurns(turns[0], fixed[1], turns[1], fixed[2], fixed[0])
 
     def at(self, phi: Array) -> MotionState:
-        """State at phi (...,), which every step follows."""
+        """Return the state at phi (...,), which is the parameter of every step."""
         if self._two_turns is not None:
             return self._two_turns.at(np.asarray(phi, dtype=float))
         total, ((omega, tau),), (((omega_phi, tau_phi),),) = _accumulate(self.steps, (np.asarray(phi, dtype=float),))
@@ -112,7 +122,7 @@ class Chain:
         return ()
 
     def at_several(self, *parameters: Array) -> SeveralStates:
-        """State at values (...,) of several parameters, each step following the one it names."""
+        """Return the state at values (...,) of several parameters; each step follows the parameter that it names."""
         values = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in parameters))
         return SeveralStates(*_accumulate(self.steps, tuple(values)))
 
@@ -120,21 +130,22 @@ class Chain:
 def _accumulate(
     steps: tuple[Step, ...], parameters: tuple[Array, ...]
 ) -> tuple[Rigid, tuple[Twist, ...], tuple[tuple[Twist, ...], ...]]:
-    """Transform, twists and their derivatives of a product of steps."""
-    every = range(len(parameters))
+    """Return the transform, the twists and the twists' derivatives of a product of steps."""
+    parameter_numbers = range(len(parameters))
     zero = np.zeros((*parameters[0].shape, 3))
     total = Rigid.identity()
-    twists: list[Twist] = [(zero, zero) for _ in every]
-    derivatives: list[list[Twist]] = [[(zero, zero) for _ in every] for _ in every]
-    # what is zero or one is left out: most steps only turn or only shift, and before the first nothing moves
+    twists: list[Twist] = [(zero, zero) for _ in parameter_numbers]
+    derivatives: list[list[Twist]] = [[(zero, zero) for _ in parameter_numbers] for _ in parameter_numbers]
+    # zero terms are skipped: most steps only turn or only shift, and nothing moves before the first step
     for number, step in enumerate(steps):
-        phi, own = parameters[step.parameter], step.parameter
+        phi, index = parameters[step.parameter], step.parameter
         if step.base is not None:
             total = total @ step.base
             if number:
                 twists = [_body(step.base, *twist) for twist in twists]
                 derivatives = [[_body(step.base, *twist) for twist in row] for row in derivatives]
         if number and not step.turns and not step.moves:
+            # a constant shift changes only the reference point of the twists
             offset = np.array(step.offset)
             total = Rigid(total.rotation, total.point(offset))
             twists = [(omega, tau + cross(omega, offset)) for omega, tau in twists]
@@ -151,21 +162,26 @@ def _accumulate(
             tau_phi = turn(back, velocity_phi) - cross(omega, tau)
         total = total @ joint
         if number:
+            # twists of the product so far, seen from behind this step: Ad(J^-1) xi, and Ad(J^-1) xi' - [xi_J, Ad(J^-1) xi]
             twists = [_body(joint, *twist) for twist in twists]
             derivatives = [[_body(joint, *twist) for twist in row] for row in derivatives]
-            for a in every:
-                moved, before = twists[a], derivatives[a][own]
+            for a in parameter_numbers:
+                moved, before = twists[a], derivatives[a][index]
                 turned = before[1] - cross(omega, moved[1])
-                derivatives[a][own] = (
+                derivatives[a][index] = (
                     before[0] - cross(omega, moved[0]),
                     turned - cross(tau, moved[0]) if step.moves else turned,
                 )
-        derivatives[own][own] = (derivatives[own][own][0] + omega_phi, derivatives[own][own][1] + tau_phi)
-        twists[own] = (twists[own][0] + omega, twists[own][1] + tau)
+        # add the twist of this step and its derivative
+        derivatives[index][index] = (
+            derivatives[index][index][0] + omega_phi,
+            derivatives[index][index][1] + tau_phi,
+        )
+        twists[index] = (twists[index][0] + omega, twists[index][1] + tau)
     return total, tuple(twists), tuple(tuple(row) for row in derivatives)
 
 
 def _body(joint: Rigid, omega: Array, tau: Array) -> tuple[Array, Array]:
-    """Ad(joint^-1) of a twist: the velocity field omega x r + tau, seen from the frame that `joint` maps from."""
+    """Return Ad(joint^-1) of a twist: the velocity field omega x r + tau in the frame that `joint` maps from."""
     back = np.swapaxes(joint.rotation, -1, -2)
     return turn(back, omega), turn(back, tau + cross(omega, joint.translation))

@@ -1,14 +1,15 @@
-"""The joint that a member moves in, about or along which its teeth follow each other: revolute about z, or prismatic along y.
+"""The joint in which a member moves and its teeth follow each other: revolute about z, or prismatic along y.
 
-Either has one degree of freedom, the angle (rad). It sees a member by three coordinates: the angle, the radius at right angles to
-the motion, and z. A tooth at some angle is the first one moved by it.
+Both joints have one degree of freedom, the angle (rad). A joint describes points of a member by three coordinates: the
+angle, the radius at right angles to the motion, and z. A tooth at some angle is the first tooth moved by this angle.
 
-                  angle          radius               a point moves with the angle by
+                  angle          radius               velocity of a point per rad
     revolute      polar angle    rho = hypot(x, y)    z axis x r
     prismatic     y / `travel`   x                    `travel` along y
 
-The `travel` (mm/rad) of a prismatic joint is the radius of the circle that rolls along it without slip, such as a pinion's pitch
-circle: the angle is then the pinion's rotation. A rack's teeth are the limit of those of a gear whose axis goes to x = -inf.
+The `travel` (mm/rad) of a prismatic joint is the radius of the circle that rolls along it without slip, such as a
+pinion's pitch circle: the angle is then the pinion's rotation. A rack's teeth are the limit of a gear's teeth whose
+axis goes to x = -inf.
 """
 
 from __future__ import annotations
@@ -28,31 +29,33 @@ Quantity = TypeVar("Quantity", float, Array)
 
 @dataclass(frozen=True)
 class MotionUnits:
-    """Units in which a motion is given: `quantity`, its name in tables; for the `motion` and its `error` the rad in one unit, and
-    the unit's name."""
+    """Units in which a motion is given in tables."""
 
+    #: name of the motion in tables
     quantity: str
+    #: rad in one unit of the motion, and the unit's name
     motion: tuple[float, str]
+    #: rad in one unit of its error, and the unit's name
     error: tuple[float, str]
 
 
 class Joint(Protocol):
-    """A revolute or prismatic joint, in a member's own frame; points are (..., 3), mm, angles (...,), rad."""
+    """A revolute or prismatic joint, in a member's own frame. Points are (..., 3), mm; angles are (...,), rad."""
 
     @property
     def travel(self) -> float | None:
-        """Displacement, mm/rad, of all points alike; None where they turn."""
+        """Displacement, mm/rad, of all points of a prismatic joint; None for a revolute joint."""
 
     @property
     def radius_name(self) -> str:
-        """What the radius is called in diagrams."""
+        """Name of the radius in diagrams."""
 
     @property
     def reading(self) -> MotionUnits:
-        """Units in which its motion is given."""
+        """Units in which the motion is given."""
 
     def way(self, angle: Quantity) -> Quantity | None:
-        """Way, mm, in an angle; None where points turn.
+        """Return the displacement, mm, for an angle; None for a revolute joint.
 
         Parameters
         ----------
@@ -72,7 +75,7 @@ class Joint(Protocol):
         """
 
     def force(self, torque: Quantity) -> Quantity | None:
-        """Force, N, that does the work of a torque (N mm) about the angle; None where points turn.
+        """Return the force, N, that does the same work as a torque (N mm) about the angle; None for a revolute joint.
 
         Parameters
         ----------
@@ -92,7 +95,7 @@ class Joint(Protocol):
         """
 
     def diameter(self, radius: Quantity) -> Quantity | None:
-        """Diameter at a radius, mm; None where points slide.
+        """Return the diameter at a radius, mm; None for a prismatic joint.
 
         Parameters
         ----------
@@ -112,7 +115,7 @@ class Joint(Protocol):
         """
 
     def height(self, radius: Quantity) -> Quantity | None:
-        """Height over x = 0 at a radius, mm; None where points turn.
+        """Return the height over x = 0 at a radius, mm; None for a revolute joint.
 
         Parameters
         ----------
@@ -132,7 +135,7 @@ class Joint(Protocol):
         """
 
     def spin(self, base: Rigid) -> Array:
-        """Angular velocity (..., 3), rad/rad, in a frame to which `base` takes the member's own.
+        """Return the angular velocity (..., 3), rad/rad, in the frame to which `base` takes the member's frame.
 
         Parameters
         ----------
@@ -142,7 +145,7 @@ class Joint(Protocol):
         Returns
         -------
         ndarray
-            (..., 3), rad of it for each rad of the angle: the axis of a revolute joint, 0 of a prismatic one.
+            (..., 3), rad per rad of the angle: the axis of a revolute joint, 0 for a prismatic joint.
 
         Examples
         --------
@@ -152,7 +155,7 @@ class Joint(Protocol):
         """
 
     def velocity(self, base: Rigid, r: Array) -> Array:
-        """Velocity (..., 3), mm/rad, of points r (..., 3), both in a frame to which `base` takes the member's own.
+        """Return the velocity (..., 3), mm/rad, of points r (..., 3) in the frame to which `base` takes the member.
 
         Parameters
         ----------
@@ -174,7 +177,7 @@ class Joint(Protocol):
         """
 
     def pitch(self, teeth: int) -> float:
-        """Angle, rad, from one of so many teeth to the next.
+        """Return the angle, rad, from one tooth to the next.
 
         Parameters
         ----------
@@ -194,7 +197,7 @@ class Joint(Protocol):
         """
 
     def places(self, teeth: int) -> NDArray[np.int64]:
-        """Numbers (teeth,) of all teeth, counted the way it moves from the one at angle 0.
+        """Return the numbers (teeth,) of all teeth, counted in the direction of motion from the tooth at angle 0.
 
         Parameters
         ----------
@@ -214,7 +217,7 @@ class Joint(Protocol):
         """
 
     def cycle(self, teeth: int) -> float:
-        """After how many pitches the first of so many teeth comes round again; inf where it never does.
+        """Return the number of pitches after which the first tooth returns; inf if it never does.
 
         Parameters
         ----------
@@ -224,7 +227,7 @@ class Joint(Protocol):
         Returns
         -------
         float
-            Pitches; inf of a prismatic joint.
+            Pitches; inf for a prismatic joint.
 
         Examples
         --------
@@ -234,7 +237,8 @@ class Joint(Protocol):
         """
 
     def rotation_angle(self, rotation: Array, tolerance: float) -> float | None:
-        """Angle, rad, of the motion that has a rotation matrix (3, 3), about z but for `tolerance`; None where none has it.
+        """Return the angle, rad, of the joint's motion with a rotation matrix (3, 3), within `tolerance`; None without
+        one.
 
         Parameters
         ----------
@@ -256,7 +260,7 @@ class Joint(Protocol):
         """
 
     def to(self, angle: ArrayLike) -> Rigid:
-        """The motion by an angle.
+        """Return the motion by an angle.
 
         Parameters
         ----------
@@ -276,7 +280,7 @@ class Joint(Protocol):
         """
 
     def angle(self, r: Array) -> Array:
-        """Angle at which points are: their polar angle, or y over the `travel`.
+        """Return the angle of points: their polar angle, or y over the `travel`.
 
         Parameters
         ----------
@@ -296,7 +300,7 @@ class Joint(Protocol):
         """
 
     def place(self, angle: Array, radius: Array) -> Array:
-        """x and y (..., 2), mm, of points at an angle and a radius.
+        """Return x and y (..., 2), mm, of points at an angle and a radius.
 
         Parameters
         ----------
@@ -318,7 +322,7 @@ class Joint(Protocol):
         """
 
     def angle_gradient(self, r: Array) -> Array:
-        """Gradient of the angle at which points are.
+        """Return the gradient of the points' angle.
 
         Parameters
         ----------
@@ -338,7 +342,7 @@ class Joint(Protocol):
         """
 
     def angle_hessian(self, r: Array, w: Array) -> Array:
-        """Hessian of the angle at which points are, applied to vectors.
+        """Return the Hessian of the points' angle, applied to vectors.
 
         Parameters
         ----------
@@ -361,7 +365,7 @@ class Joint(Protocol):
         """
 
     def radius(self, r: Array) -> Array:
-        """Coordinate at right angles to motion and z, which grows out of the body: the polar radius, or x.
+        """Return the coordinate at right angles to motion and z, which grows out of the body: the polar radius, or x.
 
         Parameters
         ----------
@@ -381,7 +385,7 @@ class Joint(Protocol):
         """
 
     def outward(self, r: Array) -> Array:
-        """Gradient of the radius over x and y.
+        """Return the gradient of the radius over x and y.
 
         Parameters
         ----------
@@ -401,7 +405,7 @@ class Joint(Protocol):
         """
 
     def arm(self, r: Array) -> Array:
-        """Speed of points.
+        """Return the speed of points.
 
         Parameters
         ----------
@@ -411,7 +415,7 @@ class Joint(Protocol):
         Returns
         -------
         ndarray
-            (...,), mm/rad: the radius of a revolute joint, the `travel` of a prismatic one.
+            (...,), mm/rad: the radius in a revolute joint, the `travel` in a prismatic joint.
 
         Examples
         --------
@@ -421,7 +425,7 @@ class Joint(Protocol):
         """
 
     def along(self, r: Array, w: Array) -> Array:
-        """Scalar product of vectors with the velocity of points.
+        """Return the scalar product of vectors with the velocity of points.
 
         Parameters
         ----------
@@ -443,7 +447,9 @@ class Joint(Protocol):
         """
 
     def within(self, angle: Array) -> Array:
-        """Differences of angles less the full turns that bring them next to zero; those that are there stay to the last digit.
+        """Remove full turns from differences of angles, so that they are next to zero.
+
+        Differences that are already next to zero stay to the last digit.
 
         Parameters
         ----------
@@ -453,7 +459,7 @@ class Joint(Protocol):
         Returns
         -------
         ndarray
-            (...,), rad, from -pi to pi; of a prismatic joint as they are.
+            (...,), rad, from -pi to pi; unchanged for a prismatic joint.
 
         Examples
         --------
@@ -463,7 +469,7 @@ class Joint(Protocol):
         """
 
     def wrap(self, angle: Array) -> Array:
-        """Angles counted from -pi/2 to 3 pi/2, where a full turn is none.
+        """Bring angles to the range from -pi/2 to 3 pi/2 by full turns.
 
         Parameters
         ----------
@@ -473,7 +479,7 @@ class Joint(Protocol):
         Returns
         -------
         ndarray
-            (...,), rad; of a prismatic joint as they are.
+            (...,), rad; unchanged for a prismatic joint.
 
         Examples
         --------
@@ -483,7 +489,7 @@ class Joint(Protocol):
         """
 
     def running(self, angle: Array) -> Array:
-        """Angles in a row without jumps by full turns.
+        """Remove jumps by full turns from angles in a row.
 
         Parameters
         ----------
@@ -503,7 +509,7 @@ class Joint(Protocol):
         """
 
     def nearest(self, angle: float, guess: float) -> float:
-        """Of all angles at which points are where they are at `angle`, the one nearest to `guess`.
+        """Return the angle nearest to `guess` among all angles equivalent to `angle`, which differ by full turns.
 
         Parameters
         ----------
@@ -527,7 +533,7 @@ class Joint(Protocol):
 
 @dataclass(frozen=True)
 class Revolute:
-    """The turn about z."""
+    """Revolute joint: rotation about z."""
 
     @property
     def travel(self) -> None:
@@ -621,9 +627,11 @@ class Revolute:
 
 @dataclass(frozen=True)
 class Prismatic:
-    """The slide along y, `travel` (mm) for every rad; `step` (rad) from one tooth to the next."""
+    """Prismatic joint: translation along y."""
 
+    #: displacement, mm/rad
     travel: float
+    #: angle from one tooth to the next, rad
     step: float
 
     @property
@@ -657,7 +665,7 @@ class Prismatic:
         return self.step
 
     def places(self, teeth: int) -> NDArray[np.int64]:
-        # the one at 0 is in the middle, or the last before it
+        # tooth 0 is in the middle, or the last tooth before the middle
         return np.arange(teeth) - (teeth - 1) // 2
 
     def cycle(self, teeth: int) -> float:
@@ -710,4 +718,5 @@ class Prismatic:
         return angle
 
 
-REVOLUTE = Revolute()
+#: the revolute joint, the default of levels and members
+REVOLUTE_JOINT = Revolute()

@@ -1,7 +1,8 @@
-"""What a rigid motion is: a tool over a blank, by one parameter or several, with its exact twists.
+"""Rigid motions of a tool relative to a blank, by one parameter or several, with exact twists.
 
-A motion M(phi) takes the tool to the blank. Its twist is given in the *tool* frame: a tool point r moves over the
-blank with M^-1 M' r = Omega x r + tau, which is the relative velocity in the equation of meshing [CR3553 1.5.2].
+A motion M(phi) takes coordinates of the tool to coordinates of the blank. Its twist is given in the *tool* frame: a
+tool point r moves over the blank with M^-1 M' r = Omega x r + tau. This is the relative velocity in the equation of
+meshing [CR3553 1.5.2].
 """
 
 from __future__ import annotations
@@ -15,16 +16,21 @@ from gearmesh.kernel.numeric.algebra import Array
 
 @dataclass(frozen=True)
 class MotionState:
-    """A motion at parameters phi (...,): the transform, its twist in the tool frame, and the twist's derivative.
+    """A motion at parameters phi (...,): transform, twist in the tool frame, and derivative of the twist.
 
-    `omega`, `tau` give the velocity omega x r + tau of a tool point r per unit of phi, in the tool frame; `omega_phi`,
-    `tau_phi` are their derivatives with respect to phi. Each is (..., 3), or (3,) where it is the same for all phi.
+    The velocity of a tool point r is omega x r + tau per unit of phi. Vectors are (..., 3), or (3,) if they are
+    constant.
     """
 
+    #: transform from the tool to the blank frame
     tool_to_blank: Rigid
+    #: angular velocity, rad per unit of phi, in the tool frame
     omega: Array
+    #: velocity at the tool's origin, mm per unit of phi, in the tool frame
     tau: Array
+    #: derivative of omega with respect to phi
     omega_phi: Array
+    #: derivative of tau with respect to phi
     tau_phi: Array
 
 
@@ -42,32 +48,33 @@ class Motion(Protocol):
 
     @property
     def linear(self) -> bool:
-        """True where omega is constant and tau linear in phi, so that the equation of meshing is linear in phi."""
+        """True if omega is constant and tau is linear in phi: then the equation of meshing is linear in phi."""
 
     @property
     def unmodified_motion(self) -> Motion | None:
-        """This motion, or one close to it, whose twist is a + b cos(phi) + c sin(phi) in the tool frame; None if none is.
+        """This motion or a close one, whose twist is a + b cos(phi) + c sin(phi) in the tool frame, or None.
 
-        So is the twist of a tool turning with a cradle over a blank that turns in a constant ratio: the equation of
-        meshing is A cos(phi) + B sin(phi) + C = 0.
+        The twist has this form if the tool turns with a cradle while the blank turns in a constant ratio. The equation
+        of meshing is then A cos(phi) + B sin(phi) + C = 0.
         """
 
     def at(self, phi: Array) -> MotionState:
-        """State at phi (...,), in rad."""
+        """Return the state at phi (...,), rad."""
 
     def axes(self, phi: Array) -> tuple[MachineAxis, ...]:
-        """Axes of the machine at one phi (rad), beside those of blank and tool."""
+        """Return the machine's axes at one phi (rad), without the axes of blank and tool."""
 
 
+#: omega and tau, (..., 3) each
 Twist = tuple[Array, Array]
 
 
 @dataclass(frozen=True)
 class SeveralStates:
-    """A motion of K parameters at values of them: as `MotionState`, with a twist (omega, tau), (..., 3) each, for every one.
+    """A motion of K parameters at given parameter values, with one twist (omega, tau), (..., 3) each, per parameter.
 
-    `twists[a]`: velocity of tool points per unit of parameter a, in the tool frame; `derivatives[a][b]`: its derivative
-    with respect to parameter b.
+    `twists[a]` is the velocity of tool points per unit of parameter a, in the tool frame. `derivatives[a][b]` is the
+    derivative of `twists[a]` with respect to parameter b.
     """
 
     tool_to_blank: Rigid

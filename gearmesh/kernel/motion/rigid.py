@@ -1,8 +1,7 @@
 """Rigid transforms in batches.
 
-A transform is named by both of its frames, `tool_to_blank` takes coordinates in the tool frame to coordinates in
-the blank frame. Lengths are in mm, angles in radians. A transform holds a rotation (..., 3, 3) and a translation
-(..., 3); leading axes broadcast.
+A transform is named by both of its frames: `tool_to_blank` takes coordinates in the tool frame to coordinates in the
+blank frame. Lengths are in mm, angles in rad. Rotations are (..., 3, 3), translations (..., 3); leading axes broadcast.
 """
 
 from __future__ import annotations
@@ -14,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from gearmesh.kernel.numeric.algebra import Array, rotation_about, turn
 
-#: sine of the angle between axes below which they are parallel
-PARALLEL = 1e-9
+#: largest sine of the angle between axes that count as parallel
+MAX_SINE_OF_PARALLEL = 1e-9
 
 
 @dataclass(frozen=True)
@@ -27,7 +26,7 @@ class Rigid:
 
     @staticmethod
     def identity() -> Rigid:
-        """The transform that leaves all as it is.
+        """Return the identity transform.
 
         Returns
         -------
@@ -43,7 +42,7 @@ class Rigid:
 
     @staticmethod
     def about_z(angle: ArrayLike) -> Rigid:
-        """A rotation about the z axis.
+        """Return a rotation about the z axis.
 
         Parameters
         ----------
@@ -53,7 +52,7 @@ class Rigid:
         Returns
         -------
         Rigid
-            As many as there are angles.
+            One rotation per angle.
 
         Examples
         --------
@@ -63,12 +62,12 @@ class Rigid:
         return Rigid(rotation_about("z", angle), np.zeros(3))
 
     def point(self, r: Array) -> Array:
-        """Points in the target frame.
+        """Transform points to the target frame.
 
         Parameters
         ----------
         r : ndarray, (..., 3)
-            mm, in the frame that it comes from.
+            mm, in the source frame.
 
         Returns
         -------
@@ -83,12 +82,12 @@ class Rigid:
         return turn(self.rotation, r) + self.translation
 
     def vector(self, v: Array) -> Array:
-        """Free vectors in the target frame.
+        """Rotate free vectors to the target frame.
 
         Parameters
         ----------
         v : ndarray, (..., 3)
-            As normals and velocities are.
+            Such as normals and velocities.
 
         Returns
         -------
@@ -103,7 +102,7 @@ class Rigid:
         return turn(self.rotation, v)
 
     def vectors(self, *vectors: Array) -> tuple[Array, ...]:
-        """Several free vectors in the target frame, in one product.
+        """Rotate several free vectors to the target frame in one product.
 
         Parameters
         ----------
@@ -113,7 +112,7 @@ class Rigid:
         Returns
         -------
         tuple of ndarray, (..., 3)
-            Each rotated as by `vector`.
+            Each rotated by `vector`.
 
         Examples
         --------
@@ -128,7 +127,7 @@ class Rigid:
         return tuple(turned[..., k, :] for k in range(len(vectors)))
 
     def __matmul__(self, other: Rigid) -> Rigid:
-        """`a_to_b @ c_to_a` is c_to_b."""
+        """Return the product: `a_to_b @ c_to_a` is c_to_b."""
         return Rigid(self.rotation @ other.rotation, self.point(other.translation))
 
     @property

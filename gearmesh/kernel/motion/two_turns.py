@@ -1,4 +1,4 @@
-"""Two turns in a constant ratio, as of a cradle or shaper and the blank: two products with precomputed matrices."""
+"""Two turns in a constant ratio, such as cradle or shaper and blank, from two products with precomputed matrices."""
 
 from __future__ import annotations
 
@@ -11,30 +11,35 @@ from gearmesh.kernel.motion.motion import MotionState
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import AXIS, Array, components, cross
 
-#: a rotation about z by its parts that stay, that go with the cosine and that go with the sine
-PARTS = np.array(
+#: parts of a rotation about z: the constant part, the factor of the cosine, the factor of the sine
+ROTATION_PARTS = np.array(
     [np.diag([0.0, 0.0, 1.0]), np.diag([1.0, 1.0, 0.0]), [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]]
 )
-#: rows: the derivatives of 1, cosine and sine by these
-CHANGE = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+#: rows: derivatives of 1, cosine and sine in terms of 1, cosine and sine
+PART_DERIVATIVES = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
 @dataclass(frozen=True)
 class TwoTurns:
-    """M(phi) = first Rz(outer) between Rz(inner) last, the angles straight over phi: pairs of that at 0 (rad) and the rate.
+    """M(phi) = first Rz(outer) between Rz(inner) last, with both angles linear in phi.
 
-    Its entries are sums of products of 1, cosine and sine of either angle, and its twist in the tool's frame is the sum of a
-    constant and of multiples of cosine and sine of the inner one. A quarter of the time of the products of steps.
+    The entries of M are sums of products of (1, cosine, sine) of both angles. The twist in the tool's frame is a
+    constant plus multiples of cosine and sine of the inner angle. This is faster than the product of steps.
     """
 
+    #: angle at phi = 0 (rad) and its rate
     outer: tuple[float, float]
+    #: fixed transform between the two turns
     between: Rigid
+    #: angle at phi = 0 (rad) and its rate
     inner: tuple[float, float]
+    #: fixed transform from the tool's frame
     last: Rigid
+    #: fixed transform to the blank's frame; None for the identity
     first: Rigid | None = None
 
     def at(self, phi: Array) -> MotionState:
-        """State at phi (...,)."""
+        """Return the state at phi (...,)."""
         outer, inner = (_parts(angle + rate * phi) for angle, rate in (self.outer, self.inner))
         place = (outer[..., :, None] * inner[..., None, :]).reshape(*phi.shape, 9) @ self._place
         rotation, translation = place[..., :9].reshape(*phi.shape, 3, 3), place[..., 9:]
@@ -43,10 +48,10 @@ class TwoTurns:
 
     @cached_property
     def _place(self) -> Array:
-        """Rotation and translation (9, 12) by the products of parts of the outer and of the inner angle."""
-        rotations = np.einsum("aij,jk,bkl->abil", PARTS, self.between.rotation, PARTS)
+        """Matrix (9, 12) from products of the parts of outer and inner angle to the rotation (9) and translation (3)."""
+        rotations = np.einsum("aij,jk,bkl->abil", ROTATION_PARTS, self.between.rotation, ROTATION_PARTS)
         translations = rotations @ self.last.translation
-        translations[:, 0] += PARTS @ self.between.translation
+        translations[:, 0] += ROTATION_PARTS @ self.between.translation
         rotations = rotations @ self.last.rotation
         if self.first is not None:
             rotations = self.first.rotation @ rotations
@@ -56,17 +61,17 @@ class TwoTurns:
 
     @cached_property
     def _twist(self) -> Array:
-        """omega, tau, omega_phi and tau_phi (3, 12) by the parts of the inner angle."""
-        # the outer turn seen from between both, then turned back by the inner angle
-        back = PARTS * np.array([1.0, 1.0, -1.0])[:, None, None]
+        """Matrix (3, 12) from the parts of the inner angle to omega, tau, omega_phi and tau_phi."""
+        # the outer turn in the frame between the turns, then rotated back by the inner angle
+        back = ROTATION_PARTS * np.array([1.0, 1.0, -1.0])[:, None, None]
         seen = self.outer[1] * self.between.rotation.T
         omega, tau = back @ (seen @ AXIS), back @ (seen @ cross(AXIS, self.between.translation))
         omega[0] += self.inner[1] * AXIS
         tau = tau + cross(omega, self.last.translation)
         twist = np.concatenate((omega @ self.last.rotation, tau @ self.last.rotation), axis=1)
-        return np.concatenate((twist, self.inner[1] * CHANGE.T @ twist), axis=1)
+        return np.concatenate((twist, self.inner[1] * PART_DERIVATIVES.T @ twist), axis=1)
 
 
 def _parts(angle: Array) -> Array:
-    """1, cosine and sine (..., 3) of angles (...,), rad."""
+    """Return 1, cosine and sine (..., 3) of angles (...,), rad."""
     return components(np.ones_like(angle), np.cos(angle), np.sin(angle))

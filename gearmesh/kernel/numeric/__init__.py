@@ -1,1 +1,1 @@
-"""Vectors in batches, root finders, Newton, effort."""
+"""Vector algebra in batches, root finders, Newton's method, splines, effort."""

@@ -1,6 +1,6 @@
-"""Effort: evaluations of generated surfaces, and in searches for roots, counted, so that a search ends where no clock decides.
+"""Effort: a count of evaluations of generated surfaces and of root searches, which ends a search without a clock.
 
-It is counted in seconds of a processor of 2023, about, and the same for the same work on every machine.
+The unit is about one second of a processor of 2023. The same work has the same effort on every machine.
 """
 
 from __future__ import annotations
@@ -10,17 +10,19 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 
-#: effort of an evaluation of a motion and of each of its points, where the motion is linear in its parameter, and otherwise
-LINEAR, OTHER = (1e-4, 5e-7), (1.5e-4, 6e-7)
+#: effort of one evaluation, and of each of its points, of a motion linear in its parameter
+EFFORT_OF_LINEAR_MOTION = (1e-4, 5e-7)
+#: effort of one evaluation, and of each of its points, of any other motion
+EFFORT_OF_OTHER_MOTION = (1.5e-4, 6e-7)
 
 
 class EffortSpentError(Exception):
-    """The effort allowed is spent."""
+    """The allowed effort is spent."""
 
 
 @dataclass
 class Effort:
-    """Effort that is left."""
+    """Remaining effort; `left` decreases as work is counted."""
 
     left: float
 
@@ -34,7 +36,7 @@ _limit: ContextVar[Effort | None] = ContextVar("effort", default=None)
 
 @contextmanager
 def limit_effort(effort: Effort) -> Iterator[None]:
-    """Raise EffortSpentError from what is computed inside as soon as the effort is spent."""
+    """Raise EffortSpentError from the computation inside the block as soon as the effort is spent."""
     token = _limit.set(effort)
     try:
         yield
@@ -43,11 +45,15 @@ def limit_effort(effort: Effort) -> Iterator[None]:
 
 
 def spend(points: int, evaluations: int, *, linear: bool) -> None:
-    """Count evaluations of a motion, each at so many points, or of what costs as much as a `linear` one."""
+    """Count `evaluations` of a motion, each at `points` points, against the effort limit.
+
+    `linear` is true for a motion linear in its parameter, and for other work that costs as much. Raises
+    EffortSpentError.
+    """
     effort = _limit.get()
     if effort is None:
         return
-    call, point = LINEAR if linear else OTHER
+    call, point = EFFORT_OF_LINEAR_MOTION if linear else EFFORT_OF_OTHER_MOTION
     effort.left -= evaluations * (call + points * point)
     if effort.spent:
         raise EffortSpentError

@@ -1,4 +1,4 @@
-"""Batched roots of one equation in one unknown between two ends, and the last place where a condition holds."""
+"""Batched roots of one equation in one unknown within brackets, and the last argument at which a condition holds."""
 
 from __future__ import annotations
 
@@ -13,22 +13,20 @@ from gearmesh.errors import Solution, Status
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.effort import spend
 
-#: Values (M,) at x (M,) of the members `index` (M,)
+#: values (M,) at x (M,) for the batch members `index` (M,)
 Function = Callable[[Array, NDArray[np.intp]], Array]
-#: numbers (N,), real or whole
+#: real or whole numbers (N,)
 Numbers = TypeVar("Numbers", NDArray[np.float64], NDArray[np.int64])
 
-#: where more is left of a change of sign than of one like |x|^(1/5), as the bracket shrank, it is a jump or a pole, no root
-STEEPEST = 0.2
+#: exponent p of the steepest sign change |x|^p that counts as a root; anything steeper is a jump or a pole
+SMALLEST_ROOT_EXPONENT = 0.2
 
 
 @dataclass(frozen=True)
 class Root(Solution):
-    """Roots `values` (N,) with their status and residual |f|; `before` (N,): the end towards `low` of the last bracket.
+    """Roots `values` (N,) with their status and residual |f|."""
 
-    Where a value is exactly 0 that is the root itself.
-    """
-
+    #: end (N,) of the last bracket on the side of `low`; the root itself if f is exactly 0 there
     before: Array
 
 
@@ -41,33 +39,36 @@ def bracketed_root(
     relative: float = 4.0 * float(np.finfo(float).eps),
     max_iterations: int = 200,
 ) -> Root:
-    """Roots (N,) of function(x, index) between `low` and `high` (N,), in either order.
+    """Return roots (N,) of function(x, index) between `low` and `high` (N,), which may be in either order.
 
-    Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection; it needs no slopes, about as
-    many evaluations as a guarded Newton (9 for a sine to rounding), and a member that has converged stays as it is. CONVERGED
-    says that the sign changes within `tolerance` + `relative` |x|, NO_CONTACT that it is the same at both ends, NOT_FINITE
-    that a value is not finite, at an end or where the iteration leads, or that the sign changes in a pole or a jump.
+    Chandrupatla's method: inverse quadratic interpolation if it is safe, else bisection. It needs no derivatives and
+    about as many evaluations as a guarded Newton iteration. A converged member is not changed by the rest of its batch.
+    Status per member:
+
+    - CONVERGED: the sign changes within `tolerance` + `relative` |x|
+    - NO_CONTACT: the sign is the same at both ends
+    - NOT_FINITE: a value is not finite, at an end or during the iteration, or the sign changes at a pole or a jump
     """
     low, high = (np.array(end, dtype=float) for end in np.broadcast_arrays(low, high))
     if not low.size:
         return Root(low, np.zeros(0, dtype=np.int64), low, 0, low)
     with np.errstate(all="ignore"):
-        every = np.arange(low.size)
-        f_low, f_high = (np.asarray(function(end, every), dtype=float) for end in (low, high))
-        bracket, status, iterations = _shrunk(
+        members = np.arange(low.size)
+        f_low, f_high = (np.asarray(function(end, members), dtype=float) for end in (low, high))
+        bracket, status, iterations = _shrink_brackets(
             function, np.array((low, f_low, high, f_high)), (tolerance, relative), max_iterations
         )
         spend(low.size, iterations + 2, linear=True)
         x1, f1, x2, f2 = bracket
         nearer = np.abs(f1) < np.abs(f2)
         x, f = np.where(nearer, x1, x2), np.where(nearer, f1, f2)
-        # what is left of the change of sign, and of the bracket
+        # a pole or a jump keeps its step in f while the bracket shrinks; a root does not
         left, shrunk = np.abs(f2 - f1) / np.abs(f_high - f_low), np.abs(x2 - x1) / np.abs(high - low)
         lost = ~np.isfinite(f_low) | ~np.isfinite(f_high)
-        lost |= (status == Status.CONVERGED) & (f != 0.0) & ~(left <= shrunk**STEEPEST)
-        # the lower end first, so that it is the same one of two ends alike whichever was asked last
-        first, second = np.where(x1 < x2, (x1, f1), (x2, f2)), np.where(x1 < x2, x2, x1)
-        before = np.where(f == 0.0, x, np.where(np.sign(first[1]) == np.sign(f_low), first[0], second))
+        lost |= (status == Status.CONVERGED) & (f != 0.0) & ~(left <= shrunk**SMALLEST_ROOT_EXPONENT)
+        # ends sorted by x: the result does not depend on which end was evaluated last
+        lower_end, upper_x = np.where(x1 < x2, (x1, f1), (x2, f2)), np.where(x1 < x2, x2, x1)
+        before = np.where(f == 0.0, x, np.where(np.sign(lower_end[1]) == np.sign(f_low), lower_end[0], upper_x))
     nowhere = (status == Status.NO_CONTACT) | (status == Status.NOT_FINITE)
     return Root(
         values=np.where(nowhere, np.nan, x),
@@ -78,12 +79,13 @@ def bracketed_root(
     )
 
 
-def _shrunk(
+def _shrink_brackets(
     function: Function, bracket: Array, tolerances: tuple[float, float], max_iterations: int
 ) -> tuple[Array, NDArray[np.int64], int]:
-    """Brackets (4, N), rows x1, f(x1), x2, f(x2), shrunk till they are done; their status; iterations of the longest.
+    """Return brackets (4, N) shrunk until they are done, their status, and the largest number of iterations.
 
-    Chandrupatla, Adv. Eng. Software 28 (1997) 145: x1 is the last place asked, x3 the one that x2 or x1 took the place of.
+    The rows of a bracket are x1, f(x1), x2, f(x2): x1 is the newest point, x2 the other end, x3 the end that was
+    replaced last. [T. R. Chandrupatla, Adv. Eng. Software 28 (1997) 145]
     """
     tolerance, relative = tolerances
     bracket, status = bracket.copy(), np.full(bracket.shape[1], int(Status.MAX_ITERATIONS), dtype=np.int64)
@@ -109,9 +111,10 @@ def _shrunk(
             return bracket, status, iterations
         member = member[active]
         x1, f1, x2, f2, width, allowed = (row[active] for row in (x1, f1, x2, f2, width, allowed))
+        # the first step bisects; later steps have three points to interpolate
         share = np.full(member.size, 0.5)
         if iterations:
-            share = _step((x1, f1, x2, f2, *last[:, active]), width, allowed)
+            share = _next_fraction((x1, f1, x2, f2, *last[:, active]), width, allowed)
         x = x1 + share * (x2 - x1)
         f = np.asarray(function(x, member), dtype=float)
         same = np.sign(f) == np.sign(f1)
@@ -120,8 +123,11 @@ def _shrunk(
         iterations += 1
 
 
-def _step(points: tuple[Array, ...], width: Array, allowed: Array) -> Array:
-    """Where between x1 and x2 (0 to 1) to ask next, by x1, f1, x2, f2, x3, f3: not nearer to an end than is asked for."""
+def _next_fraction(points: tuple[Array, ...], width: Array, allowed: Array) -> Array:
+    """Return the next point as a fraction (0 to 1) of the way from x1 to x2, from x1, f1, x2, f2, x3, f3.
+
+    The point keeps half of the allowed bracket width away from both ends.
+    """
     x1, f1, x2, f2, x3, f3 = points
     xi, phi, alpha = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2), (x3 - x1) / (x2 - x1)
     safe = (1.0 - np.sqrt(1.0 - xi) < phi) & (phi < np.sqrt(xi))
@@ -138,12 +144,13 @@ def last_true(
     rounds: int = 60,
     split: int = 2,
 ) -> tuple[Numbers, Numbers]:
-    """Where a condition that holds at `low` (N,) and not at `high` (N,), in either order, ceases to hold, by division.
+    """Find by division where a condition that holds at `low` (N,) but not at `high` (N,) ceases to hold.
 
-    Returns the last place known to hold and the first known not to. `holds(x, index)` says for places x (M,) of the members
-    `index` (M,); the ends are taken as given. Each round parts every interval by `split` and asks all places between at once: more
-    than 2 parts serve where many places cost little more than one. Whole numbers end as neighbours. Where it changes more
-    than once, one of the changes is found.
+    Returns the last argument known to hold and the first known not to. `low` and `high` may be in either order; they
+    are not tested. `holds(x, index)` tests arguments x (M,) of the batch members `index` (M,). Each of the `rounds`
+    divides every interval into `split` parts and tests all inner points at once. More than 2 parts pay off if many
+    points cost little more than one. Whole numbers end as neighbours. If the condition changes more than once, one of
+    the changes is found.
     """
     low, high = (np.array(end) for end in np.broadcast_arrays(low, high))
     whole = np.issubdtype(low.dtype, np.integer)
@@ -155,10 +162,10 @@ def last_true(
         member = np.flatnonzero(((inner != low[:, None]) & (inner != high[:, None])).any(axis=1))
         if not member.size:
             break
-        places = inner[member]
-        asked = np.asarray(holds(places.reshape(-1), np.repeat(member, split - 1))).reshape(places.shape)
-        held = np.where(asked.all(axis=1), split - 1, asked.argmin(axis=1))
-        ends = np.column_stack((low[member], places, high[member]))
+        tested = inner[member]
+        outcome = np.asarray(holds(tested.reshape(-1), np.repeat(member, split - 1))).reshape(tested.shape)
+        last_held = np.where(outcome.all(axis=1), split - 1, outcome.argmin(axis=1))
+        ends = np.column_stack((low[member], tested, high[member]))
         row = np.arange(member.size)
-        low[member], high[member] = ends[row, held], ends[row, held + 1]
+        low[member], high[member] = ends[row, last_held], ends[row, last_held + 1]
     return low, high

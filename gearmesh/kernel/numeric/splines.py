@@ -1,4 +1,4 @@
-"""Splines of one variable, and tables of equal steps. scipy's are as good, but a contact is solved while they are being loaded.
+"""Splines of one variable, and tables with equal steps. Loading scipy's splines takes longer than solving a contact.
 
 B-splines of knots t by the recursion of Cox and de Boor [C. de Boor, A Practical Guide to Splines, 2001, ch. IX, X]:
 
@@ -16,24 +16,27 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 
-#: degree of the splines that are smooth enough for most
-CUBIC = 3
+#: degree of splines with continuous curvature
+CUBIC_DEGREE = 3
 
 
 @dataclass(frozen=True)
 class Polynomials:
-    """A function of x, by polynomials between breaks (M + 1,): coefficients (K + 1, M, ...) of powers K to 0 of what x is beyond
-    the break before it. The first and the last polynomial go on beyond the ends."""
+    """A function of x made of polynomials between breaks (M + 1,).
+
+    `coefficients` (K + 1, M, ...) belong to the powers K to 0 of the distance of x from the break before it. The first
+    and the last polynomial continue beyond the ends.
+    """
 
     breaks: Array
     coefficients: Array
 
     def __call__(self, x: Array, order: int = 0) -> Array:
-        """Values, or derivatives of an order, (..., of one value) at x (...,)."""
+        """Return values (order 0) or derivatives of an order at x (...,); the shape of one value is appended to (...,)."""
         return self.derivatives(x, order)[0]
 
     def derivatives(self, x: Array, *orders: int) -> list[Array]:
-        """Derivatives of several orders at x (...,), as one by one."""
+        """Return derivatives of several orders at x (...,), one array per order."""
         piece = self.breaks[1:-1].searchsorted(x, side="right")
         beyond = np.asarray(x - self.breaks[piece]).reshape(*np.shape(x), *(1,) * (self.coefficients.ndim - 2))
         values = []
@@ -46,7 +49,7 @@ class Polynomials:
 
     @cached_property
     def _derivative_tables(self) -> list[Array]:
-        """Coefficients of the derivatives of orders 0 to K + 1, as those of the function; the last is 0."""
+        """Coefficients of the derivatives of orders 0 to K + 1, in the format of `coefficients`; the last table is 0."""
         degree = len(self.coefficients) - 1
         table = []
         for order in range(degree + 1):
@@ -57,11 +60,14 @@ class Polynomials:
 
 
 def spline_through(x: Array, values: Array, degree: int) -> Polynomials:
-    """The spline through values (N, ...) at x (N,), ascending, without breaks next to either end: of an odd degree, or N - 1."""
+    """Return the spline through values (N, ...) at ascending x (N,); the degree is odd, or N - 1.
+
+    The breaks next to either end are left out (not-a-knot).
+    """
     knots = knots_of(x, degree)
     control = interpolate(x, values, degree)
     breaks = knots[degree : len(knots) - degree]
-    # Taylor series at the left ends, to whose right a spline is continuous
+    # Taylor series at the left end of each piece, where the derivatives are taken from the right
     taylor = [
         np.tensordot(basis(knots, degree, breaks[:-1], order), control, axes=1) / factorial(order)
         for order in range(degree, -1, -1)
@@ -70,28 +76,31 @@ def spline_through(x: Array, values: Array, degree: int) -> Polynomials:
 
 
 def splines_through(x: Array, values: Array, degree: int) -> Polynomials:
-    """The splines through values (K, N, ...) at places x (K, N), ascending, each of which begins where the one before it ends."""
+    """Return K splines joined into one function, through values (K, N, ...) at ascending places x (K, N).
+
+    Each spline begins at the last place of the spline before it.
+    """
     curves = [spline_through(*row, degree) for row in zip(x, values, strict=True)]
     breaks = np.concatenate([curves[0].breaks, *(curve.breaks[1:] for curve in curves[1:])])
     return Polynomials(breaks, np.concatenate([curve.coefficients for curve in curves], axis=1))
 
 
 def knots_of(x: Array, degree: int) -> Array:
-    """Knots (N + degree + 1,) of the spline through places x (N,)."""
+    """Return knots (N + degree + 1,) of the spline through places x (N,)."""
     first = (degree + 1) // 2
     inner = x[first : first + len(x) - degree - 1]
     return np.concatenate((np.full(degree + 1, x[0]), inner, np.full(degree + 1, x[-1])))
 
 
 def interpolate(x: Array, values: Array, degree: int, knots: Array | None = None) -> Array:
-    """Coefficients (N, ...) of the B-splines of `knots_of`, or of other `knots`, whose sum has values (N, ...) at x (N,)."""
+    """Return coefficients (N, ...) of the B-splines of `knots` (default `knots_of`) through values (N, ...) at x (N,)."""
     sums = basis(knots_of(x, degree) if knots is None else knots, degree, x)
     return np.asarray(np.linalg.solve(sums, values.reshape(len(x), -1))).reshape(values.shape)
 
 
 @dataclass(frozen=True)
 class SplineCurve:
-    """The sum of B-splines of some knots with coefficients `control` (N, ...)."""
+    """Sum of the B-splines of `knots` and `degree` with coefficients `control` (N, ...)."""
 
     knots: Array
     control: Array
@@ -99,24 +108,24 @@ class SplineCurve:
 
     @staticmethod
     def through(x: Array, values: Array, degree: int, knots: Array | None = None) -> SplineCurve:
-        """The one with values (N, ...) at x (N,)."""
+        """Return the spline curve with values (N, ...) at x (N,)."""
         knots = knots_of(x, degree) if knots is None else knots
         return SplineCurve(knots, interpolate(x, values, degree, knots), degree)
 
     def __call__(self, x: Array) -> Array:
-        """Values (X, ...) at x (X,)."""
+        """Return values (X, ...) at x (X,)."""
         return np.tensordot(basis(self.knots, self.degree, x), self.control, axes=1)
 
 
 def control_net(places: tuple[Array, Array], points: Array, knots: tuple[Array, Array]) -> Array:
-    """Control net (S, T, K) of the tensor-product spline through points (S, T, K) at places s (S,) and t (T,)."""
+    """Return the control net (S, T, K) of the tensor-product spline through points (S, T, K) at s (S,) and t (T,)."""
     s_degree, t_degree = (len(own) - len(at) - 1 for own, at in zip(knots, places, strict=True))
     across = interpolate(places[0], points, s_degree, knots[0])
     return interpolate(places[1], across.swapaxes(0, 1), t_degree, knots[1]).swapaxes(0, 1)
 
 
 def tensor_product(knots: tuple[Array, Array], control: Array, places: tuple[Array, Array]) -> Array:
-    """Points (X, Y, K) of a tensor-product spline by its control net (S, T, K), at places in both directions (X,), (Y,)."""
+    """Return points (X, Y, K) of a tensor-product spline with control net (S, T, K), at places (X,) and (Y,)."""
     across, along = (
         basis(own, len(own) - count - 1, at) for own, count, at in zip(knots, control.shape, places, strict=False)
     )
@@ -125,15 +134,16 @@ def tensor_product(knots: tuple[Array, Array], control: Array, places: tuple[Arr
 
 
 def rising_through(x: Array, values: Array) -> Polynomials:
-    """Cubics through rising values (N,) at x (N,), that rise everywhere: slopes are harmonic means, at the ends of three values.
+    """Return cubics through rising values (N,) at x (N,) that rise everywhere.
 
-    [F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300]
+    Inner slopes are weighted harmonic means of the neighbouring slopes; end slopes follow from three values. [F. N.
+    Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300]
     """
     step, rise = np.diff(x), np.diff(values) / np.diff(x)
     slope = np.empty_like(values)
     before, after = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
     slope[1:-1] = (before + after) / (before / rise[:-1] + after / rise[1:])
-    # of two values the same one, of a straight line
+    # of only two values both ends get the slope of the straight line
     for end, other in ((0, min(1, len(rise) - 1)), (-1, -min(2, len(rise)))):
         outward = ((2.0 * step[end] + step[other]) * rise[end] - step[end] * rise[other]) / (step[end] + step[other])
         slope[end] = max(outward, 0.0)
@@ -143,7 +153,7 @@ def rising_through(x: Array, values: Array) -> Polynomials:
 
 
 def basis(knots: Array, degree: int, x: Array, order: int = 0) -> Array:
-    """Derivatives (X, N) of an order of all N B-splines of a degree at x (X,), at knots from the right."""
+    """Return derivatives (X, N) of an order of all N B-splines of a degree at x (X,); at knots from the right."""
     if order > degree:
         return np.zeros((len(x), len(knots) - degree - 1))
     if order:
@@ -160,7 +170,7 @@ def basis(knots: Array, degree: int, x: Array, order: int = 0) -> Array:
 
 
 def _inverse(steps: Array) -> Array:
-    """1 / steps, 0 where knots coincide."""
+    """Return 1 / steps; 0 for coinciding knots."""
     inverse = np.zeros_like(steps)
     inverse[steps != 0.0] = 1.0 / steps[steps != 0.0]
     return inverse
@@ -168,14 +178,17 @@ def _inverse(steps: Array) -> Array:
 
 @cache
 def table_filter(count: int) -> Array:
-    """Matrix (N, N) from values at equal steps to the coefficients of cubic B-splines that go on mirrored at both ends."""
+    """Return the matrix (N, N) from values at equal steps to coefficients of cubic B-splines mirrored at both ends."""
     sums = (4.0 * np.eye(count) + np.eye(count, k=1) + np.eye(count, k=-1)) / 6.0
     sums[0, 1] = sums[-1, -2] = 2.0 / 6.0
     return np.asarray(np.linalg.inv(sums))
 
 
 def table_weights(part: Array) -> tuple[Array, Array, Array, Array]:
-    """Weights (...,) of the cubic B-splines one step before, at, one and two steps after a place, a `part` (...,) of a step on."""
+    """Return weights (...,) of the cubic B-splines one step before, at, one and two steps after a grid point.
+
+    The place of evaluation lies a `part` (...,) of a step after the grid point.
+    """
     rest = 1.0 - part
     return (
         rest**3 / 6.0,

@@ -1,4 +1,4 @@
-"""Curves in a plane: straight lines and arcs, and what all curves of sections have in common.
+"""Curves in a plane: the common interface of all curves of sections, straight lines and arcs.
 
 Points are (x, y), mm.
 """
@@ -19,18 +19,18 @@ class PlaneCurve(Protocol):
 
     @property
     def start(self) -> Array:
-        """(2,), mm."""
+        """First point (2,), mm."""
 
     @property
     def end(self) -> Array:
-        """(2,), mm."""
+        """Last point (2,), mm."""
 
     @property
     def swept(self) -> float:
-        """Area (mm^2) that the line from the origin to the curve's point sweeps, counterclockwise."""
+        """Area (mm^2) swept by the line from the origin to the curve's point, positive counterclockwise."""
 
     def at(self, s: Array) -> Array:
-        """Points of the curve.
+        """Return points of the curve.
 
         Parameters
         ----------
@@ -50,7 +50,7 @@ class PlaneCurve(Protocol):
         """
 
     def slope(self, s: Array) -> Array:
-        """Derivatives of its points.
+        """Return derivatives of the points.
 
         Parameters
         ----------
@@ -60,7 +60,7 @@ class PlaneCurve(Protocol):
         Returns
         -------
         ndarray
-            By s, (K, 2), mm.
+            (K, 2), mm, with respect to s.
 
         Examples
         --------
@@ -70,7 +70,7 @@ class PlaneCurve(Protocol):
         """
 
     def turn(self, angle: float) -> PlaneCurve:
-        """The curve turned about the origin.
+        """Return the curve turned about the origin.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class PlaneCurve(Protocol):
         """
 
     def move(self, way: Array) -> PlaneCurve:
-        """The curve moved.
+        """Return the curve moved by a vector.
 
         Parameters
         ----------
@@ -135,16 +135,20 @@ class PlaneLine:
 
 @dataclass(frozen=True)
 class PlaneArc:
-    """An arc about `centre` (2,), mm, from polar angle `first` by `width` (rad), clockwise where that is negative."""
+    """An arc of a circle."""
 
+    #: centre (2,), mm
     centre: Array
+    #: radius, mm
     radius: float
+    #: polar angle of the first point, rad
     first: float
+    #: angle of the arc, rad, negative for a clockwise arc
     width: float
 
     @staticmethod
     def circle(radius: float, centre: Sequence[float] | Array = (0.0, 0.0)) -> PlaneArc:
-        """A full circle.
+        """Return a full circle.
 
         Parameters
         ----------
@@ -167,7 +171,7 @@ class PlaneArc:
 
     @property
     def closed(self) -> bool:
-        """Whether it is a full circle."""
+        """True for a full circle."""
         return abs(self.width) == 2.0 * np.pi
 
     @property
@@ -180,8 +184,8 @@ class PlaneArc:
 
     @property
     def swept(self) -> float:
-        (x, y), last = self.centre, self.first + self.width
-        lever = x * (np.sin(last) - np.sin(self.first)) - y * (np.cos(last) - np.cos(self.first))
+        (x, y), last_angle = self.centre, self.first + self.width
+        lever = x * (np.sin(last_angle) - np.sin(self.first)) - y * (np.cos(last_angle) - np.cos(self.first))
         return 0.5 * self.radius * float(self.radius * self.width + lever)
 
     def at(self, s: Array) -> Array:
@@ -200,6 +204,6 @@ class PlaneArc:
 
 
 def rotation(angle: float) -> Array:
-    """Matrix (2, 2) of a turn by an angle (rad), counterclockwise."""
+    """Return the matrix (2, 2) of a counterclockwise turn by an angle (rad)."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([(c, -s), (s, c)])

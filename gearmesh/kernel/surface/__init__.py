@@ -1,1 +1,1 @@
-"""Surfaces by their jets: what they are, mapped, twisted, of revolution; curvature; levels that bound them."""
+"""Surfaces with exact jets: mapped, twisted, of revolution; curvature; levels that bound surfaces."""

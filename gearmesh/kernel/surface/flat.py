@@ -1,4 +1,4 @@
-"""Planes along a sliding member: what lands and roots are where gears have cylinders."""
+"""Planes along a sliding member, which take the place of a gear's tip and root cylinders on a rack."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from gearmesh.kernel.surface.surface import Jet
 
 @dataclass(frozen=True)
 class FlatLevel:
-    """g = x - `radius`: a plane in which the `joint` moves a rack; mm.
+    """g = x - `radius` (mm): a plane that contains the direction in which the `joint` moves a rack.
 
-    `radius` is named as that of the cylinders that it stands for.
+    `radius` has the name of the cylinder radius that it replaces.
     """
 
     radius: float
@@ -34,7 +34,7 @@ class FlatLevel:
         return FlatSurface(self)
 
     def at(self, z: float | Array) -> Array:
-        """x, mm, at z."""
+        """Return x, mm, at z."""
         return np.asarray(self.radius + 0.0 * np.asarray(z))
 
     def parallel(self, distance: float) -> FlatLevel:
@@ -53,7 +53,7 @@ class FlatLevel:
 
 @dataclass(frozen=True)
 class FlatSurface:
-    """The plane of a level, normal along x; parameters: u the angle of the joint (rad), v = z (mm)."""
+    """Plane of a level with its normal along x; parameters: u the angle of the joint (rad), v = z (mm)."""
 
     level: FlatLevel
 
@@ -63,18 +63,18 @@ class FlatSurface:
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = broadcast_pair(u, v)
-        radius, zero, one = self.level.joint.travel, np.zeros_like(u), np.ones_like(u)
+        travel, zero, one = self.level.joint.travel, np.zeros_like(u), np.ones_like(u)
         none = np.zeros((*u.shape, 3))
         return Jet(
-            r=np.stack((self.level.radius * one, radius * u, v), axis=-1),
+            r=np.stack((self.level.radius * one, travel * u, v), axis=-1),
             n=np.stack((one, zero, zero), axis=-1),
-            r_u=np.stack((zero, radius * one, zero), axis=-1),
+            r_u=np.stack((zero, travel * one, zero), axis=-1),
             r_v=np.stack((zero, zero, one), axis=-1),
             n_u=none,
             n_v=none,
         )
 
     def meeting(self, axial: Level, stations: Array) -> Array:
-        """v (...,) where the plane has the station coordinates `stations` (...,), mm, of planes across z."""
+        """Return v (...,) of the plane at station coordinates `stations` (...,), mm; stations are planes across z."""
         v: Array = stations - axial.value(np.zeros(3))
         return v

@@ -1,4 +1,4 @@
-"""Levels: functions whose zero bounds a body, and the planes, cones and cylinders about z that they are on gears."""
+"""Levels: functions whose zero bounds a body, such as planes, cones and cylinders about z on gears."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from typing import Protocol
 
 import numpy as np
 
-from gearmesh.kernel.motion.joint import REVOLUTE, Joint
+from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components, dot
 from gearmesh.kernel.numeric.splines import Polynomials
 from gearmesh.kernel.surface.surface import Jet, Surface
 
-#: sines and cosines below this are those of a right angle, to rounding
-RIGHT_ANGLE = 4e-16
+#: sines and cosines below this are those of a right angle, up to rounding
+MAX_ROUNDED_ZERO = 4e-16
 
 
 class Level(Protocol):
-    """A function g(r) whose zero level bounds a body (g < 0 inside), with gradient and Hessian."""
+    """A function g(r) with gradient and Hessian, whose zero level bounds a body (g < 0 inside)."""
 
     def value(self, r: Array) -> Array:
-        """The function at points.
+        """Return g at points.
 
         Parameters
         ----------
@@ -41,7 +41,7 @@ class Level(Protocol):
         """
 
     def gradient(self, r: Array) -> Array:
-        """Its gradient.
+        """Return the gradient of g.
 
         Parameters
         ----------
@@ -61,7 +61,7 @@ class Level(Protocol):
         """
 
     def hessian(self, r: Array, w: Array) -> Array:
-        """Its Hessian, applied to vectors.
+        """Return the Hessian of g, applied to vectors.
 
         Parameters
         ----------
@@ -84,17 +84,17 @@ class Level(Protocol):
 
 
 class LandSurface(Surface, Protocol):
-    """The surface of a land or root; its first parameter is the angle along which teeth follow each other."""
+    """Surface of a land or root; its first parameter is the angle along which teeth follow each other."""
 
     def meeting(self, axial: Level, stations: Array) -> Array:
-        """Second parameter near places along the face.
+        """Return the second parameter near places along the face.
 
         Parameters
         ----------
         axial : Level
             The coordinate along the face.
         stations : ndarray
-            Its values (...,), mm.
+            Values (...,) of this coordinate, mm.
 
         Returns
         -------
@@ -110,18 +110,18 @@ class LandSurface(Surface, Protocol):
 
     @property
     def cone(self) -> ConeLevel | None:
-        """The plane, cylinder or cone that it is, None for any other surface."""
+        """The plane, cylinder or cone that the surface is; None for any other surface."""
 
 
 class LandLevel(Level, Protocol):
-    """What lands and roots lie on: a surface of revolution, or a plane along which a rack slides."""
+    """Level of lands and roots: a surface of revolution, or a plane along which a rack slides."""
 
     @property
     def surface(self) -> LandSurface:
         """The surface g = 0."""
 
     def corners(self, axial: Level) -> tuple[float, ...]:
-        """Corners of its meridian.
+        """Return the corners of the meridian.
 
         Parameters
         ----------
@@ -131,7 +131,7 @@ class LandLevel(Level, Protocol):
         Returns
         -------
         tuple of float
-            Values of that coordinate, mm, ascending.
+            Values of the coordinate along the face, mm, ascending.
 
         Examples
         --------
@@ -141,7 +141,7 @@ class LandLevel(Level, Protocol):
         """
 
     def at(self, z: float | Array) -> Array:
-        """Its distance from the axis, or from a rack's reference plane.
+        """Return the distance from the axis, or from a rack's reference plane.
 
         Parameters
         ----------
@@ -160,7 +160,7 @@ class LandLevel(Level, Protocol):
         """
 
     def across(self, axial: Level) -> Level:
-        """The coordinate at right angles to that along the face.
+        """Return the coordinate at right angles to the coordinate along the face.
 
         Parameters
         ----------
@@ -170,7 +170,7 @@ class LandLevel(Level, Protocol):
         Returns
         -------
         Level
-            mm, across it.
+            Coordinate across the face, mm.
 
         Examples
         --------
@@ -181,7 +181,7 @@ class LandLevel(Level, Protocol):
         """
 
     def parallel(self, distance: float) -> LandLevel:
-        """The level of the parallel surface.
+        """Return the level of the parallel surface.
 
         Parameters
         ----------
@@ -220,7 +220,7 @@ class PlaneLevel:
 
 @dataclass(frozen=True)
 class SlantedLevel:
-    """g = (r - point) . normal: distance (mm) from a plane of any direction, by its unit normal (3,) and a point (3,) of it."""
+    """g = (r - point) . normal: distance (mm) from a plane given by its unit normal (3,) and one of its points (3,)."""
 
     normal: Array
     point: Array
@@ -238,10 +238,11 @@ class SlantedLevel:
 
 @dataclass(frozen=True)
 class ConeLevel:
-    """g = sin(angle) rho + cos(angle) z - offset: every plane, cone or cylinder about z, and all those parallel to it.
+    """g = sin(angle) rho + cos(angle) z - offset: a plane, cone or cylinder about z, or a surface parallel to one.
 
-    `angle` (rad): of the normal, from z towards rho; 0 and pi: planes across the axis, pi/2: cylinders. g is the distance
-    along the normal, mm. As stations of a bevel gear the angle is that of its pitch cone and g the cone distance.
+    `angle` (rad) is the angle of the normal from z towards rho: 0 and pi are planes across the axis, pi/2 is a
+    cylinder. g is the distance along the normal, mm. As the station coordinate of a bevel gear, `angle` is the pitch
+    cone angle and g the cone distance.
     """
 
     angle: float
@@ -249,7 +250,7 @@ class ConeLevel:
 
     @staticmethod
     def of(radius: float, slope: float = 0.0) -> ConeLevel:
-        """The cone rho = radius + slope z, with the axis inside.
+        """Return the cone rho = radius + slope z, with the axis inside.
 
         Parameters
         ----------
@@ -272,18 +273,18 @@ class ConeLevel:
 
     @cached_property
     def normal(self) -> tuple[float, float]:
-        """Unit gradient (rho, z); planes and cylinders exactly so."""
+        """Unit gradient (rho, z), without rounding errors for planes and cylinders."""
         s, c = float(np.sin(self.angle)), float(np.cos(self.angle))
-        return (s if abs(s) > RIGHT_ANGLE else 0.0), (c if abs(c) > RIGHT_ANGLE else 0.0)
+        return (s if abs(s) > MAX_ROUNDED_ZERO else 0.0), (c if abs(c) > MAX_ROUNDED_ZERO else 0.0)
 
     @property
     def radius(self) -> float:
-        """rho, mm, at z = 0; not of a plane."""
+        """rho, mm, at z = 0; undefined for a plane."""
         return self.offset / self.normal[0]
 
     @property
     def slope(self) -> float:
-        """d rho / dz; not of a plane."""
+        """d rho / dz; undefined for a plane."""
         return -self.normal[1] / self.normal[0]
 
     def corners(self, axial: Level) -> tuple[float, ...]:
@@ -293,7 +294,7 @@ class ConeLevel:
         return perpendicular(axial)
 
     def at(self, z: float | Array) -> Array:
-        """Its radius at some z; not of a plane.
+        """Return the radius at some z; undefined for a plane.
 
         Parameters
         ----------
@@ -337,23 +338,26 @@ class ConeLevel:
 
 
 def station_normal(level: Level) -> tuple[float, float]:
-    """Unit gradient (rho, z) of a station coordinate, which is linear in rho and z with a gradient of length 1."""
+    """Return the unit gradient (rho, z) of a station coordinate, which is linear in rho and z."""
     gradient = level.gradient(np.array([1.0, 0.0, 0.0]))
     return float(gradient[0]), float(gradient[2])
 
 
 def perpendicular(axial: Level) -> ConeLevel:
-    """The coordinate at right angles to a station coordinate in the axial half plane, away from the axis of a cylinder."""
+    """Return the coordinate at right angles to a station coordinate in the axial half plane.
+
+    For stations z it is rho, which grows away from the axis.
+    """
     across, up = station_normal(axial)
     return ConeLevel(float(np.arctan2(up, -across)))
 
 
 @dataclass(frozen=True)
 class ConeSurface:
-    """The surface g = 0 of a level, its normal along the gradient of g.
+    """The surface g = 0 of a `ConeLevel`, with its normal along the gradient of g.
 
-    Parameters: u the polar angle (rad), v the length (mm) along the generatrix (rho, z) = offset (sin, cos) + v (-cos, sin)
-    of the level's angle: on a cylinder v = z, on a plane that bounds z from below (angle pi) v = rho.
+    Parameters: u is the polar angle (rad), v the length (mm) along the generatrix (rho, z) = offset (sin, cos) + v
+    (-cos, sin) of the level's angle. On a cylinder v = z; on a plane that bounds z from below (angle pi) v = rho.
     """
 
     level: ConeLevel
@@ -377,7 +381,7 @@ class ConeSurface:
         )
 
     def meeting(self, axial: Level, stations: Array) -> Array:
-        """Its second parameter where it has given station coordinates.
+        """Return the second parameter at given station coordinates.
 
         Parameters
         ----------
@@ -404,7 +408,7 @@ class ConeSurface:
 
 @dataclass(frozen=True)
 class Shifted:
-    """sign * (level - offset): the same family of surfaces, another member of it, either side."""
+    """sign * (level - offset): the surface at another value of a level; `sign` -1 exchanges inside and outside."""
 
     level: Level
     offset: float
@@ -422,14 +426,15 @@ class Shifted:
 
 @dataclass(frozen=True)
 class CurveLevel:
-    """g = sign (f(a) - w): the surface of revolution through a curve w = f(a) of the axial half plane; +1 bounds w from below.
+    """g = sign (f(a) - w): surface of revolution through a curve w = f(a) of the axial half plane."""
 
-    a (mm) is the station coordinate `axial` and w (mm) the coordinate `across` at right angles to it; `curve` gives f.
-    """
-
+    #: station coordinate a, mm
     axial: Level
+    #: coordinate w at right angles to a, mm
     across: Level
+    #: the function f
     curve: Polynomials
+    #: +1 if the surface bounds w from below, -1 if from above
     sign: float = 1.0
 
     def value(self, r: Array) -> Array:
@@ -453,15 +458,16 @@ class CurveLevel:
 
 @dataclass(frozen=True)
 class ScrewLevel:
-    """g = radius (theta - f(a)): the surface across a joint, through a curve of angles theta = f(a), rad, f by `curve`.
+    """g = radius (theta - f(a)): surface across the motion of a joint, through a curve of angles theta = f(a)."""
 
-    a (mm) is the station coordinate `axial`; the `radius` (mm) makes g a length, its sign says which side is inside.
-    """
-
+    #: station coordinate a, mm
     axial: Level
+    #: the function f, rad
     curve: Polynomials
+    #: factor (mm) that makes g a length; its sign determines the inside
     radius: float
-    joint: Joint = REVOLUTE
+    #: joint that defines the angle theta
+    joint: Joint = REVOLUTE_JOINT
 
     def value(self, r: Array) -> Array:
         value: Array = self.radius * self.joint.within(self.joint.angle(r) - self.curve(self.axial.value(r)))

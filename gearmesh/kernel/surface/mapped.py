@@ -1,4 +1,4 @@
-"""A surface by other parameters: r(u, v) = R(a(u, v), b(u, v)), with its exact jet by the chain rule."""
+"""A surface with other parameters: r(u, v) = R(a(u, v), b(u, v)), with its exact jet by the chain rule."""
 
 from __future__ import annotations
 
@@ -11,17 +11,23 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 
 @dataclass(frozen=True)
 class Mapping:
-    """Parameters a, b of a surface at (u, v), and their partials, (...,) each."""
+    """Parameters a, b of a surface at (u, v), and their partial derivatives."""
 
+    #: first parameter (...,) of the surface
     a: Array
+    #: second parameter (...,) of the surface
     b: Array
+    #: derivative of a with respect to u
     a_u: Array
+    #: derivative of a with respect to v
     a_v: Array
+    #: derivative of b with respect to u
     b_u: Array
+    #: derivative of b with respect to v
     b_v: Array
 
     def over(self, own: Jet) -> Jet:
-        """The jet by u, v of a surface whose jet at a, b is its `own`."""
+        """Return the jet with respect to u, v of a surface with the jet `own` at a, b."""
         r_u, n_u = own.along(self.a_u, self.b_u)
         r_v, n_v = own.along(self.a_v, self.b_v)
         return Jet(own.r, own.n, r_u, r_v, n_u, n_v)
@@ -29,7 +35,7 @@ class Mapping:
 
 @dataclass(frozen=True)
 class MappedSurface:
-    """`surface` by the parameters (u, v) that `mapping` takes to its own."""
+    """A `surface` with the parameters (u, v); `mapping` takes (u, v) to the parameters of the surface."""
 
     surface: Surface
     mapping: Callable[[Array, Array], Mapping]

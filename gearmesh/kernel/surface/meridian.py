@@ -1,13 +1,14 @@
-"""Surfaces of revolution by their meridian: throated, crowned, chamfered lands, and the roots that a plunging tool leaves.
+r"""Surfaces of revolution by their meridian: throated, crowned and chamfered lands, and roots left by a plunging tool.
 
-The meridian is a curve w = f(a) of the axial half plane over a station coordinate a, z or the radius or a cone distance; w is the
-coordinate at right angles to it, growing out of the body:
+The meridian is a curve w = f(a) of the axial half plane. a is a station coordinate: z, the radius or a cone distance. w
+is the coordinate at right angles to a and grows out of the body:
 
       w ^       ___ corner                a: along the face, from toe to heel
-        |  ____/   \\____ arc              f: a series, a line, an arc of a throat, or several of them between corners
+        |  ____/   \____ arc              f: a series, a line, an arc of a throat, or several of them between corners
         +-----------------> a
 
-The level g = w - f(a) is positive outside; its zero is a surface with the parameters u = polar angle (rad) and v = a (mm).
+The level g = w - f(a) is positive outside; its zero is a surface with the parameters u = polar angle (rad) and v = a
+(mm).
 """
 
 from __future__ import annotations
@@ -25,34 +26,40 @@ from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components
 from gearmesh.kernel.surface.levels import ConeLevel, Level, PlaneLevel, perpendicular, station_normal
 from gearmesh.kernel.surface.surface import Jet
 
-#: degrees of a fitted series that are tried, and the largest distance (mm) that it may be off
-DEGREES, EXACT = (10, 20, 40), 1e-10
-#: Newton steps to a place of a parallel curve
-STEPS = 12
-#: of Newton steps outwards from the middle of a cylinder's meridian: 7 where its tangent is 2, 20 where it is 1000; and the part
-#: of a tangent that counts as none
-STEPS_OUT, ROUNDING = 60, 1e-15
+#: degrees of a fitted series, tried in this order
+SERIES_DEGREES = (10, 20, 40)
+#: largest distance of a fitted series from the curve
+MAX_FIT_ERROR_MM = 1e-10
+#: Newton steps to a point of a parallel curve
+MAX_PARALLEL_STEPS = 12
+#: Newton steps outwards from the middle of a cylinder's meridian: 7 at a tangent of 2, 20 at 1000
+MAX_CYLINDER_STEPS = 60
+#: Newton step of this tangent that counts as 0, relative to 1 plus the tangent
+RELATIVE_ROUNDING = 1e-15
 
 #: the station coordinate z
-AXIAL = PlaneLevel(0.0)
-#: f, df/da and d2f/da2 (...,)
+AXIAL_STATION = PlaneLevel(0.0)
+#: f, df/da and d2f/da2, (...,) each
 Values = tuple[Array, Array, Array]
 
 
 class MeridianCurve(Protocol):
-    """w = f(a), both mm."""
+    """A curve w = f(a), both in mm."""
 
     @property
     def corners(self) -> tuple[float, ...]:
-        """a of its corners, ascending."""
+        """Values of a at the corners, ascending."""
 
     def at(self, a: Array) -> Values:
-        """f and its first two derivatives at a (...,), NaN where there is none; at a corner those of what follows."""
+        """Return f and its first two derivatives at a (...,), NaN where undefined.
+
+        At a corner the derivatives are those of the following piece.
+        """
 
 
 @dataclass(frozen=True)
 class Straight:
-    """w = at0 + slope a: of a cylinder, cone or plane."""
+    """w = at0 + slope a: the meridian of a cylinder, cone or plane."""
 
     at0: float
     slope: float = 0.0
@@ -64,17 +71,20 @@ class Straight:
 
 @dataclass(frozen=True)
 class CircularMeridian:
-    """An arc about the `centre` (a, w), mm: below it, the throat of a wheel on whose mating gear's axis it lies, or (`above`)
-    over it."""
+    """An arc: below its centre, such as the throat of a wheel around its mating gear's axis, or above its centre."""
 
+    #: centre (a, w), mm
     centre: tuple[float, float]
+    #: radius of the arc, mm
     radius: float
+    #: True for the arc above the centre
     above: bool = False
+    #: no corners
     corners: tuple[float, ...] = ()
 
     def at(self, a: Array) -> Values:
         away, sign = a - self.centre[0], 1.0 if self.above else -1.0
-        # beside the arc there is none, at its ends it is upright
+        # NaN beyond the ends of the arc; vertical at its ends
         with np.errstate(invalid="ignore", divide="ignore"):
             height = np.sqrt(self.radius**2 - away**2)
             return self.centre[1] + sign * height, -sign * away / height, -sign * self.radius**2 / height**3
@@ -82,43 +92,46 @@ class CircularMeridian:
 
 @dataclass(frozen=True)
 class CylinderMeridian:
-    """What a cylinder leaves that turns about the axis, which it crosses at `distance` mm, a = z: `radius` in mm, `tilt` (rad) of
-    its own axis out of the plane across.
+    """Meridian of the surface that a cylinder leaves on a body turning about z; a = z.
 
-    A point at the angle psi about the cylinder's axis, from the common perpendicular, has the normal (cos(psi), sin(psi) sin(tilt),
-    -sin(psi) cos(tilt)) out of the body. It is at right angles to the motion where y = x tan(psi) sin(tilt), which gives, with
-    x = distance - radius cos(psi),
+    A point at the angle psi about the cylinder's axis, from the common perpendicular, has the normal (cos(psi),
+    sin(psi) sin(tilt), -sin(psi) cos(tilt)) out of the body. This normal is at right angles to the motion where y = x
+    tan(psi) sin(tilt). With x = distance - radius cos(psi) it follows
 
         z = radius sin(psi) cos(tilt) + distance tan(psi) sin(tilt)^2 / cos(tilt),   rho = x sqrt(1 + tan(psi)^2 sin(tilt)^2)
     """
 
+    #: distance of the cylinder's axis from the z axis, mm
     distance: float
+    #: radius of the cylinder, mm
     radius: float
+    #: angle (rad) of the cylinder's axis out of the plane across z
     tilt: float
+    #: no corners
     corners: tuple[float, ...] = ()
 
     def at(self, a: Array) -> Values:
         s, c = np.sin(self.tilt), np.cos(self.tilt)
-        own, along = self.radius * c, self.distance * s**2 / c
-        # z grows with u = tan(psi), ever more slowly: from the middle Newton's steps never go too far
+        radius_part, distance_part = self.radius * c, self.distance * s**2 / c
+        # solve z(u) = |a| for u = tan(psi): z is increasing and concave, so Newton's steps from u = 0 never overshoot
         u, away = np.zeros_like(a), np.abs(a)
-        for _ in range(STEPS_OUT):
+        for _ in range(MAX_CYLINDER_STEPS):
             root = np.sqrt(1.0 + u**2)
-            step = (own * u / root + along * u - away) / (own / root**3 + along)
+            step = (radius_part * u / root + distance_part * u - away) / (radius_part / root**3 + distance_part)
             u = u - step
-            if not (np.abs(step) > ROUNDING * (1.0 + u)).any():
+            if not (np.abs(step) > RELATIVE_ROUNDING * (1.0 + u)).any():
                 break
         u = np.copysign(u, a)
         root = np.sqrt(1.0 + u**2)
         narrower = np.sqrt(1.0 + (u * s) ** 2)
         slope = u * c / narrower
-        bend = c * root / narrower**3 / (own / root + along * root**2)
+        bend = c * root / narrower**3 / (radius_part / root + distance_part * root**2)
         return (self.distance - self.radius / root) * narrower, slope, bend
 
 
 @dataclass(frozen=True)
 class Series:
-    """f = sum of coefficients[k] T_k, mm, a from -1 to 1 over `extent`."""
+    """f = sum of coefficients[k] T_k, mm, with a scaled to -1 ... 1 over `extent`."""
 
     coefficients: tuple[float, ...]
     extent: tuple[float, float]
@@ -136,14 +149,14 @@ class Series:
 
 @dataclass(frozen=True)
 class Joined:
-    """Smooth curves one after the other, each up to a corner."""
+    """Smooth curves one after the other; each ends at a corner."""
 
     curves: tuple[MeridianCurve, ...]
     corners: tuple[float, ...]
 
     @staticmethod
     def polyline(points: tuple[tuple[float, float], ...]) -> Joined:
-        """Straight from one point (a, w) to the next, a ascending; the first and the last line go on."""
+        """Return the polyline through points (a, w), a ascending; its first and last lines continue beyond the ends."""
         lines = []
         for (a, w), (b, x) in pairwise(points):
             slope = (x - w) / (b - a)
@@ -153,7 +166,7 @@ class Joined:
     def at(self, a: Array) -> Values:
         number = np.searchsorted(self.corners, a, side="right")
         if number.size and (number == number.flat[0]).all():
-            # as mostly, all between the same corners
+            # the usual case: all points lie between the same two corners
             return self.curves[int(number.flat[0])].at(a)
         pieces = [curve.at(a) for curve in self.curves]
         value, slope, bend = (np.choose(number, of_pieces) for of_pieces in zip(*pieces, strict=True))
@@ -162,9 +175,10 @@ class Joined:
 
 @dataclass(frozen=True)
 class ParallelMeridian:
-    """The curve `distance` mm from a smooth one all along, positive out of the body.
+    """The curve at `distance` mm from a smooth curve, positive out of the body.
 
-    With f' the slope of that at b: a = b - d f' / sqrt(1 + f'^2), w = f + d / sqrt(1 + f'^2), and the slope is the same.
+    Let f' be the slope of the smooth curve at b. Then a = b - d f' / sqrt(1 + f'^2) and w = f + d / sqrt(1 + f'^2),
+    with the same slope.
     """
 
     curve: MeridianCurve
@@ -173,28 +187,29 @@ class ParallelMeridian:
 
     @staticmethod
     def of(curve: MeridianCurve, distance: float) -> MeridianCurve:
-        """Of a curve with or without corners: those of the parallel are where its pieces meet."""
+        """Return the parallel of a curve with or without corners; its corners are the intersections of its pieces."""
         if not isinstance(curve, Joined):
             return ParallelMeridian(curve, distance)
         pieces = [ParallelMeridian(piece, distance) for piece in curve.curves]
         corners = []
-        for corner, (one, other) in zip(curve.corners, pairwise(pieces), strict=True):
+        for corner, (before, after) in zip(curve.corners, pairwise(pieces), strict=True):
             a = np.array(corner)
-            for _ in range(STEPS):
-                (w, slope, _), (x, other_slope, _) = one.at(a), other.at(a)
+            for _ in range(MAX_PARALLEL_STEPS):
+                (w, slope, _), (x, other_slope, _) = before.at(a), after.at(a)
                 a = a - (w - x) / (slope - other_slope)
             corners.append(float(a))
         return Joined(tuple(pieces), tuple(corners))
 
     def at(self, a: Array) -> Values:
+        # solve a(b) = a for the place b on the smooth curve
         b = np.array(a, dtype=float)
-        for _ in range(STEPS):
+        for _ in range(MAX_PARALLEL_STEPS):
             height, slope, bend = self.curve.at(b)
             shorter = 1.0 / np.sqrt(1.0 + slope**2)
             rate = 1.0 - self.distance * bend * shorter**3
             step = (b - self.distance * slope * shorter - a) / rate
             b = b - step
-            if not (np.abs(step) > EXACT).any():
+            if not (np.abs(step) > MAX_FIT_ERROR_MM).any():
                 break
         height, slope, bend = self.curve.at(b)
         shorter = 1.0 / np.sqrt(1.0 + slope**2)
@@ -203,27 +218,27 @@ class ParallelMeridian:
 
 @dataclass(frozen=True)
 class Meridian:
-    """The surface of revolution through a meridian; a level and a surface. `axial` is its coordinate a, linear in rho and z."""
+    """Surface of revolution through a meridian, both a level and a surface; `axial` is its coordinate a."""
 
     curve: MeridianCurve
-    axial: Level = AXIAL
+    axial: Level = AXIAL_STATION
 
     @staticmethod
     def through(profile: Callable[[Array], Array], extent: tuple[float, float]) -> Meridian:
-        """The one whose meridian is rho(z), a smooth function given on `extent`, mm.
+        """Return the surface with the meridian rho(z), a smooth function given on `extent`, mm.
 
-        Raises ValueError where no series of the `DEGREES` is within `EXACT` of it.
+        Raises ValueError if no series of the `SERIES_DEGREES` is within `MAX_FIT_ERROR_MM` of it.
         """
-        for degree in DEGREES:
+        for degree in SERIES_DEGREES:
             fit = Chebyshev.interpolate(profile, degree, domain=extent)
             between = np.linspace(*extent, 3 * degree)
-            if np.abs(fit(between) - profile(between)).max() <= EXACT:
+            if np.abs(fit(between) - profile(between)).max() <= MAX_FIT_ERROR_MM:
                 return Meridian(Series(tuple(float(c) for c in fit.coef), extent))
         raise ValueError("the profile is not smooth enough for a series")
 
     @property
     def surface(self) -> Meridian:
-        """Itself."""
+        """The surface g = 0, which is this object."""
         return self
 
     @property
@@ -251,7 +266,7 @@ class Meridian:
         return Meridian(ParallelMeridian.of(self.curve, distance), self.axial)
 
     def at(self, z: float | Array) -> Array:
-        """rho, mm, at z; where stations are planes."""
+        """Return rho, mm, at z, for stations that are planes."""
         z = np.asarray(z, dtype=float)
         a = self.axial.value(components(np.ones_like(z), 0.0, z))
         rho: Array = self.curve.at(a)[0] * self._w.normal[0]
@@ -269,8 +284,10 @@ class Meridian:
     def hessian(self, r: Array, w: Array) -> Array:
         _, slope, bend = self.curve.at(self.axial.value(r))
         along = self.axial.gradient(r)
-        more = bend * (along * w).sum(axis=-1)
-        hessian: Array = self._w.hessian(r, w) - slope[..., None] * self.axial.hessian(r, w) - more[..., None] * along
+        bending = bend * (along * w).sum(axis=-1)
+        hessian: Array = (
+            self._w.hessian(r, w) - slope[..., None] * self.axial.hessian(r, w) - bending[..., None] * along
+        )
         return hessian
 
     def jet(self, u: Array, v: Array) -> Jet:
@@ -281,7 +298,7 @@ class Meridian:
         along = a + slope * w
         shorter = 1.0 / np.sqrt(1.0 + slope**2)
         n = (w - slope * a) * shorter
-        # the meridian's normal turns against its tangent by the curvature
+        # the normal changes along the tangent by minus the curvature
         turned = -bend * shorter**3 * along
         c, s = np.cos(u), np.sin(u)
 
@@ -294,7 +311,10 @@ class Meridian:
         return Jet(lift(point), lift(n), around(point), lift(along), around(n), lift(turned))
 
     def meeting(self, axial: Level, stations: Array) -> Array:
-        """v (...,) near the station coordinates `stations` (...,), mm: a start value, exact for stations along its own."""
+        """Return v (...,) near the station coordinates `stations` (...,), mm.
+
+        This is a start value; it is exact for stations along the surface's own coordinate a.
+        """
         a, _, origin = self._frame
         way = float(a @ np.array(station_normal(axial)))
         return np.asarray(origin + way * (stations - axial.value(np.zeros(3))))

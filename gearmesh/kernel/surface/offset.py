@@ -1,23 +1,24 @@
-"""Surfaces moved along their own normals, by an amount that is given over space: modifications of any flank.
+"""Surfaces moved along their normals by an amount given over space: modifications of any flank.
 
         n  N            R = r + a n,   a = g(R)
         | /
-    ----+----- R        A point moves along the exact normal n of the base surface until its distance from the base is what the
-        | a             amount g says *there*. g is a function of space, so base and amount need not share any parameters.
+    ----+----- R        A point moves along the exact normal n of the base surface until its distance from the base equals
+        | a             the amount g *at its new place*. g is a function of space: base and amount share no parameters.
     ----+----- r
 
-With t(R) the distance from the base, positive along n, the moved surface is the zero of t - g. The gradient of t is n all along a
-normal, and on the moved surface, whose parameters are the base's, n changes by n_u and n_v. So with G the gradient of g at R, H its
-Hessian, and no more of the base than its jet,
+Let t(R) be the distance from the base, positive along n: the moved surface is the zero of t - g. The gradient of t is n
+along a whole normal. On the moved surface, which has the parameters of the base, n changes by n_u and n_v. With the
+gradient G and the Hessian H of g at R, the jet of the base suffices:
 
     a_i = G . (r_i + a n_i) / (1 - G . n)       R_i = r_i + a n_i + a_i n
     W   = n - G                                 W_i = n_i - H R_i
     N   = W / |W|                               N_i = (W_i - N (N . W_i)) / |W|
 
-exactly: normals need no curvature of the base, curvatures no third derivatives. Had the amount been given at r instead, n_i would
-take them, for g would then be constant along normals, which turn. Where g is constant, N_i = n_i: a parallel surface, of principal
-curvatures k / (1 - a k), in the sense of `curvature` (n_i = -K r_i). Nothing is divided by the area of the base, so the jet goes
-through its cusps; a surface that is moved beyond its own centres of curvature turns inside out.
+This is exact: normals need no curvature of the base, and curvatures need no third derivatives. An amount given at r
+instead would be constant along normals, which turn, and N_i would need third derivatives of the base. If g is constant,
+N_i = n_i: a parallel surface with principal curvatures k / (1 - a k), in the sign of `curvature` (n_i = -K r_i). No
+division by the base's area element occurs, so the jet passes through cusps of the base. A surface moved beyond its own
+centres of curvature turns inside out.
 """
 
 from __future__ import annotations
@@ -31,18 +32,21 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.surface import Jet, Surface
 
-#: steps by which the amount is found at most: each squares the error, so that 3 do for amounts of micro-geometry
-STEPS = 12
-#: a step (mm) after which nothing is left
-TOLERANCE = 1e-13
+#: limit of the steps to the amount; 3 suffice for amounts of micro-geometry
+MAX_NEWTON_STEPS = 12
+#: Newton step of the amount that counts as converged
+TOLERANCE_MM = 1e-13
 
 
 @dataclass(frozen=True)
 class FieldJet:
-    """A function of space at points (..., 3): value (...,), gradient (..., 3), Hessian as it applies to vectors (..., 3)."""
+    """A function of space at points (..., 3): its value and derivatives."""
 
+    #: value (...,)
     value: Array
+    #: gradient (..., 3)
     gradient: Array
+    #: product of the Hessian and vectors (..., 3)
     hessian: Callable[[Array], Array]
 
 
@@ -50,15 +54,15 @@ class SpatialField(Protocol):
     """A function of space with its first and second derivatives."""
 
     def jet(self, r: Array) -> FieldJet:
-        """Value and derivatives at points (..., 3), mm."""
+        """Return value and derivatives at points (..., 3), mm."""
 
 
 @dataclass(frozen=True)
 class Offset:
-    """A surface with every point moved along its normal by the amount that `field` has where it comes to; parameters are its own.
+    """A surface with every point moved along its normal by the amount that `field` has at the new place of the point.
 
-    Amounts are in mm, positive along the normal: material is added. NaN where the amount is not to be found, as where the field
-    rises along the normal as fast as the point moves.
+    The parameters are the surface's. Amounts are in mm, positive along the normal: material is added. NaN where no
+    amount is found, for example if the field rises along the normal as fast as the point moves.
     """
 
     surface: Surface
@@ -81,20 +85,20 @@ class Offset:
         return Jet(base.r + a[..., None] * base.n, n, r_u, r_v, n_u, n_v)
 
     def _amount(self, base: Jet) -> tuple[Array, FieldJet]:
-        """Amounts (...,) by Newton's method, and the field where they take the points."""
+        """Return the amounts (...,) by Newton's method, and the field at the moved points."""
         a = np.zeros(base.r.shape[:-1])
-        for _ in range(STEPS):
+        for _ in range(MAX_NEWTON_STEPS):
             at = self.field.jet(base.r + a[..., None] * base.n)
             step = (at.value - a) / (1.0 - dot(at.gradient, base.n))
             a = a + step
-            if not (np.abs(step) > TOLERANCE).any():
+            if not (np.abs(step) > TOLERANCE_MM).any():
                 return a, at
-        return np.where(np.abs(step) > TOLERANCE, np.nan, a), at
+        return np.where(np.abs(step) > TOLERANCE_MM, np.nan, a), at
 
 
 @dataclass(frozen=True)
 class Parallel:
-    """A surface with every point moved along its normal by the same `distance` (mm, positive along it); parameters are its own."""
+    """A surface with every point moved along its normal by `distance` (mm); its parameters are unchanged."""
 
     surface: Surface
     distance: float
@@ -104,11 +108,11 @@ class Parallel:
 
 
 def _carry(along: Array, n: Array, rate: Array, g: Array) -> Array:
-    """Partials (..., 3) of moved points, for those that they have with their amounts held."""
+    """Return partials (..., 3) of moved points from their partials at constant amount."""
     carried: Array = along + (dot(g, along) * rate)[..., None] * n
     return carried
 
 
 def _across(vectors: Array, n: Array) -> Array:
-    """What of vectors (..., 3) is at right angles to unit vectors n (..., 3)."""
+    """Return the part of vectors (..., 3) at right angles to unit vectors n (..., 3)."""
     return np.asarray(vectors - n * dot(n, vectors)[..., None])

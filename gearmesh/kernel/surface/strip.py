@@ -1,4 +1,4 @@
-"""Strips: surfaces drawn between two curves that run along the face, straight from one to the other at every station."""
+"""Strips: surfaces between two curves along the face, ruled between the curves at every station."""
 
 from __future__ import annotations
 
@@ -13,16 +13,19 @@ from gearmesh.kernel.numeric.algebra import AXIS, Array, broadcast_pair, cross, 
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.kernel.surface.surface import Jet
 
-#: degree of the curves' polynomials, and what its last coefficients may be, of the largest coordinate
-DEGREE, TOLERANCE = 24, 1e-12
+#: degree of the polynomials of both curves
+CURVE_DEGREE = 24
+#: largest of the last two coefficients of a smooth curve, relative to its largest coordinate
+MAX_LAST_COEFFICIENT = 1e-12
 
 
 @dataclass(frozen=True)
 class Strip:
-    """Surface between two curves, parameters (h, v): h from 0 to 1 over it, v the station coordinate less `middle`, mm.
+    """Surface between two curves: the parameter h runs from 0 to 1 between them, v is the station less `middle`, mm.
 
-    At every station of `axial` (a plane, cone or cylinder) polar angle and the length along the generatrix are linear in h.
-    `curves`: for both, the polynomials of v that give angle (rad) and length (mm). The normal points away from the axis.
+    At every station of `axial` (a plane, cone or cylinder) the polar angle and the length along the generatrix are
+    linear in h. `curves` holds two polynomials of v per curve: angle (rad) and length (mm). The normal points away from
+    the axis.
     """
 
     axial: Level
@@ -33,40 +36,44 @@ class Strip:
     def through(
         axial: Level, extent: tuple[float, float], first: Callable[[Array], Array], second: Callable[[Array], Array]
     ) -> Strip:
-        """The strip between two curves, points (T, 3) by station coordinates (T,), over an `extent` of these, within rounding.
+        """Return the strip between two curves within rounding, over an `extent` of station coordinates.
 
-        Raises ValueError for curves that are not smooth.
+        Each curve takes station coordinates (T,) to points (T, 3). Raises ValueError for curves that are not smooth.
         """
         middle, half = 0.5 * (extent[0] + extent[1]), 0.5 * (extent[1] - extent[0])
         across, up = station_normal(axial)
-        nodes = half * np.polynomial.chebyshev.chebpts1(DEGREE + 1)
+        # both coordinates of each curve as Chebyshev series over the stations
+        nodes = half * np.polynomial.chebyshev.chebpts1(CURVE_DEGREE + 1)
         curves = []
         for curve in (first, second):
             r = curve(middle + nodes)
             rho, angle = np.hypot(r[:, 0], r[:, 1]), np.unwrap(polar_angle(r))
             length = -up * rho + across * r[:, 2]
-            fitted = [Chebyshev.fit(nodes, coordinate, DEGREE, domain=[-half, half]) for coordinate in (angle, length)]
+            fitted = [
+                Chebyshev.fit(nodes, coordinate, CURVE_DEGREE, domain=[-half, half]) for coordinate in (angle, length)
+            ]
             scale = np.abs(length).max() + rho.max()
             rest = [np.abs(series.coef[-2:]).max() for series in fitted]
-            if not (rest[0] < TOLERANCE and rest[1] < TOLERANCE * scale):
+            if not (rest[0] < MAX_LAST_COEFFICIENT and rest[1] < MAX_LAST_COEFFICIENT * scale):
                 raise ValueError("no smooth curve along the face")
             curves.append((fitted[0], fitted[1]))
         return Strip(axial, middle, (curves[0], curves[1]))
 
     @cached_property
     def _derivatives(self) -> tuple[tuple[tuple[Chebyshev, ...], ...], ...]:
-        """Of each curve angle and length, each with its first two derivatives."""
+        """Angle and length of each curve, each with its first two derivatives."""
         return tuple(tuple((series, series.deriv(), series.deriv(2)) for series in curve) for curve in self.curves)
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = broadcast_pair(u, v)
         across, up = station_normal(self.axial)
         at = [[[d(v) for d in derivatives] for derivatives in curve] for curve in self._derivatives]
-        # angle and length: value, by h, by v, by h and v, twice by v
+        # angle t and length w: value, and partials by h, by v, by h and v, twice by v
         (t, t_h, t_v, t_hv, t_vv), (w, w_h, w_v, w_hv, w_vv) = (
             (a + u * (b - a), b - a, a_v + u * (b_v - a_v), b_v - a_v, a_vv + u * (b_vv - a_vv))
             for (a, a_v, a_vv), (b, b_v, b_vv) in zip(*at, strict=True)
         )
+        # the same partials of the polar radius; z is linear in w
         station = v + self.middle - float(self.axial.value(np.zeros(3)))
         rho, z = across * station - up * w, up * station + across * w
         rho_h, rho_v, rho_hv, rho_vv = -up * w_h, across - up * w_v, -up * w_hv, -up * w_vv
@@ -82,6 +89,7 @@ class Strip:
         r_hh = vector(-rho * t_h**2, 2.0 * rho_h * t_h, np.zeros_like(t))
         r_hv = vector(rho_hv - rho * t_h * t_v, rho_h * t_v + rho_v * t_h + rho * t_hv, across * w_hv)
         r_vv = vector(rho_vv - rho * t_v**2, 2.0 * rho_v * t_v + rho * t_vv, across * w_vv)
+        # the normal and its partials, from first and second partials of the point
         area = cross(r_h, r_v)
         size = np.sqrt(dot(area, area))
         size = np.where(dot(area, out) < 0.0, -size, size)[..., None]

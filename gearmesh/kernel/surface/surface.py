@@ -1,7 +1,7 @@
-"""What a surface is: a map (u, v) -> point, unit normal and their first partials (the jet).
+"""Surfaces: maps (u, v) -> point and unit normal with their first partial derivatives (the jet).
 
-Everything else (curvature, contact, tessellation) needs nothing more. Shapes are (..., 3) for vectors and (...,) for
-parameters; lengths in mm. The normal points out of the material of the body that the surface bounds.
+Curvature, contact and tessellation need nothing more. Vectors are (..., 3), parameters (...,), lengths in mm. The
+normal points out of the material of the body that the surface bounds.
 """
 
 from __future__ import annotations
@@ -19,28 +19,34 @@ from gearmesh.kernel.numeric.algebra import Array, cross
 
 @dataclass(frozen=True)
 class Jet:
-    """Point r, unit normal n and their first partials, each (..., 3), at parameters (u, v) (...,)."""
+    """Point and unit normal of a surface, and their first partial derivatives, each (..., 3), at (u, v) (...,)."""
 
+    #: point, mm
     r: Array
+    #: unit normal out of the material
     n: Array
+    #: derivative of r with respect to u
     r_u: Array
+    #: derivative of r with respect to v
     r_v: Array
+    #: derivative of n with respect to u
     n_u: Array
+    #: derivative of n with respect to v
     n_v: Array
 
     def __getitem__(self, which: NDArray[np.intp]) -> Jet:
-        """Some of the points, by the first axis."""
+        """Return the jet at some of the points, selected along the first axis."""
         return Jet(*(getattr(self, field.name)[which] for field in fields(Jet)))
 
     def where(self, condition: NDArray[np.bool_], other: Jet) -> Jet:
-        """These points where a condition holds, those of another jet elsewhere.
+        """Return points of this jet where a condition holds, and points of another jet elsewhere.
 
         Parameters
         ----------
         condition : ndarray of bool
             (N,).
         other : Jet
-            Of N points.
+            Jet at N points.
 
         Returns
         -------
@@ -54,11 +60,11 @@ class Jet:
         >>> bool((row.r == jet.r).all())
         True
         """
-        mine = condition[:, None]
-        return Jet(*(np.where(mine, getattr(self, field.name), getattr(other, field.name)) for field in fields(Jet)))
+        chosen = condition[:, None]
+        return Jet(*(np.where(chosen, getattr(self, field.name), getattr(other, field.name)) for field in fields(Jet)))
 
     def move(self, transform: Rigid) -> Jet:
-        """The jet of the same surface in another frame.
+        """Return the jet of the same surface in another frame.
 
         Parameters
         ----------
@@ -81,7 +87,7 @@ class Jet:
         return Jet(r + transform.translation, *turned)
 
     def parallel(self, distance: float) -> Jet:
-        """The jet of the parallel surface; parameters stay.
+        """Return the jet of the parallel surface, with unchanged parameters.
 
         Parameters
         ----------
@@ -103,7 +109,7 @@ class Jet:
         return Jet(r, self.n, r_u, r_v, self.n_u, self.n_v)
 
     def along(self, du: Array, dv: Array) -> tuple[Array, Array]:
-        """Differentials of point and normal for differentials of the parameters.
+        """Return differentials of point and normal for differentials of the parameters.
 
         Parameters
         ----------
@@ -133,7 +139,7 @@ class Surface(Protocol):
     """A surface with an exact jet."""
 
     def jet(self, u: Array, v: Array) -> Jet:
-        """Point, unit normal and their first partials.
+        """Return point, unit normal and their first partial derivatives.
 
         Parameters
         ----------
@@ -155,8 +161,10 @@ class Surface(Protocol):
 
 
 class GeneratedSurface(Surface, Protocol):
-    """A surface that a `tool` generates in a motion of as many parameters as it has `freedoms`: none where it is fixed, roll
-    (rad), or roll and feed (mm)."""
+    """A surface that a `tool` generates in a motion with 0 to 2 parameters (`freedoms`).
+
+    The parameters are: none for a fixed tool; the roll (rad); or the roll and the feed (mm).
+    """
 
     @property
     def tool(self) -> Surface:
@@ -167,7 +175,7 @@ class GeneratedSurface(Surface, Protocol):
         """Number of the motion's parameters."""
 
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
-        """Where on the tool its points are generated.
+        """Return the tool's parameters at the points that generate the surface.
 
         Parameters
         ----------
@@ -190,7 +198,7 @@ class GeneratedSurface(Surface, Protocol):
         """
 
     def generating(self, u: Array, v: Array) -> tuple[Array, ...]:
-        """Where in the motion its points are generated.
+        """Return the motion's parameters at which the points are generated.
 
         Parameters
         ----------
@@ -213,17 +221,17 @@ class GeneratedSurface(Surface, Protocol):
         """
 
     def tool_to_blank(self, *motion: Array) -> Rigid:
-        """The tool's frame over the blank's.
+        """Return the transform from the tool's frame to the blank's frame.
 
         Parameters
         ----------
         motion : ndarray
-            Parameters of the motion, (...,) each, as `generating` has them.
+            Parameters of the motion, (...,) each, as returned by `generating`.
 
         Returns
         -------
         Rigid
-            It takes the tool to the blank.
+            Transform from tool to blank.
 
         Examples
         --------
@@ -236,17 +244,17 @@ class GeneratedSurface(Surface, Protocol):
         """
 
     def axes(self, *motion: Array) -> tuple[MachineAxis, ...]:
-        """Axes of the machine, in the blank's frame.
+        """Return the axes of the machine, in the blank's frame.
 
         Parameters
         ----------
         motion : ndarray
-            Parameters of one place of the motion.
+            Parameters of the motion at one instant.
 
         Returns
         -------
         tuple of MachineAxis
-            Beside those of blank and tool.
+            Without the axes of blank and tool.
 
         Examples
         --------
@@ -256,7 +264,7 @@ class GeneratedSurface(Surface, Protocol):
         """
 
     def progress(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
-        """What tells the lines along which the tool touches: the roll, or else the feed.
+        """Return the parameter that is constant along a line of contact with the tool: the roll, or else the feed.
 
         Parameters
         ----------
@@ -268,7 +276,7 @@ class GeneratedSurface(Surface, Protocol):
         Returns
         -------
         tuple of ndarray
-            Its value, rad or mm, and its partials, (...,) each.
+            Value, rad or mm, and partial derivatives, (...,) each.
 
         Examples
         --------
@@ -281,7 +289,7 @@ class GeneratedSurface(Surface, Protocol):
 
 @dataclass(frozen=True)
 class PlacedSurface:
-    """A surface in another frame, to which `place` takes it: what a fixed tool leaves, too."""
+    """A surface in another frame, to which `place` takes it; also the surface left by a tool that does not move."""
 
     surface: Surface
     place: Rigid
@@ -315,5 +323,5 @@ class PlacedSurface:
 
 
 def area_normal(jet: Jet) -> Array:
-    """r_u x r_v, (..., 3): its length is the area element, zero where the parametrisation degenerates."""
+    """Return r_u x r_v, (..., 3); its length is the area element, 0 where the parametrisation degenerates."""
     return cross(jet.r_u, jet.r_v)

@@ -1,9 +1,9 @@
-"""Surface through points: on lines across it Chebyshev series in u, along it splines in v, with an exact jet of its own.
+"""Surface through points, with an exact jet: Chebyshev series in u across it, and splines in v along it.
 
     r(u, v) = sum_k c_k(v) T_k(2 u - 1),   0 <= u <= 1
 
-The series takes smooth curves, such as arcs of up to a right angle, to rounding with `DEGREE` + 1 points. The normal is that of the
-surface itself, r_u x r_v, and its partials follow from the second partials of r.
+The series represents smooth curves, such as arcs of up to a right angle, to rounding with `SERIES_DEGREE` + 1 points.
+The normal is r_u x r_v of this surface, and its partials follow from the second partials of r.
 """
 
 from __future__ import annotations
@@ -18,22 +18,23 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.numeric.splines import Polynomials, splines_through
 from gearmesh.kernel.surface.surface import Jet
 
-#: degree of the series across: an arc of 90 deg is within 1e-13 of its radius
-DEGREE = 11
-#: degree of the splines along
-ALONG_DEGREE = 5
+#: degree of the series in u: an arc of 90 deg is within 1e-13 of its radius
+SERIES_DEGREE = 11
+#: degree of the splines in v
+SPLINE_DEGREE = 5
 
 
 def nodes_across() -> Array:
-    """Places u (DEGREE + 1,) between 0 and 1 at which a surface is tabulated across, ascending."""
-    return 0.5 - 0.5 * np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
+    """Return the places u (SERIES_DEGREE + 1,), ascending between 0 and 1, at which a surface is tabulated."""
+    return 0.5 - 0.5 * np.cos(np.pi * (np.arange(SERIES_DEGREE + 1) + 0.5) / (SERIES_DEGREE + 1))
 
 
 @dataclass(frozen=True)
 class TabulatedSurface:
-    """Surface by the coefficients c_k(v) (DEGREE + 1, 3), mm; `sense`: +1 where r_u x r_v points out of the material, else -1."""
+    """Surface by coefficients c_k(v) (SERIES_DEGREE + 1, 3), mm, of the series in u."""
 
     series: Polynomials
+    #: +1 if r_u x r_v points out of the material, else -1
     sense: float
 
     @staticmethod
@@ -43,22 +44,22 @@ class TabulatedSurface:
         Parameters
         ----------
         points : numpy.ndarray
-            (DEGREE + 1, K, T, 3), mm, of K smooth stretches.
+            (SERIES_DEGREE + 1, K, T, 3), mm, of K smooth stretches.
         stations : numpy.ndarray
             v (K, T), ascending over all stretches; each begins where the one before it ends.
         outward : numpy.ndarray
             Directions out of the material at the points, of the same shape.
         """
-        vandermonde = chebyshev.chebvander(2.0 * nodes_across() - 1.0, DEGREE)
+        vandermonde = chebyshev.chebvander(2.0 * nodes_across() - 1.0, SERIES_DEGREE)
         coefficients = np.tensordot(np.linalg.inv(vandermonde), points, axes=1)
-        series = splines_through(stations, np.moveaxis(coefficients, 0, 2), ALONG_DEGREE)
+        series = splines_through(stations, np.moveaxis(coefficients, 0, 2), SPLINE_DEGREE)
         surface = TabulatedSurface(series, 1.0)
-        middle = DEGREE // 2, 0, points.shape[2] // 2
+        middle = SERIES_DEGREE // 2, 0, points.shape[2] // 2
         jet = surface.jet(nodes_across()[[middle[0]]], stations[middle[1:]].reshape(1))
         return TabulatedSurface(series, float(np.sign(dot(jet.n, outward[middle][None])[0])))
 
     def jet(self, u: Array, v: Array) -> Jet:
-        """Point, unit normal and their first partials at u, v (...,)."""
+        """Return point, unit normal and their first partial derivatives at u, v (...,)."""
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
         across = [self._basis(u.ravel(), order) for order in range(3)]
         along = self.series.derivatives(v.ravel(), 0, 1, 2)
@@ -78,11 +79,11 @@ class TabulatedSurface:
         return Jet(partial(0, 0), n, r_u, r_v, n_u, n_v)
 
     def _basis(self, u: Array, order: int) -> Array:
-        """Derivatives (M, DEGREE + 1) by u of an order of the polynomials T_k at u (M,)."""
-        return np.asarray(chebyshev.chebvander(2.0 * u - 1.0, DEGREE - order) @ self._derivatives[order])
+        """Return the derivatives (M, SERIES_DEGREE + 1) by u, of an order, of the polynomials T_k at u (M,)."""
+        return np.asarray(chebyshev.chebvander(2.0 * u - 1.0, SERIES_DEGREE - order) @ self._derivatives[order])
 
     @cached_property
     def _derivatives(self) -> list[Array]:
-        """Matrices (DEGREE + 1 - order, DEGREE + 1) that take series to those of their derivatives by u."""
-        every = np.eye(DEGREE + 1)
-        return [every, *(np.asarray(2.0**order * chebyshev.chebder(every, order, axis=0)) for order in (1, 2))]
+        """Matrices (SERIES_DEGREE + 1 - order, SERIES_DEGREE + 1) from a series to its derivative by u, per order."""
+        series = np.eye(SERIES_DEGREE + 1)
+        return [series, *(np.asarray(2.0**order * chebyshev.chebder(series, order, axis=0)) for order in (1, 2))]

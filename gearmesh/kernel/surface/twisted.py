@@ -1,6 +1,4 @@
-"""Surfaces twisted about the z axis: helical teeth from what a tool generates in the transverse section, and what turns with a
-flank that is modified along the face.
-"""
+"""Surfaces twisted about the z axis: helical teeth from a transverse section, and flanks modified along the face."""
 
 from __future__ import annotations
 
@@ -12,16 +10,17 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import AXIS, Array, about_axis, dot, rotation_about, turn
 from gearmesh.kernel.surface.surface import Jet, Surface
 
-#: Angles (...,), rad, at z (...,), mm, and their first two derivatives by z
+#: angle (...,), rad, at z (...,), mm, and its first two derivatives with respect to z
 Twist = Callable[[Array], tuple[Array, Array, Array]]
 
 
 @dataclass(frozen=True)
 class Twisted:
-    """A surface, its sections z = const turned about z by psi = `rate` z (rad/mm) and what `more` adds; parameters are its own.
+    """A surface whose sections z = const are turned about z by psi = `rate` z (rad/mm) plus `more`.
 
-    R = Rz(psi) r,  N = Rz(psi) (n - h e_z) / |n - h e_z|  with h = psi' n . (e_z x r). Of a cylinder along z a constant rate makes
-    a screw surface in every section of which the cylinder's own section stands.
+    Its parameters are unchanged. R = Rz(psi) r,  N = Rz(psi) (n - h e_z) / |n - h e_z|  with h = psi' n . (e_z x r). A
+    constant rate turns a cylinder along z into a screw surface; each section of the screw surface is the cylinder's
+    section.
     """
 
     surface: Surface
@@ -33,7 +32,7 @@ class Twisted:
         z, n_z = flat.r[..., 2], flat.n[..., 2]
         psi, k, bend = self.rate * z, np.full_like(z, self.rate), np.zeros_like(z)
         if self.more is not None:
-            psi, k, bend = (own + addition for own, addition in zip((psi, k, bend), self.more(z), strict=True))
+            psi, k, bend = (angle + addition for angle, addition in zip((psi, k, bend), self.more(z), strict=True))
         swept = about_axis(flat.r)
         around = k[..., None] * swept
         lean = dot(flat.n, around)

@@ -27,7 +27,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.numeric.splines import CUBIC, spline_through
+from gearmesh.kernel.numeric.splines import CUBIC_DEGREE, spline_through
 from gearmesh.mesh.links.forms import Forms
 from gearmesh.mesh.links.lines import ROUNDING
 
@@ -336,7 +336,7 @@ def _levels(slope: Array) -> Array:
     level = np.tile(t, (s.size, 1))
     if not slope.any():
         return level
-    fine = spline_through(coarse, slope.T, CUBIC)(t).T
+    fine = spline_through(coarse, slope.T, CUBIC_DEGREE)(t).T
     for k in range(s.size - 1, 0, -1):
         step = s[k] - s[k - 1]
         here = np.interp(level[k:], t, fine[k])

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import PARALLEL, Rigid
+from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, rotation_about
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.beveloid.design import TIP_RADIUS
@@ -126,7 +126,7 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
     )
     shift = (design.pinion.profile_shift + design.gear.profile_shift) * design.given_module
     origin = np.array([pinion.radius, 0.0, 0.0]) - gear.radius * axes[:, 0] + shift * x_t
-    parallel = math.hypot(axes[0, 2], axes[1, 2]) < PARALLEL
+    parallel = math.hypot(axes[0, 2], axes[1, 2]) < MAX_SINE_OF_PARALLEL
     if errors.center_distance is not None and not parallel:
         raise DesignError(
             "assembly.center_distance", errors.center_distance, reason="allowed only where the axes are parallel"
@@ -201,6 +201,6 @@ def pinned_values(design: BeveloidDesign, train: GearTrain) -> dict[str, float]:
     """The distance of parallel axes of a complete design in mm, which its build derives where it is left out."""
     without = design.assembly.model_copy(update=dict.fromkeys(DISPLACEMENTS.keys, 0.0))
     first, second = (mount.base for mount in build(design.model_copy(update={"assembly": without})).pairs[0].mounts)
-    if math.hypot(second.rotation[0, 2], second.rotation[1, 2]) >= PARALLEL:
+    if math.hypot(second.rotation[0, 2], second.rotation[1, 2]) >= MAX_SINE_OF_PARALLEL:
         return {}
     return {"assembly.center_distance": float(second.translation[0] - first.translation[0])}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.joint import REVOLUTE, Joint
+from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.stations import TrimError
@@ -34,7 +34,7 @@ HALVINGS = 24
 MOST_PROOFS = 3
 
 
-def tip_edge(spec: BrokenEdges, joint: Joint = REVOLUTE) -> TipEdge | None:
+def tip_edge(spec: BrokenEdges, joint: Joint = REVOLUTE_JOINT) -> TipEdge | None:
     """The broken tip edge that a part of a design asks for."""
     if spec.tip_chamfer:
         return TipEdge(spec.tip_chamfer, joint=joint)

@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.motion.joint import REVOLUTE, Joint
+from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.numeric.algebra import Array, components, dot
 from gearmesh.kernel.surface.levels import Level, station_normal
 
@@ -27,7 +27,7 @@ class Development:
     """The development of the stations of `axial`, along which the teeth follow each other as in `joint`."""
 
     axial: Level
-    joint: Joint = REVOLUTE
+    joint: Joint = REVOLUTE_JOINT
 
     @cached_property
     def _normal(self) -> tuple[float, float]:
@@ -102,7 +102,7 @@ class Development:
 
     def _angle(self, r: Array, about: Array) -> Array:
         """Polar angle (...,), rad, counted from others, between -pi and pi."""
-        return REVOLUTE.within(np.arctan2(r[..., 1], r[..., 0]) - about)
+        return REVOLUTE_JOINT.within(np.arctan2(r[..., 1], r[..., 0]) - about)
 
     def _axes(self, theta: Array) -> tuple[Array, Array]:
         """Unit vectors (..., 3) along the generatrix of a station, as X or L grows, and round the axis, at polar angles (...,)."""

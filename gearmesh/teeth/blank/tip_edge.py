@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.motion.joint import REVOLUTE, Joint
+from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.levels import Level
@@ -40,7 +40,7 @@ class TipEdge:
 
     size: float
     rounded: bool = False
-    joint: Joint = REVOLUTE
+    joint: Joint = REVOLUTE_JOINT
 
     def _between(
         self, flank: Surface, blank: Blank, sign: int, ends: tuple[Array, Array], stations: Array

@@ -15,7 +15,7 @@ from numpy.polynomial import Polynomial
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.grid_spline import GridSpline, PlaneJet, polynomial
-from gearmesh.kernel.numeric.splines import CUBIC, spline_through
+from gearmesh.kernel.numeric.splines import CUBIC_DEGREE, spline_through
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.offset import FieldJet
 
@@ -82,7 +82,7 @@ class SplineCurves:
         """Through values (X, K) at x (X,), in any order."""
         order = np.argsort(x)
         self.extent = float(x.min()), float(x.max())
-        self._spline = spline_through(x[order], values[order], min(CUBIC, len(x) - 1))
+        self._spline = spline_through(x[order], values[order], min(CUBIC_DEGREE, len(x) - 1))
 
     def jets(self, x: Array) -> tuple[tuple[Array, Array, Array], ...]:
         """Values (...,) and two derivatives of each of them at x (...,)."""

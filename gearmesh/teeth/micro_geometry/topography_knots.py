@@ -12,7 +12,7 @@ import numpy as np
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.numeric.splines import CUBIC, spline_through
+from gearmesh.kernel.numeric.splines import CUBIC_DEGREE, spline_through
 from gearmesh.teeth.micro_geometry.modification import Modification, Topography
 
 #: intervals between neighbouring kinks to begin with: enough for a cubic
@@ -71,7 +71,7 @@ def _fine(knots: Array) -> Array:
 def _halve(knots: Array, fine: Array, wanted: Array, tolerance: float) -> Array:
     """Knots (K,), those intervals halved in which the splines through them miss amounts `wanted` (F, N) at `fine` places (F,)."""
     every = len(BETWEEN) + 1
-    spline = spline_through(knots, wanted[::every], CUBIC)
+    spline = spline_through(knots, wanted[::every], CUBIC_DEGREE)
     missed = np.abs(spline(fine) - wanted).max(axis=1)[:-1].reshape(-1, every).max(axis=1)
     middles = 0.5 * (knots[:-1] + knots[1:])
     return np.sort(np.append(knots, middles[missed > tolerance]))
