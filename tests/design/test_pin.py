@@ -245,7 +245,7 @@ OTHER_RULES: dict[str, tuple[str, Any, dict[str, Any]]] = {
         MORE["halves"],
     ),
     "face_gear": (
-        "gearmesh.systems.face_gear.pinion_root.DEDENDUM",
+        "gearmesh.systems.face_gear.pinion_root.STANDARD_DEDENDUM_MODULES",
         1.3,
         {"kind": "face_gear", "module": 3, "pinion": {"teeth": 25}, "gear": {"teeth": 120}, "shaper": {"teeth": 28}},
     ),

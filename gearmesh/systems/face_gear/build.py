@@ -1,12 +1,14 @@
-"""Face gear drives [LF04 18]: the pinion by a rack, the face gear by an involute shaper.
+"""Construction of face gear drives [LF04 18]: the pinion by a rack, the face gear by an involute shaper.
 
-Fixed frame: apex, where the axes meet, in the origin; z along the axis of shaper and pinion away from the apex, x towards the
-face gear: the frame of the shaper. The pinion's axis is parallel to the shaper's, (Ns - N1) m / 2 closer to the gear, so that the
-pitch cylinders touch [LF04 18.4.2]; the pitch line is x = r_ps, and on it, where the instantaneous axes meet, the pitch
-point P. phi1 turns the pinion clockwise about +z; at phi1 = 0 the flanks that work touch in P and phi2 = 0.
+The fixed frame is the shaper's: the origin is the apex, where the axes intersect. z is along the axes of shaper and
+pinion away from the apex, x towards the face gear. The pinion's axis is parallel to the shaper's, (Ns - N1) m / 2
+closer to the gear, so that the pitch cylinders touch [LF04 18.4.2]. The pitch line is x = r_ps. On it is the pitch
+point P, where the instantaneous axes intersect. phi1 turns the pinion clockwise about +z. At phi1 = 0 the working
+flanks touch in P, and phi2 = 0.
 
-With an `offset` E the axes cross: the gear's is at y = -E, its apex the foot of the common perpendicular. Shaper and pinion stay
-in their internal mesh, and so all three surfaces in mesh at once: the path of contact still passes through the pitch line.
+With an `offset` E the axes cross: the gear's axis is at y = -E, and its apex is the foot of the common perpendicular.
+Shaper and pinion remain in internal mesh, so that all three surfaces are in mesh at once. The path of contact still
+passes through the pitch line.
 """
 
 from __future__ import annotations
@@ -35,7 +37,7 @@ from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import Roll, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, round_tips
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
-from gearmesh.systems.face_gear.design import CLEARANCE
+from gearmesh.systems.face_gear.design import CLEARANCE_MODULES
 from gearmesh.systems.face_gear.grinding import Grinding
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.systems.face_gear.pinion_root import clear_root, unlike_standard
@@ -55,27 +57,30 @@ from gearmesh.tools.shaper_worm import ShaperWorm
 if TYPE_CHECKING:
     from gearmesh.systems.face_gear.design import FaceGearDesign
 
-#: Radii that are not given stay this part of the width between the limits inside them.
-INSIDE = 0.02
-#: Distance (modules) of the axes from crossing at 90 deg, offset times cosine, that is none.
-STRAIGHT = 1e-9
-#: Rounding of the shaper's tip that is not given, in modules, and at most this part of what there is room for.
-TIP_RADIUS, ROOM = 0.2, 0.8
+#: distance of default radii from their limits, over the width between the limits
+RADIUS_MARGIN_SHARE = 0.02
+#: largest offset times cosine of the shaft angle (modules) at which the root is a cone
+MAX_SKEW_MODULES = 1e-9
+#: default rounding of the shaper's tip, in modules
+TIP_RADIUS_MODULES = 0.2
+#: largest default rounding of the shaper's tip, over the largest that fits
+MAX_TIP_RADIUS_SHARE = 0.8
 
 
 def build(design: FaceGearDesign) -> GearTrain:
-    """The pair of a face gear design (in mm).
+    """Return the pair of a face gear design (in mm).
 
-    Raises DesignError naming key, value and limit: radii beyond undercut or pointing, shaper or teeth that cannot exist.
+    Raises DesignError naming key, value and limit: radii beyond undercut or pointing, shaper or teeth that cannot
+    exist.
     """
     shaped = shaped_gear(design)
-    place = middle(design, shaped)
-    gear = _gear(design, cut_gear(design, shaped), place)
+    face_middle = middle(design, shaped)
+    gear = _gear(design, cut_gear(design, shaped), face_middle)
     flank = Side(design.contact.flank)
-    first, second = _mounts(design, shaped, place)
+    pinion_mount, gear_mount = _mounts(design, shaped, face_middle)
     pair = GearPair(
-        pinion=replace(_pinion(design, place), mount=first),
-        gear=replace(gear, mount=second),
+        pinion=replace(_pinion(design, face_middle), mount=pinion_mount),
+        gear=replace(gear, mount=gear_mount),
         flanks=(flank, flank),
         drive=flank.sign,
         ratio=design.pinion.teeth / design.gear.teeth,
@@ -85,7 +90,7 @@ def build(design: FaceGearDesign) -> GearTrain:
 
 
 def shaped_gear(design: FaceGearDesign) -> ShapedGear:
-    """Shaper and face gear in the design's unit of length. Raises DesignError for a shaper that cannot exist."""
+    """Return shaper and face gear in the design's unit of length. Raises DesignError for a shaper that cannot exist."""
     m, shift, radius = design.given_module, design.pinion.profile_shift, design.shaper.tip_radius
     sharp = Shaper(
         teeth=design.shaper_teeth,
@@ -94,7 +99,9 @@ def shaped_gear(design: FaceGearDesign) -> ShapedGear:
         addendum=(design.shaper.addendum + shift) * m,
         profile_shift=shift,
     )
-    rounding = min(TIP_RADIUS * m, ROOM * sharp.largest_tip_radius) if np.isnan(radius) else radius * m
+    rounding = (
+        min(TIP_RADIUS_MODULES * m, MAX_TIP_RADIUS_SHARE * sharp.largest_tip_radius) if np.isnan(radius) else radius * m
+    )
     angle = float(np.radians(design.shaft_angle))
     return _complete_flank(
         "offset", ShapedGear(replace(sharp, tip_radius=rounding), design.gear.teeth, angle, design.offset)
@@ -102,7 +109,7 @@ def shaped_gear(design: FaceGearDesign) -> ShapedGear:
 
 
 def _complete_flank(key: str, shaped: ShapedGear) -> ShapedGear:
-    """A shaped gear. Raises DesignError for an offset, by its key, at which it has no complete flanks."""
+    """Return a shaped gear. Raises DesignError, naming `key`, for an offset at which it has no complete flanks."""
     if not shaped.offset**2 < (farthest := shaped.largest_offset) ** 2:
         raise DesignError(
             key,
@@ -115,8 +122,11 @@ def _complete_flank(key: str, shaped: ShapedGear) -> ShapedGear:
 
 
 def cut_gear(design: FaceGearDesign, shaped: ShapedGear) -> ShapedGear:
-    """The gear that the shaper of a complete design generates with the settings of the machine, before it is displaced along its
-    axis. Raises DesignError for settings that make no flank."""
+    """Return the gear that the shaper of a complete design generates with the machine's settings, without axial
+    displacement.
+
+    Raises DesignError for settings that make no flank.
+    """
     machine, nominal = design.gear.machine, shaped.shaper
     shaper = replace(nominal, pressure_angle=float(np.radians(machine.pressure_angle)), thicker=machine.thickness)
     cut = replace(shaped, shaper=shaper, shaft_angle=float(np.radians(machine.shaft_angle)), offset=machine.offset)
@@ -124,16 +134,16 @@ def cut_gear(design: FaceGearDesign, shaped: ShapedGear) -> ShapedGear:
 
 
 def derived_values(design: FaceGearDesign) -> dict[str, float]:
-    """What the geometry says of keys that the file leaves out, by dotted key, in the design's units.
+    """Return values of keys that the file leaves out and that need the geometry, by dotted key, in the design's units.
 
-    Raises DesignError for a shaper that cannot exist and where no radius has teeth.
+    Raises DesignError for a shaper that cannot exist, and if no radius has teeth.
     """
     spec, m, shaped = design.gear, design.given_module, shaped_gear(design)
     inner, outer = spec.inner_radius, spec.outer_radius
     if np.isnan([inner, outer]).any():
         low, high = inner_limit(design, shaped), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
-        inner = low + INSIDE * (high - low) if np.isnan(inner) else inner
-        outer = high - INSIDE * (high - low) if np.isnan(outer) else outer
+        inner = low + RADIUS_MARGIN_SHARE * (high - low) if np.isnan(inner) else inner
+        outer = high - RADIUS_MARGIN_SHARE * (high - low) if np.isnan(outer) else outer
     root = clear_root(design, shaped, (float(inner), float(outer)))
     return {
         "pinion.dedendum": root.dedendum,
@@ -147,27 +157,32 @@ def derived_values(design: FaceGearDesign) -> dict[str, float]:
 
 
 def inner_limit(design: FaceGearDesign, shaped: ShapedGear) -> float:
-    """Radius (in the design's units) from which on the teeth are whole: not undercut, and within the shaper's involute."""
+    """Return the radius (in the design's units) from which teeth are whole: not undercut, and within the shaper's
+    involute.
+    """
     return max(shaped.undercut_radius(), shaped.involute_radius(design.gear.addendum * design.given_module))
 
 
 def middle(design: FaceGearDesign, shaped: ShapedGear) -> float:
-    """Distance (mm) from the apex, along the pinion's axis, of the middle of the face."""
+    """Return the distance (mm) of the middle of the face from the apex, along the pinion's axis."""
     return 0.5 * float(sum(covered_range(shaped, (design.gear.inner_radius, design.gear.outer_radius))))
 
 
 def covered_range(shaped: ShapedGear, radii: tuple[float, float]) -> tuple[float, float]:
-    """z (mm) in the shaper's frame where the pitch line, and a module beside it on crossed axes, meets two radii (mm)."""
+    """Return the range of z (mm) in the shaper's frame in which the pitch line is between two radii (mm).
+
+    On crossed axes the range includes lines a module beside the pitch line.
+    """
     aside = shaped.shaper.module * shaped.offset / np.array(radii)
     inner, outer = shaped.place_of(np.array(radii)) + np.abs(aside) * [-1.0, 1.0]
     return float(inner), float(outer)
 
 
 def shaping(shaped: ShapedGear, place: float, depth: float = 0.0) -> Chain:
-    """Motion of shaper over face gear by psi_s (rad) [LF04 18.5.5-6], the tool's origin on the pitch line at z = `place` mm.
+    """Return the motion of the shaper over the face gear by psi_s (rad) [LF04 18.5.5-6].
 
-    The tool's frame is that of `tools.shaper`: turned by 180 deg about the shaper's axis. `depth` (mm): how far the shaper is
-    displaced along the gear's axis.
+    The tool's origin is on the pitch line at z = `place` mm. Its frame is that of `tools.shaper`, turned by 180 deg
+    about the shaper's axis. `depth`: displacement of the shaper along the gear's axis, mm.
     """
     to_tool = (-shaped.shaper.pitch_radius, 0.0, place)
     return Chain(
@@ -181,8 +196,8 @@ def shaping(shaped: ShapedGear, place: float, depth: float = 0.0) -> Chain:
 
 
 def generate(shaped: ShapedGear, place: float, profile: Profile, side: int, depth: float = 0.0) -> Envelope:
-    """What a profile of the shaper generates: `side` +1 the right side of the gear's tooth, -1 the left."""
-    # of the two tangents from the instantaneous axis to the base circle, the one on the side of the flank
+    """Return the surface that a profile of the shaper generates; `side`: +1 right, -1 left side of the gear's tooth."""
+    # branch 1: of both tangents from the instantaneous axis to the base circle, the tangent on the side of the flank
     return Envelope(RackSurface(profile, 0.0, 0.0, side), shaping(shaped, place, depth), branch=1)
 
 
@@ -190,6 +205,7 @@ def generate(shaped: ShapedGear, place: float, profile: Profile, side: int, dept
 
 
 def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
+    """Return the face gear; `place`: z of the middle of its face, mm."""
     _check_face(design, shaped)
     blank = _blank(design, shaped)
     sides = [_side(design, shaped, place, side) for side in (1, -1)]
@@ -217,9 +233,9 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
 
 
 def grinding_of(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Grinding:
-    """The worm of a complete design in the shaper's place, at the settings of the machine; `place` (mm): the middle of the face.
+    """Return the grinding of a complete design by a worm in the shaper's place, at the machine's settings.
 
-    Raises DesignError for a worm that cannot exist.
+    `place`: z of the middle of the face, mm. Raises DesignError for a worm that cannot exist.
     """
     machine, spec = design.gear.machine, design.worm
     worm = ShaperWorm(shaped.shaper, spec.pitch_radius, spec.threads, 1 if spec.right_hand else -1)
@@ -228,9 +244,10 @@ def grinding_of(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Gri
 
 
 def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -> ToothSide:
+    """Return one side of the shaped tooth: +1 right, -1 left."""
     shaper = shaped.shaper
-    own = shaped if side > 0 else shaped.mirror_image
-    tip = own.theta_at_height(_tip_height(design, shaped), np.array(place))
+    side_gear = shaped if side > 0 else shaped.mirror_image
+    tip = side_gear.theta_at_height(_tip_height(design, shaped), np.array(place))
     depth = design.gear.machine.axial_position
     flank, fillet = (generate(shaped, place, profile, side, depth) for profile in (shaper.involute, shaper.rounding))
     return ToothSide(
@@ -245,27 +262,30 @@ def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -
 
 
 def _tip_height(design: FaceGearDesign, shaped: ShapedGear) -> float:
-    """Height (mm) of the gear's tips over the pitch cone of the gear that the tool generates."""
+    """Return the height (mm) of the gear's tips over the pitch cone of the gear that the tool generates."""
     return design.gear.addendum * design.given_module + _deeper(design, shaped)
 
 
 def _deeper(design: FaceGearDesign, shaped: ShapedGear) -> float:
-    """How much deeper (mm), across its axis, the shaper cuts as it is displaced along the gear's."""
+    """Return the additional depth of cut (mm), across the shaper's axis, by its displacement along the gear's axis."""
     return design.gear.machine.axial_position * float(np.sin(shaped.shaft_angle))
 
 
 def _bottom(shaped: ShapedGear, place: float, depth: float) -> Bottom | None:
-    """The root that the shaper's top cylinder generates where it sweeps no cone: on crossed axes that are not at 90 deg."""
-    if abs(shaped.offset * np.cos(shaped.shaft_angle)) < STRAIGHT * shaped.shaper.module:
+    """Return the root that the shaper's top cylinder generates, or None where it sweeps a cone.
+
+    It sweeps no cone on crossed axes that are not at 90 deg.
+    """
+    if abs(shaped.offset * np.cos(shaped.shaft_angle)) < MAX_SKEW_MODULES * shaped.shaper.module:
         return None
     shaper = shaped.shaper
-    # the tooth between this space and the one before
+    # the root is between this flank's fillet and the fillet of the neighbouring tooth
     before = np.pi + 2.0 * np.pi / shaper.teeth - shaper.root
     return Bottom(generate(shaped, place, shaper.top, 1, depth), (before, shaper.root))
 
 
 def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
-    """Refuse radii beyond undercut and pointing, and tips that the shaper's involute does not reach."""
+    """Raise DesignError for radii beyond undercut and pointing, and for tips that the shaper's involute does not reach."""
     spec, m, height = design.gear, design.given_module, _tip_height(design, shaped)
     inner, outer = shaped.undercut_radius(), shaped.pointing_radius(height, spec.top_land * m)
     if spec.inner_radius < inner:
@@ -303,9 +323,12 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
 
 
 def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
-    """Cylinders at toe and heel; tip and root are the cones that lines parallel to the axes of pinion and shaper sweep."""
+    """Return the blank: cylinders at toe and heel, cones at tip and root.
+
+    The cones are swept by lines parallel to the axes of pinion and shaper.
+    """
     spec, nominal = design.gear, shaped_gear(design)
-    # normal towards the shaper's axis; both are distances from the apex along it
+    # the normal of each cone points towards the shaper's axis; offsets are distances from the apex along the normal
     towards = nominal.shaft_angle + 0.5 * np.pi
     tip = ConeLevel(towards, nominal.cone_offset(spec.addendum * design.given_module))
     cut = ConeLevel(shaped.shaft_angle + 0.5 * np.pi)
@@ -333,7 +356,7 @@ def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
 
 
 def _pinion(design: FaceGearDesign, place: float) -> Member:
-    """A spur pinion of the shaper's base pitch; either flank is set back by half of the normal backlash."""
+    """Return the spur pinion with the shaper's base pitch; each flank is set back by half of the normal backlash."""
     spec, m, alpha = design.pinion, design.given_module, float(np.radians(design.pressure_angle))
     shift = spec.profile_shift * m
     half_thickness = thin(0.25 * np.pi * m, design.backlash, 0.5, alpha)
@@ -356,14 +379,16 @@ def _pinion(design: FaceGearDesign, place: float) -> Member:
 
 
 def _mounts(design: FaceGearDesign, shaped: ShapedGear, place: float) -> tuple[Mount, Mount]:
-    """Mounts with the errors: dE moves the pinion along y, dq the gear along its axis, d_gamma turns that about y."""
+    """Return the mounts with assembly errors: dE moves the pinion along y, dq the gear along its axis, d_gamma turns it
+    about y.
+    """
     errors, spec, m = design.assembly, design.pinion, design.given_module
     alpha = np.radians(design.pressure_angle)
     apart = 0.5 * (shaped.shaper.teeth - spec.teeth) * m
     pinion = Rigid(np.eye(3), np.array([apart, errors.dE, place]))
     along = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dq]))
     gear = gear_base(shaped.shaft_angle + float(np.radians(errors.d_gamma)), -shaped.offset) @ along
-    # half a tooth on the pitch cylinder, less what the backlash takes off
+    # half a tooth angle on the pitch cylinder, less half of the backlash
     half_tooth = (0.5 * np.pi + 2.0 * spec.profile_shift * np.tan(alpha)) / spec.teeth
     half_tooth -= design.backlash / (spec.teeth * m * np.cos(alpha))
     half_tooth_gear = (0.5 * np.pi - 2.0 * spec.profile_shift * np.tan(alpha)) / shaped.teeth
@@ -374,21 +399,24 @@ def _mounts(design: FaceGearDesign, shaped: ShapedGear, place: float) -> tuple[M
 
 
 def _displaced_bases(design: FaceGearDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    """Return the bases of pinion and gear with assembly errors (M,), mm and deg."""
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
-    # about the common perpendicular, which is y
+    # the shaft angle opens about the common perpendicular, which is y
     opened = Rigid(rotation_about("y", np.radians(errors["d_gamma"])), np.zeros(3))
     along = Rigid(np.eye(3), shifts(0.0, 0.0, errors["dq"]))
     moved = pinion.translation + shifts(0.0, errors["dE"], 0.0)
     return Rigid(np.broadcast_to(pinion.rotation, (len(moved), 3, 3)), moved), opened @ gear @ along
 
 
-DISPLACEMENTS: Displacements[FaceGearDesign] = Displacements(("dE", "dq", "d_gamma"), _displaced_bases)
+#: keys of the assembly errors, and the bases that they displace
+ASSEMBLY_DISPLACEMENTS: Displacements[FaceGearDesign] = Displacements(("dE", "dq", "d_gamma"), _displaced_bases)
 
 
 def _warnings(design: FaceGearDesign, shaped: ShapedGear) -> tuple[str, ...]:
+    """Return the warnings on unusual defaults, line contact and a narrow pinion."""
     spec, longer = (
         design.pinion,
-        {"shaper.addendum": (design.pinion.addendum + CLEARANCE, "its teeth would be pointed")},
+        {"shaper.addendum": (design.pinion.addendum + CLEARANCE_MODULES, "its teeth would be pointed")},
     )
     warnings = [*unlike_standard(design), *unusual_defaults(design, longer)]
     if shaped.shaper.teeth == spec.teeth:

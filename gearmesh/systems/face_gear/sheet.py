@@ -1,7 +1,8 @@
-"""The sheet of a face gear drive: axodes [LF04 18.2], and the lines of contact of shaper, pinion and gear [LF04 18.4].
+"""Sheet of a face gear drive: axodes [LF04 18.2], and the lines of contact of shaper, pinion and gear [LF04 18.4].
 
-Shaper and gear touch along lines L_s2, one pressure angle in each of the shaper's cross sections; shaper and pinion, parallel,
-along L_s1, all at the pressure angle of their mesh. Where both have the same one, pinion and gear touch.
+Shaper and gear touch along lines L_s2, with one pressure angle in each cross section of the shaper. Shaper and pinion,
+which are parallel, touch along lines L_s1, all at the pressure angle of their mesh. Pinion and gear touch where both
+pressure angles are equal.
 """
 
 from __future__ import annotations
@@ -20,20 +21,27 @@ if TYPE_CHECKING:
     from gearmesh.systems.face_gear.design import FaceGearDesign
     from gearmesh.teeth.gear_train import GearTrain
 
-#: titles of the tables
-AXODES, LINES = "Axodes [LF04 18.2, 18.4]", "Lines of contact on the shaper [LF04 18.4]"
+#: title of the table of axodes
+AXODES_TITLE = "Axodes [LF04 18.2, 18.4]"
+#: title of the table of lines of contact
+LINES_TITLE = "Lines of contact on the shaper [LF04 18.4]"
 
 
 def data_sheet(design: FaceGearDesign, train: GearTrain) -> Sheet:
-    """Derived keys, members and axes as of every system, then axodes and lines of contact."""
+    """Return derived keys, members and axes as for every system, then axodes and lines of contact."""
     given = design.in_mm()
     plain, shaped = plain_sheet(design, train), shaped_gear(given)
-    own = tables_of((AXODES, lambda: _axodes(given, shaped)), (LINES, lambda: _lines(given, shaped)))
-    return Sheet((*plain.tables, *own), plain.values, plain.replaced)
+    face_gear_tables = tables_of(
+        (AXODES_TITLE, lambda: _axodes(given, shaped)), (LINES_TITLE, lambda: _lines(given, shaped))
+    )
+    return Sheet((*plain.tables, *face_gear_tables), plain.values, plain.replaced)
 
 
 def _axodes(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
-    """Half angles of the cones of pinion or shaper and the gear; crossed axes have hyperboloids, and none."""
+    """Return the half angles of the axodes of pinion or shaper and the gear.
+
+    Crossed axes have hyperboloids and no half angles.
+    """
     teeth, angle = (design.pinion.teeth, design.shaper_teeth), shaped.shaft_angle
     cones = [np.degrees(half_angles(count, shaped.teeth, angle)) for count in teeth]
     meet = shaped.offset == 0.0
@@ -44,17 +52,21 @@ def _axodes(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
         ("B", "distance of the axis from the pinion's", "mm", (0.0, apart)),
         ("", "pitch point from the apex, along the axis", "mm", (shaped.pitch_distance if meet else None,) * 2),
     ]
-    return table(AXODES, ("pinion", "shaper"), rows)
+    return table(AXODES_TITLE, ("pinion", "shaper"), rows)
 
 
 def half_angles(first: int, second: int, shaft_angle: float) -> tuple[float, float]:
-    """Half angles (rad) of both axodes on axes that meet at `shaft_angle` (rad), by tooth numbers [LF04 18.2.2]."""
+    """Return the half angles (rad) of both axodes on axes that intersect at `shaft_angle` (rad), by tooth numbers [LF04
+    18.2.2].
+    """
     cosine, sine, ratio = np.cos(shaft_angle), np.sin(shaft_angle), second / first
     return float(np.arctan2(sine, ratio + cosine)), float(np.arctan2(sine, 1.0 / ratio + cosine))
 
 
 def _lines(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
-    """Sections of the shaper at toe and heel and where the pinion touches: the pressure angle of L_s2 on either flank."""
+    """Return the pressure angles of L_s2 on both flanks, in sections of the shaper at toe, heel and the pinion's
+    contacts.
+    """
     toe, heel = covered_range(shaped, (design.gear.inner_radius, design.gear.outer_radius))
     right, left = (float(side.distance(np.array(side.shaper.pressure_angle))) for side in shaped.sides)
     sections = {"toe": toe, "contact, right": right, "contact, left": left, "heel": heel}
@@ -66,4 +78,4 @@ def _lines(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
         ("kappa", "pressure angle of L_s2, left", "deg", tuple(kappa[1])),
         ("alpha", "pressure angle of L_s1", "deg", (design.pressure_angle,) * len(sections)),
     ]
-    return table(LINES, tuple(sections), rows)
+    return table(LINES_TITLE, tuple(sections), rows)

@@ -1,16 +1,17 @@
-"""The worm that grinds a face gear as a part: flanks, crests that grind the fillets, root with clearance.
+r"""The worm that grinds a face gear, as a part: flanks, crests that grind the fillets, root with clearance.
 
-The shaper's flank and tip rounding generate flank and crest, its top cylinder the land, a barrel. The root is a cylinder: the
-gear's tips pass the worm along a line across it. From there to the flank a wall stands along the radius, which touches
-nothing. Seen across the worm, at the place y along it:
+The shaper's flank and tip rounding generate flank and crest; its top cylinder generates the land, a barrel. The root is
+a cylinder, because the gear's tips pass the worm along a line across it. A wall along the radius connects root and
+flank and touches nothing. The section across the worm at the position y along it:
 
         ____   land, rho(y), a barrel
-       /    \\  crest
-      /      \\   flank, from theta_low(y) to the end of the shaper's involute
+       /    \  crest
+      /      \   flank, from theta_low(y) to the end of the shaper's involute
       |      |   wall, from the flank at the height x = h of the contact point down to
     __|      |__ the root, rho = E_ws + h - clearance / 2
 
-The flank's parameters are its share p of the way from theta_low to the end, and v = y. A shaper's point theta_s touches at y where
+The flank's parameters are its share p of the way from theta_low to the end, and v = y. The shaper's point theta_s
+touches at y, where
 
     y = r_b (sin(kappa) - theta_s cos(kappa)),   r_b^2 theta_s^2 = x^2 + y^2 - r_b^2.
 """
@@ -52,24 +53,29 @@ if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values
     from gearmesh.systems.face_gear.design import FaceGearDesign
 
-#: clearance of the worm's root from the gear's tips, in modules: what is made if the thread is sound down to it, and at least
-CLEARANCE, LEAST = 0.25, 0.02
-#: mm: below this length there is no thread
-SHORTEST = 1e-3
-#: theta_s below which the thread's flank does not begin, smoothly
-FLOOR = 0.05
-#: step (mm) of the difference that gives the wall's curvature along the thread; its error is below 1e-6 of the curvature
-STEP = 1e-3
-#: rounds of Newton's method from the place on the worm to the angle on the shaper's top
-ROUNDS = 30
+#: clearance (modules) of the worm's root from the gear's tips, if the thread has no singular points down to it
+CLEARANCE_MODULES = 0.25
+#: least clearance of the worm's root from the gear's tips, in modules
+MIN_CLEARANCE_MODULES = 0.02
+#: least length (mm) of a thread
+MIN_THREAD_LENGTH_MM = 1e-3
+#: theta_s that the beginning of the thread's flank approaches smoothly from above
+MIN_THREAD_THETA = 0.05
+#: step (mm) of the difference for the wall's curvature along the thread; its error is below 1e-6 of the curvature
+CURVATURE_STEP_MM = 1e-3
+#: Newton steps from the position on the worm to the angle on the shaper's top
+NEWTON_ROUNDS = 30
 
 
 @dataclass(frozen=True)
 class Thread:
-    """A thread whose flanks begin at the height `low` (mm) over the shaper's axis, on a root `clearance` / 2 (mm) below."""
+    """Thread of the worm."""
 
+    #: the worm
     worm: ShaperWorm
+    #: height of the beginning of the flanks over the shaper's axis, mm
     low: float
+    #: twice the distance of the root below the beginning of the flanks, mm
     clearance: float
 
     @property
@@ -78,7 +84,7 @@ class Thread:
         return self.worm.distance + self.low - 0.5 * self.clearance
 
     def side(self, which: int) -> ToothSide:
-        """The thread's right side (+1) or left side (-1), in its own frame: a thread is centred on +x."""
+        """Return the thread's right side (+1) or left side (-1) in the worm's frame; a thread is centred on +x."""
         shaper, side = self.worm.shaper, -which * self.worm.hand
         to_own = Rigid.about_z(-which * np.pi / self.worm.threads)
         flank = PlacedSurface(self.flank(side), to_own)
@@ -91,27 +97,30 @@ class Thread:
         )
 
     def flank(self, side: int) -> Surface:
-        """The flank that the shaper's `side` generates, normal out of the worm, by the parameters (p, v)."""
+        """Return the flank that the shaper's `side` generates, with parameters (p, v) and normal out of the worm."""
         generated = self.worm.thread(Reversed(self.worm.shaper.involute), side, branch=-1)
         return MappedSurface(generated, lambda p, v: self._mapping(side, p, v))
 
     def beginning(self, y: Array) -> tuple[Array, Array]:
-        """theta_low (...,) at y (...,), and d theta_low / dy, 1/mm."""
+        """Return theta_low (...,) at y (...,), and d theta_low / dy, 1/mm."""
         base = self.worm.shaper.base_radius
         squared = (self.low**2 + y**2) / base**2 - 1.0
-        root = np.hypot(squared, 2.0 * FLOOR**2)
+        root = np.hypot(squared, 2.0 * MIN_THREAD_THETA**2)
         theta = np.sqrt(0.5 * (squared + root))
         slope: Array = (1.0 + squared / root) * y / base**2 / (2.0 * theta)
         return theta, slope
 
     def kappa(self, theta: Array, y: Array) -> tuple[Array, Array]:
-        """Pressure angle (...,), rad, with which theta_s touches at y, and the height x (...,), mm, at which it does."""
+        """Return the pressure angle (...,), rad, and the height x (...,), mm, at which theta_s touches at y."""
         with np.errstate(invalid="ignore"):
             x = np.sqrt(self.worm.shaper.base_radius**2 * (1.0 + theta**2) - y**2)
         return np.arctan2(y, x) + np.arctan(theta), x
 
     def sound(self, half: Array) -> NDArray[np.bool_]:
-        """Whether (...,) a thread from -half to half (...,), mm, has no singular points: they are where its flank begins."""
+        """Return True (...,) if a thread from -half to half (...,), mm, has no singular points.
+
+        The first singular points are at the beginning of its flank.
+        """
         y = -np.atleast_1d(half)
         theta = self.beginning(y)[0]
         with np.errstate(invalid="ignore"):
@@ -120,29 +129,32 @@ class Thread:
         return regular
 
     def longest(self) -> float:
-        """Length (mm) up to which the thread has no singular points."""
+        """Return the length (mm) up to which the thread has no singular points."""
         low, high = np.zeros(1), np.array([self.worm.shaper.base_radius])
         half, _ = last_true(lambda at, _: self.sound(at), low, high)
         return 2.0 * float(half[0]) * float(np.cos(self.worm.lead_angle))
 
     def _mapping(self, side: int, p: Array, v: Array) -> Mapping:
+        """Return the mapping from (p, v) to the parameters of the generated flank."""
         p, v = broadcast_pair(p, v)
         worm, end = self.worm if side > 0 else self.worm.mirror_image, self.worm.shaper.form_point[0]
         y = side * v
         low, low_y = self.beginning(y)
         theta, theta_p, theta_y = low + p * (end - low), end - low, (1.0 - p) * low_y
         kappa, x = self.kappa(theta, y)
-        # along y = r_b (sin(kappa) - theta cos(kappa)), x = r_b (cos(kappa) + theta sin(kappa))
+        # derivatives of kappa along y = r_b (sin(kappa) - theta cos(kappa)), x = r_b (cos(kappa) + theta sin(kappa))
         by_theta, by_y = worm.shaper.base_radius * np.cos(kappa) / x, 1.0 / x
         z, slope, _ = worm.along_arm(kappa, np.array(worm.shaper.base_radius))
         kappa_y = by_y + by_theta * theta_y
         return Mapping(-theta, z, -theta_p, -side * theta_y, slope * by_theta * theta_p, side * slope * kappa_y)
 
     def _crest_mapping(self, side: int, q: Array, v: Array) -> Mapping:
-        """Of the rounding, whose parameter stays; Z would be far from even across it."""
+        """Return the mapping of the rounding, whose parameter q is kept; v = y replaces Z, which varies strongly across
+        it.
+        """
         q, v = broadcast_pair(q, v)
         worm, shaper = self.worm if side > 0 else self.worm.mirror_image, self.worm.shaper
-        # the rounding's point from the shaper's axis, where the shaper's space is centred on x; its normal is at -q
+        # point of the rounding from the shaper's axis, with the shaper's space centred on x; its normal is at the angle -q
         points, tangents, _, _ = shaper.rounding.section(-q)
         at, slope, y = np.array([shaper.pitch_radius, 0.0]) - points, tangents, side * v
         radius = np.hypot(at[..., 0], at[..., 1])
@@ -151,7 +163,7 @@ class Thread:
         psi = np.arctan2(y, x) - np.arctan2(at[..., 1], at[..., 0])
         c, s = np.cos(-q), np.sin(-q)
         arm = at[..., 0] * c + at[..., 1] * s
-        # by q; the angle of the normal is -q, the tangent -d at / d(-q)
+        # derivatives by q; the angle of the normal is -q, the tangent is -d at / d(-q)
         arm_q = slope[..., 0] * c + slope[..., 1] * s + at[..., 0] * s - at[..., 1] * c
         radius_q = np.einsum("...i,...i", at, slope) / radius
         turn_q = (at[..., 0] * slope[..., 1] - at[..., 1] * slope[..., 0]) / radius**2
@@ -162,19 +174,23 @@ class Thread:
 
 @dataclass(frozen=True)
 class Wall:
-    """Wall along the radius from the beginning p = 0 of a flank, at q = 0, to a cylinder of radius `root` (mm), at q = 1.
+    """Wall along the radius from the beginning of a flank (q = 0) to a cylinder (q = 1)."""
 
-    `side` +1: its normal points against the angle about the axis, -1: with it.
-    """
-
+    #: flank of the thread, which begins at p = 0
     flank: Surface
+    #: radius of the cylinder, mm
     root: float
+    #: +1 if the normal points against the angle about the axis, -1 if with it
     side: int
 
     def jet(self, u: Array, v: Array) -> Jet:
+        """Return the jet at q = u and v."""
         q, v = broadcast_pair(u, v)
-        curve, ahead, behind = (self.flank.jet(np.zeros_like(v), v + step) for step in (0.0, STEP, -STEP))
-        bend = (ahead.r_v - behind.r_v) / (2.0 * STEP)
+        curve, ahead, behind = (
+            self.flank.jet(np.zeros_like(v), v + step) for step in (0.0, CURVATURE_STEP_MM, -CURVATURE_STEP_MM)
+        )
+        # second derivative of the flank's beginning along the thread, by central differences
+        bend = (ahead.r_v - behind.r_v) / (2.0 * CURVATURE_STEP_MM)
         rho = np.hypot(curve.r[..., 0], curve.r[..., 1])
         out = curve.r * [1.0, 1.0, 0.0] / rho[..., None]
         up = np.array([0.0, 0.0, 1.0])
@@ -187,6 +203,7 @@ class Wall:
         z_v, z_vv = curve.r_v[..., 2], bend[..., 2]
 
         def vector(along_out: Array, along_around: Array, along_up: Array) -> Array:
+            """Return vectors by their components along `out`, `around` and z."""
             sum_of_parts: Array = (
                 along_out[..., None] * out + along_around[..., None] * around + along_up[..., None] * up
             )
@@ -198,7 +215,7 @@ class Wall:
         a, b = -sense * z_v / length, sense * radius * angle_v / length
 
         def normal_change(z_x: Array, slope_x: Array, angle_x: Array) -> Array:
-            """Change of the normal a around + b up."""
+            """Return the change of the normal a around + b up."""
             change = (z_v * slope_x - radius * angle_v * z_x) / length**2
             return vector(-a * angle_x, b * change, -a * change)
 
@@ -236,7 +253,7 @@ class GrindingFigures(Figures):
 
 
 def worm_part(design: FaceGearDesign) -> ToolPart:
-    """The worm of the table `worm` (in mm) as a part, and how far the gear that it grinds is from the shaped one.
+    """Return the worm of the table `worm` (in mm) as a part, with the distance of the ground gear from the shaped gear.
 
     Raises DesignError as `grinding_worm`.
     """
@@ -255,29 +272,32 @@ def worm_part(design: FaceGearDesign) -> ToolPart:
 
 
 def grinding_in_place(design: FaceGearDesign) -> Grinding:
-    """The worm of a design (in mm) on its gear. Raises DesignError for a worm that cannot exist."""
+    """Return the grinding of a design (in mm). Raises DesignError for a worm that cannot exist."""
     shaped = shaped_gear(design)
     return grinding_of(design, cut_gear(design, shaped), middle(design, shaped))
 
 
 def _shaped_tooth(design: FaceGearDesign) -> Tooth:
-    """The tooth of the gear (design in mm) as a shaper makes it with the settings of the machine."""
+    """Return the tooth of the gear (design in mm) made by the shaper with the machine's settings."""
     return build(design.with_values({"gear.machine.tool": "shaper"})).pairs[0].gear.tooth
 
 
 def _make(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
-    """The worm of a design (in mm) on the tooth of its gear, and as a part with the figures of its length. Raises DesignError."""
+    """Return the grinding of a design (in mm), and the worm as a part with the figures of its length.
+
+    `tooth`: tooth of the gear. Raises DesignError as `grinding_worm`.
+    """
     grinding, spec = grinding_in_place(design), design.worm
     shaped, height = grinding.shaped, design.gear.addendum * design.given_module
     reach = grinding.reach(tooth)
-    # the gear's tips are on a cone: off 90 deg they are not at one height across the worm
+    # the gear's tips are on a cone: at shaft angles other than 90 deg their height varies across the worm
     y = np.array([reach[0], 0.0, reach[1]])
     tip = float(shaped.tip_line(height, y, float(shaped.place_of(design.gear.inner_radius))).min())
     return grinding, grinding_worm(grinding.worm, tip, reach, spec.length, spec.bore)
 
 
 def pinned_values(design: FaceGearDesign, _: GearTrain) -> Values:
-    """Of a complete design in mm: teeth of the shaper; length and bore of the worm, where there is one."""
+    """Return values of a complete design in mm: teeth of the shaper; length and bore of the worm, if it can exist."""
     teeth: Values = {"shaper.teeth": design.shaper_teeth}
     try:
         part = _make(design, _shaped_tooth(design))[1]
@@ -293,16 +313,22 @@ def pinned_values(design: FaceGearDesign, _: GearTrain) -> Values:
 def grinding_worm(
     worm: ShaperWorm, tip: float, reach: tuple[float, float], length: float | None, bore: float | None
 ) -> ToolPart:
-    """The worm as a part; `tip` (mm): least height of the gear's tips over the shaper's axis; `reach`: see `Grinding`.
+    """Return the worm as a part.
 
-    A `length` (mm) that is not given is what grinds the whole tooth, in whole mm, or as much as is sound. Raises DesignError
-    naming key, value and limit: singular points of the thread, or nothing without them, bore not below the root, thread that
-    cannot be closed.
+    - `worm`: the worm
+    - `tip`: least height of the gear's tips over the shaper's axis, mm
+    - `reach`: range of the grinding points along the worm's axis, mm: see `Grinding`
+    - `length`: length of the thread, mm; None for the length that grinds the whole tooth, in whole mm, or the largest
+      length without singular points
+    - `bore`: bore diameter, mm, or None
+
+    Raises DesignError naming key, value and limit: a thread with singular points, a bore not below the root, a thread
+    that cannot be closed.
     """
     needed = 2.0 * max(abs(place) for place in reach)
-    thinnest = _thread(worm, tip, LEAST)
+    thinnest = _thread(worm, tip, MIN_CLEARANCE_MODULES)
     longest = thinnest.longest()
-    if longest < SHORTEST:
+    if longest < MIN_THREAD_LENGTH_MM:
         raise DesignError(
             "shaper.teeth",
             worm.shaper.teeth,
@@ -321,8 +347,8 @@ def grinding_worm(
     half = 0.5 * given / np.cos(worm.lead_angle)
     clearance, _ = last_true(
         lambda at, _: np.array([bool(_thread(worm, tip, float(c)).sound(np.array(half))[0]) for c in at]),
-        np.array([LEAST]),
-        np.array([CLEARANCE]),
+        np.array([MIN_CLEARANCE_MODULES]),
+        np.array([CLEARANCE_MODULES]),
     )
     thread = _thread(worm, tip, float(clearance[0]))
     figures = Summary(ThreadFigures(given, needed, longest))
@@ -332,11 +358,13 @@ def grinding_worm(
 
 
 def _thread(worm: ShaperWorm, tip: float, clearance: float) -> Thread:
+    """Return the thread with a clearance (modules) below the gear's tips at the height `tip` (mm)."""
     depth = clearance * worm.shaper.module
     return Thread(worm, tip - 0.5 * depth, depth)
 
 
 def _member(thread: Thread, length: float, bore: float | None) -> Member:
+    """Return the worm as a member. Raises DesignError for a thread that cannot be closed."""
     worm, half = thread.worm, 0.5 * length
     hole = bore_radius("worm", bore, thread.root, "the root diameter")
     try:
@@ -352,11 +380,14 @@ def _member(thread: Thread, length: float, bore: float | None) -> Member:
 
 
 def _crest_radius(worm: ShaperWorm, radius: float, z: Array) -> Array:
-    """rho (...,), mm, at z on the surface of revolution that a cylinder about the shaper's axis generates on the worm."""
+    """Return rho (...,), mm, at z on the surface that a cylinder about the shaper's axis generates on the worm.
+
+    The surface is a surface of revolution about the worm's axis.
+    """
     _, cosine, sine = worm.to_shaper.rotation[:, 2]
     off = sine**2 / cosine * worm.distance
     angle = np.arcsin(z / (radius * cosine))
-    for _ in range(ROUNDS):
+    for _ in range(NEWTON_ROUNDS):
         miss = radius * cosine * np.sin(angle) - off * np.tan(angle) - z
         angle = angle - miss / (radius * cosine * np.cos(angle) - off / np.cos(angle) ** 2)
     along = -sine / cosine * worm.distance * np.tan(angle)
