@@ -17,7 +17,7 @@ from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.system import complete_design
 from gearmesh.systems.worm_drive.build import build, nominal_thread, wheel_hob
 from gearmesh.systems.worm_drive.design import WormDriveDesign
-from gearmesh.systems.worm_drive.thread import LAND
+from gearmesh.systems.worm_drive.thread import LAND_PARAMETER
 from gearmesh.teeth.region import Side
 
 CORPUS = SAMPLES.parent / "tests" / "corpus"
@@ -303,7 +303,7 @@ def test_share_of_the_flank_that_undercut_removes(name: str) -> None:
     thread, rounding = hob.thread, hob.thread.rounding_surface(hob.rounding, 1)
     radii = np.linspace(hob.thread.base_radius if name[:2] == "ZI" else 0.5 * thread.radius, hob.form_radius, 400)
     flank = thread.section.axial_section(np.array([thread.at_radius(float(rho)) for rho in radii]))[0]
-    arc = rounding.axial_section(np.linspace(hob.rounding.form_point[1], LAND, 200))[0]
+    arc = rounding.axial_section(np.linspace(hob.rounding.form_point[1], LAND_PARAMETER, 200))[0]
     section = np.concatenate((flank, arc[1:]))
     place = hob.place(1)
     deepest = np.full(p.shape, np.inf)

@@ -122,8 +122,7 @@ def _complete_flank(key: str, shaped: ShapedGear) -> ShapedGear:
 
 
 def cut_gear(design: FaceGearDesign, shaped: ShapedGear) -> ShapedGear:
-    """Return the gear that the shaper of a complete design generates with the machine's settings, without axial
-    displacement.
+    """Gear that the shaper of a complete design generates with the machine's settings, without axial displacement.
 
     Raises DesignError for settings that make no flank.
     """
@@ -157,9 +156,7 @@ def derived_values(design: FaceGearDesign) -> dict[str, float]:
 
 
 def inner_limit(design: FaceGearDesign, shaped: ShapedGear) -> float:
-    """Return the radius (in the design's units) from which teeth are whole: not undercut, and within the shaper's
-    involute.
-    """
+    """Radius (in the design's units) from which teeth are whole: not undercut, and within the shaper's involute."""
     return max(shaped.undercut_radius(), shaped.involute_radius(design.gear.addendum * design.given_module))
 
 
@@ -379,8 +376,9 @@ def _pinion(design: FaceGearDesign, place: float) -> Member:
 
 
 def _mounts(design: FaceGearDesign, shaped: ShapedGear, place: float) -> tuple[Mount, Mount]:
-    """Return the mounts with assembly errors: dE moves the pinion along y, dq the gear along its axis, d_gamma turns it
-    about y.
+    """Return the mounts with assembly errors.
+
+    dE moves the pinion along y, dq the gear along its axis, d_gamma turns the gear about y.
     """
     errors, spec, m = design.assembly, design.pinion, design.given_module
     alpha = np.radians(design.pressure_angle)

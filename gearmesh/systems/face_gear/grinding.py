@@ -1,5 +1,4 @@
-"""Grinding of a face gear by a worm fed along the shaper's axis: envelope of roll and feed, against the shaped gear
-[LF04 18.14].
+"""Grinding of a face gear by a worm fed along the shaper's axis: envelope of roll and feed [LF04 18.14].
 
 Thread and gear touch in a point. Over roll and feed these points cover the flank. Their positions on the thread
 determine how long the worm must be, and how far they are from the thread's singular points.

@@ -93,14 +93,13 @@ class ShapedGear:
 
     @property
     def path_radius(self) -> float:
-        """Radius (mm) on the gear at which the right flank of a pinion with any number of teeth touches on the pitch
-        line.
-        """
+        """Radius (mm) on the gear of a pinion's right-flank contact on the pitch line, for any number of teeth."""
         return float(self.radius_of(self.distance(np.array(self.shaper.pressure_angle))))
 
     def place_of(self, radius: Array | float) -> Array:
-        """Return z (...,), mm, in the shaper's frame of points of the pitch line, x = r_ps, y = 0, at radii (...,), mm,
-        on the gear.
+        """Return z (...,), mm, of points of the pitch line at radii (...,), mm, on the gear.
+
+        The pitch line is x = r_ps, y = 0 in the shaper's frame.
         """
         outward = np.sqrt(np.maximum(np.asarray(radius) ** 2 - self.offset**2, 0.0))
         z: Array = (outward + self.shaper.pitch_radius * np.cos(self.shaft_angle)) / np.sin(self.shaft_angle)
@@ -118,8 +117,7 @@ class ShapedGear:
         return float(np.arctan2(-self.offset, outward))
 
     def cone_offset(self, height: float) -> float:
-        """Return the distance (mm) from the apex, along its normal, of a cone about the gear's axis parallel to the
-        pitch cone.
+        """Distance (mm) from the apex, along its normal, of a cone about the gear's axis parallel to the pitch cone.
 
         The cone is `height` mm over the pitch point, towards the tips. On intersecting axes, lines at that height along
         the shaper's axis sweep the cone. On crossed axes they sweep a hyperboloid that touches the cone.
@@ -128,15 +126,15 @@ class ShapedGear:
         return float(height - self.shaper.pitch_radius + over)
 
     def tip_line(self, height: float, y: Array, z: Array | float) -> Array:
-        """Return x (...,), mm, in the shaper's frame of the tip cone, `height` mm over the pitch cone, at y and z
-        (...,), mm.
+        """Return x (...,), mm, in the shaper's frame of the tip cone at y and z (...,), mm.
+
+        The tip cone is `height` mm over the pitch cone.
         """
         outward = z * np.sin(self.shaft_angle) + self.cone_offset(height) * np.cos(self.shaft_angle)
         return -self.cone_offset(height) + self._over(outward, y)
 
     def pressure_angle(self, z: Array, arm: Array | None = None) -> Array:
-        """Return kappa (...,), rad, in the shaper's sections at z (...,) mm from the apex; NaN where nothing is
-        generated.
+        """Return kappa (...,), rad, in sections at z (...,) mm from the apex; NaN where nothing is generated.
 
         `arm` (...,): distance of the normal from the shaper's axis, mm; by default that of the involute's normal.
         """
@@ -170,8 +168,11 @@ class ShapedGear:
         return np.stack((rho * np.cos(angle), rho * np.sin(angle), x * s + z * c), axis=-1)
 
     def singularity(self, theta: Array, z: Array) -> Array:
-        """Return (R_u x R_v) . N over its value on the shaper, (...,): 0 on the limiting line [LF04 17.9.1-3], < 0
-        beyond it.
+        """Return the area (R_u x R_v) . N over that of the shaper, (...,).
+
+        It is 0 on the limiting line [LF04 17.9.1-3], < 0 beyond it.
+
+        N over its value on the shaper, (...,): 0 on the limiting line [LF04 17.9.1-3], < 0 beyond it.
         """
         kappa, q = self.pressure_angle(z), self.ratio
         x, y = self.contact(theta, kappa)
@@ -186,8 +187,9 @@ class ShapedGear:
         return area
 
     def theta_at_height(self, height: float, z: Array) -> Array:
-        """Return theta_s (...,) where the flank meets the cone `height` mm over the pitch cone (towards the tips), at z
-        (...,).
+        """Return theta_s (...,) where the flank meets a cone, in sections at z (...,).
+
+        The cone is `height` mm over the pitch cone, towards the tips.
         """
         kappa, level = self.pressure_angle(z), -self.cone_offset(height)
         base, theta = self.shaper.base_radius, np.zeros_like(z)
@@ -203,8 +205,9 @@ class ShapedGear:
         return theta
 
     def tip_edge(self, height: float, radii: Array) -> Array:
-        """Return points (T, 3) of the right tip edge, `height` mm over the pitch cone, at `radii` (T,), mm, or the
-        nearest possible.
+        """Return points (T, 3) of the right tip edge at `radii` (T,), mm, or the nearest possible.
+
+        The tip cone is `height` mm over the pitch cone.
         """
         least = self.least_pressure_angle + FIRST_ANGLE_STEP
         nearest, c, s = float(self.distance(np.array(least))), np.cos(self.shaft_angle), np.sin(self.shaft_angle)
@@ -223,8 +226,7 @@ class ShapedGear:
         return self.point(self.theta_at_height(height, z), z)
 
     def undercut_radius(self) -> float:
-        """Return the inner limit (mm): the outermost point of both flanks at which the limiting line crosses the
-        involute's end.
+        """Inner limit (mm): the outermost point of both flanks at which the limiting line crosses the involute's end.
 
         Raises VagueError for a flank that is undercut at the pitch point.
         """
@@ -239,15 +241,12 @@ class ShapedGear:
         return max(side._involute_radius(height) for side in self._different)
 
     def highest(self, radius: float) -> float:
-        """Return the height (mm) over the pitch cone up to which the shaper's involute generates at a `radius` (mm) on
-        the gear.
-        """
+        """Return the height (mm) over the pitch cone up to which the involute generates at a `radius` (mm)."""
         level = [side._lowest_involute(float(self.place_of(radius))) for side in self._different]
         return self.shaper.pitch_radius - max(level)
 
     def pointing_radius(self, height: float, land: float = 0.0) -> float:
-        """Return the outer limit (mm) at which the land on the tip cone, `height` mm over the pitch cone, is `land` mm
-        wide.
+        """Outer limit (mm) at which the land on the tip cone, `height` mm over the pitch cone, is `land` mm wide.
 
         Raises VagueError if the land is not wider at the pitch point.
         """
@@ -285,8 +284,9 @@ class ShapedGear:
         return self.sides if self.offset else (self,)
 
     def _over(self, outward: Array, y: Array) -> Array:
-        """Return the height (mm), along the shaper's x, of a point beside the axial plane over the generatrix of the
-        pitch cone.
+        """Return the height (mm), along the shaper's x, of a point over the pitch cone's generatrix.
+
+        The height is due to the point's position beside the axial plane.
         """
         height: Array = np.cos(self.shaft_angle) * (np.hypot(outward, y + self.offset) - outward)
         return height
@@ -327,9 +327,7 @@ class ShapedGear:
         return float(self.radius_of(self.distance(np.arccos(max(cosine, 1e-3)))))
 
     def _lowest_involute(self, z: float) -> float:
-        """Return x (mm) at which the involute begins in the section at z (mm), or in the innermost section that is
-        generated.
-        """
+        """Return x (mm) at which the involute begins in the section at z (mm), or in the innermost section."""
         kappa = self.pressure_angle(np.maximum(z, self.distance(np.array(self.least_pressure_angle))))
         return float(self.shaper.base_radius * np.cos(kappa))
 

@@ -58,8 +58,9 @@ class PinionRoot:
 
 
 def clear_root(design: FaceGearDesign, shaped: ShapedGear, radii: tuple[float, float]) -> PinionRoot:
-    """Return depth and rounding: given values, else standard values or values that clear the tips of a gear between
-    `radii`.
+    """Return depth and rounding of the rack.
+
+    They are given values, standard values, or values that clear the tips of a gear between `radii`.
     """
     spec = design.pinion
     depth, radius = spec.dedendum, spec.tool_tip_radius
@@ -87,9 +88,7 @@ def clear_root(design: FaceGearDesign, shaped: ShapedGear, radii: tuple[float, f
 
 
 def unlike_standard(design: FaceGearDesign) -> tuple[str, ...]:
-    """Return the warnings on a root that differs from the standard: deeper, or less round because the rack's tooth is
-    narrow.
-    """
+    """Warnings on a root that differs from the standard: deeper, or less round because the rack's tooth is narrow."""
     why = "the rack's tooth and the gear's tips leave room for no other"
     standards = {"pinion.dedendum": (STANDARD_DEDENDUM_MODULES, why)}
     if (

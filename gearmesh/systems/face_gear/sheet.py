@@ -56,17 +56,13 @@ def _axodes(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
 
 
 def half_angles(first: int, second: int, shaft_angle: float) -> tuple[float, float]:
-    """Return the half angles (rad) of both axodes on axes that intersect at `shaft_angle` (rad), by tooth numbers [LF04
-    18.2.2].
-    """
+    """Return the half angles (rad) of both axodes on intersecting axes, by tooth numbers [LF04 18.2.2]."""
     cosine, sine, ratio = np.cos(shaft_angle), np.sin(shaft_angle), second / first
     return float(np.arctan2(sine, ratio + cosine)), float(np.arctan2(sine, 1.0 / ratio + cosine))
 
 
 def _lines(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
-    """Return the pressure angles of L_s2 on both flanks, in sections of the shaper at toe, heel and the pinion's
-    contacts.
-    """
+    """Pressure angles of L_s2 on both flanks, in sections of the shaper at toe, heel and the pinion's contacts."""
     toe, heel = covered_range(shaped, (design.gear.inner_radius, design.gear.outer_radius))
     right, left = (float(side.distance(np.array(side.shaper.pressure_angle))) for side in shaped.sides)
     sections = {"toe": toe, "contact, right": right, "contact, left": left, "heel": heel}

@@ -149,9 +149,7 @@ class Thread:
         return Mapping(-theta, z, -theta_p, -side * theta_y, slope * by_theta * theta_p, side * slope * kappa_y)
 
     def _crest_mapping(self, side: int, q: Array, v: Array) -> Mapping:
-        """Return the mapping of the rounding, whose parameter q is kept; v = y replaces Z, which varies strongly across
-        it.
-        """
+        """Mapping of the rounding, whose parameter q is kept; v = y replaces Z, which varies strongly across it."""
         q, v = broadcast_pair(q, v)
         worm, shaper = self.worm if side > 0 else self.worm.mirror_image, self.worm.shaper
         # point of the rounding from the shaper's axis, with the shaper's space centred on x; its normal is at the angle -q

@@ -755,8 +755,9 @@ class FaceMilledDesign(BevelDesign):
 
     @property
     def apex_base(self) -> float:
-        """Sliding base of cutters whose tips pass through the crossing point of the axes; NaN unless root cones have
-        their apex there.
+        """Sliding base with which a cutter's tip passes through the crossing point of the axes.
+
+        It is NaN unless root cones have their apex there.
         """
         return DERIVED
 
@@ -824,9 +825,7 @@ class FaceMilledDesign(BevelDesign):
 
     @property
     def indexed(self) -> bool:
-        """True if index angles or a given thickness, and not the backlash, determine the thickness of the pinion's
-        teeth.
-        """
+        """True if index angles or a given thickness determine the pinion's thickness, not the backlash."""
         angles = [self.pinion.side(name).index_angle for name in ("concave", "convex")]
         return self.pinion.thickness is not None or any(angle is not None for angle in angles)
 
@@ -868,8 +867,9 @@ class FaceMilledDesign(BevelDesign):
         return self
 
     def _refuse_crossed_blades(self) -> None:
-        """Refuse blades of one cutter that cross: the outside blade cuts the concave side, the inside blade the convex
-        side.
+        """Refuse blades of one cutter that cross.
+
+        The outside blade cuts the concave side, the inside blade the convex side.
         """
         outside, inside = self.pinion.concave.tip_radius, self.pinion.convex.tip_radius
         if outside is None or inside is None or outside > inside:

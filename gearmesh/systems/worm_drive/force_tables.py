@@ -1,7 +1,7 @@
-"""Forces that a torque puts on worm and wheel, with friction where the design gives its coefficient [ISO/TS 14521].
+"""Forces of a torque on worm and wheel, with friction if the design gives its coefficient [ISO/TS 14521].
 
-They act where the flanks touch on the worm's reference cylinder, in the plane of its axis and the common perpendicular; with
-x2 = 0 that is the pitch point. Friction is along the sliding velocity there.
+The forces act where the flanks touch on the worm's reference cylinder, in the plane of its axis and the common
+perpendicular. With x2 = 0 this is the pitch point. Friction is along the sliding velocity at this point.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from gearmesh.teeth.region import Side
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
 
-#: names of the members
-MEMBERS = ("worm", "wheel")
+#: names of the members in order
+MEMBER_NAMES = ("worm", "wheel")
 
 
 def thread_mesh(design: WormDriveDesign) -> ThreadMesh:
-    """The contact of the working flanks of a complete design in mm."""
+    """Return the mesh of the working flanks of a complete design in mm."""
     return ThreadMesh(
         worm_thread(design),
         Side(design.contact.flank).sign,
@@ -40,24 +40,34 @@ def thread_mesh(design: WormDriveDesign) -> ThreadMesh:
 
 @dataclass(frozen=True)
 class PitchForces:
-    """What worm and wheel do to each other at one point `r` of contact per N of normal force: the force (3,) on the `wheel`."""
+    """Forces between worm and wheel at one point of contact, per N of normal force."""
 
+    #: thread in mesh with the wheel
     mesh: ThreadMesh
+    #: point of contact (3,), mm
     r: Array
+    #: force (3,) on the wheel, N per N
     on_wheel: Array
 
     @property
     def torques(self) -> tuple[float, float]:
-        """Moments (N mm per N) about the own axis: that which drives the worm, and that of the force on the wheel, along with the
-        speeds of both."""
+        """Moments (N mm per N) about the members' axes.
+
+        They are the driving moment on the worm, and the moment of the force on the wheel.
+
+        Their signs are along the speeds of both.
+        """
         (w1, w2), centre = self.mesh.speeds, np.array([self.mesh.distance, 0.0, 0.0])
-        # on its left flanks the worm drives the other way
+        # with its left flanks the worm drives in the opposite sense
         on_worm = self.mesh.side * float(dot(cross(self.r, -self.on_wheel), unit(w1)))
         return -on_worm, self.mesh.side * float(dot(cross(self.r - centre, self.on_wheel), unit(w2)))
 
     @property
     def parts(self) -> dict[str, tuple[float, float]]:
-        """Tangential part, radial part towards the own axis, axial part along z or the wheel's axis: on worm and wheel."""
+        """Components of the force on worm and wheel.
+
+        They are tangential, radial towards the member's axis, and axial along z or the wheel's axis.
+        """
         across = np.cross(self.mesh.wheel_axis, [1.0, 0.0, 0.0])
         force, x = self.on_wheel, float(self.on_wheel[0])
         return {
@@ -68,26 +78,29 @@ class PitchForces:
 
 
 def pitch_forces(mesh: ThreadMesh, friction: float, driver: int) -> PitchForces:
-    """Forces per N of normal force with a coefficient of friction, the worm (+1) or the wheel (-1) driving."""
+    """Return the forces per N of normal force with a coefficient of friction; `driver`: +1 worm, -1 wheel."""
     at = mesh.at_reference()
-    # what slides over the wheel's flank drags it along; with the wheel driving, all turns the other way
+    # friction drags the wheel's flank along with the sliding worm; with the wheel driving, all speeds are reversed
     return PitchForces(mesh, at.r, at.n + driver * mesh.side * friction * unit(at.v12))
 
 
 def efficiencies(mesh: ThreadMesh, friction: float) -> tuple[float, float | None]:
-    """Efficiency at the reference point, the worm driving, and the wheel driving: None where that is self-locking."""
+    """Return the efficiencies at the reference point with the worm driving, and with the wheel driving.
+
+    The latter is None for a self-locking drive.
+    """
     ratio = mesh.teeth / mesh.thread.threads
-    first, second = pitch_forces(mesh, friction, 1).torques
-    back_first, back_second = pitch_forces(mesh, friction, -1).torques
-    driven = back_first * ratio / back_second
-    return second / (ratio * first), driven if driven > 0.0 else None
+    worm_torque, wheel_torque = pitch_forces(mesh, friction, 1).torques
+    worm_torque_back, wheel_torque_back = pitch_forces(mesh, friction, -1).torques
+    driven = worm_torque_back * ratio / wheel_torque_back
+    return wheel_torque / (ratio * worm_torque), driven if driven > 0.0 else None
 
 
 def pair_forces(design: WormDriveDesign, torque: float, speed: float | None) -> tuple[SheetTable, ...]:
-    """Forces on worm and wheel for a torque (Nm) on the worm, which drives at a speed (1/min)."""
-    own = complete_design(design).in_mm()
-    mesh, flank = thread_mesh(own), Side(own.contact.flank)
-    friction, ratio = own.friction or 0.0, own.wheel.teeth / own.worm.threads
+    """Return the forces on worm and wheel for a torque (Nm) on the worm, which drives at a speed (1/min)."""
+    design_mm = complete_design(design).in_mm()
+    mesh, flank = thread_mesh(design_mm), Side(design_mm.contact.flank)
+    friction, ratio = design_mm.friction or 0.0, design_mm.wheel.teeth / design_mm.worm.threads
     forces = pitch_forces(mesh, friction, 1)
     driving, driven = forces.torques
     normal = 1e3 * torque / driving
@@ -110,4 +123,4 @@ def pair_forces(design: WormDriveDesign, torque: float, speed: float | None) -> 
     ]
     drag: Row = ("F_n", "normal to the flanks", "N", (normal, normal))
     title = f"Forces for {torque:g} Nm on the worm, its {flank.value} flanks driving"
-    return (table(f"{title}, coefficient of friction {friction:g}", MEMBERS, [*rows, drag]),)
+    return (table(f"{title}, coefficient of friction {friction:g}", MEMBER_NAMES, [*rows, drag]),)

@@ -1,7 +1,8 @@
-"""Wheels of worm drives that are helical gears: involute worm and wheel touch in a point, as crossed helical gears do.
+"""Wheels of worm drives that are helical gears: involute worm and wheel have point contact, as crossed helical gears.
 
-The rack that generates the wheel is the worm's own: their normals and normal pitches agree, its teeth lie along the thread where
-the worm's reference cylinder meets the common perpendicular. It is what a hob becomes whose diameter grows without limit.
+The rack that generates the wheel is the worm's rack: normals and normal pitches agree. Its teeth are along the thread
+where the worm's reference cylinder intersects the common perpendicular. It is the limit of a hob whose diameter grows
+without bound.
 """
 
 from __future__ import annotations
@@ -25,21 +26,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _CutterTip:
-    """The hob's tip in normal modules."""
+    """Tip of the hob, in normal modules."""
 
+    #: height of the tip, in normal modules
     dedendum: float
+    #: rounding of the tip, in normal modules
     tool_tip_radius: float
 
 
 def helical_wheel(design: WormDriveDesign) -> Member:
-    """The wheel of a design (in mm) as a helical gear. Raises DesignError naming key, value and limit."""
+    """Return the wheel of a design (in mm) as a helical gear. Raises DesignError naming key, value and limit."""
     roll = Roll(0.5 * design.wheel_reference_diameter, design.wheel_helix_angle, 0.0)
     made = member("wheel", design.wheel, _rack(design, roll), roll, _parameters, "addendum")
     return with_end_chamfers(made, design.wheel)
 
 
 def _rack(design: WormDriveDesign, roll: Roll) -> tuple[RackTooth, RackTooth]:
-    """The worm's rack: its reference plane touches the worm's reference cylinder, and its space is as wide there as the thread."""
+    """Return the worm's rack.
+
+    Its reference plane touches the worm's reference cylinder, and its space has the width of the thread there.
+    """
     module, m = design.normal_module, design.axial_module
     shift = design.center_distance - 0.5 * design.reference_diameter - roll.radius
     angle = math.radians(design.pressure_angle)
@@ -55,4 +61,5 @@ def _rack(design: WormDriveDesign, roll: Roll) -> tuple[RackTooth, RackTooth]:
 
 
 def _parameters(p: Array, v: Array) -> dict[str, Array]:
+    """Return the surface parameters of the wheel under their names in files."""
     return {"p_0": p, "v_0": v}

@@ -1,4 +1,4 @@
-"""The sheet of a worm drive: symbols and values of ISO 10828 and DIN 3975, backlash, friction, measures, mean contact figures."""
+"""Sheet of a worm drive: symbols and values of ISO 10828 and DIN 3975, backlash, friction, measures, contact."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.systems.common.symbol_table import Missing, Row, Values, table, tables_by_title, tables_of
 from gearmesh.systems.system import Sheet, SheetTable
-from gearmesh.systems.worm_drive.build import EQUAL, hob_apart, nominal_thread, wheel_hob, worm_thread
+from gearmesh.systems.worm_drive.build import DIAMETER_TOLERANCE, hob_apart, nominal_thread, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.cutting.feed import generating_length
-from gearmesh.systems.worm_drive.force_tables import MEMBERS, efficiencies, thread_mesh
+from gearmesh.systems.worm_drive.force_tables import MEMBER_NAMES, efficiencies, thread_mesh
 from gearmesh.systems.worm_drive.load_parameters import contact_rows
 from gearmesh.systems.worm_drive.thread import WormThread
 from gearmesh.systems.worm_drive.wires import NO_WIRE, flank_radius, over_balls, wire_rows, wires_at
@@ -27,41 +27,50 @@ if TYPE_CHECKING:
     from gearmesh.teeth.gear_train import GearTrain
 
 #: columns of tables of the pair
-PAIR = ("",)
-#: titles of tables of the wheel
-HOB, UNDERCUT = "Wheel: the hob", "Wheel: undercut"
+PAIR_COLUMNS = ("",)
+#: title of the table of the hob
+HOB_TITLE = "Wheel: the hob"
+#: title of the table of undercut
+UNDERCUT_TITLE = "Wheel: undercut"
 
 
 def data_sheet(design: WormDriveDesign, train: GearTrain) -> Sheet:
-    """Derived keys, members and axes as of every system, then the tables of a worm drive."""
-    own, plain = design.in_mm(), plain_sheet(design, train)
+    """Return derived keys, members and axes as for every system, then the tables of a worm drive."""
+    design_mm, plain = design.in_mm(), plain_sheet(design, train)
     tip = train.members["wheel"].tooth.blank.tip
-    helical = own.wheel.form == "helical"
-    # wires that the design gives and that do not fit are refused
-    wires = wire_rows(own)
+    helical = design_mm.wheel.form == "helical"
+    # raises DesignError for given wires that do not fit
+    wires = wire_rows(design_mm)
     tables = (
         *plain.tables,
         *tables_by_title(
             {
-                "Pair [ISO 10828, DIN 3975]": (PAIR, lambda: _pair(own)),
+                "Pair [ISO 10828, DIN 3975]": (PAIR_COLUMNS, lambda: _pair(design_mm)),
                 "Worm and wheel [ISO 10828, DIN 3975]": (
-                    MEMBERS,
-                    lambda: [*_threads(own), *_diameters(own, float(tip.at(0.0)))],
+                    MEMBER_NAMES,
+                    lambda: [*_threads(design_mm), *_diameters(design_mm, float(tip.at(0.0)))],
                 ),
-                "Worm: thickness and over wires": (MEMBERS[:1], lambda: [*_thickness(own), *wires]),
+                "Worm: thickness and over wires": (MEMBER_NAMES[:1], lambda: [*_thickness(design_mm), *wires]),
             }
         ),
-        *(tables_of(("Worm: dual lead", lambda: _dual_lead(own))) if own.worm.dual_lead else ()),
-        *(() if helical else tables_of((HOB, lambda: _hob(own, train)), (UNDERCUT, lambda: _undercut(train)))),
-        *tables_by_title({"Backlash and friction": (PAIR, lambda: _backlash(own, train))}),
+        *(tables_of(("Worm: dual lead", lambda: _dual_lead(design_mm))) if design_mm.worm.dual_lead else ()),
+        *(
+            ()
+            if helical
+            else tables_of((HOB_TITLE, lambda: _hob(design_mm, train)), (UNDERCUT_TITLE, lambda: _undercut(train)))
+        ),
+        *tables_by_title({"Backlash and friction": (PAIR_COLUMNS, lambda: _backlash(design_mm, train))}),
     )
     if not helical:
-        lines = {"Contact lines, wheel of a hob of the worm's size": (PAIR, lambda: contact_rows(own, tip))}
+        lines = {
+            "Contact lines, wheel of a hob of the worm's size": (PAIR_COLUMNS, lambda: contact_rows(design_mm, tip))
+        }
         tables += tables_by_title(lines)
     return Sheet(tables, plain.values, plain.replaced, plain.warnings)
 
 
 def _pair(design: WormDriveDesign) -> list[Row]:
+    """Return the rows of the pair."""
     thread, m = nominal_thread(design), design.axial_module
     return [
         ("form", "flank form", "", (design.worm.form,)),
@@ -79,11 +88,12 @@ def _pair(design: WormDriveDesign) -> list[Row]:
 
 
 def _sliding(thread: WormThread) -> float:
-    """Sliding speed on the reference cylinder, m/s per 1/min."""
+    """Return the sliding speed on the reference cylinder, m/s per 1/min."""
     return 2.0 * thread.radius * math.pi / (60000.0 * math.cos(thread.lead_angle))
 
 
 def _threads(design: WormDriveDesign) -> list[Row]:
+    """Return the rows of threads and teeth."""
     thread, worm, m = nominal_thread(design), design.worm, design.axial_module
     helix = math.degrees(design.wheel_helix_angle) if design.wheel.form == "helical" else None
     right: Values = ("right" if worm.right_hand else "left",) * 2
@@ -100,6 +110,7 @@ def _threads(design: WormDriveDesign) -> list[Row]:
 
 
 def _diameters(design: WormDriveDesign, tip: float) -> list[Row]:
+    """Return the rows of diameters and widths; `tip`: tip radius of the wheel in the middle plane, mm."""
     thread, worm, wheel, m = nominal_thread(design), design.worm, design.wheel, design.axial_module
     hob, d1 = wheel_hob(design), 2.0 * thread.radius
     tip_1, root_1 = d1 + 2.0 * worm.addendum * m, d1 - 2.0 * worm.dedendum * m
@@ -123,13 +134,15 @@ def _diameters(design: WormDriveDesign, tip: float) -> list[Row]:
 
 
 def effective_width(tip: float, height: float) -> float:
-    """Width (mm) over which the worm's tip cylinder, of radius `tip`, is inside an outside cylinder of the wheel `height` mm over
-    the worm's axis."""
+    """Return the width (mm) over which the worm's tip cylinder is inside the wheel's outside cylinder.
+
+    `tip`: radius of the worm's tip, mm; `height`: distance of the outside cylinder from the worm's axis, mm.
+    """
     return 2.0 * math.sqrt(max(0.0, tip**2 - height**2))
 
 
 def _thickness(design: WormDriveDesign) -> list[Row]:
-    """Of the worm as it is made, backlash included, on the reference cylinder."""
+    """Return the rows of thickness of the worm as made, including backlash, on the reference cylinder."""
     thread = worm_thread(design)
     axial = 2.0 * thread.half_thickness(thread.radius)
     narrower = math.cos(thread.lead_angle)
@@ -143,13 +156,16 @@ def _thickness(design: WormDriveDesign) -> list[Row]:
 
 
 def _dual_lead(design: WormDriveDesign) -> tuple[SheetTable, SheetTable]:
-    """Of the flanks of both leads, and along the axis: at z the threads are 2 e z thicker than in the middle, of left-hand worms as
-    much thinner."""
+    """Return the tables of the flanks of both leads, and of the thickness along the axis.
+
+    At z the threads are 2 e z thicker than in the middle, for left-hand worms thinner.
+    """
     worm, m, sides = design.worm, design.axial_module, (1, -1)
     flanks = [worm_thread(design, side) for side in sides]
     hobs = [wheel_hob(design, side).thread for side in sides]
 
     def both(figure: Callable[[WormThread], float], threads: list[WormThread] = flanks) -> Values:
+        """Return a value of both flanks."""
         return tuple(map(figure, threads))
 
     leads: list[Row] = [
@@ -173,7 +189,7 @@ def _dual_lead(design: WormDriveDesign) -> tuple[SheetTable, SheetTable]:
     wires = worm.wire_diameter or wires_at(worm_thread(design), mean.radius).diameter
     radii = max(flank_radius(design, thread) for thread in flanks), mean.radius + worm.addendum * m
     over = [over_balls((flanks[0], flanks[1]), wires, mean.axial_pitch - more, radii) for more in grown]
-    # what does not stand out of its space cannot be measured over
+    # balls that do not project from their spaces cannot be measured over
     measured = tuple(d if d >= 2.0 * radii[1] else Missing(NO_WIRE) for d in over)
     along: list[Row] = [
         ("z", "position along the axis", "mm", places),
@@ -189,11 +205,12 @@ def _dual_lead(design: WormDriveDesign) -> tuple[SheetTable, SheetTable]:
 
 
 def _hob(design: WormDriveDesign, train: GearTrain) -> SheetTable:
+    """Return the table of the hob."""
     hob = wheel_hob(design)
     made, tooth = hob.thread, train.members["wheel"].tooth.unmodified_tooth
     mean = nominal_thread(design)
     alike = (made.radius, made.threads) == (mean.radius, mean.threads)
-    # threads of one size are the same at all heights
+    # threads of one size are equal at all heights
     height = None if alike else design.hob.pitch_height * design.axial_module
     rows: list[Row] = [
         ("z_0", "threads of the hob", "-", (made.threads,)),
@@ -213,33 +230,47 @@ def _hob(design: WormDriveDesign, train: GearTrain) -> SheetTable:
         ("feed", "feed of the hob", "", (design.hob.feed,)),
         ("l_0", "least length of its threads, or way of its tangential feed", "mm", (generating_length(tooth, hob),)),
     ]
-    return table(HOB, MEMBERS[1:], rows)
+    return table(HOB_TITLE, MEMBER_NAMES[1:], rows)
 
 
 def _undercut(train: GearTrain) -> SheetTable:
-    """What undercut of the wheel loses of its hob's flanks; beside flanks that are not undercut nothing is lost anywhere."""
+    """Return the table of hob flank lost to undercut of the wheel; it is nothing beside flanks without undercut."""
     lost = [lost_flank(train.members["wheel"].tooth, side) for side in Side]
 
     def both(figure: Callable[[LostFlank], float]) -> Values:
-        return tuple(None if math.isnan(value := figure(own)) else value for own in lost)
+        """Return a value of both flanks."""
+        return tuple(None if math.isnan(value := figure(lost_part)) else value for lost_part in lost)
 
     rows: list[Row] = [
-        ("A_u / A", "share of the hob's flank that generates nothing that remains", "-", both(lambda own: own.share)),
-        ("b_u / b", "share of the face width that is undercut", "-", both(lambda own: own.face)),
-        ("h_u / h", "greatest lost share of the hob's flank across the wheel", "-", both(lambda own: own.most)),
-        ("z_u", "where that is, along the wheel's axis", "mm", both(lambda own: own.at)),
+        (
+            "A_u / A",
+            "share of the hob's flank that generates nothing that remains",
+            "-",
+            both(lambda lost_part: lost_part.share),
+        ),
+        ("b_u / b", "share of the face width that is undercut", "-", both(lambda lost_part: lost_part.face)),
+        (
+            "h_u / h",
+            "greatest lost share of the hob's flank across the wheel",
+            "-",
+            both(lambda lost_part: lost_part.most),
+        ),
+        ("z_u", "where that is, along the wheel's axis", "mm", both(lambda lost_part: lost_part.at)),
     ]
-    return table(UNDERCUT, tuple(side.value for side in Side), rows)
+    return table(UNDERCUT_TITLE, tuple(side.value for side in Side), rows)
 
 
 def _backlash(design: WormDriveDesign, train: GearTrain) -> list[Row]:
-    """Of an axial shift by which the worm's flanks part: the wheel turns by it over its reference radius. Where the hob has a
-    distance or a swivel of its own it is the least that both flanks leave."""
+    """Return the rows of backlash and friction.
+
+    The backlash is that of an axial shift that separates the worm's flanks; the wheel turns by the shift over its
+    reference radius. For a hob with its own distance or swivel it is the least that both flanks leave.
+    """
     thread, mesh = nominal_thread(design), thread_mesh(design)
     radius = 0.5 * thread.module * design.wheel.teeth
     steep, angle = thread.lead_angle, thread.normal_angle
     normal, shift = design.backlash, design.backlash / (math.cos(steep) * math.cos(angle))
-    if max(map(abs, hob_apart(design))) > EQUAL:
+    if max(map(abs, hob_apart(design))) > DIAMETER_TOLERANCE:
         fitting = fit(train.pairs[0])
         normal = math.nan if fitting is None else fitting.normal_backlash[0]
         shift = math.nan if fitting is None else fitting.backlash[0] * radius
@@ -271,4 +302,5 @@ def _backlash(design: WormDriveDesign, train: GearTrain) -> list[Row]:
 
 
 def _friction_angle(friction: float, normal_angle: float) -> float:
+    """Return the angle of friction mu / cos(alpha_n), deg."""
     return math.degrees(math.atan(friction / math.cos(normal_angle)))

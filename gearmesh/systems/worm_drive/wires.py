@@ -1,8 +1,9 @@
-"""The worm over wires: three wires between parallel anvils, each laid in a space along the threads.
+"""The worm over wires: three wires between parallel anvils, each in a space along the threads.
 
-A wire that lies free turns until it has no moment about the radius through the middle of the space. The normals of both points of
-contact then meet on its axis there: it touches where a ball of its diameter does, and M = 2 x + D for both, with the ball's centre
-at the radius x in the middle of the space. The flank's parallel surface at D / 2 is the helicoid that the curve c + n D / 2 sweeps.
+A free wire turns until it has no moment about the radius through the middle of the space. The normals of both points of
+contact then intersect on the wire's axis at this radius. The wire touches at the points of a ball with its diameter,
+and M = 2 x + D for both, with the ball's centre at the radius x in the middle of the space. The flank's parallel
+surface at D / 2 is the helicoid that the curve c + n D / 2 sweeps.
 """
 
 from __future__ import annotations
@@ -26,12 +27,12 @@ from gearmesh.systems.worm_drive.thread import WormThread
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
 
-#: reason of a measure that there is not
+#: reason of a missing measure
 NO_WIRE = "no wire or ball touches both flanks of the space, stands out of it and clears its ground"
 
 
 def flank_radius(design: WormDriveDesign, thread: WormThread) -> float:
-    """Radius (mm) from which the flanks of a worm's thread are, beyond the rounding of its root."""
+    """Return the radius (mm) at which the flanks of a worm's thread begin, beyond the rounding of its root."""
     spec, m = design.worm, design.axial_module
     rounding = thread.root_rounding(thread.radius - spec.dedendum * m, spec.root_rounding * m)
     curve = thread.section.curve.at(np.array(rounding.form_point[0]))
@@ -40,14 +41,18 @@ def flank_radius(design: WormDriveDesign, thread: WormThread) -> float:
 
 @dataclass(frozen=True)
 class Wires:
-    """Wires of a `diameter` in the spaces of a thread: radius of their centres and of where they touch, measure over them, mm."""
+    """Wires in the spaces of a thread."""
 
+    #: diameter of the wires, mm
     diameter: float
+    #: radius of their centres, mm
     centre: float
+    #: radius of their points of contact, mm
     contact: float
 
     @property
     def over(self) -> float:
+        """Measure over the wires, mm."""
         return 2.0 * self.centre + self.diameter
 
 
@@ -59,7 +64,7 @@ def _parallel(thread: WormThread, p: Array, radius: Array) -> tuple[Array, Array
 
 
 def wires_at(thread: WormThread, radius: float) -> Wires:
-    """The wires that touch at a radius (mm) of the flanks; NaN where none do."""
+    """Return the wires that touch the flanks at a radius (mm); NaN if there are none."""
     p = np.array([thread.at_radius(radius)])
 
     def miss(half: Array, index: NDArray[np.intp]) -> Array:
@@ -71,7 +76,7 @@ def wires_at(thread: WormThread, radius: float) -> Wires:
 
 
 def wires_of(thread: WormThread, diameter: float, radii: tuple[float, float]) -> Wires | None:
-    """The wires of a diameter (mm) that touch the flanks between two radii (mm), None where they do not."""
+    """Return the wires of a diameter (mm) that touch the flanks between two radii (mm), or None."""
     ends = np.array([thread.at_radius(radius) for radius in radii])
     half = np.array([0.5 * diameter])
 
@@ -88,12 +93,18 @@ def wires_of(thread: WormThread, diameter: float, radii: tuple[float, float]) ->
 def over_balls(
     flanks: tuple[WormThread, WormThread], diameter: float, pitch: float, radii: tuple[float, float]
 ) -> float:
-    """Measure (mm) over two balls of a diameter between flanks of two leads, which touch them between two radii (mm); `pitch` (mm):
-    of the middles of both threads beside the balls, if either were as thick as in the middle of the worm. NaN where they do not."""
+    """Return the measure (mm) over two balls between flanks of two leads; NaN if they do not touch.
+
+    - `flanks`: threads of both leads
+    - `diameter`: diameter of the balls, mm
+    - `pitch`: distance of the middles of both threads beside the balls, if each had the thickness in the middle of the
+      worm, mm
+    - `radii`: radii between which the balls touch, mm
+    """
     half = np.array([0.5 * diameter])
 
     def at_centre(thread: WormThread, x: Array) -> tuple[Array, Array]:
-        """Parameters (N,) of points of contact with the centre at radii x (N,), and how far (N,) it is from the thread's middle."""
+        """Return parameters (N,) of contact for centres at radii x (N,), and distances (N,) from the thread's middle."""
         ends = [np.full(x.shape, thread.at_radius(radius)) for radius in radii]
         halves = np.full(x.shape, half[0])
         root = bracketed_root(lambda p, k: _parallel(thread, p, halves[k])[1][:, 0] - x[k], *ends)
@@ -103,6 +114,7 @@ def over_balls(
     def miss(x: Array, _: NDArray[np.intp]) -> Array:
         return np.asarray(sum(at_centre(thread, x)[1] for thread in flanks) - pitch)
 
+    # range of the centre in which the ball can touch both flanks between the radii
     reach = np.array(
         [
             [_parallel(thread, np.array([thread.at_radius(radius)]), half)[1][0, 0] for radius in radii]
@@ -115,8 +127,10 @@ def over_balls(
 
 
 def wire_rows(design: WormDriveDesign) -> list[Row]:
-    """The wires of the design, or those that touch the nominal thread on the reference cylinder. Raises DesignError for a wire that
-    does not touch the flanks, or does not stand out of the space or clear its ground."""
+    """Return the rows of the design's wires, or of wires that touch the nominal thread on the reference cylinder.
+
+    Raises DesignError for a wire that does not touch the flanks, does not project from the space or touches its ground.
+    """
     thread, spec, m = worm_thread(design), design.worm, design.axial_module
     tip, root = thread.radius + spec.addendum * m, thread.radius - spec.dedendum * m
     flank = (flank_radius(design, thread), tip)

@@ -129,9 +129,7 @@ class MemberBlank:
         return ConeLevel.of(self.tip_radius, float(np.tan(self.face_angle)))
 
     def addendum_at(self, cone_distance: Array) -> Array:
-        """Return the heights (...,), mm, of the tip cone over the pitch cone at cone distances (...,), across the pitch
-        cone.
-        """
+        """Heights (...,), mm, of the tip cone over the pitch cone at cone distances (...,), across the pitch cone."""
         s, c, slope = np.sin(self.pitch_angle), np.cos(self.pitch_angle), np.tan(self.face_angle)
         # A point at height h over the pitch cone is on the tip cone where
         # cone_distance s + h c = tip_radius + slope (cone_distance c - pitch_apex - h s)
@@ -150,9 +148,7 @@ class MemberBlank:
         return float(cone_distance * np.cos(self.dedendum_angle) - at_apex)
 
     def root_base(self, root_angle: float) -> float:
-        """Return the sliding base (mm) with which a machine plane at a root angle (rad) passes through the root cone's
-        apex.
-        """
+        """Sliding base (mm) with which a machine plane at a root angle (rad) passes through the root cone's apex."""
         return float(self.root_apex * np.sin(root_angle))
 
 
@@ -519,9 +515,7 @@ def gear_cutter(
 
 
 def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float, line: ToothLine) -> MemberBlank:
-    """Return the blank of member `k` (0 pinion, 1 gear) with a mean normal `thickness` (mm) and a tooth `line` of the
-    cutter.
-    """
+    """Blank of member `k` (0 pinion, 1 gear) with a mean normal `thickness` (mm) and a tooth `line` of the cutter."""
     angle, asked, dedendum = pitch.pitch_angles[k], depths.faces[k], depths.dedenda[k]
     mean, outer = pitch.mean_cone_distances[k], pitch.outer_cone_distance
     face = depths.cones(pitch).face_angles[k] if asked is None else asked

@@ -267,9 +267,7 @@ def _leant(member: MemberBlank, face: float | None, root: float | None) -> Membe
 
 
 def _azimuths(pitch: PitchCones) -> tuple[float, float]:
-    """Return the azimuths (rad) of a right-hand pinion's mean point about both axes, from the plane of their
-    directions.
-    """
+    """Azimuths (rad) of a right-hand pinion's mean point about both axes, from the plane of their directions."""
     pinion_radius, gear_radius = (0.5 * diameter for diameter in pitch.mean_diameters)
     y = gear_radius * np.sin(pitch.axial_offset_angle) - pitch.offset
     mean_point = np.array([np.sqrt(pinion_radius**2 - y**2), y, pitch.crossing_distances[0]])

@@ -1,5 +1,4 @@
-"""The root between two teeth: the cone enveloped by the tip plane of an upright cutter, or the surface that other
-cutters leave.
+"""The root between two teeth: a cone enveloped by the cutter's tip plane, or another surface.
 
 A tilted cutter, a helical motion and a machine without roll leave no surface of revolution. If one cutter cuts both
 sides of the space at once, the root is exactly the surface that its tip plane leaves. If two cutters with a machine

@@ -63,8 +63,9 @@ def build(design: ConjugateDesign) -> GearTrain:
 
 
 def conjugate_blank(design: ConjugateDesign) -> BevelBlank:
-    """Return the blank, of uniform depth, of a design in mm. Raises DesignError for a blank that cannot exist or be cut
-    with rho.
+    """Return the blank, of uniform depth, of a design in mm.
+
+    Raises DesignError for a blank that cannot exist or be cut with rho.
     """
     data = basic_data(design, design.beta, design.psi_c)
     blank = uniform_blank(data, (design.addendum, design.dedendum), design.gear.r_d)
@@ -73,9 +74,7 @@ def conjugate_blank(design: ConjugateDesign) -> BevelBlank:
 
 
 def _check_rho(rho: float | None, blank: BevelBlank) -> None:
-    """Raise DesignError for a profile radius that is too small for the depth of the tooth, or too large to differ from
-    a line.
-    """
+    """Raise DesignError for a profile radius too small for the depth of the tooth, or too large to matter."""
     if rho is None:
         return
     # the arc must not become upright before the tip of the blade, nor level before the tip of the tooth

@@ -32,8 +32,7 @@ SLOPE_RANGE = np.radians((-0.5, 0.5))
 
 
 def compensate(design: ConjugateDesign) -> list[Setting]:
-    """Return the assembly displacements dV, dA and dG that restore phi2 and its slope at the mean point of the design's
-    side.
+    """Assembly displacements dV, dA and dG that restore phi2 and its slope at the mean point of the design's side.
 
     Raises NoSolutionError if no displacements do.
     """
@@ -117,8 +116,9 @@ def _along_the_axes(blank: BevelBlank, along: float) -> dict[str, float]:
 
 
 def _touching(pair: Pair, turn: Array) -> Array:
-    """Return phi2 (N,) of the contact inside both flanks at rotations (N,). Raises NoSolutionError where there is no
-    contact.
+    """Return phi2 (N,) of the contact inside both flanks at rotations (N,).
+
+    Raises NoSolutionError where there is no contact.
     """
     path = contact_path(pair, turn, edges=False)
     if (path.kind != "point").any():

@@ -146,9 +146,7 @@ class _OnGear:
         )
 
     def _solve(self, x: Array, y: Array) -> Array:
-        """Return the parameters (K, 2) on the gear's flank of points with conjugates at x and y (K,); NaN where there
-        are none.
-        """
+        """Parameters (K, 2) on the gear's flank of points with conjugates at x and y (K,); NaN where there are none."""
         blank, level = self.blank, self.blank.gear.stations
         # start values: the gear's point at the same share of the face, as deep as the pinion's point is high
         heights = blank.clearance + 0.5 * (1.0 - y) * blank.mean_working_depth
@@ -163,8 +161,9 @@ class _OnGear:
         return np.where(solution.converged[:, None], solution.values, np.nan)
 
     def _undercut(self, parameters: Array, middle: int) -> NDArray[np.bool_]:
-        """Return True (K,) where the conjugate of parameters (K, 2) is undercut, or nearly; `middle`: index of a
-        regular point.
+        """Return True (K,) where the conjugate of parameters (K, 2) is undercut, or nearly.
+
+        `middle` is the index of a regular point.
 
         The area of the conjugate per area of the gear's flank vanishes at the limit of undercut and has the other sign
         beyond it.

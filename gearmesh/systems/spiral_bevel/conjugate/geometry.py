@@ -86,8 +86,7 @@ class ConjugateGeometry:
         return _turn(x * c + z * s, y, z * c - x * s, -phi_d / s)
 
     def gear_path(self, phi_d: ArrayLike) -> Array:
-        """Return the path of contact (..., 3) on the gear in the source's S_2; phi_2 is left-handed about its axis
-        [2.3.3].
+        """Path of contact (..., 3) on the gear in the source's S_2; phi_2 is left-handed about its axis [2.3.3].
 
         S_2 has its x axis away from the pitch line: it is the gear's frame turned by 180 deg about its axis.
         """

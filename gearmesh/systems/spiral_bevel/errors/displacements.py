@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
 
 def displaced_bases(mounts: tuple[Mount, Mount], errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
-    """Return the bases of pinion and gear, moved from `mounts` by assembly errors (M,), mm and deg, by key of the table
-    assembly.
+    """Bases of pinion and gear, moved from `mounts` by assembly errors (M,), mm and deg, by key of the table assembly.
 
     The errors refer to the frame of the axes: z along the pinion's axis, y along the common perpendicular.
     """

@@ -1,5 +1,4 @@
-"""First-order kinematic errors of gears in closed form: eccentricity, misalignment and their compensation [CR3553 ch.
-3].
+"""First-order kinematic errors of gears in closed form, and their compensation [CR3553 ch. 3].
 
 If errors move the point of a driving flank by ds1 and the point of the driven flank by ds2, the gear turns until the
 flanks touch again [3.3.16]:
@@ -102,9 +101,7 @@ class NominalContact:
         return self.error(-np.asarray(angle, dtype=float)[..., None] * turned)
 
     def eccentricity(self, pinion: Array, gear: Array) -> Array:
-        """Return the error for teeth displaced by the vectors `pinion` and `gear` (..., 3) in the fixed frame [3.4.5,
-        3.4.7].
-        """
+        """Error for teeth displaced by the vectors `pinion` and `gear` (..., 3) in the fixed frame [3.4.5, 3.4.7]."""
         return self.error(pinion - gear)
 
 
@@ -144,8 +141,9 @@ class Harmonics:
 
 
 def harmonics(mean: NominalContact, pinion: float, gear: float) -> Harmonics:
-    """Return the four harmonics of the eccentricities `pinion` and `gear` (mm), with contact at the mean point
-    throughout [3.4.11].
+    """Return the four harmonics of the eccentricities `pinion` and `gear` (mm) [3.4.11].
+
+    The contact is at the mean point throughout.
 
     They are smooth where (3.4.7) has a corner, at the change of teeth.
     """

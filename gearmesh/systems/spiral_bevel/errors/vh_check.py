@@ -1,5 +1,4 @@
-"""V-H check: displacements of the members that bring the centre of contact to the toe, the middle and the heel of the
-gear.
+"""V-H check: displacements that bring the centre of contact to the toe, the middle and the heel of the gear.
 
 The centre of contact is the point at which the gears turn at the ratio of their teeth, the vertex of the transmission
 error. Its six conditions (`common.pattern.meshing_place`) have six unknowns, solved by Newton with exact derivatives.
@@ -99,8 +98,9 @@ class _Side:
 
     @classmethod
     def of(cls, pair: GearPair, name: str, hand: int, clearance: float, moved: tuple[str, ...]) -> _Side:
-        """Return the side `name` of a gear set's pair, on whichever side the pair contacts. Eccentricities are
-        neglected.
+        """Return the side `name` of a gear set's pair, on whichever side the pair contacts.
+
+        Eccentricities are neglected.
         """
         flanks = _flank(name == "concave", hand), _flank(MATING_SIDES[name] == "concave", -hand)
         members = [replace(member, mount=replace(member.mount, eccentricity=(0.0, 0.0))) for member in pair.both]
@@ -192,8 +192,9 @@ def _flank(concave: bool, hand: int) -> Side:
 
 
 def _start(pair: GearPair, mating: Jet) -> Array:
-    """Return start values (N, 6): turns at which the undisplaced gear's points are in contact, and the pinion's points
-    there.
+    """Return start values (N, 6) for the gear's points.
+
+    They are the turns at which undisplaced points are in contact, and the pinion's points.
 
     The pinion's points have the same station and height as the gear's points.
     """

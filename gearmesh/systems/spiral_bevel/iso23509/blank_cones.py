@@ -1,5 +1,4 @@
-"""Tip and root cones of both members: the pinion's tip cone follows the wheel's root cone, its root cone the wheel's
-tip cone.
+"""Tip and root cones: the pinion's tip follows the wheel's root, and its root the wheel's tip.
 
 A plane touches the wheel's root cone at an offset angle about the wheel's axis. The pinion's tip cone touches a plane
 parallel to it at the clearance, and has its apex on the pinion's axis. The wheel's tip cone and the pinion's root cone
@@ -116,8 +115,7 @@ def lean_of_plane(pitch: PitchCones, pinion_angle: float) -> float:
 
 
 def _pinion_apex(pitch: PitchCones, plane: MatingPlane, angle: float, apex: float, clearance: float) -> float:
-    """Return the apex of the pinion's cone beyond its crossing point (mm), by the wheel's cone [ISO 23509 (152),
-    (153)].
+    """Apex of the pinion's cone beyond its crossing point (mm), by the wheel's cone [ISO 23509 (152), (153)].
 
     `angle` (rad) and `apex` (mm) belong to the wheel's cone that `plane` touches.
     """

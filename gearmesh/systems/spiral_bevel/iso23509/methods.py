@@ -175,9 +175,7 @@ class OffsetPair:
         return np.asarray(np.minimum(flat, steep))
 
     def _leaning(self, wheel: Array, turn: Array) -> tuple[Array, Array, Array]:
-        """Return delta_1, beta_m1, beta_m2 (N,), rad, for sizes |zeta_m| `turn` (N,) of the offset angle [ISO 23509
-        (90), (91)].
-        """
+        """Return delta_1, beta_m1, beta_m2 (N,), rad, for sizes |zeta_m| `turn` (N,) [ISO 23509 (90), (91)]."""
         sine, cosine = np.sin(self.shaft_angle), np.cos(self.shaft_angle)
         pinion = np.arcsin(np.clip(np.cos(turn) * sine * np.cos(wheel) - cosine * np.sin(wheel), -1.0, 1.0))
         along = cosine * np.cos(wheel) + sine * np.cos(turn) * np.sin(wheel)

@@ -64,8 +64,9 @@ class TangentCones:
 
     @property
     def limit_curvature(self) -> Array:
-        """Lengthwise curvatures 1 / rho_lim (...) of a flank with the limit normal, 1/mm; nan without offset [ISO 23509
-        (33)].
+        """Lengthwise curvatures 1 / rho_lim (...) with the limit normal, 1/mm [ISO 23509 (33)].
+
+        They are nan without offset.
         """
         limit, spiral = self.limit_pressure_angle, np.tan(self.spiral_angles)
         distances = self.cone_distances
@@ -83,9 +84,7 @@ def bevel_pitch_angles(teeth: tuple[int, int], shaft_angle: float) -> tuple[floa
 
 
 def crown_shaft_angle(teeth: tuple[int, int]) -> float:
-    """Return the shaft angle (rad) without offset at which the larger member is a crown gear: its pitch angle is 90
-    deg.
-    """
+    """Shaft angle (rad) without offset at which the larger member is a crown gear: its pitch angle is 90 deg."""
     return float(np.arccos(-min(teeth) / max(teeth)))
 
 

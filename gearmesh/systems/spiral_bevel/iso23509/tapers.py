@@ -19,8 +19,7 @@ def standard_dedendum_angle(dedendum: float, mean_cone_distance: float) -> float
 
 
 def duplex_sum(cones: PitchCones, pressure_angle: float, cutter_radius: float) -> float:
-    """Return the sum of the dedendum angles (rad) at which a face-milling cutter of one point width makes constant
-    slots.
+    """Sum of the dedendum angles (rad) at which a face-milling cutter of one point width makes constant slots.
 
     The slots then have the same width from toe to heel.
     """

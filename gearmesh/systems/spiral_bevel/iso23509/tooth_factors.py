@@ -1,6 +1,4 @@
-"""Tooth proportions in mean normal modules, suggested values, and thicknesses with backlash [ISO 23509:2016 tables 3,
-4].
-"""
+"""Tooth proportions, their suggested values, and thicknesses with backlash [ISO 23509:2016 tables 3, 4]."""
 
 from __future__ import annotations
 

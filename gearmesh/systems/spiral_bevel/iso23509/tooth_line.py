@@ -55,8 +55,9 @@ class ToothLine:
 
     @property
     def lead_angle(self) -> Value:
-        """Lead angle nu of the cutter's blades, rad: 0 in face milling, nan for a cutter that is too small [ISO 23509
-        (98), (176)].
+        """Lead angle nu of the cutter's blades, rad [ISO 23509 (98), (176)].
+
+        It is 0 in face milling, and nan for a cutter that is too small.
         """
         rolled = self.cutter.blade_groups * self.mean_cone_distance * np.cos(self.spiral_angle)
         return np.arcsin(_sine(rolled / (self.cutter.radius * self.crown_teeth)))

@@ -1,6 +1,4 @@
-"""Cutting of a pair: both sides of both members for the requested contact, and the positions of the sides on their
-teeth.
-"""
+"""Cutting of a pair: both sides of both members for the requested contact, and their index positions."""
 
 from __future__ import annotations
 

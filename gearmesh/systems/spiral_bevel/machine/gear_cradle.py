@@ -28,16 +28,12 @@ if TYPE_CHECKING:
 
 
 def turned_after_cut(design: FaceMilledDesign, blank: BevelBlank) -> float:
-    """Return the rotation (rad) of the pinion about its axis, after cutting, that brings its mean point over the x
-    axis.
-    """
+    """Rotation (rad) of the pinion about its axis, after cutting, that brings its mean point over the x axis."""
     return -HAND_SIGNS[design.hand] * blank.azimuths[0] if design.formate else 0.0
 
 
 def root_normal(member: MemberBlank, azimuth: float = 0.0) -> Array:
-    """Return the normal (3,) of the root cone's tangent plane at an azimuth (rad), into the blank, in the member's
-    frame.
-    """
+    """Normal (3,) of the root cone's tangent plane at an azimuth (rad), into the blank, in the member's frame."""
     c, s = np.cos(member.root_angle), np.sin(member.root_angle)
     return np.array([-c * np.cos(azimuth), -c * np.sin(azimuth), s])
 

@@ -95,8 +95,9 @@ class Generated:
         return p, float(v[0])
 
     def at_cradle_zero(self, height: float) -> tuple[float, float]:
-        """Return the flank parameters of the point at `height` (mm) over the tip plane that is generated at cradle
-        rotation 0 [AB].
+        """Return the flank parameters of the point that is generated at cradle rotation 0 [AB].
+
+        `height`: height of the point over the tip plane, mm.
 
         Raises NoSolutionError if the cutter generates no such point near the middle, as at small spiral angles.
         """

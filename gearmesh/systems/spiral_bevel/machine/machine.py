@@ -73,8 +73,9 @@ class MachineSettings:
     formate: bool = False
 
     def own_from_machine(self, hand: int) -> Rigid:
-        """Return the motion from the machine frame to the member's frame at cradle rotation 0; the origin is the
-        machine centre.
+        """Return the motion from machine frame to member frame at cradle rotation 0.
+
+        The origin of the machine frame is the machine centre.
         """
         c, s = np.cos(self.machine_root_angle), np.sin(self.machine_root_angle)
         axes = np.array([[s, 0.0, -c], [0.0, 1.0, 0.0], [c, 0.0, s]])
@@ -100,9 +101,7 @@ class MachineSettings:
         return not (self.tilted or self.formate or any(self.helical_motion))
 
     def _lean(self, hand: int) -> float:
-        """Return the angle (rad) about the cradle axis, from x, towards which the cutter's axis leans at cradle
-        rotation 0.
-        """
+        """Angle (rad) about the cradle axis, from x, towards which the cutter's axis leans at cradle rotation 0."""
         return hand * (self.cradle_angle + 0.5 * np.pi + self.swivel)
 
     def cutter_axes(self, hand: int) -> Array:

@@ -166,8 +166,9 @@ def basic_data(
 
 
 def thinning(backlash: float, blank: BevelBlank) -> float:
-    """Return the rotation (rad) that sets a flank of the pinion back for half the normal `backlash` (mm) at the mean
-    pitch circle.
+    """Return the rotation (rad) that sets a flank of the pinion back for half the normal `backlash` (mm).
+
+    The backlash counts at the mean pitch circle.
     """
     across = np.cos(blank.pressure_angle) * np.cos(blank.pinion.spiral_angle)
     return float(0.5 * backlash / (across * blank.pinion.mean_radius))

@@ -49,8 +49,9 @@ def tolerance_table(grade: int, blank: BevelBlank, members: Sequence[str]) -> Sh
 
 
 def bevel_inspection(design: FaceMilledDesign, train: GearTrain, name: str) -> InspectionBasis:
-    """Return the inspection basis of the "pinion" or the "gear" of a design: pitch and runout have tolerances, flanks
-    have none.
+    """Return the inspection basis of the "pinion" or the "gear" of a design.
+
+    Pitch and runout have tolerances, flanks have none.
     """
     design_mm = design.in_mm()
     return InspectionBasis(

@@ -101,9 +101,7 @@ class CutPair:
 
     @property
     def point_widths(self) -> tuple[float | None, float]:
-        """Distances (mm) between the tips of the blades of one cutter; None for a pinion whose sides have a cutter
-        each.
-        """
+        """Distances (mm) between the tips of a cutter's blades; None for a pinion with a cutter per side."""
         pinion, gear = point_width(self.pinion), point_width(self.gear)
         return (pinion if self.at_once else None), gear
 
@@ -447,9 +445,7 @@ def _rounding_share(blade: Blade) -> float:
 
 
 def _blade_edge(blade: Blade, width: float) -> float:
-    """Return the largest edge radius (mm) of a blade of a point width (mm) [AGMA 929]; 0 for a blade too narrow for
-    any.
-    """
+    """Largest edge radius (mm) of a blade of a point width (mm) [AGMA 929]; 0 for a blade too narrow for any."""
     return max(0.0, width - BLADE_FLAT_MM) / _rounding_share(blade)
 
 
@@ -459,7 +455,5 @@ def _fitting_edge(sides: dict[str, Generated], slot: float) -> float:
 
 
 def _clearing_edge(blade: Blade, clearance: float) -> float:
-    """Return the edge radius (mm) whose rounding is no higher than the clearance: the mating tip then meets only the
-    flank.
-    """
+    """Edge radius (mm) whose rounding is no higher than the clearance: the mating tip then meets only the flank."""
     return float(clearance / (1.0 - np.sin(_last_angle(blade))))

@@ -64,8 +64,9 @@ class PitchLines:
         return direction * np.sign(dot(direction, axial.gradient(jet.r)))[:, None]
 
     def spiral_angles(self, which: Side) -> Array:
-        """Return the angles (T,) between a flank's pitch line and the generatrices of the pitch cone, > 0 in the sense
-        of the hand.
+        """Return the angles (T,) between a flank's pitch line and the generatrices of the pitch cone.
+
+        They are > 0 in the sense of the hand.
         """
         direction, jet = self.lengthwise(which), self.jets[which]
         around = dot(direction, unit_vector(cross(AXIS, jet.r)))
@@ -160,8 +161,9 @@ class ToothMeasures:
         return abs(float(angles[-1] - angles[0]))
 
     def chord(self, number: int, depth: float) -> float:
-        """Return the reading (mm) of a tooth calliper at station `number`, with its tongue `depth` (mm) under the
-        middle of the tip.
+        """Return the reading (mm) of a tooth calliper at station `number`.
+
+        Its tongue is `depth` mm under the middle of the tip.
 
         The calliper is across the tooth and perpendicular to the pitch cone. The reading is NaN if a jaw finds no
         flank.

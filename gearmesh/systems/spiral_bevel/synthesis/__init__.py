@@ -1,3 +1,1 @@
-"""Settings that give the requested contact: local synthesis, ease-off, and the choices for contact that a design leaves
-open.
-"""
+"""Settings that give the requested contact: local synthesis, ease-off, and choices for open keys."""

@@ -71,8 +71,7 @@ def contact_said(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Cont
 
 
 def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactChoice:
-    """Return the contact of the pinion's side `name` ("concave", "convex") of a design in mm, with its open keys
-    chosen.
+    """Contact of the pinion's side `name` ("concave", "convex") of a design in mm, with its open keys chosen.
 
     If no contact preview is good, the best one is chosen. A given ease-off leaves nothing open. `bevel_teeth` decides
     whether teeth with this contact close.

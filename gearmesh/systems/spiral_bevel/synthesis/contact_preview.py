@@ -163,8 +163,9 @@ class ContactPreviews:
         return self.design.pinion.side(self.name).te_at_change * ARCSEC
 
     def apart(self, path: ContactPreview) -> float:
-        """Return the least clearance of the flanks beyond the lag of the gear, over the requested lag: 0, or < 0 if
-        another point touches before the path.
+        """Return the least clearance of the flanks beyond the lag of the gear, over the requested lag.
+
+        It is 0, or < 0 if another point touches before the path.
 
         Each point of the gear's flank is placed where it would be in contact at the ratio of the teeth. Its distance
         from the pinion's flank, along the circle about the pinion's axis, is the lag at which it would touch.
@@ -207,8 +208,9 @@ class ContactPreviews:
 
     @cached_property
     def _conjugate(self) -> tuple[Jet, Array]:
-        """Points (M,) of the gear's flank, as cut, and the gear rotations (rad) at which they are in contact at the
-        ratio of the teeth.
+        """Points (M,) of the gear's flank, and the gear rotations (rad) at which they are in contact.
+
+        The points are as cut; the contact is at the ratio of the teeth.
         """
         jet, turns, _ = self._of_grid
         met = self._in_contact
@@ -221,9 +223,7 @@ class ContactPreviews:
 
     @property
     def _margin(self) -> Array:
-        """Distances (mm) of the points of the grid inside tip and form point of the gear's flank; NaN where it has no
-        point.
-        """
+        """Distances (mm) of grid points inside tip and form point of the gear's flank; NaN off the flank."""
         return self._of_grid[2]
 
     @cached_property
@@ -334,9 +334,7 @@ def _above_form_point(side: Generated, p: Array) -> Array:
 
 
 def _parameters(side: Generated, r: Array) -> Array:
-    """Return blade parameters (K,) near points r (K, 3) of a flank in the member's frame, by height over the machine
-    plane.
-    """
+    """Return blade parameters (K,) near points r (K, 3), by their height over the machine plane."""
     return np.array([side.blade.at_height(float(height)) for height in side.above_plane(r)])
 
 

@@ -164,8 +164,9 @@ def form_warnings(design: FaceMilledDesign, forms: dict[str, FlankForm | None]) 
 def _start(
     design: FaceMilledDesign, blank: BevelBlank, name: str, choice: ContactChoice, contact: MeanContact, wanted: Array
 ) -> dict[str, float]:
-    """Return settings by key (mm, deg) whose flank has the ease-off to second order in the middle; given settings
-    remain.
+    """Return settings by key (mm, deg) whose flank has the ease-off to second order in the middle.
+
+    Given settings remain.
     """
     active, r, n = ActiveFlank(blank), contact.point, contact.normal
     # slopes and second derivatives of the ease-off in the tangent plane, by central differences
@@ -299,8 +300,7 @@ class _Fit:
         return side.envelope(side.blade.flank)
 
     def ease_off(self, surface: Surface, at: Array, steps: int = NEWTON_STEPS) -> tuple[Array, Array, Jet]:
-        """Return the ease-off (K,), mm, and parameters and jet of the surface's points on the normals of the conjugate
-        flank.
+        """Ease-off (K,), mm, and parameters and jet of the surface's points on the normals of the conjugate flank.
 
         The points are found by Newton steps from the parameters `at` (K, 2). The ease-off is NaN where the surface is
         not near.

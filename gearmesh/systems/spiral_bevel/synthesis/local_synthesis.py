@@ -119,9 +119,7 @@ def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
 
 
 def conjugate_operator(gear: MeanContact) -> Array:
-    """Return the shape operator K1 (3, 3) of the pinion that is conjugate to the gear: K1 - K2 = b b^T / (b . u1), for
-    any u1.
-    """
+    """Shape operator K1 (3, 3) of the pinion that is conjugate to the gear: K1 - K2 = b b^T / (b . u1), for any u1."""
     v12, turning, rest = _relative_motion(gear)
     conjugate_operator: Array = gear.gear_operator + np.outer(turning, turning) / (rest - turning @ v12)
     return conjugate_operator
@@ -167,8 +165,7 @@ def tool_settings(
     tip_plane: float | None,
     leaning: tuple[Array, Array, float] | None = None,
 ) -> ToolSettings:
-    """Return the settings of the tool whose envelope has a given point, normal and shape operator (see the module's
-    text).
+    """Settings of the tool whose envelope has a given point, normal and shape operator (see the module's text).
 
     - `operator`: shape operator (3, 3) of the pinion, 1/mm
     - `mean`: mean point (3,) and normal (3,)

@@ -229,9 +229,7 @@ def _gear_side(
 
 
 def _check_gear_tilt(spec: GearCutter) -> None:
-    """Raise DesignError for a tilted cutter of the gear without settings that the standard rules give only for an
-    upright one.
-    """
+    """Raise DesignError for a tilted gear cutter without settings that are only derived for an upright one."""
     missing = [key for key in ("radial", "cradle_angle", "ratio_of_roll") if getattr(spec, key) is None]
     if spec.tilt and missing:
         raise DesignError(
@@ -378,9 +376,7 @@ def given_roll(spec: Machine) -> tuple[float, ...]:
 
 
 def pinion_root_angle(design: FaceMilledDesign, name: str) -> float | None:
-    """Return the given machine root angle (deg) of one side of the pinion, or else the other side's: both have one
-    depth.
-    """
+    """Given machine root angle (deg) of one side of the pinion, or else the other side's: both have one depth."""
     other = MATING_SIDES[name]
     return or_none(design.pinion.side(name).machine_root_angle, design.pinion.side(other).machine_root_angle)
 
@@ -403,9 +399,7 @@ def or_none(value: float | None, otherwise: float | None) -> float | None:
 def pinion_values(
     design: FaceMilledDesign, blank: BevelBlank, name: str, contact: MeanContact, choice: ContactChoice
 ) -> dict[str, float]:
-    """Return the settings of one side of the pinion by key (mm, deg): given, or else found for its ease-off or by local
-    synthesis.
-    """
+    """Settings of a pinion side by key (mm, deg): given, found for its ease-off, or by local synthesis."""
     if choice.form is not None:
         return choice.form.values
     spec = design.pinion.side(name)
@@ -560,8 +554,7 @@ def mean_point(
 
 
 def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, blank: BevelBlank) -> tuple[float, MeanContact]:
-    """Return the rotation (rad) of the gear, nearest 0, at which its point (jet, gear's frame) meets the pinion, and
-    the contact.
+    """Rotation (rad) of the gear, nearest 0, at which its point (jet, gear's frame) meets the pinion, and the contact.
 
     `sense`: +1 where the pinion turns right-handed about its axis as phi1 grows. Raises NoSolutionError if the point is
     never in contact.
@@ -606,8 +599,7 @@ def contact_at(at: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, apex: f
 
 
 def meshing_turns(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, near: float = 0.0) -> Array:
-    """Return the rotations (...,), rad, of the gear nearest `near` at which points meet the equation of meshing n . v12
-    = 0.
+    """Rotations (...,), rad, of the gear nearest `near` at which points meet the equation of meshing n . v12 = 0.
 
     `jet`: points in the gear's frame; `sense`, `ratio` as for `mean_contact`. The rotation is NaN for a point that is
     never in contact. n and r turn with the gear, so that the equation is A cos + B sin + C = 0.

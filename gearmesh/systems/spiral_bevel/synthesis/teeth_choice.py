@@ -81,8 +81,7 @@ class BevelTeeth:
 
 
 def bevel_teeth(design: FaceMilledDesign) -> BevelTeeth:
-    """Return the teeth of a design in mm with the best contact, or with the plain contact if teeth with the best do not
-    close.
+    """Teeth of a design in mm with the best contact, or with the plain contact if teeth with the best do not close.
 
     Raises DesignError for blanks and teeth that cannot exist, before any contact is sought, and NoSolutionError if no
     pinion has the requested contact.
@@ -273,8 +272,9 @@ def _land(tooth: Tooth) -> float:
 
 
 def _saying(first: _Plain, best: _Plain) -> _Plain:
-    """Return the `best` teeth with a warning: their factors, the factors of the `first` teeth, and the fault of the
-    `first` teeth.
+    """Return the `best` teeth with a warning.
+
+    The warning has their factors, the factors of the `first` teeth, and the fault of the `first` teeth.
     """
     old, new = (factors(plain.given, plain.blank) for plain in (first, best))
     changed = [k for k in range(2) if new[k] != old[k]]

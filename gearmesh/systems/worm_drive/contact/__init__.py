@@ -1,1 +1,1 @@
-"""Contact of worm and wheel: its lines in closed form, and where it lies on the wheel."""
+"""Contact of worm and wheel: its lines in closed form, and its position on the wheel."""

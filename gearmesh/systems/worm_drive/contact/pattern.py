@@ -1,10 +1,10 @@
-"""Where the contact of a worm drive lies on the wheel's face, and how wheel and axes are mounted to bring it elsewhere.
+"""Position of the contact of a worm drive on the wheel's face, and the mounting that brings it elsewhere.
 
-Shops set the wheel along its axis until the pattern is in the middle, or a little towards the leaving side, where threads come out
-of the mesh and which lubricant does not reach before the contact does. The place is where the path of contact crosses the middle of
-the working depth. One displacement brings it to a share of the face (`common.pattern.meshing_place`). It begins where the path
-crosses without errors and goes on in small steps. As of bevel gears the first touch of the displaced members, over the whole of
-both, decides whether contact is there.
+Workshops set the wheel along its axis until the pattern is in the middle, or slightly towards the leaving side. There
+the threads leave the mesh, and lubricant arrives before the contact does. The position is where the path of contact
+crosses the middle of the working depth. One displacement brings it to a share of the face
+(`common.pattern.meshing_place`). The search starts where the path crosses without errors and continues in small steps.
+As for bevel gears, the first touch of the displaced members over both whole flanks decides whether the contact exists.
 """
 
 from __future__ import annotations
@@ -35,65 +35,76 @@ from gearmesh.teeth.region import Side
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
 
-#: places from toe to heel, as parts of the face: 0.2 beside the middle
-SHARES = (0.3, 0.5, 0.7)
-#: displacements, and their keys of the table assembly
-MOVES = Moves({"V": "da", "J": "dz2", "alpha": "d_sigma"})
-#: residual (mm) of a contact, and Newton steps at most
-TOLERANCE, ITERATIONS = 1e-10, 60
-#: share of the face by which places follow each other
-STEP = 0.02
-#: distance (mm) of the first touch from the contact asked for that counts as none: contact lies in a flat valley
-THERE = 1e-4
-#: positions over two pitches at which the path is looked at, those at its ends apart
-POSITIONS = 41
+#: shares of the face, from toe to heel: 0.2 beside the middle
+PLACE_SHARES = (0.3, 0.5, 0.7)
+#: displacements and their keys in the table assembly
+ASSEMBLY_MOVES = Moves({"V": "da", "J": "dz2", "alpha": "d_sigma"})
+#: residual (mm) at which a contact is solved
+CONTACT_TOLERANCE_MM = 1e-10
+#: largest number of Newton steps
+MAX_NEWTON_STEPS = 60
+#: largest step between neighbouring places, as a share of the face
+MAX_SHARE_STEP = 0.02
+#: largest distance (mm) of the first touch from the requested contact; the gap is flat there
+MAX_FIRST_TOUCH_DISTANCE_MM = 1e-4
+#: number of positions of the path over two pitches
+PATH_POSITIONS = 41
 
 
 def pattern_shifts(design: WormDriveDesign, train: GearTrain, moved: tuple[str, ...]) -> list[PatternShift]:
-    """Displacements that bring the contact of both flanks to SHARES of the face, of a design in mm.
+    """Return displacements that bring the contact of both flanks to PLACE_SHARES of the face, for a design in mm.
 
-    Raises DesignError for contact in lines, which fills the face, NoSolutionError where no flanks touch but on edges.
+    Raises DesignError for line contact, which fills the face, and NoSolutionError for flanks that touch only on edges.
     """
     still = {f"assembly.{key}": 0.0 for key in ("da", "dz1", "dz2", "d_sigma")}
     shifts: list[PatternShift] = []
     for side in Side:
-        own = design.with_values({**still, "contact.flank": side.value})
-        shifts.extend(_Flank(design, own, build(own), moved).shifts())
+        aligned = design.with_values({**still, "contact.flank": side.value})
+        shifts.extend(_Flank(design, aligned, build(aligned), moved).shifts())
     return shifts
 
 
 @dataclass(frozen=True)
 class _Flank:
-    """A working flank: the `design` with its errors, and `own` without, its gear set; displacements `moved`."""
+    """A working flank."""
 
+    #: design with its errors
     design: WormDriveDesign
+    #: design without errors
     own: WormDriveDesign
+    #: gear set without errors
     train: GearTrain
+    #: displacements that are determined
     moved: tuple[str, ...]
 
     @property
     def pair(self) -> GearPair:
+        """Pair of worm and wheel."""
         return self.train.pairs[0]
 
     @property
     def _moves(self) -> Moves:
-        return replace(MOVES, opens=-1.0 if self.design.worm.right_hand else 1.0)
+        """Displacements, with the sense in which the shaft angle opens."""
+        return replace(ASSEMBLY_MOVES, opens=-1.0 if self.design.worm.right_hand else 1.0)
 
     @property
     def _clearance(self) -> float:
-        """Between the worm's tip and the wheel's root, mm."""
-        own, hob = self.design, wheel_hob(self.design)
-        tip = 0.5 * own.reference_diameter + own.worm.addendum * own.axial_module
-        return own.center_distance - tip - (hob.distance - hob.tip_radius)
+        """Clearance between the worm's tip and the wheel's root, mm."""
+        design, hob = self.design, wheel_hob(self.design)
+        tip = 0.5 * design.reference_diameter + design.worm.addendum * design.axial_module
+        return design.center_distance - tip - (hob.distance - hob.tip_radius)
 
     def _bases(self, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
-        """Bases of worm and wheel with errors (N,) beside those of the design."""
+        """Return the bases of worm and wheel with errors (N,) in addition to the design's errors."""
         stated = self.design.assembly
         whole = {key: values + getattr(stated, key) for key, values in errors.items()}
         return displaced_bases(self.own, self.train, {**whole, "dz1": np.full_like(errors["da"], stated.dz1)})
 
     def shifts(self) -> list[PatternShift]:
-        """One per place, from the entering to the leaving side."""
+        """Return one shift per place, from the entering to the leaving side.
+
+        Raises NoSolutionError if no displacement brings the contact into the face.
+        """
         path = self._path()
         shares, x = self._swept(path)
         good = self._holds(x)
@@ -106,16 +117,16 @@ class _Flank:
         values, stated = self._moves.values(x, self.moved), self.design.assembly
         places = ("entering side", "middle", "leaving side")
         rows = []
-        for place, asked in zip(places, SHARES if self._leaving(path) > 0.0 else SHARES[::-1], strict=True):
+        for place, asked in zip(places, PLACE_SHARES if self._leaving(path) > 0.0 else PLACE_SHARES[::-1], strict=True):
             k = int(np.abs(shares - asked).argmin())
-            v, j, alpha = (getattr(stated, key) + float(values[key][k]) for key in MOVES.keys.values())
+            v, j, alpha = (getattr(stated, key) + float(values[key][k]) for key in ASSEMBLY_MOVES.keys.values())
             share = asked if abs(shares[k] - asked) < 1e-9 else float(shares[k])
             rows.append(PatternShift(name, place, asked, v, stated.dz1, j, alpha, share))
         return rows
 
     def _path(self) -> ContactPath:
-        """The path of contact without errors. Raises DesignError where it is in lines."""
-        path = contact_path(solver_pair(self.pair), self.pair.pitch * np.linspace(-1.0, 1.0, POSITIONS))
+        """Return the path of contact without errors. Raises DesignError for line contact."""
+        path = contact_path(solver_pair(self.pair), self.pair.pitch * np.linspace(-1.0, 1.0, PATH_POSITIONS))
         if (path.kind == "line").any():
             default = not self.design.sets("hob.reference_diameter")
             raise DesignError(
@@ -131,36 +142,40 @@ class _Flank:
         return path
 
     def _leaving(self, path: ContactPath) -> float:
-        """Above 0 where the driving worm's threads leave the mesh at the wheel's heel."""
+        """Return a number > 0 if the driving worm's threads leave the mesh at the wheel's heel."""
         pair, k = self.pair, int(np.flatnonzero(path.kind == "point")[0])
-        way = pair.drive * pair.pinion.mount.velocity(path.point[k])
-        return float(dot(way, pair.gear.mount.axis))
+        velocity = pair.drive * pair.pinion.mount.velocity(path.point[k])
+        return float(dot(velocity, pair.gear.mount.axis))
 
     def _crossing(self, path: ContactPath) -> tuple[float, Array]:
-        """Share of the face nearest to where the path crosses the middle of the working depth, and unknowns (4 + K,) near it."""
+        """Return share of the face and unknowns (4 + K,) near the path's crossing of the middle of the depth."""
         pair, blank = self.pair, self.pair.gear.one_tooth.blank
         k = np.flatnonzero(path.kind == "point")
         r = pair.gear.one_tooth.side(pair.flanks[1]).flank.jet(path.params2[k, 0], path.params2[k, 1]).r
         depth = HalfwayLevel(blank.root, blank.tip).value(r) - 0.5 * self._clearance
         at = int(np.abs(depth).argmin())
         (toe, heel), m = blank.extent, k[at]
-        first, second = pair.mounts
+        worm_mount, wheel_mount = pair.mounts
         turns = [
-            mount.sign * (turn - mount.zero) for mount, turn in ((first, path.rotation[m]), (second, path.phi2[m]))
+            mount.sign * (turn - mount.zero)
+            for mount, turn in ((worm_mount, path.rotation[m]), (wheel_mount, path.phi2[m]))
         ]
         share = (blank.axial.value(r[at]) - toe) / (heel - toe)
         return float(share), np.array([*path.params1[m], *turns, *(0.0 for _ in self.moved)])
 
     def _swept(self, path: ContactPath) -> tuple[Array, Array]:
-        """Shares (N,) over all of SHARES and the unknowns (N, 4 + K), each from its neighbour's."""
+        """Return shares (N,) over the range of PLACE_SHARES and the unknowns (N, 4 + K).
+
+        The unknowns of each share start from its neighbour's.
+        """
         begin, start = self._crossing(path)
         shares: list[float] = []
         unknowns_at: list[Array] = []
-        inner = np.clip(begin, SHARES[0], SHARES[-1])
-        for end in (SHARES[0], SHARES[-1]):
-            steps = int(np.ceil(abs(end - inner) / STEP)) + 1
+        inner = np.clip(begin, PLACE_SHARES[0], PLACE_SHARES[-1])
+        for end in (PLACE_SHARES[0], PLACE_SHARES[-1]):
+            steps = int(np.ceil(abs(end - inner) / MAX_SHARE_STEP)) + 1
             way = np.union1d(
-                np.linspace(inner, end, steps), [s for s in SHARES if min(inner, end) <= s <= max(inner, end)]
+                np.linspace(inner, end, steps), [s for s in PLACE_SHARES if min(inner, end) <= s <= max(inner, end)]
             )
             unknowns = start
             for share in way if end > inner else way[::-1]:
@@ -171,18 +186,20 @@ class _Flank:
         return np.array(shares), np.array(unknowns_at)
 
     def _solve(self, share: float, start: Array) -> Array:
-        """Unknowns (4 + K,) of a contact at a share of the face; NaN where there is none."""
+        """Return the unknowns (4 + K,) of a contact at a share of the face; NaN if there is none."""
         mating = gear_targets(self.pair.gear, self.pair.flanks[1], self._clearance, np.array([share]))
         jet = self.pair.gear.tooth.side(self.pair.flanks[1]).flank.jet(mating[:, 0], mating[:, 1])
         conditions = MeshingPlace(self.pair, jet, self.moved, self._moves, self._bases)
         with np.errstate(all="ignore"):
-            solution = newton.solve(conditions, start[None], tolerance=TOLERANCE, max_iterations=ITERATIONS)
+            solution = newton.solve(
+                conditions, start[None], tolerance=CONTACT_TOLERANCE_MM, max_iterations=MAX_NEWTON_STEPS
+            )
         lost = ~solution.converged | np.isnan(mating).any(axis=-1)
         unknowns: Array = np.where(lost[:, None], np.nan, solution.values)[0]
         return unknowns
 
     def _holds(self, x: Array) -> NDArray[np.bool_]:
-        """Whether (N,) the displaced teeth touch first where the unknowns x (N, 4 + K) have it."""
+        """Return True (N,) where the displaced teeth first touch at the point of the unknowns x (N, 4 + K)."""
         good: NDArray[np.bool_] = np.asarray(np.isfinite(x).all(axis=-1))
         if not good.any():
             return good
@@ -192,5 +209,7 @@ class _Flank:
         paths = assembly_paths(solver_pair(self.pair), bases, turned[:, None])
         r = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1]).r
         with np.errstate(invalid="ignore"):
-            good[good] = paths.surface[:, 0] & (np.linalg.norm(paths.point[:, 0] - r, axis=-1) <= THERE)
+            good[good] = paths.surface[:, 0] & (
+                np.linalg.norm(paths.point[:, 0] - r, axis=-1) <= MAX_FIRST_TOUCH_DISTANCE_MM
+            )
         return good

@@ -1,1 +1,1 @@
-"""The wheel as it is cut: how its hob is fed, and over which face it has flanks."""
+"""Cutting of the wheel: feed of its hob, and the face over which it has flanks."""
