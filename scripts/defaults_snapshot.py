@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import gearmesh as gm
-from gearmesh.design.changes import CHANGES
+from gearmesh.design.changes import DEFAULT_CHANGES
 from gearmesh.design.keys import Table
 
 ROOT = Path(__file__).parents[1]
@@ -82,7 +82,7 @@ def change_table(version: str) -> str:
     head = f"| kind | key | before | {version} | why |\n|---|---|---|---|---|\n"
     return head + "".join(
         f"| {', '.join(f'`{kind}`' for kind in each.kinds) or 'all'} | `{each.key}` | {each.old} | {each.new} | {each.why} |\n"
-        for each in CHANGES
+        for each in DEFAULT_CHANGES
         if each.version == version
     )
 

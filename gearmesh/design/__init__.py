@@ -1,1 +1,1 @@
-"""What every design file has: keys, units, tables, files. The gear systems are in `systems`."""
+"""Design files: keys, units, tables, reading and writing. The kinds of gears are in `systems`."""

@@ -1,5 +1,4 @@
-"""Defaults that have changed, by the version that changed them, and keys that mean something else since: the warnings for a design
-that states its version.
+"""Changed defaults and changed meanings of keys, by version: the warnings for a design that states its version.
 
 Whoever changes a default raises the version and adds an entry here and to gearmesh/CHANGES.md.
 """
@@ -9,29 +8,37 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-#: how a version looks, in a file as text
-_VERSION = re.compile(r"\d+\.\d+(\.\d+)?", re.ASCII)
-BEVEL = ("spiral_bevel", "hypoid")
+#: a version as a file states it
+_VERSION_PATTERN = re.compile(r"\d+\.\d+(\.\d+)?", re.ASCII)
+#: kinds that are cut as spiral bevel gears
+BEVEL_KINDS = ("spiral_bevel", "hypoid")
 
 
 @dataclass(frozen=True)
 class Change:
-    """A default of some `kinds` (none: of all) that `version` changed: dotted `key`, what it was and is in words, and why."""
+    """A changed default."""
 
+    #: version that changed it
     version: str
+    #: kinds whose default changed; empty for all kinds
     kinds: tuple[str, ...]
+    #: dotted key
     key: str
+    #: default before, in words
     old: str
+    #: default since then, in words
     new: str
+    #: reason
     why: str
 
 
 def _of_both_sides(key: str, old: str, new: str, why: str) -> tuple[Change, ...]:
-    return tuple(Change("0.2.0", BEVEL, f"pinion.{side}.{key}", old, new, why) for side in ("concave", "convex"))
+    """Return the change of a key of both flanks of a bevel pinion."""
+    return tuple(Change("0.2.0", BEVEL_KINDS, f"pinion.{side}.{key}", old, new, why) for side in ("concave", "convex"))
 
 
-#: the newest version last
-CHANGES: tuple[Change, ...] = (
+#: changed defaults, the newest version last
+DEFAULT_CHANGES: tuple[Change, ...] = (
     Change(
         "0.2.0",
         (),
@@ -44,12 +51,19 @@ CHANGES: tuple[Change, ...] = (
     *_of_both_sides("mean_offset", "0", "chosen, the middle of the path", "the path fits the active flank"),
     *_of_both_sides("mean_shift", "0", "chosen, the middle of the path", "the path fits the active flank"),
     Change(
-        "0.2.0", BEVEL, "depth_factor", "k_d by pinion teeth", "k_d by pinion teeth, less against undercut", "undercut"
+        "0.2.0",
+        BEVEL_KINDS,
+        "depth_factor",
+        "k_d by pinion teeth",
+        "k_d by pinion teeth, less against undercut",
+        "undercut",
     ),
-    Change("0.2.0", BEVEL, "addendum_factor", "c_ham by ratio", "c_ham by ratio, less against undercut", "undercut"),
+    Change(
+        "0.2.0", BEVEL_KINDS, "addendum_factor", "c_ham by ratio", "c_ham by ratio, less against undercut", "undercut"
+    ),
     Change(
         "0.2.0",
-        BEVEL,
+        BEVEL_KINDS,
         "backlash",
         "0, the gear alone thinned",
         "by module and accuracy_grade, half of it from each member",
@@ -194,7 +208,7 @@ CHANGES: tuple[Change, ...] = (
     *(
         Change(
             "0.18.0",
-            BEVEL,
+            BEVEL_KINDS,
             f"pinion.{side}.mesh_angle",
             "where it touches the gear at the mean point",
             'the same; 0, as it is cut, of given settings with mean_point = "cradle_zero"',
@@ -207,16 +221,20 @@ CHANGES: tuple[Change, ...] = (
 
 @dataclass(frozen=True)
 class Meaning:
-    """Keys of a member's table that mean something else since `version`, of members whose `flag` is set: what, in words."""
+    """A changed meaning of keys of a member's table."""
 
+    #: version that changed it
     version: str
+    #: attribute of the table that is True for the members concerned
     flag: str
+    #: names of the keys in the table
     keys: tuple[str, ...]
+    #: new meaning, in words
     what: str
 
 
-#: ends of internal gears; the newest version last
-MEANINGS = (
+#: changed meanings, the newest version last
+KEY_MEANING_CHANGES = (
     Meaning(
         "0.11.0",
         "internal",
@@ -230,29 +248,29 @@ MEANINGS = (
 
 
 def parse_version(version: str) -> tuple[int, int, int]:
-    """A version as numbers, "0.2" as (0, 2, 0). Raises ValueError for what is none."""
-    if not _VERSION.fullmatch(version):
+    """Return a version as numbers, "0.2" as (0, 2, 0). Raises ValueError for any other text."""
+    if not _VERSION_PATTERN.fullmatch(version):
         raise ValueError(version)
     major, minor, *patch = map(int, version.split("."))
     return major, minor, (patch or [0])[0]
 
 
 def changes_since(version: str, kind: str) -> tuple[Change, ...]:
-    """Defaults of a kind that have changed since a version."""
+    """Return the defaults of a kind that changed after a version."""
     return tuple(
         change
-        for change in CHANGES
+        for change in DEFAULT_CHANGES
         if parse_version(change.version) > parse_version(version) and (not change.kinds or kind in change.kinds)
     )
 
 
 def meanings_since(version: str) -> tuple[Meaning, ...]:
-    """What keys mean something else since a version."""
-    return tuple(meaning for meaning in MEANINGS if parse_version(meaning.version) > parse_version(version))
+    """Return the meanings of keys that changed after a version."""
+    return tuple(meaning for meaning in KEY_MEANING_CHANGES if parse_version(meaning.version) > parse_version(version))
 
 
 def unknown_version(stated: str, own: str) -> str:
-    """Why a design cannot state a version: it is none, or newer than that of the program, `own`; empty where it can."""
+    """Return the reason to refuse a stated version: no version, or newer than the program's version `own`; empty if valid."""
     try:
         newer = parse_version(stated) > parse_version(own)
     except ValueError:

@@ -1,6 +1,7 @@
-"""What a design file may say: the tables that all kinds have, and the base of all designs.
+"""Tables of a design file that all kinds have, and the base class of all designs.
 
-A `Table` is a table of the file, a `Design` the whole file. Numbers stay in the file's `units` and degrees until `Design.in_mm`.
+A `Table` is a table of the file, a `Design` is the whole file. Numbers stay in the file's `units` and in degrees until
+`Design.in_mm`.
 """
 
 from __future__ import annotations
@@ -16,26 +17,30 @@ from gearmesh import __version__
 from gearmesh.design.changes import unknown_version
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import explain
-from gearmesh.design.keys import DERIVED, MM_PER, Key, KeyLine, Table, conflict, key_lines
+from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Key, KeyLine, Table, conflict, key_lines
 from gearmesh.design.measured import PairMeasured
 from gearmesh.design.shown import html_table, value_text
 
-#: Thickness of the marking compound that is not given, mm [LT02 5], and at most, in modules: no ellipse outgrows small teeth.
-DELTA, DELTA_SHARE = 0.00635, 0.01
-#: Modules, mm: of teeth that a mesh can resolve with the finest tolerance, and whose radii stay below the longest length.
-SMALLEST_MODULE, LARGEST_MODULE = 1e-3, 1e4
-#: Density of a material that is not given, kg/m^3.
-DENSITY = 7850.0
+#: default thickness of the marking compound [LT02 5]
+DEFAULT_DELTA_MM = 0.00635
+#: largest default thickness of the marking compound, in modules: ellipses stay smaller than small teeth
+MAX_DELTA_MODULES = 0.01
+#: smallest module whose teeth a mesh resolves with the finest tolerance
+SMALLEST_MODULE_MM = 1e-3
+#: largest module whose radii stay below the largest length
+LARGEST_MODULE_MM = 1e4
+#: default density
+STEEL_DENSITY_KG_PER_M3 = 7850.0
 
 
 def module_key(about: str, default: str) -> Key:
-    """The key of a module, whatever section it is of."""
-    return Key("length", about, low=SMALLEST_MODULE, high=LARGEST_MODULE, default=default)
+    """Return the key of a module, of any section."""
+    return Key("length", about, low=SMALLEST_MODULE_MM, high=LARGEST_MODULE_MM, default=default)
 
 
 def pitch_key(about: str, default: str) -> Key:
-    """The key of a diametral pitch: those of the same modules."""
-    low, high = (MM_PER["inch"] / module for module in (LARGEST_MODULE, SMALLEST_MODULE))
+    """Return the key of a diametral pitch; its range covers the same teeth as that of a module."""
+    low, high = (MM_PER["inch"] / module for module in (LARGEST_MODULE_MM, SMALLEST_MODULE_MM))
     return Key("pitch", about, low=low, high=high, default=default)
 
 
@@ -170,13 +175,12 @@ class SpokeTable(Table):
     ] = 0.0
 
 
-#: steps that a shaft or bore may have
-MOST_STEPS = 12
+#: largest number of steps of a shaft or bore
+MAX_SHAFT_STEPS = 12
 
 
 class ShaftSteps(Table):
-    """Shaft, shank or journals in one piece with the body, on an end face or, where there is one, on the hub; the bore is then 0
-    where it is not given."""
+    """Shaft, shank or journals in one piece with the body, on an end face or on the hub; the default bore is then 0."""
 
     listed_apart: ClassVar[str] = "shafts"
 
@@ -187,10 +191,10 @@ class ShaftSteps(Table):
             "diameters of the steps, from the body outwards",
             low=0,
             above=True,
-            most=MOST_STEPS,
+            most=MAX_SHAFT_STEPS,
         ),
     ]
-    lengths: Annotated[tuple[float, ...], Key("length", "length of each step", low=0, above=True, most=MOST_STEPS)]
+    lengths: Annotated[tuple[float, ...], Key("length", "length of each step", low=0, above=True, most=MAX_SHAFT_STEPS)]
     end_diameters: Annotated[
         tuple[float, ...],
         Key(
@@ -198,7 +202,7 @@ class ShaftSteps(Table):
             "diameter of each step at its outer end, of cones",
             low=0,
             above=True,
-            most=MOST_STEPS,
+            most=MAX_SHAFT_STEPS,
             default="those of diameters",
         ),
     ] = ()
@@ -210,16 +214,16 @@ class ShaftSteps(Table):
 
 
 class BoreSteps(Table):
-    """Steps of the bore at one of its ends, of an internal gear of its outside."""
+    """Steps of the bore at one end; of an internal gear, steps of the outside."""
 
     listed_apart: ClassVar[str] = "bore steps"
 
     diameters: Annotated[
         tuple[float, ...],
-        Key("length", "diameters of the steps, from the end face inwards", low=0, above=True, most=MOST_STEPS),
+        Key("length", "diameters of the steps, from the end face inwards", low=0, above=True, most=MAX_SHAFT_STEPS),
     ]
     lengths: Annotated[
-        tuple[float, ...], Key("length", "length of each step along the axis", low=0, above=True, most=MOST_STEPS)
+        tuple[float, ...], Key("length", "length of each step along the axis", low=0, above=True, most=MAX_SHAFT_STEPS)
     ]
 
     @model_validator(mode="after")
@@ -229,7 +233,7 @@ class BoreSteps(Table):
 
 
 def _refuse_uneven(diameters: tuple[float, ...], others: Mapping[str, tuple[float, ...]]) -> None:
-    """Refuse steps that have not all of their sizes."""
+    """Refuse steps with missing sizes."""
     if not diameters:
         raise conflict("diameters", list(diameters), must_be="a list of at least one length")
     for key, values in others.items():
@@ -238,7 +242,7 @@ def _refuse_uneven(diameters: tuple[float, ...], others: Mapping[str, tuple[floa
 
 
 class MemberMaterial(Table):
-    """What one member is made of, where that is not what the table material says."""
+    """Material of one member, where it differs from the table material."""
 
     youngs_modulus: Annotated[
         float | None, Key("pressure", "Young's modulus", low=0, above=True, default="material.youngs_modulus")
@@ -249,7 +253,7 @@ class MemberMaterial(Table):
 
 
 class MemberMount(Table):
-    """How a member is held under load: its body, and the shaft and the bearings that support it."""
+    """Support of a member under load: body, shaft and bearings."""
 
     stiffness: Annotated[
         tuple[float | str | tuple[float, ...], ...] | None,
@@ -283,7 +287,7 @@ class MemberMount(Table):
         return self
 
     def refuse_stiffness(self, key: str, why: str) -> None:
-        """Refuse a stiffness where it cannot be heeded.
+        """Refuse a stiffness that cannot have an effect.
 
         Parameters
         ----------
@@ -305,11 +309,11 @@ class MemberMount(Table):
             raise conflict(f"{key}.stiffness", None, reason=why)
 
 
-#: Tables of members that say what the body under the teeth is.
+#: tables of members that describe the body under the teeth
 BODY_TABLES = (
     "keyway", "hub", "web", "holes", "toe_hub", "heel_shaft", "toe_shaft", "heel_bore", "toe_bore", "bolts", "spokes"
 )  # fmt: skip
-#: Broken edges of one end face
+#: keys of the broken edges of one end face
 ToeWidth = Annotated[float | None, Key("length", "the same at the toe alone; 0 = sharp", low=0, default="end_chamfer")]
 HeelWidth = Annotated[
     float | None, Key("length", "the same at the heel alone; 0 = sharp", low=0, default="end_chamfer")
@@ -323,7 +327,7 @@ HeelRadius = Annotated[
 
 
 class BrokenEdges(Table):
-    """Teeth whose edges at their tips and end faces may be broken."""
+    """Chamfers and roundings of the edges of teeth, at tips and end faces."""
 
     tip_chamfer: Annotated[float | None, Key("length", "45 deg chamfer between flank and top land", low=0)] = None
     tip_rounding: Annotated[float | None, Key("length", "rounding between flank and top land", low=0)] = None
@@ -371,7 +375,7 @@ class BrokenEdges(Table):
 
 
 class TurnedTip(Table):
-    """A member whose tip may be turned to another surface of revolution than that of its teeth."""
+    """Turned tip: a cone or a throat instead of the tip cylinder."""
 
     tip_cone_angle: Annotated[
         float | None,
@@ -408,13 +412,13 @@ class TurnedTip(Table):
 
 
 class NumberOfTeeth(Table):
-    """How many teeth a gear has."""
+    """Number of teeth of a gear."""
 
     teeth: Annotated[int, Key("count", "number of teeth", low=3, high=10000)]
 
 
 class TurnedBody(Table):
-    """A body of revolution under the teeth, and what is cut into it."""
+    """Body of revolution under the teeth, with keyway, steps, holes and spokes."""
 
     bore: Annotated[
         float | None,
@@ -449,12 +453,12 @@ class TurnedBody(Table):
 
     @property
     def stated_bore(self) -> float | None:
-        """The bore as it is given, none where a shaft is in one piece with the body; None for the default."""
+        """Given diameter of the bore; 0 if a shaft is in one piece with the body; None for the default."""
         return 0.0 if self.bore is None and (self.heel_shaft or self.toe_shaft) else self.bore
 
 
 class MemberBody(BrokenEdges, TurnedBody):
-    """What every member has, whatever its teeth are called."""
+    """Keys of every member, with teeth or threads."""
 
     rank: ClassVar[int] = 0
 
@@ -463,7 +467,7 @@ class MemberBody(BrokenEdges, TurnedBody):
 
 
 class GearBody(MemberBody, NumberOfTeeth):
-    """What every gear has."""
+    """Keys of every gear."""
 
 
 class MemberTable(GearBody):
@@ -475,19 +479,19 @@ class MemberTable(GearBody):
 
 
 class Phi1(Table):
-    """Positions of the pinion, evenly spaced, counted as the source counts them."""
+    """Positions of the pinion, evenly spaced; phi1 = 0 is defined by the kind."""
 
     start: Annotated[
         float, Key("angle", "first position", low=-3600, high=3600, default="where a tooth pair begins contact")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     stop: Annotated[float, Key("angle", "last position", low=-3600, high=3600, default="where it ends contact")] = (
-        DERIVED
+        DERIVED_VALUE
     )
     count: Annotated[int, Key("count", "number of positions", low=1, high=1_000_000)] = 21
 
 
 class ContactTable(Table):
-    """Which contact is asked for."""
+    """Positions and marking compound of the contact analysis."""
 
     phi1: Phi1 = Phi1()
     delta: Annotated[
@@ -501,11 +505,11 @@ class ContactTable(Table):
             default="0.00635 mm, at most 0.01 modules",
             source="[LT02] 5",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
 
 class FlankContact(ContactTable):
-    """Contact of members whose flanks have no other names than right and left."""
+    """Contact analysis of members whose flanks are named right and left."""
 
     flank: Annotated[
         str, Key("choice", "working flank of the pinion; right is y < 0 of a tooth on +x", choices=("right", "left"))
@@ -513,26 +517,27 @@ class FlankContact(ContactTable):
 
 
 class MeshTable(Table):
-    """How fine the solids are."""
+    """Accuracy of the solids."""
 
     tolerance: Annotated[
         float,
         Key("length", "largest distance to the exact surface", low=1e-5, high=10, default="0.005 mm"),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
 
 class MaterialTable(Table):
-    """What the members are made of."""
+    """Material of the members."""
 
     youngs_modulus: Annotated[float, Key("pressure", "Young's modulus", low=0, above=True)] = 206000.0
     poisson_ratio: Annotated[float, Key("number", "Poisson's ratio", low=0, high=0.499)] = 0.3
     density: Annotated[
-        float | None, Key("density", "density", low=0, high=50000, above=True, default=f"{DENSITY:g}, steel")
+        float | None,
+        Key("density", "density", low=0, high=50000, above=True, default=f"{STEEL_DENSITY_KG_PER_M3:g}, steel"),
     ] = None
 
 
 class FiniteElementTable(Table):
-    """Finite-element models: how many teeth, how fine, under which torque."""
+    """Finite-element models: number of teeth, fineness, torque."""
 
     teeth: Annotated[int, Key("count", "teeth of each member; 0 = all", low=0, high=99)] = 3
     torque: Annotated[float, Key("torque", "torque on the pinion", low=0, above=True)] = 100.0
@@ -590,7 +595,7 @@ class FiniteElementTable(Table):
 
 
 class UnloadedElementTable(FiniteElementTable):
-    """The same of a member without a mating gear: nothing loads it, and its lines are evenly spaced."""
+    """Finite-element model of a member without a mating gear: no load, evenly spaced mesh lines."""
 
     absent: ClassVar[Mapping[str, str]] = dict.fromkeys(("torque", "ellipse"), "needs a mating gear: give both tables")
 
@@ -601,7 +606,7 @@ class UnloadedElementTable(FiniteElementTable):
 
 
 class RexsSource(Table):
-    """The stage of a REXS file that a design was read from; what the design does not have of it is written again from there."""
+    """Stage of a REXS file that a design was read from; writing copies the attributes that the design has no keys for."""
 
     file: Annotated[
         str, Key("file", "REXS file that the design was read from; written anew, it keeps what the design has not")
@@ -611,24 +616,24 @@ class RexsSource(Table):
 
 @dataclass(frozen=True)
 class _Changed:
-    """Keys that were put in anew; designs that are alike but for that are equal."""
+    """Overridden keys of a design; they do not count when designs are compared."""
 
     keys: tuple[str, ...] = field(default=(), compare=False)
 
 
 class Design(Table):
-    """A whole design file, with the derived defaults filled in: read by `load`, or written in Python key by key.
+    """A whole design file with the derived defaults filled in, read by `load` or written in Python key by key.
 
-    Raises DesignError with one line naming key, value and what is allowed.
+    Raises DesignError, one line with key, value and allowed values.
     """
 
-    #: One line about the kind.
+    #: one line about the kind
     about: ClassVar[str] = ""
-    #: What such gears are called at the head of pages; the kind in words where nothing is said.
+    #: name of such gears at the head of pages; the kind in words if empty
     called: ClassVar[str] = ""
-    #: The kind itself; it need not be given where the class is named.
+    #: the kind; optional in Python, where the class tells it
     own_kind: ClassVar[str] = ""
-    #: What a new file of the kind begins with: a value for everything that is required.
+    #: values of a new file of the kind: all required keys
     example: ClassVar[Mapping[str, Any]] = {}
 
     _changed: _Changed = PrivateAttr(default_factory=lambda: _Changed())
@@ -652,18 +657,21 @@ class Design(Table):
 
     @model_validator(mode="after")
     def _right_kind(self) -> Self:
+        """Refuse the kind of another class."""
         if self.own_kind and self.kind != self.own_kind:
             raise conflict("kind", self.kind, must_be=f'"{self.own_kind}" here')
         return self
 
     @model_validator(mode="after")
     def _known_version(self) -> Self:
+        """Refuse a version that is no version, or newer than the program."""
         if self.gearmesh is not None and (why := unknown_version(self.gearmesh, __version__)):
             raise conflict("gearmesh", self.gearmesh, reason=why)
         return self
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:
+        """Refuse a design without module and diametral pitch, or with both."""
         if self.module is None and self.diametral_pitch is None:
             raise conflict("module", None, reason=f"missing; give module ({self.units}) or diametral_pitch (1/inch)")
         if self.module is not None and self.diametral_pitch is not None:
@@ -671,7 +679,7 @@ class Design(Table):
         return self
 
     def __init__(self, /, **keys: Any) -> None:
-        """Validate, fill in what is derived, validate again."""
+        """Validate, fill in the derived defaults, validate again."""
         keys.setdefault("kind", self.own_kind)
         mm_per_unit = MM_PER.get(str(keys.get("units", "mm")), 1.0)
         own, context = type(self), {"mm_per_unit": mm_per_unit}
@@ -686,8 +694,7 @@ class Design(Table):
 
     @property
     def title(self) -> str:
-        """What heads pages, sheets, drawings and files: the design's name; without one what the gears are, their numbers of teeth
-        and their size, as in "Worm drive 2/38, m_x = 5 mm"."""
+        """Title of pages, sheets, drawings and files: the design's name, or kind, teeth and size: "Worm drive 2/38, m_x = 5 mm"."""
         if self.name:
             return self.name
         teeth = self._tooth_numbers
@@ -696,12 +703,12 @@ class Design(Table):
 
     @property
     def kind_in_words(self) -> str:
-        """What such gears are called."""
+        """Name of such gears."""
         return self.called or self.kind.replace("_", " ").capitalize()
 
     @property
     def _tooth_numbers(self) -> tuple[int, ...]:
-        """Teeth, or threads, of the members, those of the pinion first."""
+        """Numbers of teeth or threads of the members, the pinion first."""
         tables = (getattr(self, name) for name in type(self).model_fields)
         return tuple(
             getattr(table, "threads", 0) or getattr(table, "teeth", 0)
@@ -711,7 +718,7 @@ class Design(Table):
 
     @property
     def _size_symbols(self) -> Mapping[str, str]:
-        """Symbols of the keys by which the size may be given."""
+        """Symbols of the keys that can give the size."""
         return {"module": "m_n", "diametral_pitch": "P_n"}
 
     @property
@@ -724,11 +731,11 @@ class Design(Table):
 
     @property
     def changed_keys(self) -> tuple[str, ...]:
-        """Dotted keys whose values were put in anew, over those of a file or of another design."""
+        """Dotted keys whose values override those of a file or of another design."""
         return self._changed.keys
 
     def with_changed_keys(self, keys: Iterable[str]) -> Self:
-        """The same design, of which some keys count as put in anew.
+        """Return the same design with some keys marked as overridden.
 
         Parameters
         ----------
@@ -738,7 +745,7 @@ class Design(Table):
         Returns
         -------
         Design
-            Equal to this one.
+            Equal to this design.
 
         Examples
         --------
@@ -754,7 +761,7 @@ class Design(Table):
             self._changed = other._changed
 
     def _repr_html_(self) -> str:
-        """The keys that the design sets, as a short table, for notebooks."""
+        """Return the keys that the design sets as an HTML table, for notebooks."""
         kind = type(self)
         rows = [
             (dotted, value_text(value), "" if (key := kind.key_at(dotted)) is None else key.unit_in(self.units))
@@ -764,12 +771,12 @@ class Design(Table):
 
     @property
     def keeps_from_crossing(self) -> str:
-        """What keeps flanks apart that cross where they are tangent, in words for a warning; empty where nothing of the kind does.
+        """Remedy for flanks that cross at their point of tangency, in words for a warning; empty if the kind has none.
 
         Returns
         -------
         str
-            Keys, and which way they are to be changed.
+            Keys and the direction of their change.
 
         Examples
         --------
@@ -780,17 +787,17 @@ class Design(Table):
 
     @property
     def complete(self) -> bool:
-        """Whether every default is filled in."""
+        """True if every default is filled in."""
         plain = self.plain()
         return _finite_values(plain) == plain
 
     def derived_keys(self) -> Iterator[tuple[str, float]]:
-        """Keys whose defaults follow from other keys or from geometry.
+        """Yield the keys whose defaults follow from other keys or from geometry.
 
         Returns
         -------
         iterator of (str, float)
-            Dotted keys, with their values in the design's units.
+            Dotted keys and their values in the design's units.
 
         Examples
         --------
@@ -800,7 +807,7 @@ class Design(Table):
         yield from _derived_keys(self)
 
     def elastic(self, member: str) -> tuple[float, float]:
-        """What a member is made of: its own values, else those of all.
+        """Return the elastic constants of a member: its own values, or those of the table material.
 
         Parameters
         ----------
@@ -826,7 +833,7 @@ class Design(Table):
         return modulus, ratio
 
     def mount(self, member: str) -> MemberMount:
-        """How a member is held.
+        """Return the support of a member.
 
         Parameters
         ----------
@@ -846,12 +853,12 @@ class Design(Table):
         return getattr(self._member(member), "mount", None) or MemberMount()
 
     def _member(self, name: str) -> Any:
-        """The table of a member by its name in the gear set."""
+        """Return the table of a member by its name in the gear set."""
         return getattr(self, self.table_named(name), None)
 
     @staticmethod
     def table_named(member: str) -> str:
-        """What the keys of a member are called: of planets, which are numbered ("planet_1"), planet.
+        """Return the name of the table of a member; numbered planets ("planet_1") share the table planet.
 
         Parameters
         ----------
@@ -871,7 +878,7 @@ class Design(Table):
         return member.rstrip("0123456789").removesuffix("_")
 
     def sets(self, dotted: str) -> bool:
-        """Whether the design itself sets a key, and does not leave it to its default.
+        """Return True if the design sets a key, False if the key is left to its default.
 
         Parameters
         ----------
@@ -881,7 +888,7 @@ class Design(Table):
         Returns
         -------
         bool
-            False for what was derived.
+            False for derived values.
 
         Examples
         --------
@@ -891,17 +898,17 @@ class Design(Table):
         return any(key == dotted for key, _ in self.own())
 
     def fill(self, derived: Mapping[str, float]) -> Self:
-        """The design with values of what is still to be derived.
+        """Return the design with values for keys that are still to be derived.
 
         Parameters
         ----------
         derived : mapping of str to float
-            By dotted key, in the design's units, as `derived_values` has them.
+            By dotted key, in the design's units, as `derived_values` returns them.
 
         Returns
         -------
         Design
-            In which they do not count as set.
+            The values do not count as set.
 
         Examples
         --------
@@ -913,12 +920,12 @@ class Design(Table):
         return made
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """The design with other values of some keys; what it has derived stays, but what they replace.
+        """Return the design with other values of some keys; derived values stay, except those that the new values replace.
 
         Parameters
         ----------
         values : mapping of str to values
-            By dotted key, in the design's own units; None leaves a key out.
+            By dotted key, in the design's units; None leaves a key out.
 
         Returns
         -------
@@ -928,7 +935,7 @@ class Design(Table):
         Raises
         ------
         DesignError
-            As the class does: also for a key that the design sets and one of `values` would replace.
+            As the class does; also for a key that the design sets and that one of `values` would replace.
 
         Examples
         --------
@@ -953,19 +960,19 @@ class Design(Table):
         return made.with_changed_keys(values)
 
     def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:
-        """Whether a derived value stays as it is when other keys get values: not where it would be wrong.
+        """Return True if a derived value stays when other keys change; False if it would then be wrong.
 
         Parameters
         ----------
         dotted : str
             Key of the derived value.
         values : mapping of str to values
-            What others get, by dotted key.
+            New values by dotted key.
 
         Returns
         -------
         bool
-            Whether it stays.
+            True for most values.
 
         Examples
         --------
@@ -975,7 +982,7 @@ class Design(Table):
         return True
 
     def derived_values(self) -> dict[str, float]:
-        """Defaults that follow from other keys.
+        """Return the defaults that follow from other keys.
 
         Returns
         -------
@@ -991,13 +998,13 @@ class Design(Table):
         return {
             "contact.phi1.start": -180.0 / self.counted_teeth,
             "contact.phi1.stop": 180.0 / self.counted_teeth,
-            "contact.delta": min(DELTA / mm, DELTA_SHARE * self.given_module),
+            "contact.delta": min(DEFAULT_DELTA_MM / mm, MAX_DELTA_MODULES * self.given_module),
             "mesh.tolerance": 0.005 / mm,
         }
 
     @property
     def counted_teeth(self) -> int:
-        """Teeth of the member whose rotation phi1 counts: the pinion, where a kind does not say otherwise."""
+        """Number of teeth of the member whose rotation is phi1: the pinion, unless the kind overrides this."""
         pinion: GearBody = getattr(self, "pinion")  # noqa: B009
         return pinion.teeth
 
@@ -1008,19 +1015,19 @@ class Design(Table):
 
     @property
     def given_module(self) -> float:
-        """The module that the kind is sized by, in the design's units."""
+        """Module that sizes the kind, in the design's units."""
         if self.module is not None:
             return self.module
         assert self.diametral_pitch is not None
         return MM_PER["inch"] / self.mm_per_unit / self.diametral_pitch
 
     def in_mm(self) -> Self:
-        """The same design with all lengths in mm.
+        """Return the same design with all lengths in mm.
 
         Returns
         -------
         Design
-            Whose `units` are "mm".
+            With units = "mm".
 
         Examples
         --------
@@ -1034,12 +1041,12 @@ class Design(Table):
         return made
 
     def resolve(self) -> dict[str, Any]:
-        """The design as a plain dict, every default filled in, in its own units.
+        """Return the design as a plain dict, every default filled in, in its own units.
 
         Returns
         -------
         dict of str to values
-            It loads back to the same design.
+            The dict loads back to the same design.
 
         Examples
         --------
@@ -1050,7 +1057,7 @@ class Design(Table):
 
     @classmethod
     def key_lines(cls) -> Iterator[KeyLine]:
-        """Every key of the kind, in the order of the file.
+        """Yield all keys of the kind in the order of the file.
 
         Returns
         -------
@@ -1066,12 +1073,12 @@ class Design(Table):
 
     @classmethod
     def key_groups(cls) -> dict[str, list[KeyLine]]:
-        """Every key of the kind, those of tables that may stand in several places once.
+        """Return all keys of the kind; tables that occur in several places are listed once.
 
         Returns
         -------
         dict of str to list of KeyLine
-            Under what the tables are called; the kind's own under "".
+            By title of the table; the kind's own keys under "".
 
         Examples
         --------
@@ -1092,7 +1099,7 @@ class PairDesign(Design):
 
 
 def _positive_definite(rows: Sequence[Any]) -> bool:
-    """Whether a matrix is symmetric, to 1e-9 of its diagonal, and positive definite."""
+    """True if a matrix is positive definite, and symmetric to 1e-9 of its diagonal."""
     import numpy as np
 
     given = np.array(rows, dtype=float)
@@ -1102,6 +1109,7 @@ def _positive_definite(rows: Sequence[Any]) -> bool:
 
 
 def _derived_keys(table: Table, prefix: str = "") -> Iterator[tuple[str, float]]:
+    """Yield the dotted keys, and their values, whose default is derived."""
     for name in table.names():
         value, default = getattr(table, name), type(table).model_fields[name].default
         if isinstance(value, Table):
@@ -1111,7 +1119,7 @@ def _derived_keys(table: Table, prefix: str = "") -> Iterator[tuple[str, float]]
 
 
 def _fill(complete: dict[str, Any], derived: Mapping[str, float]) -> dict[str, Any]:
-    """A plain design with derived values where there is none; what is still to be derived is left out."""
+    """Return a plain design with derived values for keys without a value; keys without any value are left out."""
     for dotted, value in derived.items():
         *tables, last = dotted.split(".")
         table = _table(complete, tables)
@@ -1121,7 +1129,7 @@ def _fill(complete: dict[str, Any], derived: Mapping[str, float]) -> dict[str, A
 
 
 def _finite_values(table: dict[str, Any]) -> dict[str, Any]:
-    """A table without what is not a number."""
+    """Return a table without the keys that are NaN."""
     return {
         key: _finite_values(value) if isinstance(value, dict) else value
         for key, value in table.items()
@@ -1130,6 +1138,7 @@ def _finite_values(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def _table(table: dict[str, Any], path: list[str]) -> dict[str, Any]:
+    """Return the table at a path of names; empty if there is none."""
     for name in path:
         table = table.get(name, {})
     return table

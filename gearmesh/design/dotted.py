@@ -7,7 +7,7 @@ from typing import Any
 
 
 def with_keys(tables: Mapping[str, Any], values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """Nested tables with other values of dotted keys; `tables` stay as they are."""
+    """Return a copy of nested tables with the values of dotted keys put in."""
     nested: dict[str, Any] = {
         key: with_keys(value, ()) if isinstance(value, Mapping) else value for key, value in tables.items()
     }

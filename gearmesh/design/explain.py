@@ -1,4 +1,4 @@
-"""Validation errors as one refusal: which key, which value, what is allowed."""
+"""Validation errors of pydantic as one refusal with key, value and allowed values."""
 
 from __future__ import annotations
 
@@ -15,28 +15,40 @@ if TYPE_CHECKING:
     from pydantic import ValidationError
     from pydantic_core import ErrorDetails
 
-#: The error a person should mend first comes first.
-_ORDER = {"extra_forbidden": 0, "missing": 1}
-#: likeness of a misspelt key in one table and a key of another that is meant; letters with which a key may begin to stand for it
-MUCH_ALIKE, LEAST_BEGINNING = 0.8, 4
-#: angles that are degrees in every design, and the largest value (rad) that is taken for radians
+#: rank of error types: the error that a person should fix first has the lowest
+_ERROR_RANKS = {"extra_forbidden": 0, "missing": 1}
+#: least likeness of a misspelt key and a key of another table for that to be suggested
+MIN_LIKENESS_ELSEWHERE = 0.8
+#: least number of letters for which a key that begins with them is suggested
+MIN_BEGINNING_LETTERS = 4
+#: keys of angles that people also write in radians
 MAIN_ANGLES = ("helix_angle", "spiral_angle", "pressure_angle", "transverse_pressure_angle")
-LARGEST_RADIANS = 1.0
+#: largest value of such a key that looks like radians
+LARGEST_ANGLE_RAD = 1.0
 
 
 def explain(
     error: ValidationError, design: type[Table], units: str, given: Collection[str] = frozenset()
 ) -> DesignError:
-    """The refusal of the first thing to mend, and how many more there are; `given`: keys and tables at the top of the file."""
-    details = sorted(error.errors(include_url=False), key=lambda e: (e["loc"] != ("units",), _ORDER.get(e["type"], 2)))
+    """Return the refusal of the error to fix first, with the number of further errors.
+
+    - error: of the validation.
+    - design: class of the design.
+    - units: unit of lengths in the file, "mm" or "inch".
+    - given: keys and tables at the top of the file.
+    """
+    details = sorted(
+        error.errors(include_url=False), key=lambda e: (e["loc"] != ("units",), _ERROR_RANKS.get(e["type"], 2))
+    )
     return _refusal(details[0], design, units, len(details) - 1, given)
 
 
 def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int, given: Collection[str]) -> DesignError:
+    """Return the refusal of one error; `more` is the number of further errors."""
     *tables, last = detail["loc"] or ("design",)
     if detail["type"] == "conflict":
         key, value, fields = (ctx := dict(detail["ctx"])).pop("key"), ctx.pop("value"), ctx
-        # without a key of its own it is about the table
+        # a conflict without a key concerns the whole table
         dotted = ".".join([*map(str, detail["loc"]), *([key] if key else [])])
         declared = design.key_at(dotted) if isinstance(value, float | int) and not isinstance(value, bool) else None
         unit = "" if declared is None else declared.unit_in(units).removeprefix("-")
@@ -60,6 +72,7 @@ def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int, g
 
 
 def _table(design: type[Table], path: list[Any]) -> type[Table]:
+    """Return the class of the table at a path of names."""
     for name in path:
         below = design.table_of(name)
         assert below is not None, "the location of an error follows the tables"
@@ -68,10 +81,11 @@ def _table(design: type[Table], path: list[Any]) -> type[Table]:
 
 
 def _allowed_values(table: type[Table], name: str, units: str) -> str:
+    """Return the allowed values of a key, or the keys of a table, in words."""
     below = table.table_of(name)
     if below is not None:
         required = [name for name in below.names() if below.model_fields[name].is_required()]
-        # of many keys those that cannot be left out are what is missing
+        # a table with optional keys: only its required keys are missing
         some = "at least " + ", ".join(required) if 0 < len(required) < len(below.names()) else ""
         return f"a table with {some or 'the keys ' + ', '.join(below.names())}"
     key = table.key_of(name)
@@ -80,25 +94,26 @@ def _allowed_values(table: type[Table], name: str, units: str) -> str:
 
 
 def _with_unit(table: type[Table], name: str, value: Any) -> str:
-    """For whoever wrote a text: how a length with its unit looks."""
+    """Return an example of a length with its unit, if the value is a text; else an empty text."""
     key = table.key_of(name)
     return key.with_unit if isinstance(value, str) and key is not None else ""
 
 
 def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Table], given: Collection[str]) -> str:
+    """Return the known key that an unknown key most likely means, or the keys of the table, in words."""
     keys = list(_dotted_keys(design))
-    # a table that the file has is meant rather than another, then what must be given rather than what may be
+    # the last of equal names wins below: keys of tables in the file come last, then required keys
     keys.sort(key=lambda dotted: (dotted.partition(".")[0] in given, _is_required(design, dotted)))
     everywhere = {dotted.rsplit(".", 1)[-1]: dotted for dotted in keys}
-    # the name of a key of another table, but of none within one
+    # the same name in another table of the first level
     if everywhere.get(name, "..").count(".") <= 1:
         return f"did you mean {everywhere[name]}?"
-    begins = (key for key in table.model_fields if len(name) >= LEAST_BEGINNING and key.startswith(name))
+    begins = (key for key in table.model_fields if len(name) >= MIN_BEGINNING_LETTERS and key.startswith(name))
     here = nearest(name, table.model_fields) or next(begins, None)
     if here is not None:
         return f"did you mean {'.'.join([*path, here])}?"
-    # what is near the top of the file first; whoever names a table means one of its keys, unless that of another is much alike
-    likeness = MUCH_ALIKE if path else LIKE
+    # keys near the top of the file first; a key in a table needs a greater likeness to a key of another table
+    likeness = MIN_LIKENESS_ELSEWHERE if path else LIKE
     for deepest in (1, max(dotted.count(".") for dotted in everywhere.values())):
         some = [leaf for leaf, dotted in everywhere.items() if dotted.count(".") <= deepest]
         elsewhere = nearest(name, some, likeness)
@@ -108,6 +123,7 @@ def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Tab
 
 
 def _is_required(design: type[Table], dotted: str) -> bool:
+    """True if a dotted key must be given."""
     *tables, name = dotted.split(".")
     table: type[Table] | None = design
     for below in tables:
@@ -116,7 +132,10 @@ def _is_required(design: type[Table], dotted: str) -> bool:
 
 
 def _dotted_keys(table: type[Table], prefix: str = "") -> Iterator[str]:
-    # the last one wins in a dict by leaf name: yield backwards so that the pinion comes before the gear
+    """Yield all dotted keys of a table and of the tables in it.
+
+    In a dict by leaf name the last key wins: the order is backwards, so that the pinion wins over the gear.
+    """
     for name in reversed(table.model_fields):
         below = table.table_of(name)
         yield prefix + name
@@ -125,13 +144,12 @@ def _dotted_keys(table: type[Table], prefix: str = "") -> Iterator[str]:
 
 
 def _likely_meaning(key: Key, name: str, value: Any, *, hand: bool) -> str:
-    """Hint for an angle that its key refuses, radians or the sign of the other hand; empty where nothing else is
-    likely."""
+    """Return a hint for a refused angle: radians, or the sign of the other hand; empty if neither is likely."""
     if key.unit != "angle" or name not in MAIN_ANGLES or isinstance(value, bool) or not isinstance(value, int | float):
         return ""
     if value < 0.0 and key.low == 0.0 and hand and -value <= key.high:
         return '; the key hand, "right" or "left", says the hand of the pinion'
     degrees = math.degrees(abs(value))
-    if 0.0 < abs(value) <= LARGEST_RADIANS and key.low <= degrees <= key.high:
+    if 0.0 < abs(value) <= LARGEST_ANGLE_RAD and key.low <= degrees <= key.high:
         return f"; {value:g} rad is {math.degrees(value):.4g} deg"
     return ""

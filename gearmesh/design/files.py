@@ -1,4 +1,4 @@
-"""Design files as plain data: reading TOML and JSON, overrides `dotted.key=value`, writing TOML."""
+"""Design files as plain data: reading TOML and JSON, overriding `dotted.key=value`, writing TOML."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ from gearmesh.design.shown import value_text
 from gearmesh.errors import ArgumentError, FileError
 from gearmesh.files.reading import DEEPEST, INPUT, MIB, file_text, input_text, json_value, toml_value
 
-#: largest design file, bytes
-LARGEST = MIB
-WANTED = "design file"
+#: largest design file
+MAX_FILE_BYTES = MIB
+#: noun for the file in refusals
+FILE_NOUN = "design file"
 
 if TYPE_CHECKING:
     from gearmesh.design.core import Design
 
 
 def read(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The table in a TOML file, or in a JSON file if its name ends so.
+    """Return the table of a TOML file, or of a JSON file (suffix .json).
 
-    Of "-" that on standard input, JSON if it begins with a brace. Raises DesignError naming file and line.
+    "-" reads standard input, as JSON if the text begins with a brace or bracket. Raises DesignError with file and line.
     """
     text = text_of(path)
     name = INPUT if is_input(path) else path
@@ -38,22 +39,22 @@ def read(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def anchor(data: Mapping[str, Any], table: type[Table], folder: Path) -> dict[str, Any]:
-    """`data` of a table with the names of files in it counted from a folder."""
+    """Return the data of a table with file names that are relative to a folder made relative to the working folder."""
     return _with_files(data, table, lambda name: str(folder / name))
 
 
 def text_of(path: str | os.PathLike[str]) -> str:
-    """A design file, or what is on standard input, as it stands. Raises DesignError as `read`."""
-    return input_text(LARGEST, WANTED) if is_input(path) else file_text(path, LARGEST, WANTED)
+    """Return the text of a design file or of standard input. Raises DesignError as `read` does."""
+    return input_text(MAX_FILE_BYTES, FILE_NOUN) if is_input(path) else file_text(path, MAX_FILE_BYTES, FILE_NOUN)
 
 
 def is_input(path: str | os.PathLike[str]) -> bool:
-    """Whether "-" stands for standard input instead of a file."""
+    """True if the path is "-", which stands for standard input."""
     return os.fspath(path) == "-"
 
 
 def override(data: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]:
-    """`data` with each `dotted.key=value` of `settings` put in; the value is read as TOML, or else taken as text."""
+    """Return `data` with each `dotted.key=value` of `settings` put in; a value that is no TOML is a text."""
     result = dict(data)
     for setting in settings:
         dotted, equals, value = setting.partition("=")
@@ -65,12 +66,13 @@ def override(data: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]
 
 
 def overridden_keys(settings: Sequence[str]) -> Iterator[str]:
-    """The dotted keys of `settings`."""
+    """Yield the dotted keys of `settings`."""
     for setting in settings:
         yield ".".join(name.strip() for name in setting.partition("=")[0].split("."))
 
 
 def _with(table: dict[str, Any], names: list[str], value: Any, setting: str) -> dict[str, Any]:
+    """Return a table with a value at a path of names. Raises ArgumentError, with the setting, if a key is in the way."""
     first, *rest = names
     if not rest:
         return {**table, first: value}
@@ -85,11 +87,12 @@ def _with(table: dict[str, Any], names: list[str], value: Any, setting: str) -> 
 
 
 def _value(text: str) -> Any:
+    """Return the TOML value of a text, or the text itself."""
     try:
         parsed = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         return text
-    # more than one key: the text held a line break and was not one value
+    # a line break in the text can add keys: then it is no single value
     return parsed["value"] if len(parsed) == 1 else text
 
 
@@ -117,21 +120,21 @@ def toml(data: Mapping[str, Any]) -> str:
     return tomli_w.dumps(data)
 
 
-#: keys whose defaults do more than give a value: positions follow the engagement, a small delta is reported
-BETTER_LEFT_OUT = ("contact.phi1.start", "contact.phi1.stop", "contact.delta")
+#: keys that are better left to their defaults: positions follow the engagement, a small delta is reported
+KEYS_LEFT_TO_DEFAULTS = ("contact.phi1.start", "contact.phi1.stop", "contact.delta")
 
 
-def design_text(design: Design, folder: Path, left_out: Sequence[str] = BETTER_LEFT_OUT) -> str:
-    """The file of a design: every key that it has or that is derived, to the last digit, and the version.
+def design_text(design: Design, folder: Path, left_out: Sequence[str] = KEYS_LEFT_TO_DEFAULTS) -> str:
+    """Return the text of a design file with the version and all keys, set and derived, to the last digit.
 
-    Keys of `left_out` that the design leaves to their defaults stay so. Names of other files are counted from `folder`, where the
-    file is to be.
+    Keys of `left_out` are omitted if the design leaves them to their defaults. Names of other files become relative to
+    `folder`, the folder of the new file.
     """
     return stated_text(every_key(design, left_out), type(design), folder)
 
 
 def every_key(design: Design, left_out: Sequence[str]) -> dict[str, Any]:
-    """Every key that a design has or that is derived, but those of `left_out` that it leaves to their defaults."""
+    """Return all keys of a design, set and derived, without the keys of `left_out` that it leaves to their defaults."""
     plain = design.plain()
     for dotted in left_out:
         *names, key = dotted.split(".")
@@ -144,12 +147,12 @@ def every_key(design: Design, left_out: Sequence[str]) -> dict[str, Any]:
 
 
 def stated_text(data: Mapping[str, Any], table: type[Table], folder: Path) -> str:
-    """The file of some keys of a design, and the version; names of other files are counted from `folder`."""
+    """Return the text of a design file with some keys and the version; names of other files become relative to `folder`."""
     return with_version(counted_from(data, table, folder))
 
 
 def with_version(data: Mapping[str, Any]) -> str:
-    """The TOML text of the keys of a design, which state the version."""
+    """Return the TOML text of the keys of a design and of the version."""
     first = {key: data[key] for key in ("kind",) if key in data}
     return toml(
         {**first, "gearmesh": __version__, **{key: data[key] for key in data if key not in (*first, "gearmesh")}}
@@ -157,12 +160,12 @@ def with_version(data: Mapping[str, Any]) -> str:
 
 
 def counted_from(data: Mapping[str, Any], table: type[Table], folder: Path) -> dict[str, Any]:
-    """`data` of a table with the names of files in it, counted from the working folder, counted from `folder`."""
+    """Return the data of a table with file names that are relative to the working folder made relative to `folder`."""
     return _with_files(data, table, lambda name: Path(os.path.relpath(name, folder)).as_posix())
 
 
 def _with_files(data: Mapping[str, Any], table: type[Table], named: Callable[[str], str]) -> dict[str, Any]:
-    """`data` of a table with other names of the files in it."""
+    """Return the data of a table with its file names changed by `named`."""
     result = dict(data)
     for name in table.model_fields:
         value, key, below = result.get(name), table.key_of(name), table.table_of(name)

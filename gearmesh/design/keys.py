@@ -1,7 +1,7 @@
-"""Keys of a design file: their units, ranges and defaults, tables of them, and how they are listed.
+"""Keys of a design file with unit, range and default; tables of keys; the list of all keys.
 
-Every field of a `Table` carries a `Key` that knows its unit, range, default and source. Numbers stay in the file's
-`units` and degrees; a length may also be a text with its own unit, "15um", and becomes a number in the file's.
+Every field of a `Table` has a `Key` with its unit, range, default and source. Numbers stay in the file's `units` and in
+degrees. A length may also be a text with a unit, "15um"; it becomes a number in the file's unit.
 """
 
 from __future__ import annotations
@@ -20,19 +20,21 @@ from gearmesh.design.shown import value_text
 from gearmesh.errors import DesignError
 from gearmesh.lengths import EXAMPLES, MM, length
 
-#: mm in the units that a file may have
+#: mm in each unit of lengths that a file may have
 MM_PER = {unit: float(MM[unit]) for unit in ("mm", "inch")}
 
-#: Value of a field whose default follows from other keys, until `Design.derived_values` fills it in.
-DERIVED = math.nan
+#: value of a field whose default follows from other keys, until `Design.derived_values` fills it in
+DERIVED_VALUE = math.nan
 
-#: The word for a direction in which a mount is rigid; inf is read as that.
-RIGID = "rigid"
+#: word in a stiffness for a direction in which a mount is rigid; inf means the same
+RIGID_WORD = "rigid"
 
-#: Longest length that makes sense, mm, and the shortest of those that are not negative, if it is not 0: an atom is a hundred of it.
-LONGEST, SHORTEST = 1e6, 1e-9
-#: Smallest size of any number that is not 0. Sweeps through 0 leave 1e-17; products of ten such numbers do not underflow yet.
-TINIEST = 1e-30
+#: largest length
+LARGEST_LENGTH_MM = 1e6
+#: smallest length above 0 of keys that cannot be negative, a hundredth of an atom
+SMALLEST_LENGTH_MM = 1e-9
+#: smallest size of any other number but 0: sweeps through 0 give 1e-17, and products of ten such numbers do not underflow
+SMALLEST_NUMBER = 1e-30
 
 Unit = Literal[
     "length",
@@ -54,10 +56,11 @@ Unit = Literal[
     "flag",
 ]
 
-#: Power of the file's unit of length in a unit.
-_POWER: dict[Unit, int] = {"length": 1, "curvature": -1, "turn per square length": -2}
+#: power of the unit of length in each unit; 0 for the others
+_LENGTH_POWERS: dict[Unit, int] = {"length": 1, "curvature": -1, "turn per square length": -2}
 
-_NOUN = {
+#: words for a value of each unit
+_UNIT_NOUNS = {
     "length": "a length in {units}",
     "curvature": "a number in 1/{units}",
     "turn per square length": "a number in rad/{units}^2",
@@ -75,20 +78,25 @@ _NOUN = {
 
 @dataclass(frozen=True)
 class Key:
-    """Meaning of one key: unit, one line about it, range (lengths in mm, angles in deg) and source.
+    """Meaning of one key: unit, one line about it, range, default and source."""
 
-    `above` leaves `low` itself out of the range; `default` says in words what a left-out key means. With `most` the value is a
-    list of up to so many numbers, each in the range.
-    """
-
+    #: unit of the value
     unit: Unit
+    #: one line about the key
     about: str
+    #: least allowed value; lengths in mm, angles in deg
     low: float = -math.inf
+    #: greatest allowed value
     high: float = math.inf
+    #: True if `low` itself is not allowed
     above: bool = False
+    #: default in words, if the field's default does not tell it
     default: str = ""
+    #: source of the definition
     source: str = ""
+    #: allowed texts of a key of the unit "choice"
     choices: tuple[str, ...] = ()
+    #: 0 for a single value; else the value is a list of at most so many numbers, each in the range
     most: int = 0
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -102,7 +110,7 @@ class Key:
         return core_schema.with_info_plain_validator_function(check)
 
     def unit_in(self, units: str) -> str:
-        """Its unit in a design file.
+        """Return the unit of the key in a design file.
 
         Parameters
         ----------
@@ -112,7 +120,7 @@ class Key:
         Returns
         -------
         str
-            "" where it has none.
+            Empty for keys without a unit.
 
         Examples
         --------
@@ -120,10 +128,10 @@ class Key:
         >>> key.unit_in("inch")
         'inch'
         """
-        return _UNIT_TEXT.get(self.unit, "").split("|")[-1 if units == "inch" else 0]
+        return _UNIT_TEXTS.get(self.unit, "").split("|")[-1 if units == "inch" else 0]
 
     def allowed_values(self, units: str) -> str:
-        """What the key accepts, in words.
+        """Return the allowed values of the key, in words.
 
         Parameters
         ----------
@@ -150,27 +158,25 @@ class Key:
         if self.unit == "flag":
             return "true or false"
         if self.unit == "stiffness":
-            return (
-                f"6 numbers above 0 or {value_text(RIGID)}, in {_UNIT_TEXT['stiffness']}, or 6 rows of 6 finite numbers"
-            )
+            return f"6 numbers above 0 or {value_text(RIGID_WORD)}, in {_UNIT_TEXTS['stiffness']}, or 6 rows of 6 finite numbers"
         low, high = (f"{bound / self._factor(MM_PER[units]):.7g}" for bound in self._bounds)
         limits = f"above {low} and up to {high}" if self.above else f"from {low} to {high}"
         if self.most:
-            return f"a list of up to {self.most} values, each {_NOUN[self.unit].format(units=units)} {limits}"
-        return f"{_NOUN[self.unit].format(units=units)} {limits}"
+            return f"a list of up to {self.most} values, each {_UNIT_NOUNS[self.unit].format(units=units)} {limits}"
+        return f"{_UNIT_NOUNS[self.unit].format(units=units)} {limits}"
 
     @property
     def is_numeric(self) -> bool:
-        """True where values are single numbers."""
+        """True if values are single numbers."""
         return not self.most and self.unit not in ("choice", "text", "file", "flag", "stiffness")
 
     @property
     def with_unit(self) -> str:
-        """What the key accepts beside a number, in words."""
+        """Words for a length with its unit, which such a key also accepts; empty for other keys."""
         return f", or a length with its unit, as {EXAMPLES}" if self.power == 1 else ""
 
     def least(self, units: str) -> str:
-        """How small it may be, in words, for who gave a smaller number.
+        """Return the smallest size of a value but 0, in words, for the refusal of a smaller number.
 
         Parameters
         ----------
@@ -193,11 +199,11 @@ class Key:
 
     @property
     def range(self) -> str:
-        """The range in short: choices, or limits with lengths in mm."""
+        """Range in short: choices, or limits with lengths in mm."""
         if self.unit in ("choice", "text", "file", "flag"):
             return " | ".join(self.choices)
         if self.unit == "stiffness":
-            return f"6 numbers > 0 or {RIGID}, or 6 rows of 6"
+            return f"6 numbers > 0 or {RIGID_WORD}, or 6 rows of 6"
         if self.most:
             return f"list of up to {self.most}"
         unit = " mm" if self.unit == "length" else ""
@@ -207,12 +213,12 @@ class Key:
         return f"{low}, <= {self.high:.7g}{unit}" if self.above else f"{self.low:g} .. {self.high:.7g}{unit}"
 
     def check(self, value: Any, mm_per_unit: float) -> Any:
-        """A value as the key's type.
+        """Return a value as the key's type.
 
         Parameters
         ----------
         value : object
-            A number, a text with its unit, or what else the key takes.
+            A number, a length with its unit, or a value of the key's other types.
         mm_per_unit : float
             Length in mm of the file's unit.
 
@@ -224,7 +230,7 @@ class Key:
         Raises
         ------
         PydanticCustomError
-            Of the type "refused", for what the key does not accept.
+            Of the type "refused", for a value that is not allowed.
 
         Examples
         --------
@@ -234,7 +240,7 @@ class Key:
         """
         if self.most:
             if not isinstance(value, (list, tuple)) or len(value) > self.most:
-                raise _REFUSED
+                raise _REFUSED_ERROR
             return tuple(replace(self, most=0).check(item, mm_per_unit) for item in value)
         if self.unit == "choice":
             good = isinstance(value, str) and value in self.choices
@@ -251,22 +257,22 @@ class Key:
                 value = length(value, "mm" if mm_per_unit == MM_PER["mm"] else "inch")
             return self._number(value, self._factor(mm_per_unit))
         if not good:
-            raise _REFUSED
+            raise _REFUSED_ERROR
         return value
 
     def _number(self, value: Any, factor: float) -> float | int:
         if isinstance(value, bool) or not isinstance(value, numbers.Real):
-            raise _REFUSED
+            raise _REFUSED_ERROR
         try:
             number = float(value)
         except OverflowError:
-            raise _REFUSED from None
+            raise _REFUSED_ERROR from None
         low, high = self._bounds
         inside = low < number * factor <= high if self.above else low <= number * factor <= high
         if not inside or (self.unit == "count" and not number.is_integer()):
-            raise _REFUSED
+            raise _REFUSED_ERROR
         if number and abs(number * factor) < self._least:
-            raise _TOO_SMALL
+            raise _TOO_SMALL_ERROR
         return int(number) if self.unit == "count" else number
 
     def _factor(self, mm_per_unit: float) -> float:
@@ -275,72 +281,74 @@ class Key:
     @property
     def power(self) -> int:
         """Power of the file's unit of length in the key's unit."""
-        return _POWER.get(self.unit, 0)
+        return _LENGTH_POWERS.get(self.unit, 0)
 
     @property
     def _least(self) -> float:
-        return SHORTEST if self.power == 1 and self.low >= 0.0 else TINIEST
+        return SMALLEST_LENGTH_MM if self.power == 1 and self.low >= 0.0 else SMALLEST_NUMBER
 
     @property
     def _bounds(self) -> tuple[float, float]:
-        return max(self.low, -LONGEST), min(self.high, LONGEST)
+        return max(self.low, -LARGEST_LENGTH_MM), min(self.high, LARGEST_LENGTH_MM)
 
 
-_REFUSED = PydanticCustomError("refused", "value not allowed")
-_TOO_SMALL = PydanticCustomError("too_small", "value too near to 0")
+_REFUSED_ERROR = PydanticCustomError("refused", "value not allowed")
+_TOO_SMALL_ERROR = PydanticCustomError("too_small", "value too near to 0")
 
 
 def _stiffness(value: Any) -> tuple[Any, ...]:
-    """The diagonal of a stiffness, numbers above 0 or `RIGID`, or its rows, or PydanticCustomError "refused"."""
+    """Return the diagonal of a stiffness, numbers above 0 or `RIGID_WORD`, or its 6 rows. Raises PydanticCustomError."""
     if not isinstance(value, (list, tuple)) or len(value) != 6:
-        raise _REFUSED
+        raise _REFUSED_ERROR
     if all(isinstance(row, (list, tuple)) and len(row) == 6 for row in value):
         return tuple(tuple(_finite(entry) for entry in row) for row in value)
-    diagonal = tuple(RIGID if entry in (RIGID, math.inf) else _finite(entry) for entry in value)
+    diagonal = tuple(RIGID_WORD if entry in (RIGID_WORD, math.inf) else _finite(entry) for entry in value)
     if any(isinstance(entry, float) and entry <= 0.0 for entry in diagonal):
-        raise _REFUSED
+        raise _REFUSED_ERROR
     return diagonal
 
 
 def _finite(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
-        raise _REFUSED
+        raise _REFUSED_ERROR
     return float(value)
 
 
 def given_or(value: float, otherwise: float) -> float:
-    """`value`, or `otherwise` where it is still to be derived."""
+    """Return `value`, or `otherwise` while `value` is still to be derived."""
     return otherwise if math.isnan(value) else value
 
 
 def conflict(key: str, value: Any, *, reason: str = "", allowed: str = "", must_be: str = "") -> PydanticCustomError:
-    """Error of a key that is good alone but not beside the others; `key` is relative to the table that raises it, the rest as in
-    `GearmeshError`."""
+    """Return the error of a key whose value does not go with other keys.
+
+    `key` is relative to the table that raises the error; the other arguments are those of `GearmeshError`.
+    """
     fields = {"key": key, "value": value, "reason": reason, "allowed": allowed, "must_be": must_be}
     return PydanticCustomError("conflict", "{key}", fields)
 
 
 class Table(BaseModel):
-    """A table of a design file: immutable, and nothing in it but the declared keys."""
+    """A table of a design file: immutable, with the declared keys alone."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
-    #: Pairs (first, second): a given `first` replaces `second`, and only one of them may be given.
+    #: pairs (first, second): a given `first` replaces `second`, and only one of them may be given
     replaces: ClassVar[tuple[tuple[str, str], ...]] = ()
-    #: Keys that the tables of other designs have and this one does not, and why not.
+    #: keys that the tables of other designs have and this table has not, with the reason
     absent: ClassVar[Mapping[str, str]] = {}
-    #: keys that a file may give with the other sign, which says something else of the table, as of an internal gear's teeth
+    #: keys whose sign has a meaning for the table, as negative teeth of an internal gear
     signed: ClassVar[tuple[str, ...]] = ()
-    #: Tables of lower rank stand first in a file.
+    #: place in a file: tables of lower rank come first
     rank: ClassVar[int] = 1
-    #: What a table that may stand in several places is called where its keys are listed once for all of them; "": with the others.
+    #: title of the list of keys of a table that occurs in several places; empty: its keys are listed at each place
     listed_apart: ClassVar[str] = ""
-    #: What texts call the tables of a design that is part of another one, where that one has other names for them.
+    #: names in texts of the tables of a design that is part of another design
     other_names: ClassVar[Mapping[str, str]] = {}
 
     @classmethod
     def name_in_texts(cls, dotted: str) -> str:
-        """What texts call a table, or a dotted key.
+        """Return the name in texts of a table or a dotted key.
 
         Parameters
         ----------
@@ -350,7 +358,7 @@ class Table(BaseModel):
         Returns
         -------
         str
-            As texts have it.
+            Name in texts.
 
         Examples
         --------
@@ -361,7 +369,7 @@ class Table(BaseModel):
         return cls.other_names.get(head, head) + dot + rest
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Refuse to change a key, in one line; what is private may."""
+        """Refuse to change a key, in one line; private attributes may change."""
         if name not in type(self).model_fields:
             return super().__setattr__(name, value)
         raise DesignError(
@@ -373,7 +381,7 @@ class Table(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _not_absent(cls, keys: Any) -> Any:
-        """Refuse a key that makes no sense here, by name."""
+        """Refuse the keys of `absent`, with their reasons."""
         for name, why in cls.absent.items() if isinstance(keys, Mapping) else ():
             if name in keys:
                 raise conflict(name, None, reason=why)
@@ -381,6 +389,7 @@ class Table(BaseModel):
 
     @model_validator(mode="after")
     def _not_together(self) -> Self:
+        """Refuse both keys of a pair of `replaces`."""
         for first, second in self.replaces:
             if getattr(self, first) is not None and second in self.model_fields_set:
                 raise conflict(first, getattr(self, first), reason=f"cannot be given together with {second}")
@@ -388,7 +397,7 @@ class Table(BaseModel):
 
     @classmethod
     def names(cls) -> list[str]:
-        """The names of the fields, plain keys before tables, and tables by their rank.
+        """Return the names of the fields, plain keys before tables, and tables by their rank.
 
         Returns
         -------
@@ -404,12 +413,12 @@ class Table(BaseModel):
 
     @classmethod
     def key_of(cls, name: str) -> Key | None:
-        """What is declared of a field.
+        """Return the key of a field.
 
         Parameters
         ----------
         name : str
-            Of the field.
+            Name of the field.
 
         Returns
         -------
@@ -425,7 +434,7 @@ class Table(BaseModel):
 
     @classmethod
     def key_at(cls, dotted: str) -> Key | None:
-        """What is declared of a dotted key.
+        """Return the key of a dotted name.
 
         Parameters
         ----------
@@ -435,7 +444,7 @@ class Table(BaseModel):
         Returns
         -------
         Key or None
-            None where there is none.
+            None for a table and for an unknown name.
 
         Examples
         --------
@@ -450,12 +459,12 @@ class Table(BaseModel):
 
     @classmethod
     def table_of(cls, name: str) -> type[Table] | None:
-        """The class of the table behind a field.
+        """Return the class of the table of a field.
 
         Parameters
         ----------
         name : str
-            Of the field.
+            Name of the field.
 
         Returns
         -------
@@ -474,12 +483,12 @@ class Table(BaseModel):
         return None
 
     def own(self, prefix: str = "") -> Iterator[tuple[str, Any]]:
-        """The keys that were set, not left to their defaults.
+        """Yield the keys that were set, without those left to their defaults.
 
         Parameters
         ----------
         prefix : str
-            What stands before their names.
+            Text before their names.
 
         Returns
         -------
@@ -501,7 +510,7 @@ class Table(BaseModel):
                 yield prefix + name, value
 
     def _count_as_set(self, other: Table) -> None:
-        """Count as set what is set in `other`, a table of the same class."""
+        """Count the keys as set that are set in `other`, a table of the same class."""
         self.model_fields_set.intersection_update(other.model_fields_set)
         for name in type(self).model_fields:
             value, theirs = getattr(self, name), getattr(other, name)
@@ -509,12 +518,12 @@ class Table(BaseModel):
                 value._count_as_set(theirs)
 
     def scale(self, factor: float) -> Self:
-        """The same table with all lengths multiplied, curvatures divided.
+        """Return the table with all lengths multiplied by a factor, and curvatures divided by it.
 
         Parameters
         ----------
         factor : float
-            By which.
+            Factor of lengths.
 
         Returns
         -------
@@ -539,12 +548,12 @@ class Table(BaseModel):
         return made
 
     def plain(self) -> dict[str, Any]:
-        """The table as a plain dict that loads back to it, with defaults filled in; what is absent has none.
+        """Return the table as a plain dict that loads back to the same table, with defaults filled in.
 
         Returns
         -------
         dict of str to values
-            Tables within it are dicts, too.
+            Inner tables are dicts, too; keys without a value are left out.
 
         Examples
         --------
@@ -562,7 +571,7 @@ class Table(BaseModel):
 
 @cache
 def _names(table: type[Table]) -> tuple[str, ...]:
-    """`Table.names` of a class: a design asks for them some hundred times."""
+    """Return `Table.names` of a class; cached, because a design asks some hundred times."""
 
     def place(name: str) -> int:
         inner = table.table_of(name)
@@ -573,17 +582,24 @@ def _names(table: type[Table]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class KeyLine:
-    """One key as `gearmesh describe` prints it; all texts."""
+    """One key as `gearmesh describe` prints it."""
 
+    #: dotted key
     key: str
+    #: unit
     unit: str
+    #: allowed range in short
     range: str
+    #: default in words
     default: str
+    #: one line about the key
     about: str
+    #: source of the definition
     source: str
 
 
-_UNIT_TEXT = {
+#: texts of units, of files in mm and in inches
+_UNIT_TEXTS = {
     "length": "mm|inch",
     "curvature": "1/mm|1/inch",
     "turn per square length": "rad/mm^2|rad/inch^2",
@@ -602,9 +618,11 @@ _UNIT_TEXT = {
 def key_lines(
     table: type[Table], prefix: str = "", optional: str = "", apart: dict[str, type[Table]] | None = None
 ) -> Iterator[KeyLine]:
-    """Every key of a table, in the order of the file, with `prefix` before it; `optional` names the table it is part of.
+    """Yield all keys of a table in the order of the file.
 
-    With `apart` tables that are listed apart are one line each, and put there.
+    - prefix: text before the names of keys.
+    - optional: name of the optional table that the keys belong to.
+    - apart: a dict that collects the tables listed apart by their titles; each gets one line.
     """
     for name in table.names():
         field, below, key = table.model_fields[name], table.table_of(name), table.key_of(name)
@@ -620,7 +638,7 @@ def key_lines(
                 default = key.default or _default_text(field.default)
             yield KeyLine(
                 key=prefix + name,
-                unit=_UNIT_TEXT.get(key.unit, key.unit),
+                unit=_UNIT_TEXTS.get(key.unit, key.unit),
                 range=key.range,
                 default=default,
                 about=key.about,
@@ -629,6 +647,7 @@ def key_lines(
 
 
 def _default_text(default: Any) -> str:
+    """Return the default of a field as `describe` prints it."""
     if default is None:
         return "none"
     if isinstance(default, bool):

@@ -1,5 +1,4 @@
-"""Keys of what was measured of a gear set: files of points or deviations of the flanks of its members, their pitch deviations and
-runout."""
+"""Keys of measurements: points or deviations of the flanks of the members, their pitch deviations and runout."""
 
 from __future__ import annotations
 
@@ -7,19 +6,21 @@ from typing import Annotated
 
 from gearmesh.design.keys import Key, Table
 
-#: most teeth of a list, and largest deviation in it, um
-MOST_TEETH, MOST_UM = 1000, 1000.0
-#: largest number that draws teeth
-MOST_SEED = 999_999
+#: longest list of deviations of teeth
+MAX_LISTED_TEETH = 1000
+#: largest deviation in a list
+MAX_DEVIATION_UM = 1000.0
+#: largest seed of random pitch deviations
+MAX_SEED = 999_999
 
 
 def measured_file(member: str, flank: str) -> Key:
-    """Key of the file of a flank."""
+    """Return the key of the file of a flank."""
     return Key("file", f"points or deviations measured on the {member}'s {flank} flank", default="as designed")
 
 
 def pitch_file(member: str) -> Key:
-    """Key of the file of a member's pitch deviations."""
+    """Return the key of the file of a member's pitch deviations."""
     return Key(
         "file",
         f"pitch deviations and runout of all teeth of the {member}: columns tooth, right_um, left_um, runout_um",
@@ -28,35 +29,35 @@ def pitch_file(member: str) -> Key:
 
 
 def pitch_list(member: str, flank: str) -> Key:
-    """Key of the index deviations of one side."""
+    """Return the key of the index deviations of the flanks of one side."""
     return Key(
         "number",
         f"index deviations of the {flank} flanks of the {member}, um, tooth by tooth from the one on x, arcs of the reference "
         "circle as angles grow; their mean does not count",
-        low=-MOST_UM,
-        high=MOST_UM,
-        most=MOST_TEETH,
+        low=-MAX_DEVIATION_UM,
+        high=MAX_DEVIATION_UM,
+        most=MAX_LISTED_TEETH,
         default="those of the other side and the runout",
         source="[ISO 1328-1] 3",
     )
 
 
 def runout_list(member: str) -> Key:
-    """Key of the runout of all spaces."""
+    """Return the key of the runout of all spaces."""
     return Key(
         "number",
         f"how far outwards a ball rests in the spaces of the {member}, um, that before the tooth on x first; their mean does not "
         "count",
-        low=-MOST_UM,
-        high=MOST_UM,
-        most=MOST_TEETH,
+        low=-MAX_DEVIATION_UM,
+        high=MAX_DEVIATION_UM,
+        most=MAX_LISTED_TEETH,
         default="none",
         source="[ISO 1328-1] 3",
     )
 
 
 def pitch_class(member: str) -> Key:
-    """Key of the tolerance class within which pitch deviations are drawn."""
+    """Return the key of the tolerance class of random pitch deviations."""
     return Key(
         "count",
         f"tolerance class within which pitch deviations of the {member} are drawn, in the place of measured ones",
@@ -68,18 +69,18 @@ def pitch_class(member: str) -> Key:
 
 
 def pitch_seed(member: str) -> Key:
-    """Key of the number by which they are drawn."""
+    """Return the key of the seed of random pitch deviations."""
     return Key(
         "count",
         f"number by which pitch deviations of the {member} are drawn: one number, one gear",
         low=0,
-        high=MOST_SEED,
+        high=MAX_SEED,
         default="none; 0 where pitch_class is given",
     )
 
 
 class MeasuredTable(Table):
-    """How files of measured flanks are read."""
+    """Reading of files of measured flanks."""
 
     axial_position: Annotated[
         str,

@@ -11,14 +11,18 @@ from pydantic import model_validator
 
 from gearmesh.design.keys import Key, Table, conflict
 
-SHAPES = ("linear", "parabolic", "circular")
-#: largest amount, mm
-MOST = 5.0
-SOURCE = "ISO 21771-1"
+#: shapes of a relief at its start
+RELIEF_SHAPES = ("linear", "parabolic", "circular")
+#: largest amount
+MAX_AMOUNT_MM = 5.0
+#: source of the definitions
+STANDARD_NAME = "ISO 21771-1"
 
-Removed = Annotated[float, Key("length", "material removed at the end of the relief", low=0, high=MOST, above=True)]
+Removed = Annotated[
+    float, Key("length", "material removed at the end of the relief", low=0, high=MAX_AMOUNT_MM, above=True)
+]
 Begun = Annotated[
-    str, Key("choice", "how it begins: with a corner, or tangent as a parabola or a circle", choices=SHAPES)
+    str, Key("choice", "how it begins: with a corner, or tangent as a parabola or a circle", choices=RELIEF_SHAPES)
 ]
 
 
@@ -56,7 +60,7 @@ class ProfileRelief(Table):
 
     @property
     def start(self) -> tuple[str, float]:
-        """Where it begins: "roll_length", "diameter" or "height", and that, in the design's units."""
+        """Start of the relief: "roll_length", "diameter" or "height", and its value in the design's units."""
         starts = {
             "roll_length": self.start_roll_length,
             "diameter": self.start_diameter,
@@ -83,7 +87,7 @@ class TriangularRelief(Table):
 
 
 class Modifications(Table):
-    """What is removed, in the transverse plane along the line of action; all of it adds up."""
+    """Material removed from the flanks, in the transverse plane along the line of action; all amounts add up."""
 
     listed_apart: ClassVar = "modifications"
 
@@ -91,19 +95,53 @@ class Modifications(Table):
     root_relief: ProfileRelief | None = None
     profile_crowning: Annotated[
         float,
-        Key("length", "removed at root and tip form circle, by a parabola", low=-MOST, high=MOST, source=SOURCE),
+        Key(
+            "length",
+            "removed at root and tip form circle, by a parabola",
+            low=-MAX_AMOUNT_MM,
+            high=MAX_AMOUNT_MM,
+            source=STANDARD_NAME,
+        ),
     ] = 0.0
     profile_slope: Annotated[
-        float, Key("length", "removed at the tip; negative: at the root", low=-MOST, high=MOST, source=SOURCE)
+        float,
+        Key(
+            "length",
+            "removed at the tip; negative: at the root",
+            low=-MAX_AMOUNT_MM,
+            high=MAX_AMOUNT_MM,
+            source=STANDARD_NAME,
+        ),
     ] = 0.0
     profile_twist: Annotated[
-        float, Key("length", "profile slope at the heel less that at the toe", low=-MOST, high=MOST, source=SOURCE)
+        float,
+        Key(
+            "length",
+            "profile slope at the heel less that at the toe",
+            low=-MAX_AMOUNT_MM,
+            high=MAX_AMOUNT_MM,
+            source=STANDARD_NAME,
+        ),
     ] = 0.0
     helix_crowning: Annotated[
-        float, Key("length", "removed at toe and heel, by a parabola", low=-MOST, high=MOST, source=SOURCE)
+        float,
+        Key(
+            "length",
+            "removed at toe and heel, by a parabola",
+            low=-MAX_AMOUNT_MM,
+            high=MAX_AMOUNT_MM,
+            source=STANDARD_NAME,
+        ),
     ] = 0.0
     helix_slope: Annotated[
-        float, Key("length", "removed at the heel; negative: at the toe", low=-MOST, high=MOST, source=SOURCE)
+        float,
+        Key(
+            "length",
+            "removed at the heel; negative: at the toe",
+            low=-MAX_AMOUNT_MM,
+            high=MAX_AMOUNT_MM,
+            source=STANDARD_NAME,
+        ),
     ] = 0.0
     end_relief_toe: EndRelief | None = None
     end_relief_heel: EndRelief | None = None
@@ -123,5 +161,5 @@ class Modified(Table):
 
     @property
     def modified(self) -> bool:
-        """Whether the flanks have any modification."""
+        """True if the flanks have any modification."""
         return any((self.modifications, self.modifications_right, self.modifications_left))

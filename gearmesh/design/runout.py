@@ -1,4 +1,4 @@
-"""Keys of members whose teeth are off their axes of rotation: how far, and in which direction [CR3553 3.4]."""
+"""Keys of eccentric members: size and direction of the eccentricity of the teeth [CR3553 3.4]."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from gearmesh.design.keys import Key, Table
 
 
 def eccentricity(member: str) -> Key:
-    """Key of how far the teeth of a member are off its axis."""
+    """Return the key of the eccentricity of a member."""
     return Key(
         "length", f"eccentricity of the teeth to the {member}'s axis of rotation", low=0, high=1, source="[CR3553] 3.4"
     )
 
 
 def phase(member: str) -> Key:
-    """Key of the direction in which they are."""
+    """Return the key of the direction of the eccentricity."""
     return Key("angle", f"its direction in the {member}, from the tooth on x", low=-360, high=360)
 
 
@@ -36,8 +36,7 @@ class PairRunout(PinionRunout):
 
 
 def runout(design: Design, member: str) -> tuple[float, float]:
-    """How far (x, y), in the design's unit, the teeth of a member by its name in the gear set are off its axis, in its own
-    frame."""
+    """Return the eccentricity (x, y) of the teeth of a member, in the design's unit and the member's frame."""
     table, key = getattr(design, "assembly", None), Design.table_named(member)
     size, angle = getattr(table, f"{key}_eccentricity", 0.0), math.radians(getattr(table, f"{key}_phase", 0.0))
     return size * math.cos(angle), size * math.sin(angle)

@@ -1,4 +1,4 @@
-"""How values and keys of design files stand in messages and in notebooks, and which known word a misspelt one is nearest to."""
+"""Texts of values and keys of design files, for messages and notebooks."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Any
 
 from gearmesh.errors import shown_value
 
-#: characters of a number beyond which nobody typed it
-TYPED = 14
+#: characters of the longest number that a person types
+MAX_TYPED_DIGITS = 14
 
 
 def value_text(value: Any, limit: int = 60) -> str:
-    """A value as it would stand in a file: one line, printable, not long; derived numbers with the digits of other figures."""
-    if isinstance(value, float) and len(repr(value)) > TYPED:
+    """Return a value as a file has it, in one printable line of at most `limit` characters; computed numbers are rounded."""
+    if isinstance(value, float) and len(repr(value)) > MAX_TYPED_DIGITS:
         return shown_value(value)
     try:
         text = json.dumps(value, default=str)
@@ -25,13 +25,13 @@ def value_text(value: Any, limit: int = 60) -> str:
 
 
 def shown_key(parts: Iterable[Any]) -> str:
-    """A dotted key, printable even if it is not a sensible one."""
+    """Return the names of a path as a dotted key, printable in any case."""
     words = [str(part) for part in parts]
     return ".".join(word if word.isprintable() and len(word) <= 60 else value_text(word) for word in words)
 
 
 def html_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table of texts as HTML, for notebooks."""
+    """Return a table of texts as HTML, for notebooks."""
     caption = f"<caption>{html.escape(title)}</caption>" if title else ""
     head = "".join(f"<th>{html.escape(column)}</th>" for column in columns)
     head = f"<thead><tr>{head}</tr></thead>" if any(columns) else ""

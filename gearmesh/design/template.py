@@ -1,4 +1,4 @@
-"""A commented design file: what a kind needs, with values to begin with, and every other key with its default."""
+"""Commented design file of a kind: required keys with example values, all other keys with their defaults."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from gearmesh import __version__
 from gearmesh.design.core import Design
 from gearmesh.design.keys import Key, KeyLine, Table
 
-#: characters in a line of comment
-WIDTH = 100
+#: characters in a line of a comment
+COMMENT_WIDTH = 100
 
 
 def template(kind: type[Design]) -> str:
-    """The file of a kind, its required keys as in `kind.example`, all others commented out."""
+    """Return the text of a file of a kind: required keys as in `kind.example`, all others commented out."""
     lines = {line.key: line for line in kind.key_lines()}
     text = [f"# {kind.about}", "# A key that begins with # is at its default; gearmesh describe lists them too.", ""]
     text += _table(kind, {"kind": kind.own_kind, "gearmesh": __version__, **kind.example}, lines, "")
@@ -24,7 +24,7 @@ def template(kind: type[Design]) -> str:
 
 
 def _table(table: type[Table], example: Mapping[str, Any], lines: Mapping[str, KeyLine], prefix: str) -> Iterator[str]:
-    """Keys of a table and, after them, the tables in it; of those that are listed apart only the first with its keys."""
+    """Yield the lines of the keys of a table, then of the tables in it; of tables listed apart only the first has keys."""
     apart: dict[str, str] = {}
     for name in table.names():
         key, below = table.key_of(name), table.table_of(name)
@@ -42,8 +42,9 @@ def _table(table: type[Table], example: Mapping[str, Any], lines: Mapping[str, K
 
 
 def _key(name: str, key: Key, line: KeyLine, example: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the comment and the line of one key."""
     about = f"{line.about} ({', '.join(part for part in (line.unit, line.range, line.source) if part)})"
-    yield from (f"# {part}" for part in textwrap.wrap(about, WIDTH))
+    yield from (f"# {part}" for part in textwrap.wrap(about, COMMENT_WIDTH))
     if name in example:
         yield f"{name} = {json.dumps(example[name])}"
     else:
@@ -51,7 +52,7 @@ def _key(name: str, key: Key, line: KeyLine, example: Mapping[str, Any]) -> Iter
 
 
 def _default(key: Key, line: KeyLine) -> str:
-    """The default as it would stand in a file, or in words."""
+    """Return the default as a file has it, or in words."""
     if key.unit in ("choice", "text") and line.default in key.choices:
         return json.dumps(line.default)
     return line.default

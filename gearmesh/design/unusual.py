@@ -1,4 +1,4 @@
-"""Settings that are allowed and look like something else: lengths in another unit, angles in radians, members that are swapped."""
+"""Notes on allowed but unusual settings: lengths in another unit, angles in radians, swapped members."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from gearmesh.design.explain import LARGEST_RADIANS, MAIN_ANGLES
+from gearmesh.design.explain import LARGEST_ANGLE_RAD, MAIN_ANGLES
 
 if TYPE_CHECKING:
     from gearmesh.design.core import Design
 
-#: modules in inches above which a design is taken for one in mm
-LARGEST_INCH_MODULE = 3.0
+#: largest module of a design in inches that does not look like mm
+LARGEST_MODULE_INCH = 3.0
 
 
 def unusual_settings(design: Design) -> tuple[str, ...]:
@@ -37,15 +37,16 @@ def unusual_settings(design: Design) -> tuple[str, ...]:
 
 
 def _notes(design: Design) -> Iterator[str]:
+    """Yield the notes, one line each."""
     own = dict(design.own())
     module = own.get("module")
-    if design.units == "inch" and module is not None and module > LARGEST_INCH_MODULE:
+    if design.units == "inch" and module is not None and module > LARGEST_MODULE_INCH:
         yield (
             f"module = {module:g} inch is {module * design.mm_per_unit:g} mm; "
             f'a module of {module:g} mm is module = "{module:g}mm", or units = "mm" for all lengths'
         )
     for key, value in own.items():
-        if key.rpartition(".")[2] in MAIN_ANGLES and 0.0 < abs(value) <= LARGEST_RADIANS:
+        if key.rpartition(".")[2] in MAIN_ANGLES and 0.0 < abs(value) <= LARGEST_ANGLE_RAD:
             yield f"{key} = {value:g} deg: angles are in degrees; {value:g} rad is {math.degrees(value):.4g} deg"
     first, second = (getattr(design, name, None) for name in ("pinion", "gear"))
     teeth = [getattr(member, "teeth", None) for member in (first, second)]

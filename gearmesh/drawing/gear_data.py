@@ -12,7 +12,7 @@ from gearmesh import __version__
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.sheet import sheet_of
 from gearmesh.cad.brep import exact_volume
-from gearmesh.design.core import DENSITY, Design
+from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3, Design
 from gearmesh.design.keys import Key, Table
 from gearmesh.drawing.facts import DataRow, Facts, number
 from gearmesh.systems import system as systems
@@ -67,7 +67,7 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
     reference = None if own is None or own.reference is None else own.reference
     ends = tuple(_value(tables, symbol, member.name) for symbol in reference or ())
     deviations = tuple(_value(tables, symbol, member.name) for symbol in TIP_DEVIATIONS)
-    density = DENSITY if design.material.density is None else design.material.density
+    density = STEEL_DENSITY_KG_PER_M3 if design.material.density is None else design.material.density
     return Facts(
         rows=(*rows[:own_rows], *_end_chamfers(member), *rows[own_rows:]),
         tip=None if own is None else _value(tables, own.tip, member.name),

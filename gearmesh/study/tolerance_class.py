@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.design.core import Design
-from gearmesh.design.measured import MOST_SEED
+from gearmesh.design.measured import MAX_SEED
 from gearmesh.errors import ArgumentError
 from gearmesh.metrology.measured_teeth import InspectionBasis, InvoluteFlank
 from gearmesh.numerals import parse_whole_number
@@ -58,7 +58,7 @@ def class_spreads(design: Design, pair: int | str, text: Any) -> dict[str, Sprea
             continue
         if number != basis.asked:
             spreads[f"measured.{name}_pitch_class"] = Spread(WHOLE, (number, number + 1))
-        spreads[f"measured.{name}_pitch_seed"] = Spread(WHOLE, (0, MOST_SEED + 1))
+        spreads[f"measured.{name}_pitch_seed"] = Spread(WHOLE, (0, MAX_SEED + 1))
     return spreads
 
 

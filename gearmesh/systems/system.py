@@ -489,12 +489,14 @@ def build_without_one(design: D) -> tuple[D, GearTrain, str] | None:
 
 def _of_small_teeth(design: Design) -> tuple[str, ...]:
     """What to say of a delta that is left out and thinner than it would be for larger teeth."""
-    from gearmesh.design.core import DELTA
+    from gearmesh.design.core import DEFAULT_DELTA_MM
 
     delta = design.in_mm().contact.delta
-    if design.sets("contact.delta") or not delta < (1.0 - 1e-9) * DELTA:
+    if design.sets("contact.delta") or not delta < (1.0 - 1e-9) * DEFAULT_DELTA_MM:
         return ()
-    return (f"contact.delta = {delta:.4g} mm: the default, instead of {DELTA:g} mm because the teeth are small",)
+    return (
+        f"contact.delta = {delta:.4g} mm: the default, instead of {DEFAULT_DELTA_MM:g} mm because the teeth are small",
+    )
 
 
 def pin(design: D, train: GearTrain) -> D:

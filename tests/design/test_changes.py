@@ -14,7 +14,7 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.design.changes import CHANGES, changes_since, parse_version
+from gearmesh.design.changes import DEFAULT_CHANGES, changes_since, parse_version
 
 ROOT = SAMPLES.parent
 SAY = (
@@ -71,10 +71,12 @@ def test_version_log_and_table_agree() -> None:
     entries = re.findall(r"^## ([\d.]+)$", log, re.MULTILINE)
     assert entries[0] == gm.__version__
     assert entries == sorted(entries, key=parse_version, reverse=True)
-    assert {each.version for each in CHANGES} <= set(entries)
-    assert [each.version for each in CHANGES] == sorted((each.version for each in CHANGES), key=parse_version)
+    assert {each.version for each in DEFAULT_CHANGES} <= set(entries)
+    assert [each.version for each in DEFAULT_CHANGES] == sorted(
+        (each.version for each in DEFAULT_CHANGES), key=parse_version
+    )
     assert snapshot.logged(log) == log, "run scripts/defaults_snapshot.py"
-    for each in CHANGES:
+    for each in DEFAULT_CHANGES:
         for kind in each.kinds or gm.kinds():
             assert gm.system(kind).design.key_at(each.key) is not None, each
     assert run("--version") == (0, f"gearmesh {gm.__version__}\n", "")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gearmesh.design.core import Design
-from gearmesh.design.keys import RIGID
+from gearmesh.design.keys import RIGID_WORD
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.teeth.gear_train import GearPair
 
@@ -17,7 +17,7 @@ def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:
     for member in pair.both:
         given = in_mm.mount(member.name)
         if given.stiffness is not None:
-            stiffness = [np.inf if entry == RIGID else entry for entry in given.stiffness]
+            stiffness = [np.inf if entry == RIGID_WORD else entry for entry in given.stiffness]
             mounts[member.name] = FlexibleMount.of(stiffness, pair.middle(member) if given.z is None else given.z)
     return mounts
 

@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTip
-from gearmesh.design.keys import DERIVED, Key, conflict
+from gearmesh.design.keys import DERIVED_VALUE, Key, conflict
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import straight_rounding
@@ -71,7 +71,7 @@ class BeveloidMember(TurnedTip, MemberTable, Modified):
             default="0.38, or 90 % of what the rack's tooth has room for",
             source="ISO 53",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
     @model_validator(mode="after")
     def _cylindrical(self) -> Self:

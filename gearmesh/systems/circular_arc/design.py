@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTip
-from gearmesh.design.keys import DERIVED, Key, given_or
+from gearmesh.design.keys import DERIVED_VALUE, Key, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.kinds import KINDS
 
@@ -38,7 +38,7 @@ class CircularArcMember(TurnedTip, MemberTable):
             default="teeth * center_distance / (all teeth), or teeth / (2 P_n sin(lead_angle))",
             source="[LT85] (4)",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
 
 class CircularArcPinion(CircularArcMember):
@@ -46,14 +46,14 @@ class CircularArcPinion(CircularArcMember):
 
     profile_radius: Annotated[
         float, Key("length", "radius rho_F of the arc", low=0, above=True, default="1.35 / P_n", source="[LT85] (6)")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     a: Annotated[
         float, Key("length", "a_F: centre of the arc across the tooth", default="0.3988 / P_n", source="[LT85] (6)")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     b: Annotated[
         float,
         Key("length", "b_F: centre of the arc below pitch plane", default="0.2439 / P_n", source="[LT85] (6)"),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     addendum: Annotated[float, Key("coefficient", "tip above the pitch cylinder", low=0, high=5)] = 0.8
     dedendum: Annotated[float, Key("coefficient", "root below the pitch cylinder", low=0, high=5)] = 0.4
     fillet_radius: Annotated[
@@ -66,7 +66,7 @@ class CircularArcPinion(CircularArcMember):
             default="0.4, or the nearest that fits",
             source="[LT85] Fig. 4",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
 
 class CircularArcGear(CircularArcMember):
@@ -75,7 +75,7 @@ class CircularArcGear(CircularArcMember):
     profile_radius: Annotated[
         float,
         Key("length", "radius rho_P of the arc", low=0, above=True, default="rho_F + 0.15 / P_n", source="[LT85] (6)"),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     a: Annotated[
         float,
         Key(
@@ -84,7 +84,7 @@ class CircularArcGear(CircularArcMember):
             default="a_F + (rho_P - rho_F) cos(pressure_angle)",
             source="[LT85] (13)",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     b: Annotated[
         float,
         Key(
@@ -93,7 +93,7 @@ class CircularArcGear(CircularArcMember):
             default="b_F + (rho_P - rho_F) sin(pressure_angle)",
             source="[LT85] (13)",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     addendum: Annotated[float, Key("coefficient", "tip above the pitch cylinder", low=0, high=5)] = 0.0
     dedendum: Annotated[float, Key("coefficient", "root below the pitch cylinder", low=0, high=5)] = 0.9
     fillet_radius: Annotated[
@@ -106,7 +106,7 @@ class CircularArcGear(CircularArcMember):
             default="0.3, or the nearest that fits",
             source="[LT85] Fig. 5",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
 
 class CircularArcAssembly(PairRunout):
@@ -155,7 +155,7 @@ class CircularArcDesign(PairDesign):
             default="sum of the pitch radii",
             source="[LT85] (5)",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     pinion: CircularArcPinion
     gear: CircularArcGear
     assembly: CircularArcAssembly = CircularArcAssembly()

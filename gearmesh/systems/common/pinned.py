@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.design.core import DENSITY, BrokenEdges, MemberBody
+from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3, BrokenEdges, MemberBody
 from gearmesh.systems.common.tooth_edges import ANGLE, end_widths
 from gearmesh.teeth.region import Region
 
@@ -18,7 +18,7 @@ Values = dict[str, Any]
 
 def body_values(design: Design, train: GearTrain) -> Values:
     """Bores, keyways, webs and holes of the members as they are built, and the density, of a complete design in mm."""
-    values_given: Values = {"material.density": design.material.density or DENSITY}
+    values_given: Values = {"material.density": design.material.density or STEEL_DENSITY_KG_PER_M3}
     for name, member in train.members.items():
         table = name.rstrip("0123456789").removesuffix("_")
         spec = getattr(design, table)

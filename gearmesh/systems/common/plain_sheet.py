@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.design.core import DENSITY, Design
+from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3, Design
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.common.symbol_table import Row, table, tables_of
@@ -49,7 +49,7 @@ def member_table(member: Member) -> SheetTable:
 def mass_table(design: Design, members: Mapping[str, Member]) -> SheetTable:
     """Mass, centre of gravity and inertia of members, in their own frames."""
     given = design.material.density
-    density = DENSITY if given is None else given
+    density = STEEL_DENSITY_KG_PER_M3 if given is None else given
     moments = [member_moments(member) for member in members.values()]
     rigid = [np.concatenate((own.centre, np.diag(own.about_centre(density)))).tolist() for own in moments]
     turning = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from gearmesh.design.keys import DERIVED, Key, Table
+from gearmesh.design.keys import DERIVED_VALUE, Key, Table
 
 
 class WormTool(Table):
@@ -12,7 +12,7 @@ class WormTool(Table):
 
     pitch_radius: Annotated[
         float, Key("length", "pitch radius r_w", low=0, above=True, default="20 m_n", source="[LF04] (17.7.4)")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     threads: Annotated[int, Key("count", "number of threads", low=1, high=20, source="[LF04] (17.7.5)")] = 1
     right_hand: Annotated[bool, Key("flag", "right-hand threads; else left-hand")] = True
     length: Annotated[

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.keys import DERIVED, Key, Table, conflict
+from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict
 from gearmesh.systems.common.standards import din3967, iso286
 
 #: letters and grades of tip diameters
@@ -38,8 +38,10 @@ class ThicknessAllowance(Table):
             high=100,
             default="by series",
         ),
-    ] = DERIVED
-    lower: Annotated[float, Key("length", "lower allowance A_sni", low=-100, high=100, default="by series")] = DERIVED
+    ] = DERIVED_VALUE
+    lower: Annotated[float, Key("length", "lower allowance A_sni", low=-100, high=100, default="by series")] = (
+        DERIVED_VALUE
+    )
 
     @model_validator(mode="before")
     @classmethod

@@ -18,7 +18,7 @@ from gearmesh.design.core import (
     module_key,
     pitch_key,
 )
-from gearmesh.design.keys import DERIVED, MM_PER, Key, Table, conflict, given_or
+from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.cylindrical.allowance_keys import (
@@ -180,7 +180,7 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
             default="0, or as the centre distance needs",
             source="ISO 21771",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     addendum: Annotated[
         float,
         Key(
@@ -191,11 +191,11 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
             default="1; internal: as far as the mating gear has involute",
             source="ISO 53",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     dedendum: Annotated[
         float,
         Key("coefficient", "root below the shifted pitch plane", low=0, high=5, default="by profile", source="ISO 53"),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     tip_alteration: Annotated[
         float,
         Key(
@@ -206,7 +206,7 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
             default="what keeps the profile's clearance at the centre distance",
             source="ISO 21771",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     tip_diameter: Annotated[
         float | None,
         Key(
@@ -227,7 +227,7 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
             default="by profile, or what the tool's tooth has room for",
             source="ISO 53",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     manufacture: Annotated[
         str,
         Key(
@@ -433,7 +433,7 @@ class ToothingKeys(Design):
             default="20, or by transverse_pressure_angle",
             source="ISO 53",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     transverse_pressure_angle: Annotated[
         float | None,
         Key(
@@ -452,7 +452,7 @@ class ToothingKeys(Design):
             default="as shifts, allowances and centre distance give",
             source="ISO 21771",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     circumferential_backlash: Annotated[
         float | None,
         Key(

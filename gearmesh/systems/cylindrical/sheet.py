@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.design.core import DENSITY
+from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3
 from gearmesh.metrology.iso1328 import NAMES
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.standards.iso286 import Deviations
@@ -736,7 +736,7 @@ def _internal_reserves(pair: SheetPair) -> list[Row]:
 
 
 def _bodies(pair: SheetGears) -> list[Row]:
-    density = DENSITY if pair.design.material.density is None else pair.design.material.density
+    density = STEEL_DENSITY_KG_PER_M3 if pair.design.material.density is None else pair.design.material.density
     bulks = [attempt(partial(member_moments, member)) for member in pair.members]
     return [
         ("rho", "density", "kg/m^3", pair.of_all(lambda _: density)),

@@ -13,7 +13,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import FlankContact, GearBody, Holes, MemberTable, PairDesign, TurnedTip
-from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
+from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import deepest
@@ -48,7 +48,7 @@ class FaceGearPinion(TurnedTip, MemberTable, Modified):
             above=True,
             default="the gear's and a module",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     profile_shift: Annotated[float, Key("coefficient", "profile shift, of the shaper too", low=-1, high=1)] = 0.0
     addendum: Annotated[
         float, Key("coefficient", "tip above the shifted pitch cylinder", low=0, high=5, source="ISO 53")
@@ -63,7 +63,7 @@ class FaceGearPinion(TurnedTip, MemberTable, Modified):
             default="1.25, or what clears the gear's tips",
             source="ISO 53",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     tool_tip_radius: Annotated[
         float,
         Key(
@@ -73,7 +73,7 @@ class FaceGearPinion(TurnedTip, MemberTable, Modified):
             high=2,
             default="0.25, or what the rack has room for and clears the gear's tips",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
 
 class FaceGearMachine(Table):
@@ -92,10 +92,10 @@ class FaceGearMachine(Table):
             high=150 + MAX_ANGLE_OFF_DEG,
             default="that of the pair",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     offset: Annotated[
         float, Key("length", "shortest distance of the axes of gear and shaper", default="that of the pair")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     axial_position: Annotated[
         float, Key("length", "how far the tool is displaced along the gear's axis: > 0 cuts deeper")
     ] = 0.0
@@ -108,7 +108,7 @@ class FaceGearMachine(Table):
             high=35,
             default="that of the pair",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     thickness: Annotated[
         float,
         Key("length", "how much the shaper's teeth, or the worm's thread, are thicker, on the shaper's pitch circle"),
@@ -122,7 +122,7 @@ class FaceGearMachine(Table):
             high=150,
             default="90 deg, + its lead angle with right-hand threads, else -",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
 
 class FaceGearGear(GearBody):
@@ -138,7 +138,7 @@ class FaceGearGear(GearBody):
             default="2 % of the width between the limits outside undercut",
             source="[LF04] Fig. 18.1.4",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     outer_radius: Annotated[
         float,
         Key(
@@ -149,19 +149,19 @@ class FaceGearGear(GearBody):
             default="2 % of the width between the limits inside pointing",
             source="[LF04] Fig. 18.1.4",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     addendum: Annotated[
         float, Key("coefficient", "tip above the pitch cone", low=-1, high=5, default="1 - pinion.profile_shift")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     top_land: Annotated[
         float, Key("coefficient", "narrowest top land that is allowed; 0 = up to pointing", low=0, high=2)
     ] = 0.0
     rim: Annotated[
         float, Key("length", "rim under the lowest point of the root", low=0, above=True, default="3 modules")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     web: Annotated[
         float, Key("length", "thickness of the web, from the back", low=0, above=True, default="60 % of the rim")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     bore: Annotated[
         float | None, Key("length", "bore diameter; 0 = no bore", low=0, default="40 % of the inner diameter")
     ] = None
@@ -193,7 +193,7 @@ class ShaperTool(Table):
             above=True,
             default="pinion.addendum + 0.25, or + less (at least 0.1) to leave a top land of 0.05",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     tip_radius: Annotated[
         float,
         Key(
@@ -203,7 +203,7 @@ class ShaperTool(Table):
             high=2,
             default="0.2, or 80 % of what the tip has room for",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
 
 class FaceGearWorm(WormTool):
@@ -219,7 +219,7 @@ class FaceGearWorm(WormTool):
             default="twice the shaper's",
             source="[LF04] 18.14",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
 
 class FaceGearAssembly(PairRunout):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTip
-from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
+from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import ROOM, deepest
@@ -51,7 +51,7 @@ class ParabolicMember(TurnedTip, MemberTable):
             high=5,
             default="1, or less (at least 0.3) to leave the crowned tooth a top land of 0.15",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     dedendum: Annotated[
         float,
         Key(
@@ -61,7 +61,7 @@ class ParabolicMember(TurnedTip, MemberTable):
             high=5,
             default="1.25, or less (at least the mating addendum + 0.1) to leave the rack's tooth a rounding",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     tool_tip_radius: Annotated[
         float,
         Key(
@@ -71,7 +71,7 @@ class ParabolicMember(TurnedTip, MemberTable):
             high=2,
             default="0.3, or 90 % of what the rack's tooth has room for",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     parabola: Annotated[float, PARABOLA]
 
 
@@ -107,7 +107,7 @@ class ParabolicPinion(ParabolicMember):
             default="removes as much as plunge_coefficient",
             source="[LF04] (17.7.9)",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
 
 class NovikovGear(ParabolicMember):
@@ -131,7 +131,7 @@ class DiskTool(Table):
 
     pitch_radius: Annotated[
         float, Key("length", "radius at the pinion's pitch cylinder", low=0, above=True, default="20 m_n")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     vertex: Annotated[
         float | None,
         Key(
@@ -198,7 +198,7 @@ class ParabolicHelicalDesign(PairDesign):
             high=45,
             default="pressure_angle",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     helix_angle: Annotated[
         float,
         Key("angle", "helix angle of the pinion, positive right-handed; the gear's is opposite", low=-60, high=60),

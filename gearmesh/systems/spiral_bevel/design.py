@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import ContactTable, GearBody, Holes, PairDesign, RexsSource, Web
-from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
+from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.design.shown import value_text
 from gearmesh.systems.kinds import KINDS
@@ -258,7 +258,7 @@ class PinionSide(Machine):
             default="that of the other side, or 0; of a tilted cutter where its tip reaches the root line",
             source="[AB] Fig. 4",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     tilt: Annotated[
         float,
         Key(
@@ -269,7 +269,7 @@ class PinionSide(Machine):
             default="0; where the gear is not generated the cutter is upright on the root line",
             source="[LF04] 21",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     swivel: Annotated[
         float,
         Key(
@@ -280,7 +280,7 @@ class PinionSide(Machine):
             default="0, or as for tilt",
             source="[LF04] 21",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     machine_root_angle: Annotated[
         float | None,
         Key(
@@ -414,7 +414,7 @@ class GearCutter(Machine):
             default="where the cutter's tip reaches the root cone: 0 where this passes through the crossing point",
             source="ISO 23509 t_zR2",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     tip_radius: Annotated[
         float | None,
         Key(
@@ -684,7 +684,7 @@ class FaceMilledDesign(BevelDesign):
             default="by module and accuracy_grade",
             source="AGMA 2005; ISO 23509 (202)-(211)",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     accuracy_grade: Annotated[
         int,
         Key("count", "grade of accuracy, for tolerances and the default backlash", low=2, high=11, source="ISO 17485"),
@@ -759,7 +759,7 @@ class FaceMilledDesign(BevelDesign):
 
         It is NaN unless root cones have their apex there.
         """
-        return DERIVED
+        return DERIVED_VALUE
 
     def ease_off(self, name: str) -> EaseOffTable | None:
         """Return the requested ease-off of a side of the pinion: the side's table, or the table for both sides.

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import Design, FlankContact, MemberBody, MemberTable, RexsSource
-from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
+from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict, given_or
 from gearmesh.design.measured import WormDriveMeasured
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.systems.common.bounds import at_least, at_most
@@ -112,7 +112,7 @@ class WormTable(MemberBody, ThreadCount):
     ] = "space"
     length: Annotated[
         float, Key("length", "length of the thread", low=0, above=True, default="2 m sqrt(z2 + 1), DIN 3975")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     run_out: Annotated[
         float,
         Key(
@@ -135,7 +135,7 @@ class WormTable(MemberBody, ThreadCount):
             default="1.2, less where the flanks end above its rounding",
             source="DIN 3975",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     root_rounding: Annotated[
         float,
         Key(
@@ -145,7 +145,7 @@ class WormTable(MemberBody, ThreadCount):
             high=2,
             default="0.2, less where the space has no room for it",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     thickness: Annotated[
         float,
         Key("axial coefficient", "axial thickness of the thread before backlash", low=0.2, high=3, default="pi / 2"),
@@ -162,10 +162,10 @@ class WormTable(MemberBody, ThreadCount):
     disk_diameter: Annotated[
         float,
         Key("length", "diameter of the grinding disk at its rim, of ZK and ZC", low=0, above=True, default="80 m"),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     profile_radius: Annotated[
         float, Key("length", "radius of the disk's profile, of ZC", low=0, above=True, default="6 m")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     wire_diameter: Annotated[
         float | None,
         Key(
@@ -199,7 +199,7 @@ class WheelTable(MemberTable):
             above=True,
             default="2 m (sqrt(q + 1) + 0.5), DIN 3975, of ZC 2 m (sqrt(q + 1) - 0.5); less where flanks end sooner",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     profile_shift: Annotated[
         float,
         Key(
@@ -209,7 +209,7 @@ class WheelTable(MemberTable):
             high=MAX_PROFILE_SHIFT,
             default="by center_distance, without it 0, of ZC 0.75",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     addendum: Annotated[
         float,
         Key(
@@ -219,7 +219,7 @@ class WheelTable(MemberTable):
             high=3,
             default="1, or what the tooth has room for",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     tip_form: Annotated[
         str,
         Key(
@@ -235,11 +235,11 @@ class WheelTable(MemberTable):
     throat_radius: Annotated[
         float,
         Key("length", "radius of the throat in the axial section", low=0, above=True, default="a - d_a2 / 2"),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     outside_diameter: Annotated[
         float,
         Key("length", "outside diameter d_e2", low=0, above=True, default="d_a2 + m, DIN 3975"),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
     @property
     def throated(self) -> bool:
@@ -259,7 +259,7 @@ class HobTable(Table):
             above=True,
             default="the worm's",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     threads: Annotated[int | None, Key("count", "number of threads", low=1, high=20, default="the worm's")] = None
     addendum: Annotated[
         float, Key("axial coefficient", "tip above its reference cylinder: generates the root", low=0, high=3)
@@ -276,11 +276,11 @@ class HobTable(Table):
             high=MAX_PROFILE_SHIFT,
             default="the pitch point's, x2 of axes at right angles, on the flanks, at least 0 above 20 deg lead; 0 with a swivel",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     center_distance: Annotated[
         float,
         Key("length", "centre distance of cutting a_0", low=0, above=True, default="a + (d_0 - d_1) / 2"),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     swivel_angle: Annotated[
         float,
         Key(
@@ -290,7 +290,7 @@ class HobTable(Table):
             high=90,
             default="gamma_w0 - gamma_w: threads of hob and worm are tangent at the height hob.pitch_height",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     feed: Annotated[
         str,
         Key(
@@ -344,7 +344,7 @@ class WormDriveDesign(Design):
     shaft_angle: Annotated[float, Key("angle", "angle between the axes", low=45, high=135)] = RIGHT_ANGLE_DEG
     center_distance: Annotated[
         float, Key("length", "centre distance a", low=0, above=True, default="by wheel.profile_shift")
-    ] = DERIVED
+    ] = DERIVED_VALUE
     backlash_share: Annotated[
         float,
         Key(

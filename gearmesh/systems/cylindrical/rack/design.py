@@ -15,7 +15,7 @@ from gearmesh.design.core import (
     MemberMaterial,
     UnloadedElementTable,
 )
-from gearmesh.design.keys import DERIVED, Key, Table, conflict
+from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict
 from gearmesh.design.measured import RackMeasured
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PinionRunout
@@ -83,15 +83,15 @@ class BarKeys(Modified):
             above=True,
             default="the teeth and 3 modules",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     addendum: Annotated[
         float,
         Key("coefficient", "tip above the reference plane", low=0, high=5, default="by profile", source="ISO 53"),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     dedendum: Annotated[
         float,
         Key("coefficient", "root below the reference plane", low=0, high=5, default="by profile", source="ISO 53"),
-    ] = DERIVED
+    ] = DERIVED_VALUE
     tool_tip_radius: Annotated[
         float,
         Key(
@@ -102,7 +102,7 @@ class BarKeys(Modified):
             default="by profile, or what the space has room for",
             source="ISO 53",
         ),
-    ] = DERIVED
+    ] = DERIVED_VALUE
 
     @model_validator(mode="after")
     def _some_length(self) -> Self:

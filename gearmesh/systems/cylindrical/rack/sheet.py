@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.design.core import DENSITY
+from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Missing, Row, column_of, table, tables_by_title, tables_of
@@ -230,7 +230,7 @@ def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | No
     low, high = rack_flank(member)
     pin = pin_diameter(mesh, (low, high))
     over = NO_PIN if pin is None else over_pin(mesh, pin)
-    density = DENSITY if design.material.density is None else design.material.density
+    density = STEEL_DENSITY_KG_PER_M3 if design.material.density is None else design.material.density
     volume = member.plain_volume()
     helix = mesh.pinion.beta
     values: tuple[tuple[str, str, str, float | int | str | Missing | None], ...] = (

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.contact.flanks import analyse, touching_jets
-from gearmesh.design.keys import DERIVED
+from gearmesh.design.keys import DERIVED_VALUE
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import AXIS
@@ -185,7 +185,7 @@ def _base_free(own: FaceMilledDesign, design: FaceMilledDesign, name: str) -> Fa
     spec = own.pinion.side(name)
     if spec.upright or design.sets(f"pinion.{name}.sliding_base"):
         return own
-    free = own.pinion.model_copy(update={name: spec.model_copy(update={"sliding_base": DERIVED})})
+    free = own.pinion.model_copy(update={name: spec.model_copy(update={"sliding_base": DERIVED_VALUE})})
     return own.model_copy(update={"pinion": free})
 
 

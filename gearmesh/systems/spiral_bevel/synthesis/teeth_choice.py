@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from gearmesh.design.keys import DERIVED
+from gearmesh.design.keys import DERIVED_VALUE
 from gearmesh.errors import DesignError, NoSolutionError, VagueError
 from gearmesh.progress import in_turn
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import (
@@ -180,13 +180,13 @@ class _Remembered:
         """
         design = self.design
         pinion = {
-            name: design.pinion.side(name).model_copy(update={BASE_KEY: DERIVED})
+            name: design.pinion.side(name).model_copy(update={BASE_KEY: DERIVED_VALUE})
             for name in BLADE_SIDES
             if not design.sets(f"pinion.{name}.{BASE_KEY}")
         }
         opened: dict[str, object] = {"pinion": design.pinion.model_copy(update=pinion)}
         if not design.sets(f"gear.cutter.{BASE_KEY}"):
-            cutter = design.gear.cutter.model_copy(update={BASE_KEY: DERIVED})
+            cutter = design.gear.cutter.model_copy(update={BASE_KEY: DERIVED_VALUE})
             opened["gear"] = design.gear.model_copy(update={"cutter": cutter})
         return _Remembered.of(design.model_copy(update=opened).fill({}))
 
