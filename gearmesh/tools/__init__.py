@@ -1,1 +1,1 @@
-"""Tool surfaces: rack, head cutter, shaper, disk, worm, and their tip roundings."""
+"""Tool surfaces: rack, head cutter, shaper, disk, worm, with their tip roundings, descriptions and drawings."""

@@ -1,6 +1,6 @@
-"""What describes a tool that makes a flank: name and dimensions, profile and what its heights are counted from, its picture.
+"""Description of a tool that makes a flank: name, dimensions, profile with the zero of its heights, and drawing.
 
-The teeth know a tool by this alone. A tool of another kind needs a description and, to be shown, a `Drawing`.
+The teeth know a tool by its description alone. A new kind of tool needs a description and, to be shown, a `Drawing`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from gearmesh.tools.profile import Profile
 
 
 class HeightZero(StrEnum):
-    """What heights of a tool's profile are counted from."""
+    """Zero of the heights of a tool's profile."""
 
     PITCH_PLANE = "pitch plane"
     TIP_PLANE = "tip plane"
@@ -26,11 +26,15 @@ class HeightZero(StrEnum):
 
 @dataclass(frozen=True)
 class Dimension:
-    """A dimension of a tool by its name, in `unit`: mm, deg, or "" for a number; `symbol` as of ISO 21771 with the index 0."""
+    """A named dimension of a tool."""
 
+    #: name of the dimension
     name: str
+    #: value in `unit`
     value: float
+    #: "mm", "deg", or "" for a number
     unit: str
+    #: symbol of ISO 21771 with the index 0, or ""
     symbol: str = ""
 
     def __str__(self) -> str:
@@ -39,29 +43,34 @@ class Dimension:
 
 @dataclass(frozen=True)
 class RolledRack:
-    """The rack that generates a flank, or the tool that grinds it: its surface, and the pitch radius (mm) on which it rolls."""
+    """The rack that generates a flank, or the rack of the tool that grinds it."""
 
     surface: Surface
+    #: radius (mm) of the pitch circle on which the rack rolls
     radius: float
 
 
 @dataclass(frozen=True)
 class ToolDescription:
-    """A tool as the flank carries it that it made.
+    """Description of the tool that made a flank, kept with the flank."""
 
-    `drawing`: how it is shown in place, None if it is not. `profile` and `tip`: those of its flank and of what generates the
-    fillet, in the parameters of flank and fillet, x being the height; `zero` says over what. `tip_radius`: rounding of its tip, mm.
-    """
-
+    #: name of the tool
     name: str
+    #: how the tool is shown in place; None if it is not shown
     drawing: Drawing | None = None
+    #: dimensions of the tool
     dimensions: tuple[Dimension, ...] = ()
+    #: profile that generates the flank, in the flank's parameter; x is the height
     profile: Profile | None = None
+    #: profile that generates the fillet, in the fillet's parameter; x is the height
     tip: Profile | None = None
+    #: rounding of the tip, mm
     tip_radius: float = 0.0
+    #: zero of the heights
     zero: HeightZero = HeightZero.NOWHERE
+    #: rack that generates the flank, if there is one
     rack: RolledRack | None = None
 
     def height(self, p: Array) -> Array:
-        """Height (...,), mm, of its flank's profile at p (...,): over its zero plane; NaN for a tool without a profile."""
+        """Return the height (...,), mm, of the flank's profile at p (...,) over `zero`; NaN without a profile."""
         return np.full_like(p, np.nan) if self.profile is None else self.profile.section(p)[0][..., 0]

@@ -1,16 +1,16 @@
-"""Face-milling head cutters: a blade profile turned about the cutter's axis.
+r"""Face-milling head cutters: a blade profile turned about the cutter's axis.
 
-Cutter frame: origin in the tip plane on the axis, z along the axis from the cutter into the blank. The blade profile
-is a curve (x, y) of `tools.rack`: x is the height over the tip plane, y the radius for outside blades and minus the
+Cutter frame: origin in the tip plane on the axis, z along the axis from the cutter into the blank. The blade profile is
+a curve (x, y) of `tools.rack`. x is the height over the tip plane. y is the radius for outside blades and minus the
 radius for inside blades, so that both follow the rack's rule that the blank's outward normal is (sin, -cos):
 
       x ^        inside blade   outside blade
-        |             \\  _____  /             radius at height x: r - x tan(alpha) inside,
-        |              \\/     \\/                                  r + x tan(alpha) outside
+        |             \  _____  /             radius at height x: r - x tan(alpha) inside,
+        |              \/     \/                                  r + x tan(alpha) outside
         +----- axis ------ r ------> radius
 
-Outside blades generate the concave flanks of the blank, inside blades the convex ones [AB Figs. 4, 5]. A toprem is the part of
-a blade next to its tip that stands out beyond the rest, so that it relieves the flank towards the root:
+Outside blades generate the concave flanks of the blank, inside blades the convex flanks [AB Figs. 4, 5]. A toprem is a
+part of the blade next to its tip. It protrudes from the rest of the blade and relieves the flank towards the root:
 
       x ^             / cutting edge
         |            /
@@ -34,16 +34,19 @@ from gearmesh.tools.drawing import TurnedDrawing
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, ProfilePieces, RackLine
 
-OUTSIDE, INSIDE = 1, -1
-#: length (mm) that the parameter of a sharp edge counts as, beside a toprem
-EDGE = 0.1
+#: side of an outside blade
+OUTSIDE_BLADE = 1
+#: side of an inside blade
+INSIDE_BLADE = -1
+#: range of the parameter over a sharp edge next to a toprem
+SHARP_EDGE_LENGTH_MM = 0.1
 
 
 @dataclass(frozen=True)
 class Revolved:
-    """Surface of revolution of a blade profile, parameters (p, v): profile parameter and angle (rad) from `angle0`.
+    """Surface of revolution of a blade profile; parameters (p, v): profile parameter and angle (rad) from `angle0`.
 
-    `side` is OUTSIDE or INSIDE. The normal points out of the blank's tooth, into the cutter.
+    `side` is OUTSIDE_BLADE or INSIDE_BLADE. The normal points out of the blank's tooth, into the cutter.
     """
 
     profile: Profile
@@ -53,6 +56,7 @@ class Revolved:
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = broadcast_pair(u, v)
         c, s = np.cos(self.angle0 + v), np.sin(self.angle0 + v)
+        # points, tangents, normals and dn/dp in the axial plane, turned to the angle v; z is minus the height
         plane = np.array(self.profile.section(u))
         radial, space = self.side * plane[..., 1], np.empty((*plane.shape[:-1], 3))
         space[..., 0], space[..., 1], space[..., 2] = radial * c, radial * s, -plane[..., 0]
@@ -64,8 +68,8 @@ class Revolved:
 class Toprem:
     """Part of a blade next to its tip, from `height` (mm) over the tip plane down.
 
-    Straight at `angle` (rad) to the cutter's axis, or (`radius` > 0, mm) an arc that bends away from the cutting edge, tangent
-    to it; the angle does not count then.
+    The toprem is straight at `angle` (rad) to the cutter's axis. With `radius` > 0 (mm) it is instead an arc that is
+    tangent to the cutting edge and bends away from it.
     """
 
     height: float
@@ -74,33 +78,34 @@ class Toprem:
 
     @property
     def kinked(self) -> bool:
-        """True where it meets the cutting edge in a corner."""
+        """True if the toprem meets the cutting edge in a corner."""
         return self.radius == 0.0
 
 
 @dataclass(frozen=True)
 class Blade:
-    """Straight (`blade_radius` 0) or circular-arc blade with a rounded tip; angles in rad, lengths in mm.
+    """Straight or circular-arc blade with a rounded tip."""
 
-    `tip_radius` is the cutter's radius where the blade, prolonged, meets the tip plane; `blade_angle` is the angle
-    between blade and cutter axis, for an arc at height `height` over the tip plane. `blade_radius` > 0 makes the
-    cutting edge convex (its centre in the blade). `edge_radius` rounds the tip; 0 leaves it sharp. `toprem` relieves the
-    flank next to it.
-    """
-
+    #: OUTSIDE_BLADE or INSIDE_BLADE
     side: int
+    #: radius of the cutter (mm) where the extended cutting edge meets the tip plane
     tip_radius: float
+    #: angle (rad) between cutting edge and cutter axis; for an arc the angle at `height`
     blade_angle: float
+    #: rounding of the tip, mm; 0 for a sharp tip
     edge_radius: float
+    #: radius of the cutting edge, mm; > 0 is convex (its centre in the blade), 0 is straight
     blade_radius: float = 0.0
+    #: height over the tip plane (mm) at which an arc has the blade angle
     height: float = 0.0
+    #: toprem, which relieves the flank next to the tip
     toprem: Toprem | None = None
 
     @staticmethod
     def through(
         side: int, radius: float, height: float, blade_angle: float, edge_radius: float, blade_radius: float = 0.0
     ) -> Blade:
-        """The blade whose cutting edge passes the cutter's `radius` at `height` over the tip plane."""
+        """Return the blade whose cutting edge passes through the cutter's `radius` at `height` over the tip plane."""
         blade = Blade(side, radius, blade_angle, edge_radius, blade_radius, height)
         return replace(blade, tip_radius=2.0 * radius - blade.radius_at(height))
 
@@ -121,15 +126,15 @@ class Blade:
             return RackLine(self.blade_angle, 0.0, -self.side * self.tip_radius)
         radius = self.blade_radius
         centre_x = self.height + radius * np.sin(self.blade_angle)
-        # through (0, +-tip_radius): centre - radius n, n = (sin p, -cos p)
-        # no number for an arc too small to reach the tip plane, which the bounds of `blade_radius` refuse
+        # the arc centre - radius n, n = (sin p, -cos p), passes through (0, +-tip_radius)
+        # NaN for an arc too small to reach the tip plane; the bounds of `blade_radius` refuse such an arc
         reach = np.sqrt(radius**2 - centre_x**2) if abs(radius) >= abs(centre_x) else np.nan
         centre_y = self.side * self.tip_radius - np.sign(radius) * reach
         return Arc((float(centre_x), float(centre_y)), -radius)
 
     @cached_property
     def _last(self) -> RackLine | Arc:
-        """Profile next to the rounding: of the toprem, or the cutting edge itself."""
+        """Profile next to the rounding: the toprem, or the cutting edge if there is no toprem."""
         if self.toprem is None:
             return self.flank
         point, _, normal, _ = self.flank.section(np.array(self.at_height(self.toprem.height)))
@@ -140,24 +145,24 @@ class Blade:
 
     @cached_property
     def _touch(self) -> tuple[float, float]:
-        """Profile parameter of what the rounding touches, and angle (rad) of the rounding, where it does; NaN if nowhere."""
+        """Parameter of the profile that the rounding touches, and the rounding's angle (rad) there; NaN if none."""
         last, edge = self._last, self.edge_radius
         if isinstance(last, RackLine):
             return last.at_height(edge * (1.0 - np.sin(last.alpha))), last.alpha
-        # the rounding's centre, its radius over the tip plane, is the two radii from the arc's
+        # the rounding's centre is at the height of its radius; its distance from the arc's centre is the sum of both radii
         angle = float(np.arcsin((edge - last.centre[0]) / (edge + last.radius)))
         return angle, angle
 
     @cached_property
     def form_point(self) -> tuple[float, float]:
-        """Parameters of cutting edge and `tip` where they pass into each other, or, with a straight toprem, at its corner."""
+        """Parameters of cutting edge and `tip` where they join smoothly, or at the corner of a straight toprem."""
         if self.toprem is None:
             return self._touch
         return self.at_height(self.toprem.height), self._knots[0]
 
     @cached_property
     def rounding(self) -> Arc:
-        """Profile of the tip rounding, to the tip plane at p = pi/2."""
+        """Profile of the tip rounding, up to the tip plane at p = pi/2."""
         point, _, normal, _ = self._last.section(np.array(self._touch[0]))
         centre = point + self.edge_radius * normal
         return Arc((float(centre[0]), float(centre[1])), -self.edge_radius)
@@ -167,20 +172,20 @@ class Blade:
         """Profile of toprem and tip rounding, from the `form_point` to the tip plane at `root`."""
         if self.toprem is None:
             return self.rounding
-        own = (self._toprem_begins, self._touch[0]), (self._touch[1], 0.5 * np.pi)
-        return ProfilePieces((self._last, self.rounding), self._knots, own)
+        piece_parameters = (self._toprem_begins, self._touch[0]), (self._touch[1], 0.5 * np.pi)
+        return ProfilePieces((self._last, self.rounding), self._knots, piece_parameters)
 
     @property
     def _toprem_begins(self) -> float:
-        """Parameter of the toprem's own profile at the cutting edge."""
+        """Parameter of the toprem's profile at the cutting edge."""
         assert self.toprem is not None
         height = self.toprem.height
         return self._last.at_height(height) if isinstance(self._last, RackLine) else self.angle_at(height)
 
     @cached_property
     def _knots(self) -> tuple[float, float, float]:
-        """Parameters of a tip with a toprem, lengths (mm) from the tip plane: where it begins, where the rounding does, and 0."""
-        rounding = self.edge_radius * (0.5 * np.pi - self._touch[1]) or EDGE
+        """Lengths (mm) from the tip plane: of the toprem's begin, of the rounding's begin, and 0; parameters of `tip`."""
+        rounding = self.edge_radius * (0.5 * np.pi - self._touch[1]) or SHARP_EDGE_LENGTH_MM
         along = self._toprem_begins - self._touch[0]
         if isinstance(self._last, Arc):
             along *= self._last.radius
@@ -193,25 +198,25 @@ class Blade:
 
     @property
     def tip_breaks(self) -> tuple[float, ...]:
-        """Parameters of `tip` where its curvature jumps."""
+        """Parameters of `tip` at jumps of its curvature."""
         return () if self.toprem is None else self._knots[1:-1]
 
     @property
     def land_radius(self) -> float:
-        """Radius of the cutter (mm) where the tip rounding passes into the tip plane."""
+        """Radius of the cutter (mm) where the tip rounding joins the tip plane."""
         return float(self.side * self.rounding.section(np.array(0.5 * np.pi))[0][1])
 
     def angle_at(self, height: float) -> float:
-        """Angle (rad) between cutting edge and cutter axis at a height (mm) over the tip plane."""
+        """Return the angle (rad) between cutting edge and cutter axis at a height (mm) over the tip plane."""
         return self.blade_angle if isinstance(self.flank, RackLine) else self.at_height(height)
 
     def at_height(self, height: float) -> float:
-        """Profile parameter of the cutting edge at a height (mm) over the tip plane."""
+        """Return the profile parameter of the cutting edge at a height (mm) over the tip plane."""
         if isinstance(self.flank, RackLine):
             return self.flank.at_height(height)
         return float(np.arcsin((self.flank.centre[0] - height) / self.blade_radius))
 
     def radius_at(self, height: float) -> float:
-        """Radius of the cutter (mm) on the cutting edge at a height over the tip plane."""
+        """Return the radius of the cutter (mm) on the cutting edge at a height over the tip plane."""
         point = self.flank.section(np.array(self.at_height(height)))[0]
         return float(self.side * point[1])

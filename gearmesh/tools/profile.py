@@ -1,4 +1,4 @@
-"""The profile of a tool: what every plane curve that generates or grinds a flank can do."""
+"""The profile of a tool: the interface of every plane curve that generates or grinds a flank."""
 
 from __future__ import annotations
 
@@ -11,4 +11,4 @@ class Profile(Protocol):
     """Plane curve p -> (x, y) with the blank's outward normal."""
 
     def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
-        """Points, tangents dr/dp, normals and dn/dp, each (..., 2), at p (...,)."""
+        """Return points, tangents dr/dp, normals and dn/dp, each (..., 2), at p (...,)."""

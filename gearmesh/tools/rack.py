@@ -1,7 +1,7 @@
 """Rack cutters: a profile in the normal section, swept straight along the tooth trace.
 
-Normal section S_n (x outward from the blank's axis, y along the pitch plane), as in Fig. 1 of [LT02]; the space of
-the rack, in which the blank's tooth stands, is centred on y = 0 and its right side is y < 0:
+Normal section S_n as in Fig. 1 of [LT02]: x points outward from the blank's axis, y along the pitch plane. The blank's
+tooth is in the space of the rack. This space is centred on y = 0, and its right side is y < 0:
 
           x ^
             |   /  space of the rack = tooth of the blank
@@ -10,8 +10,9 @@ the rack, in which the blank's tooth stands, is centred on y = 0 and its right s
        ____ |(   tip rounding: generates the fillet
             tip plane: generates the root
 
-The section is swept along u, tilted by the helix angle beta on the pitch plane and the pitch plane by the cone angle
-delta against the blank's axis [LT02 2]. [LT85 8] is the same with delta = 0 and beta = 90 deg - lead angle.
+The section is swept along u. The sweep is tilted by the helix angle beta in the pitch plane, and the pitch plane is
+tilted by the cone angle delta against the blank's axis [LT02 2]. [LT85 8] is the case delta = 0 with beta = 90 deg -
+lead angle.
 """
 
 from __future__ import annotations
@@ -27,20 +28,21 @@ from gearmesh.tools.description import Dimension, HeightZero, RolledRack, ToolDe
 from gearmesh.tools.drawing import StraightDrawing
 from gearmesh.tools.profile import Profile
 
-#: steps of Newton's method to a height of a profile: one for a line
-HEIGHT_STEPS = 8
+#: Newton steps to a height of a profile; a line needs one
+MAX_HEIGHT_STEPS = 8
 
 
 @dataclass(frozen=True)
 class RackLine:
-    """Straight flank [LT02 1]: x = p cos(alpha) - a, y = p sin(alpha) - a tan(alpha) - b; alpha in rad, lengths in mm.
+    """Straight flank [LT02 1]: x = p cos(alpha) - a + shift, y = p sin(alpha) - a tan(alpha) - b."""
 
-    `shift` displaces the line along x (profile shift).
-    """
-
+    #: angle between flank and x axis, rad
     alpha: float
+    #: height of the origin of p below the pitch plane, mm
     a: float
+    #: half width of the space at x = 0, mm
     b: float
+    #: displacement of the line along x (profile shift), mm
     shift: float = 0.0
 
     def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
@@ -52,7 +54,7 @@ class RackLine:
 
     @property
     def line(self) -> RackLine:
-        """Itself: a parabola that does not leave its tangent."""
+        """The tangent of a `Parabola`, which is this line."""
         return self
 
     @property
@@ -60,7 +62,7 @@ class RackLine:
         return 0.0
 
     def at_height(self, x: float) -> float:
-        """Parameter of the point at a height.
+        """Return the parameter of the point at a height.
 
         Parameters
         ----------
@@ -84,9 +86,10 @@ class RackLine:
 
 @dataclass(frozen=True)
 class Parabola:
-    """Flank that leaves its tangent `line` at p = `vertex` (mm) by `coefficient` (p - vertex)^2 [LF04 17.7, Table 17.8.1].
+    """Flank that deviates from its tangent `line` by `coefficient` (p - `vertex`)^2 [LF04 17.7, Table 17.8.1].
 
-    `coefficient` in 1/mm: > 0 takes material off the blank's tooth on either side of the vertex, < 0 leaves more.
+    A `coefficient` (1/mm) > 0 removes material from the blank's tooth on either side of the vertex (mm); < 0 leaves
+    more material.
     """
 
     line: RackLine
@@ -103,17 +106,17 @@ class Parabola:
         return points - self.coefficient * away**2 * normals, tangents, (normals + slope * along) * shorter, turned
 
     def at_height(self, x: float) -> float:
-        """Parameter of the parabola's point at a height.
+        """Return the parameter of the parabola's point at a height.
 
         Parameters
         ----------
         x : float
-            mm, as of `section`.
+            mm, x of `section`.
 
         Returns
         -------
         float
-            p, mm; NaN where the parabola bends back before it.
+            p, mm; NaN if the parabola bends back before this height.
 
         Examples
         --------
@@ -133,8 +136,8 @@ class Parabola:
 class Arc:
     """Circular arc centre + radius n, n = (sin p, -cos p), p in rad [LT85 5]; centre (x, y) and radius in mm.
 
-    radius > 0 makes the blank's tooth convex, < 0 concave (a tool's tip rounding), 0 is a sharp tool edge, whose
-    normals fan out: its envelope is the trochoid of the edge.
+    A radius > 0 makes the blank's tooth convex, and a radius < 0 makes it concave (a tool's tip rounding). A radius of
+    0 is a sharp tool edge, whose normals fan out: the envelope is the trochoid of the edge.
     """
 
     centre: tuple[float, float]
@@ -147,10 +150,10 @@ class Arc:
 
 
 def at_height(profile: Profile, x: float, start: float) -> float:
-    """p of the point of a profile at height x (mm), by Newton's method from p = `start`; NaN where it does not get there."""
+    """Return p of the point of a profile at height x (mm), by Newton's method from p = `start`; NaN if it fails."""
     p = start
     with np.errstate(divide="ignore", invalid="ignore"):
-        for _ in range(HEIGHT_STEPS):
+        for _ in range(MAX_HEIGHT_STEPS):
             point, tangent, _, _ = profile.section(np.array(p))
             p = p - float((point[0] - x) / tangent[0])
     return p
@@ -158,7 +161,7 @@ def at_height(profile: Profile, x: float, start: float) -> float:
 
 @dataclass(frozen=True)
 class Reversed:
-    """A profile with its material on the other side, passed through backwards: p' = -p, n' = -n."""
+    """A profile with its material on the other side, traversed in the opposite direction: p' = -p, n' = -n."""
 
     profile: Profile
 
@@ -169,9 +172,10 @@ class Reversed:
 
 @dataclass(frozen=True)
 class RolledArc:
-    """An arc over p = pi/2 - cot(angle), with which what a rolling rack generates of it grows about evenly, down to small angles.
+    """An arc with the parameter p = pi/2 - cot(angle), in which generated points are about evenly spaced.
 
-    The normal meets the pitch plane aside of a point of height x by x cot(angle).
+    This holds down to small angles: the normal at a point of height x meets the pitch plane at the distance x
+    cot(angle) along it.
     """
 
     arc: Arc
@@ -184,19 +188,22 @@ class RolledArc:
 
     @staticmethod
     def parameter(angle: float) -> float:
-        """p of an angle (rad)."""
+        """Return p of an angle (rad)."""
         return float(0.5 * np.pi - 1.0 / np.tan(angle))
 
 
 @dataclass(frozen=True)
 class ProfilePieces:
-    """Pieces of profiles one after the other: piece k between `knots` k and k + 1 (K + 1,), which fall, as p does along a tip.
+    """Pieces of profiles in sequence: piece k lies between `knots` k and k + 1.
 
-    `own[k]`: its own parameter at both, straight between them. What the pieces generate is one line; they themselves need not be.
+    The surface generated by the pieces is continuous; the pieces themselves need not be.
     """
 
+    #: profiles of the K pieces
     profiles: tuple[Profile, ...]
+    #: parameters p (K + 1,) at the ends of the pieces, decreasing, as p does along a tip
     knots: tuple[float, ...]
+    #: the profile's own parameter at both ends of each piece, linear in p between them
     own: tuple[tuple[float, float], ...]
 
     def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
@@ -215,15 +222,18 @@ class ProfilePieces:
 
 @dataclass(frozen=True)
 class RackSurface:
-    """Cutter surface swept by `profile`, parameters (p, u): profile parameter and length along the tooth trace, mm.
+    """Cutter surface swept by `profile`; parameters (p, u): profile parameter and length along the tooth trace, mm.
 
-    `helix` beta and `cone` delta in rad; `side` +1 for the right side (y < 0), -1 for its mirror image, the left.
-    Frame S_c of [LT02 Fig. 2]; the normal points out of the blank's tooth, into the cutter.
+    The frame is S_c of [LT02 Fig. 2]; the normal points out of the blank's tooth, into the cutter.
     """
 
+    #: profile in the normal section
     profile: Profile
+    #: helix angle beta, rad
     helix: float
+    #: cone angle delta, rad
     cone: float
+    #: +1 for the right side (y < 0), -1 for its mirror image, the left side
     side: int = 1
 
     def jet(self, u: Array, v: Array) -> Jet:
@@ -236,12 +246,15 @@ class RackSurface:
 
     @cached_property
     def _directions(self) -> tuple[Array, Array]:
-        """Directions of x_n and y_n (2, 3) and of u (3,) of this side: the left one is the right one with y_n reversed."""
+        """Directions of x_n and y_n (2, 3) and of u (3,) of this side; the left side has y_n reversed."""
         axes = self.axes
         return axes[:2] * np.array([[1.0], [self.side]]), axes[2]
 
     def cutter(self, tip: Profile, tip_radius: float, radius: float) -> ToolDescription:
-        """The rack cutter with this flank, and with `tip` what generates the fillet, that rolls on a pitch `radius` (mm)."""
+        """Return the description of the rack cutter with this flank.
+
+        The cutter rolls on a pitch `radius` (mm), and `tip` generates the fillet.
+        """
         dimensions = (
             Dimension("helix angle", float(np.degrees(self.helix)), "deg", "beta_0"),
             Dimension("tip radius", tip_radius, "mm", "rho_a0"),

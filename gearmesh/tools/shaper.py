@@ -1,17 +1,18 @@
-"""The involute shaper that generates a face gear: a spur pinion whose teeth are a little longer [LF04 18.5].
+"""The involute shaper that generates a face gear: a spur pinion with slightly longer teeth [LF04 18.5].
 
-Cross section, in the frame of the racks: x from the shaper's pitch cylinder towards its axis, which is outward from the
-face gear's root; y across. The space of the shaper, in which the gear's tooth stands, is centred on y = 0:
+Cross section in the frame of the racks: x points from the shaper's pitch cylinder towards the shaper's axis, which is
+outward from the face gear's root; y points across. The gear's tooth is in the space of the shaper, which is centred on
+y = 0:
 
           x ^   axis of the shaper far above
         ---+---  base circle: the involute begins, theta_s = 0
            |  /
         ---+-/--  pitch cylinder
            |/  involute, outward normal of the gear's tooth n = (sin, -cos)
-      ____ (   tip rounding: generates the fillet; a sharp edge where its radius is 0
+      ____ (   tip rounding: generates the fillet; a sharp edge for a radius of 0
            top cylinder: generates the root
 
-As a surface it is the cylinder over this section, `RackSurface(profile, helix=0, cone=0, side)`.
+The surface is the cylinder over this section, `RackSurface(profile, helix=0, cone=0, side)`.
 """
 
 from __future__ import annotations
@@ -31,9 +32,9 @@ from gearmesh.tools.rack import Arc
 
 @dataclass(frozen=True)
 class Involute:
-    """Involute of the circle of `base_radius` (mm), beginning at the angle `start` (rad) beside x [LF04 18.5.2].
+    """Involute of the circle of `base_radius` (mm) that begins at the angle `start` (rad) from x [LF04 18.5.2].
 
-    The parameter is theta_s, rad: tangent of the pressure angle there. `pitch_radius` (mm): where x is 0.
+    The parameter is theta_s, rad: the tangent of the pressure angle. x is 0 at `pitch_radius` (mm).
     """
 
     base_radius: float
@@ -50,19 +51,24 @@ class Involute:
 
 @dataclass(frozen=True)
 class Shaper:
-    """An involute spur shaper, lengths in mm, `pressure_angle` in rad.
+    """An involute spur shaper.
 
-    `addendum` and `tip_radius` are lengths; `profile_shift` (in modules) thickens its teeth and is part of the addendum; `thicker`
-    (mm, on the pitch circle) thickens them without it.
-    Raises DesignError, naming key, value and limit, for a tip that is pointed or has no room for its rounding.
+    Raises DesignError, with key, value and limit, for a pointed tip or a tip without room for its rounding.
     """
 
+    #: number of teeth
     teeth: int
+    #: module, mm
     module: float
+    #: pressure angle, rad
     pressure_angle: float
+    #: addendum, mm, which includes the profile shift
     addendum: float
+    #: rounding of the tip, mm; 0 for a sharp edge
     tip_radius: float = 0.0
+    #: profile shift, in modules, which thickens the teeth
     profile_shift: float = 0.0
+    #: additional tooth thickness on the pitch circle, mm, without a longer addendum
     thicker: float = 0.0
 
     def __post_init__(self) -> None:
@@ -92,7 +98,7 @@ class Shaper:
 
     @property
     def largest_tip_radius(self) -> float:
-        """Largest rounding (mm) that the tip has room for."""
+        """Largest rounding (mm) for which the tip has room."""
         ends = np.zeros(1), np.array([self.top_radius - self.base_radius])
         largest, _ = last_true(lambda radius, _: np.array([self._fits(float(r)) for r in radius]), *ends)
         return float(largest[0])
@@ -112,7 +118,7 @@ class Shaper:
 
     @property
     def theta_0(self) -> float:
-        """Half of the space's width on the base circle, rad [LF04 18.5.3]; a profile shift makes it narrower."""
+        """Half of the space's width on the base circle, rad [LF04 18.5.3]; a profile shift makes the space narrower."""
         tangent = np.tan(self.pressure_angle)
         half_space = (0.5 * np.pi - 2.0 * self.profile_shift * tangent - self.thicker / self.module) / self.teeth
         return float(half_space - (tangent - self.pressure_angle))
@@ -138,18 +144,18 @@ class Shaper:
     @cached_property
     def rounding(self) -> Arc:
         """Tip rounding, tangent to involute and top cylinder."""
-        reach, angle = self.top_radius - self.tip_radius, self._top_angle(self.tip_radius)
-        centre = (float(self.pitch_radius - reach * np.cos(angle)), float(-reach * np.sin(angle)))
+        centre_radius, angle = self.top_radius - self.tip_radius, self._top_angle(self.tip_radius)
+        centre = (float(self.pitch_radius - centre_radius * np.cos(angle)), float(-centre_radius * np.sin(angle)))
         return Arc(centre, -self.tip_radius)
 
     @property
     def top(self) -> Arc:
-        """Top cylinder, by the parameter at which the rounding touches it."""
+        """Top cylinder, with the parameter at which the rounding touches it."""
         return Arc((self.pitch_radius, 0.0), -self.top_radius)
 
     @property
     def form_point(self) -> tuple[float, float]:
-        """Parameters (rad) of involute and rounding where they pass into each other."""
+        """Parameters (rad) of involute and rounding where they join."""
         theta = self._centre_roll(self.tip_radius) + self.tip_radius / self.base_radius
         return theta, self.theta_0 + theta
 
@@ -159,19 +165,22 @@ class Shaper:
         return 0.5 * np.pi + self._top_angle(self.tip_radius)
 
     def theta_at(self, radius: float) -> float:
-        """theta_s (rad) of the involute's point at a radius (mm) not below the base circle's."""
+        """Return theta_s (rad) of the involute's point at a radius (mm), at least the base radius."""
         return float(np.sqrt((radius / self.base_radius) ** 2 - 1.0))
 
     def _fits(self, radius: float) -> bool:
-        """True if a rounding of `radius` mm stands over the base circle and leaves a top land."""
+        """Return True if a rounding of `radius` mm lies above the base circle and leaves a top land."""
         return radius <= self.top_radius - self.base_radius and self._top_angle(radius) <= np.pi / self.teeth
 
     def _centre_roll(self, radius: float) -> float:
-        """Distance of the rounding's centre from the base circle along the tangent through it, in base radii."""
-        # the centre stands on the involute's normal, `radius` before the involute
+        """Return the distance of the rounding's centre from the base circle, along the tangent, in base radii."""
+        # the centre lies on the involute's normal, `radius` away from the involute
         return self.theta_at(self.top_radius - radius)
 
     def _top_angle(self, radius: float) -> float:
-        """Polar angle (rad) from the middle of the space to where a rounding of `radius` mm touches the top cylinder."""
+        """Return the polar angle (rad) at which a rounding of `radius` mm touches the top cylinder.
+
+        The angle is counted from the middle of the space.
+        """
         roll = self._centre_roll(radius)
         return float(self.theta_0 + roll + radius / self.base_radius - np.arctan(roll))

@@ -1,13 +1,13 @@
-"""What makes the flanks of worms [ISO 10828]: a straight or rounded edge in a plane, an involute, a grinding disk.
+r"""Generating curves of worm flanks [ISO 10828]: a straight or rounded edge in a plane, an involute, a grinding disk.
 
-All are curves on the flank of a right-hand thread that looks towards +z, the thread centred on +x at z = 0 of the worm's frame, and
-sweep it in a screw motion. Profiles are those of `rack`: x outward from the reference cylinder, n = (sin, -cos) out of the thread,
-and -y along the section's second axis.
+Every curve lies on the flank of a right-hand thread that faces +z, and sweeps the flank in a screw motion. The thread
+is centred on +x at z = 0 of the worm's frame. Profiles are those of `rack`: x outward from the reference cylinder, n =
+(sin, -cos) out of the thread, and -y along the section's second axis.
 
       x ^   ____  thread     ZA  edge in the axial plane
-        |  /    \\            ZN  edge in the plane across the helix, in the middle of the space (or thread)
-     ---+-/------\\---> -y    ZI  involute of the transverse section
-        |/        \\          ZK, ZC  disk whose axis is across the helix in the middle of the space, its profile a line or an arc
+        |  /    \            ZN  edge in the plane across the helix, in the middle of the space (or thread)
+     ---+-/------\---> -y    ZI  involute of the transverse section
+        |/        \          ZK, ZC  disk whose axis is across the helix in the middle of the space, its profile a line or an arc
 """
 
 from __future__ import annotations
@@ -23,20 +23,22 @@ from gearmesh.tools.profile import Profile
 
 @dataclass(frozen=True)
 class PlaneEdge:
-    """An edge in a plane through the x axis line at height `middle` (mm), turned by `tilt` (rad) out of the axial plane.
+    """An edge in a plane that contains a line parallel to x and is turned out of the axial plane."""
 
-    `radius`: of the reference cylinder, mm; `screw` in mm/rad.
-    """
-
+    #: profile of the edge
     profile: Profile
+    #: radius of the reference cylinder, mm
     radius: float
+    #: axial advance of the thread, mm/rad
     screw: float
+    #: angle of the plane out of the axial plane, rad
     tilt: float = 0.0
+    #: height of the line parallel to x, mm
     middle: float = 0.0
 
     def at(self, p: Array) -> Generatrix:
         points, tangents, normals, turned = self.profile.section(np.asarray(p, dtype=float))
-        # the tangent is the normal turned by a right angle, along which x grows
+        # the unit tangent is the normal turned by a right angle, in the direction of growing x
         c, c_p = self._lift(points), self._lift(tangents)
         along, along_p = (self._lift(components(-b[..., 1], b[..., 0])) for b in (normals, turned))
         c = c + np.array([self.radius, 0.0, self.middle])
@@ -49,19 +51,22 @@ class PlaneEdge:
 
 @dataclass(frozen=True)
 class TransverseInvolute:
-    """The involute of the base circle `radius` (mm) at z = `middle` (mm), p its roll angle (rad), turned by `angle` (rad): of ZI
-    worms."""
+    """Transverse section of ZI worms: an involute whose parameter p is the roll angle (rad)."""
 
+    #: radius of the base circle, mm
     radius: float
+    #: axial advance of the thread, mm/rad
     screw: float
+    #: polar angle (rad) at which the involute begins on the base circle
     angle: float
+    #: height z of the section, mm
     middle: float
 
     def at(self, p: Array) -> Generatrix:
         p = np.asarray(p, dtype=float)
         turn, r, screw = self.angle + p, self.radius, self.screw
         c, s, p_r = np.cos(turn), np.sin(turn), r * p
-        # tangent x path = (c, s, 0) x (r e_s + p_r e_c + P e_z), whose length does not change along the involute
+        # the normal is tangent x path = (c, s, 0) x (r e_s + p_r e_c + P e_z); its length is constant along the involute
         across = screw / np.hypot(screw, r)
         s_n, c_n = across * s, across * c
         return Generatrix(
@@ -74,25 +79,30 @@ class TransverseInvolute:
 
 @dataclass(frozen=True)
 class DiskLine:
-    """Where a disk touches the flank that it grinds: n . (e_z x r + P e_z) = 0, the same in every place of its screw motion.
+    """Line on which a disk touches the flank that it grinds: n . (e_z x r + P e_z) = 0.
 
-    The disk's axis crosses the worm's at `tilt` (rad) and at the distance `distance` (mm), at z = `middle` (mm).
-
-    Normals of the disk meet its axis, at a point that does not depend on the angle delta about it, and moving r along n changes
-    nothing. With n_x and n_w the parts of the profile's normal across and along that axis, rho the distance from it and w the place
-    along it:
+    The line is the same at every place of the screw motion. Normals of the disk meet its axis at a point that does not
+    depend on the angle delta about the axis, and a shift of r along n does not change the equation. Let n_x and n_w be
+    the components of the profile's normal across and along the disk's axis, rho the distance from this axis and w the
+    coordinate along it:
 
         g sin(tilt) cos(delta) - n_x (a cos(tilt) + P sin(tilt)) sin(delta) + n_w (P cos(tilt) - a sin(tilt)) = 0,
         g = rho n_w - w n_x
 
-    of which the root nearer to 0 counts. NaN where the profile touches nowhere.
+    a is `distance`. The root nearer to 0 is the physical one. NaN where the profile does not touch the thread.
     """
 
+    #: profile of the disk
     profile: Profile
+    #: radius of the worm's reference cylinder, mm
     radius: float
+    #: axial advance P of the thread, mm/rad
     screw: float
+    #: angle between the axes of disk and worm, rad
     tilt: float
+    #: height z of the disk's axis at the common perpendicular, mm
     middle: float
+    #: distance a between the axes, mm
     distance: float
 
     def at(self, p: Array) -> Generatrix:
@@ -105,29 +115,33 @@ class DiskLine:
         axis = np.array([self.distance, 0.0, self.middle])
         r = axis - over[..., None] * inward - along[..., None] * across
         n = n_x[..., None] * inward + n_w[..., None] * across
-        # by the disk's angle, and along its profile
+        # partial derivatives by the disk's angle and along its profile
         r_d, n_d = -over[..., None] * aside, n_x[..., None] * aside
         r_p = tangents[..., :1] * inward - tangents[..., 1:] * across
         n_p = turned[..., :1] * inward - turned[..., 1:] * across
+        # the derivative of the angle by p follows from df = 0 along the line
         path = about_axis(r) + self.screw * AXIS
         f_d = dot(n_d, path) + dot(n, about_axis(r_d))
         rate = -((dot(n_p, path) + dot(n, about_axis(r_p))) / f_d)[..., None]
         return Generatrix(r, n, r_p + rate * r_d, n_p + rate * n_d)
 
     def _half_angle(self, over: Array, along: Array, normal: tuple[Array, Array]) -> Array:
-        """tan(delta / 2) (...,) where the disk touches, NaN where it does not."""
+        """Return tan(delta / 2) (...,) at which the disk touches; NaN where it does not."""
         sin, cos = np.sin(self.tilt), np.cos(self.tilt)
         n_x, n_w = normal
         level, swing = n_w * (self.screw * cos - self.distance * sin), (over * n_w - along * n_x) * sin
         slope = n_x * (self.distance * cos + self.screw * sin)
-        # a negative square is a profile that the thread moves past without touching it
+        # a negative square means that the thread passes the profile without touching it
         with np.errstate(invalid="ignore"):
             root = np.sqrt(slope**2 - level**2 + swing**2)
             return np.asarray((level + swing) / (slope + np.copysign(root, slope)))
 
 
 def _towards(half: Array, round_: Array) -> tuple[Array, Array]:
-    """Unit vectors (..., 3) from a disk's rim to its axis and their derivatives by its angle; `half`: tangent (...,) of half."""
+    """Return unit vectors (..., 3) from a disk's rim to its axis and their derivatives by its angle.
+
+    `half` (...,) is the tangent of half the angle.
+    """
     scale = 1.0 / (1.0 + half**2)
     c, s = ((1.0 - half**2) * scale)[..., None], (2.0 * half * scale)[..., None]
     x = np.array([1.0, 0.0, 0.0])

@@ -20,7 +20,7 @@ from gearmesh.kernel.surface.surface import GeneratedSurface, PlacedSurface
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.tools.head_cutter import OUTSIDE, Blade, Revolved
+from gearmesh.tools.head_cutter import OUTSIDE_BLADE, Blade, Revolved
 from gearmesh.tools.profile import Profile
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class Generated:
     @property
     def concave(self) -> bool:
         """True for the concave side, which outside blades cut."""
-        return self.blade.side == OUTSIDE
+        return self.blade.side == OUTSIDE_BLADE
 
     @property
     def flank(self) -> Side:

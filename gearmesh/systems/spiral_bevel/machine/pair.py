@@ -23,7 +23,7 @@ from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.limits import lost_heights
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
-from gearmesh.tools.head_cutter import INSIDE, OUTSIDE
+from gearmesh.tools.head_cutter import INSIDE_BLADE, OUTSIDE_BLADE
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import BevelDesign
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 #: sign of a member's hand in frames and motions
 HAND_SIGNS = {"right": 1, "left": -1}
 #: side of the cutter whose blades cut a side of the tooth
-BLADE_SIDES = {"concave": OUTSIDE, "convex": INSIDE}
+BLADE_SIDES = {"concave": OUTSIDE_BLADE, "convex": INSIDE_BLADE}
 #: side of the gear that meets a side of the pinion
 MATING_SIDES = {"concave": "convex", "convex": "concave"}
 

@@ -38,7 +38,7 @@ from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import (
     pinion_operator,
     tool_settings,
 )
-from gearmesh.tools.head_cutter import OUTSIDE, Blade, Toprem
+from gearmesh.tools.head_cutter import OUTSIDE_BLADE, Blade, Toprem
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import BladeTable, FaceMilledDesign, GearCutter, Machine, PinionSide
@@ -219,7 +219,7 @@ def _gear_side(
     Raises DesignError for a blade that cannot exist.
     """
     spec, member, side = design.gear.cutter, blank.gear, BLADE_SIDES[name]
-    table, nominal = ("outside", blank.blade_angles[1]) if side == OUTSIDE else ("inside", blank.blade_angles[0])
+    table, nominal = ("outside", blank.blade_angles[1]) if side == OUTSIDE_BLADE else ("inside", blank.blade_angles[0])
     own = blade_keys(spec, getattr(spec, table))
     prefix = f"gear.cutter.{table}" if getattr(spec, table).model_fields_set else "gear.cutter"
     angle = _radians(own["blade_angle"], nominal)
