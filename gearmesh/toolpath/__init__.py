@@ -1,1 +1,1 @@
-"""Passes of a ball-end cutter that finishes the spaces between teeth on a five-axis machine, and the proof of what it leaves."""
+"""Tool paths of ball-end cutters: passes, tool axes, motions, proof and cutter location files."""

@@ -1,14 +1,18 @@
-r"""Tool axes: for each pass one lead and one tilt from the middle of the space, with which the shank stays clear of all teeth.
+"""Tool axes: one lead and one tilt per pass, measured from the opening of the space, that keep the shank clear of all
+teeth.
 
-A shank of radius R along the axis a from the ball's centre c is as far from a point q beside it (0 < (q - c) . a < L) as
+A shank of radius R along the axis a from the ball's centre c has the following distance from a point q beside it (0 <
+(q - c) . a < L):
 
     |(q - c) - ((q - c) . a) a| - R
 
-and from the surface that the ball touches, where a rises from its tangent plane by beta (sin beta = a . n), R (1 / cos beta - 1).
-Of the directions tried the one nearest to the middle of the space is taken that keeps the clearance wanted, or, where none
-does, the
-one that keeps most. Directions are chosen for a few passes and stations; the angles of the passes between are interpolated, and the
-clearance of what is taken is measured anew, at all points of all passes (`proof`).
+The axis a rises from the tangent plane at the point of contact by beta (sin beta = a . n). The distance of the shank
+from this plane is R (1 / cos beta - 1).
+
+Of the directions tried, the direction nearest to the opening of the space that keeps the wanted clearance is taken. If
+there is none, the direction with the largest clearance is taken. Directions are chosen at a few passes and stations;
+the angles of the passes between are interpolated. The clearance of the resulting axes is measured at the points of all
+passes (`proof`).
 """
 
 from __future__ import annotations
@@ -23,17 +27,22 @@ from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.passes import Passes
 from gearmesh.toolpath.space import CutSpace
 
-#: deg: tilts and leads that are tried; leads other than the first only where no tilt alone keeps the shank clear
-TILTS = np.arange(-40.0, 85.0, 5.0)
-LEADS = (0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0)
-#: clearance wanted, as a share of the ball's radius
-WANTED = 0.05
-#: passes and stations for which axes are chosen, and points across a wall beside a station
-PASSES, STATIONS, ACROSS = 21, 7, 25
-#: places beside a station, in radii of the ball, at which sections of the teeth stand in the way
-BESIDE = (-0.5, -0.25, 0.0, 0.25, 0.5)
-#: points in the way at once
-BLOCK = 2_000
+#: tilts that are tried
+TRIED_TILTS_DEG = np.arange(-40.0, 85.0, 5.0)
+#: leads that are tried; leads after the first are used only if no tilt alone keeps the shank clear
+TRIED_LEADS_DEG = (0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0)
+#: wanted clearance, in radii of the ball
+WANTED_CLEARANCE_RADII = 0.05
+#: passes for which axes are chosen
+MAX_CHOSEN_PASSES = 21
+#: stations at which axes are chosen
+MAX_CHOSEN_STATIONS = 7
+#: points across a wall of the teeth near a station
+POINTS_ACROSS_WALL = 25
+#: distances from a station, in radii of the ball, of the sections that represent the teeth near it
+SECTION_OFFSETS_RADII = (-0.5, -0.25, 0.0, 0.25, 0.5)
+#: points of the teeth that are processed at once
+POINTS_PER_BLOCK = 2_000
 
 
 @dataclass(frozen=True)
@@ -47,56 +56,61 @@ class Axes:
 
 @dataclass(frozen=True)
 class _Tried:
-    """Directions (K,), rad, with the clearance (P, K), mm, and the length (P, K), mm, of shank that stays clear."""
+    """Directions that were tried, with their clearances."""
 
+    #: lead (K,), rad
     lead: Array
+    #: tilt (K,), rad
     tilt: Array
+    #: clearance (P, K) of the shank, mm
     clearance: Array
+    #: longest shank (P, K) that stays clear, mm
     clear: Array
 
 
 def choose_axes(
     space: CutSpace, passes: Passes, ball: BallCutter, lead: float | None = None, tilt: float | None = None
 ) -> Axes:
-    """Axes of all passes. Given `lead` and `tilt`, rad, are kept.
+    """Return the axes of all passes. `lead` and `tilt`, rad, are kept if given.
 
-    Raises NoSolutionError where the shank is not clear of the teeth, with the longest that is.
+    Raises NoSolutionError, with the longest clear shank, if the shank is not clear of the teeth.
     """
-    some = np.unique(np.linspace(0, len(passes.centres) - 1, PASSES).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(passes.centres) - 1, MAX_CHOSEN_PASSES).round().astype(int))
     if lead is not None and tilt is not None:
-        angles = np.full((2, some.size), [[lead], [tilt]])
+        angles = np.full((2, chosen.size), [[lead], [tilt]])
     else:
-        angles = _choose(space, passes, ball, some, lead, tilt)
-    # angles are interpolated on either side of the root alone: a tilt is away from the own wall
-    full = np.empty((2, len(passes.centres)))
+        angles = _choose(space, passes, ball, chosen, lead, tilt)
+    # angles are interpolated separately on either side of the root, because a tilt leans away from the wall of its side
+    all_angles = np.empty((2, len(passes.centres)))
     for side in np.unique(passes.side):
-        own, of_side = np.flatnonzero(passes.side == side), passes.side[some] == side
-        known, values = (some[of_side], angles[:, of_side]) if of_side.any() else (some, angles)
-        full[:, own] = [np.interp(own, known, row) for row in values]
-    return Axes(full[0], full[1], passes.frames.axis(full[0], full[1], passes.side))
+        passes_of_side, of_side = np.flatnonzero(passes.side == side), passes.side[chosen] == side
+        passes_with_angles, values = (chosen[of_side], angles[:, of_side]) if of_side.any() else (chosen, angles)
+        all_angles[:, passes_of_side] = [np.interp(passes_of_side, passes_with_angles, row) for row in values]
+    return Axes(all_angles[0], all_angles[1], passes.frames.axis(all_angles[0], all_angles[1], passes.side))
 
 
 def _choose(
     space: CutSpace, passes: Passes, ball: BallCutter, some: Array, lead: float | None, tilt: float | None
 ) -> Array:
-    """Lead and tilt (2, S), rad, of some passes (S,)."""
-    tilts = np.radians(TILTS) if tilt is None else np.array([tilt])
-    leads = np.radians(LEADS) if lead is None else np.array([lead])
+    """Return lead and tilt (2, S), rad, of the passes numbered `some` (S,)."""
+    tilts = np.radians(TRIED_TILTS_DEG) if tilt is None else np.array([tilt])
+    leads = np.radians(TRIED_LEADS_DEG) if lead is None else np.array([lead])
     best = np.full((2, some.size), np.nan)
     clear = np.zeros(some.size)
-    for own_lead in leads:
-        open_ = np.flatnonzero(np.isnan(best[0]))
-        if not open_.size:
+    for tried_lead in leads:
+        undecided = np.flatnonzero(np.isnan(best[0]))
+        if not undecided.size:
             break
-        tried = _try(space, passes, ball, some[open_], np.full(tilts.size, own_lead), tilts)
+        tried = _try(space, passes, ball, some[undecided], np.full(tilts.size, tried_lead), tilts)
+        # take the smallest tilt with the wanted clearance, or else the tilt with the largest clearance
         order = np.argsort(np.abs(tried.tilt) - 1e-6 * tried.tilt, kind="stable")
-        good = tried.clearance[:, order] >= WANTED * ball.radius
-        first, most = np.argmax(good, axis=1), np.argmax(tried.clearance[:, order], axis=1)
-        taken = order[np.where(good.any(axis=1), first, most)]
-        rows = np.arange(open_.size)
+        good = tried.clearance[:, order] >= WANTED_CLEARANCE_RADII * ball.radius
+        first_good, largest = np.argmax(good, axis=1), np.argmax(tried.clearance[:, order], axis=1)
+        taken = order[np.where(good.any(axis=1), first_good, largest)]
+        rows = np.arange(undecided.size)
         fits = tried.clearance[rows, taken] > 0.0
-        best[:, open_[fits]] = tried.lead[taken[fits]], tried.tilt[taken[fits]]
-        clear[open_] = np.maximum(clear[open_], tried.clear.max(axis=1))
+        best[:, undecided[fits]] = tried.lead[taken[fits]], tried.tilt[taken[fits]]
+        clear[undecided] = np.maximum(clear[undecided], tried.clear.max(axis=1))
     if np.isnan(best).any():
         longest = float(clear[np.isnan(best[0])].min())
         raise NoSolutionError(
@@ -112,17 +126,21 @@ def _choose(
 
 
 def _try(space: CutSpace, passes: Passes, ball: BallCutter, some: Array, leads: Array, tilts: Array) -> _Tried:
-    """Clearance and clear length of passes (P,) with axes (K,)."""
+    """Return clearance and clear length for the passes numbered `some` (P,) with axes of K leads and tilts."""
     clearance = np.full((some.size, tilts.size), np.inf)
     clear = np.full_like(clearance, np.inf)
     count = passes.centres.shape[1]
-    for j in np.unique(np.linspace(0, count - 1, STATIONS).round().astype(int)):
+    for j in np.unique(np.linspace(0, count - 1, MAX_CHOSEN_STATIONS).round().astype(int)):
         centres, normals, side = passes.centres[some, j], passes.normals[some, j], passes.side[some]
         axes = passes.frames.at(j).axis(leads, tilts, side[:, None])[..., 0, :]
+        # clearance from the wall that the ball touches, by the angle of the axis over its tangent plane
         rise = dot(axes, normals[:, None])
-        own = np.where(rise > 0.0, ball.radius * (1.0 / np.sqrt(np.maximum(1.0 - rise**2, 1e-12)) - 1.0), rise)
-        clearance = np.minimum(clearance, own)
+        wall_clearance = np.where(
+            rise > 0.0, ball.radius * (1.0 / np.sqrt(np.maximum(1.0 - rise**2, 1e-12)) - 1.0), rise
+        )
+        clearance = np.minimum(clearance, wall_clearance)
         clear = np.where(rise > 0.0, clear, 0.0)
+        # clearance from points of the teeth: shank and holder as cylinders, and the height at which an endless shank hits
         for points, gap in _in_the_way(space, passes, ball, int(j)):
             away, up = _from_axis(centres, axes, points)
             for part in ball.cylinders:
@@ -135,7 +153,7 @@ def _try(space: CutSpace, passes: Passes, ball: BallCutter, some: Array, leads: 
 
 
 def _from_axis(centres: Array, axes: Array, points: Array) -> tuple[Array, Array]:
-    """Distance (P, K, Q), mm, of points (Q, 3) from axes (P, K, 3), and their height over the centres (P, 3)."""
+    """Return distances (P, K, Q), mm, of points (Q, 3) from axes (P, K, 3), and heights over the centres (P, 3)."""
     way = points - centres[:, None]
     up = np.matmul(axes, np.swapaxes(way, 1, 2))
     away = np.sqrt(np.maximum(dot(way, way)[:, None] - up**2, 0.0))
@@ -143,12 +161,15 @@ def _from_axis(centres: Array, axes: Array, points: Array) -> tuple[Array, Array
 
 
 def _in_the_way(space: CutSpace, passes: Passes, ball: BallCutter, j: int) -> list[tuple[Array, float]]:
-    """Points (Q, 3) of the teeth about a station and of all others that the shank may reach, in blocks, each with what the teeth
-    may be nearer (mm) than their points."""
+    """Return blocks of points (Q, 3) of the teeth that the shank may reach at a station, each with a margin (mm).
+
+    The points belong to the teeth about the station and to all other teeth. A tooth may be nearer than its points by
+    the margin.
+    """
     stations, extent = passes.sections.stations, space.tooth.blank.extent
-    at = stations[j] + ball.radius * np.array(BESIDE)
+    at = stations[j] + ball.radius * np.array(SECTION_OFFSETS_RADII)
     sections = space.tooth.sections(np.unique(np.clip((at - extent[0]) / (extent[1] - extent[0]), 0.0, 1.0)))
-    s = np.linspace(0.0, 1.0, ACROSS)
+    s = np.linspace(0.0, 1.0, POINTS_ACROSS_WALL)
     near = [wall.jet(s, sections).r.reshape(-1, 3) for wall in space.walls]
     close = np.concatenate((*near, space.beyond(np.linspace(0.0, 1.0, 5), sections), space.beside))
     (far, gap), middle = space.far, passes.centres[:, j].mean(axis=0)
@@ -156,4 +177,8 @@ def _in_the_way(space: CutSpace, passes: Passes, ball: BallCutter, j: int) -> li
     if ball.holder is None:
         far = far[((far - middle) ** 2).sum(axis=-1) < reach**2]
     clouds = ((close, 0.0), (far, gap))
-    return [(points[k : k + BLOCK], own) for points, own in clouds for k in range(0, len(points), BLOCK)]
+    return [
+        (points[k : k + POINTS_PER_BLOCK], margin)
+        for points, margin in clouds
+        for k in range(0, len(points), POINTS_PER_BLOCK)
+    ]

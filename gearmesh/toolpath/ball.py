@@ -1,6 +1,6 @@
-r"""Ball-end cutters, and the largest that fits into a space.
+r"""Ball-end cutters, and the largest ball that fits into a space.
 
-               |     |        holder, if there is one: a cylinder from the end of the shank on, without end
+               |     |        holder, if there is one: an endless cylinder from the end of the shank on
                '-. .-'
                  | |          shank: a cylinder of the ball's diameter, `length` long beyond the ball's centre
                  | |
@@ -9,11 +9,11 @@ r"""Ball-end cutters, and the largest that fits into a space.
              \    r   /       c = r + (R + stock) n touches the surface in r; the tip is at c - R a, a the unit tool axis
               `--.|.-'
 
-A ball that touches in r, with normal n, and passes through q has the radius |q - r|^2 / (2 n . (q - r)). The least of these
-over all q
-of the space, and 1/k1 of the larger principal curvature in r (q next to r), is the radius of the largest ball that touches in r
-without gouging; the least over all r that are finished is that of the largest cutter. In a groove it is the ball that touches both
-walls, in a fillet its least radius.
+A ball that touches the surface in r, with normal n, and passes through q has the radius |q - r|^2 / (2 n . (q - r)).
+The largest ball that touches in r without gouging has the least of these radii over all q of the space. Its radius is
+at most 1/k1, with k1 the larger principal curvature in r (the limit of q next to r). The largest cutter has the least
+radius over all finished r. In a groove this is the ball that touches both walls; in a fillet it is the fillet's least
+radius.
 """
 
 from __future__ import annotations
@@ -34,28 +34,38 @@ from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.corners import InnerCorner, largest_between
 from gearmesh.toolpath.space import CutSpace
 
-#: length (diameters) of a shank that is not given
-LENGTH = 5.0
-#: least and largest diameter and length, mm
-SIZES = 1e-3, 1e4
-#: stations along the face, and points across a wall where it is touched, and where it may be hit
-STATIONS, TOUCHED, HIT = 9, 17, 33
-#: places on either side of a station where walls may be hit, as a share of the depth of the space: a ball reaches not much farther
-BESIDE = np.linspace(-0.6, 0.6, 37)
-#: how many of the narrowest places are refined; rounds, points of each, and by how much the window shrinks
-PLACES, ROUNDS, WINDOW, SHRINK = 2, 8, 7, 0.36
-#: distance (mm) below which two points are one: 1/k1 has the limit
-SAME = 1e-3
-#: diameter (mm) of the largest ball below which two surfaces meet in a sharp inner corner: it is then a few SAME over the sine
-#: of the corner's angle
-SHARP = 0.02
-#: a ball is refused where it is larger than the largest by more than this share of it
-ROOM = 1e-6
+#: default length of a shank, in diameters of the ball
+DEFAULT_LENGTH_DIAMETERS = 5.0
+#: allowed diameters and lengths
+SIZE_RANGE_MM = 1e-3, 1e4
+#: stations along the face at which balls are tried
+STATIONS_ALONG_FACE = 9
+#: points across a wall that the ball may touch
+TOUCHED_POINTS = 17
+#: points across a wall that the ball may hit
+HIT_POINTS = 33
+#: distances from a station at which walls may be hit, in depths of the space; a ball reaches little farther
+HIT_OFFSETS_DEPTHS = np.linspace(-0.6, 0.6, 37)
+#: number of the narrowest stations that are refined
+REFINED_STATIONS = 2
+#: rounds of the refinement
+REFINING_ROUNDS = 8
+#: points across the window of a round
+POINTS_PER_WINDOW = 7
+#: factor of the window's size from round to round
+WINDOW_SHRINKAGE = 0.36
+#: smallest distance between two points of a ball; 1/k1 replaces nearer points
+MIN_DISTANCE_MM = 1e-3
+#: surfaces with a smaller largest ball meet in a sharp inner corner. There the ball's size is a few MIN_DISTANCE_MM
+#: over the sine of the corner's angle
+SHARP_CORNER_DIAMETER_MM = 0.02
+#: relative excess over the largest ball up to which a ball is accepted
+RELATIVE_ROOM = 1e-6
 
 
 @dataclass(frozen=True)
 class ToolCylinder:
-    """A part of a cutter, mm: radius, and heights over the ball's centre between which it is."""
+    """Cylindrical part of a cutter, mm: its radius, and its lowest and highest height over the ball's centre."""
 
     radius: float
     low: float
@@ -64,10 +74,13 @@ class ToolCylinder:
 
 @dataclass(frozen=True)
 class BallCutter:
-    """Ball-end cutter, mm: diameter of ball and shank, length of the shank beyond the ball's centre, and diameter of the holder."""
+    """Ball-end cutter; lengths in mm."""
 
+    #: diameter of ball and shank
     diameter: float
+    #: length of the shank beyond the ball's centre
     length: float
+    #: diameter of the holder, None without a holder
     holder: float | None = None
 
     @property
@@ -76,18 +89,18 @@ class BallCutter:
 
     @property
     def cylinders(self) -> tuple[ToolCylinder, ...]:
-        """The shank, and the holder."""
+        """The shank, and the holder if there is one."""
         shank = ToolCylinder(self.radius, 0.0, self.length)
         return (shank,) if self.holder is None else (shank, ToolCylinder(0.5 * self.holder, self.length, np.inf))
 
     @property
     def text(self) -> str:
-        """As it is asked for."""
+        """The cutter as the user writes it."""
         return f"ball:{self.diameter:g},{self.length:g}" + ("" if self.holder is None else f",{self.holder:g}")
 
     @staticmethod
     def of(text: str) -> BallCutter:
-        """The cutter that "ball:D", "ball:D,L" or "ball:D,L,H" says. Raises DesignError for another text."""
+        """Return the cutter of a text "ball:D", "ball:D,L" or "ball:D,L,H". Raises DesignError for any other text."""
         kind, _, sizes = text.partition(":")
         parts = sizes.split(",")
         allowed = "ball:D, ball:D,L or ball:D,L,H, as ball:3mm,40mm,20mm, each from 0.001 to 10000 mm, H more than D"
@@ -95,44 +108,47 @@ class BallCutter:
         if kind != "ball" or len(parts) > 3:
             raise refusal
         try:
-            diameter, *further = (in_mm("tool", part, *SIZES) for part in parts)
+            diameter, *further = (in_mm("tool", part, *SIZE_RANGE_MM) for part in parts)
         except ArgumentError:
             raise refusal from None
         holder = further[1] if len(further) > 1 else None
         if holder is not None and holder <= diameter:
             raise refusal
-        return BallCutter(diameter, further[0] if further else LENGTH * diameter, holder)
+        return BallCutter(diameter, further[0] if further else DEFAULT_LENGTH_DIAMETERS * diameter, holder)
 
 
 @dataclass(frozen=True)
 class LargestBall:
-    """Radius (mm) of the largest ball that touches all that is finished, the region in which it touches where it is narrowest, and
-    what it hits there: another region, or the same one, where the surface is too much curved; or the regions beside the `corner`
-    in which a larger one would leave too much."""
+    """The largest ball that touches all finished surfaces, and what limits it."""
 
+    #: radius, mm
     radius: float
+    #: region that the ball touches at the narrowest place, or the region before the `corner`
     touched: Region
+    #: region that the ball hits there; the touched region itself if its curvature is the limit; or the region after the
+    #: `corner`
     hit: Region
+    #: True if a larger ball would leave too much in the corner between both regions
     corner: bool = False
 
     @property
     def why(self) -> str:
-        """What limits it, in words."""
+        """The limit in words."""
         touched, hit = (str(region).replace("_", " ") for region in (self.touched, self.hit))
         if self.corner:
             return f"what it may leave in the sharp inner corner between {touched} and {hit}"
         return f"the least radius of the {touched}" if touched == hit else f"the room between {touched} and {hit}"
 
 
-#: number of a wall, s and t
+#: number of a wall, with the parameters s and t
 _Place = tuple[int, float, float]
-#: lines s (S,) of walls by their numbers
+#: walls by their numbers, each with lines s (S,)
 _Lines = list[tuple[int, Array]]
 
 
 @dataclass(frozen=True)
 class _Spots:
-    """Places (N) and their jets (N,)."""
+    """N points of walls and their jets (N,)."""
 
     places: list[_Place]
     jet: Jet
@@ -146,18 +162,19 @@ class _Spots:
 
 @dataclass(frozen=True)
 class _Narrowest:
-    """Radius (mm) of the smallest of balls that touch in a place and pass through another, and both places."""
+    """The smallest ball that touches a wall in one place and passes through another: radius (mm) and both places."""
 
     radius: float
     places: tuple[_Place, _Place]
 
     @staticmethod
     def of(touched: _Spots, hit: _Spots, corners: Sequence[InnerCorner]) -> _Narrowest:
-        """Of all pairs of places but those on both sides of a corner."""
+        """Return the narrowest ball of all pairs of places, except pairs on both sides of a corner."""
         way = hit.jet.r[None] - touched.jet.r[:, None]
         square, height = dot(way, way), dot(way, touched.jet.n[:, None])
+        # radii of the balls through every pair of points, and radii of curvature at the points that are touched
         with np.errstate(divide="ignore", invalid="ignore"):
-            apart = (height > 0.0) & (square > SAME**2) & _beside_no_corner(touched, hit, corners)
+            apart = (height > 0.0) & (square > MIN_DISTANCE_MM**2) & _beside_no_corner(touched, hit, corners)
             radius = np.where(apart, square / (2.0 * height), np.inf)
             curved = np.where(touched.bend > 0.0, 1.0 / touched.bend, np.inf)
         i, j = np.unravel_index(int(np.argmin(radius)), radius.shape)
@@ -168,38 +185,50 @@ class _Narrowest:
 
 
 def _beside_no_corner(touched: _Spots, hit: _Spots, corners: Sequence[InnerCorner]) -> NDArray[np.bool_]:
-    """Whether places (N,) and places (M,) are not on both sides of a corner, (N, M)."""
-    one, other = (np.array([k for k, _, _ in spots.places]) for spots in (touched, hit))
-    first = np.minimum(one[:, None], other)
-    beside: NDArray[np.bool_] = (np.abs(one[:, None] - other) == 1) & np.isin(first, [own.before for own in corners])
+    """Return (N, M): False where a place (N,) and a place (M,) are on both sides of a corner."""
+    touched_walls, hit_walls = (np.array([k for k, _, _ in spots.places]) for spots in (touched, hit))
+    lower_wall = np.minimum(touched_walls[:, None], hit_walls)
+    beside: NDArray[np.bool_] = (np.abs(touched_walls[:, None] - hit_walls) == 1) & np.isin(
+        lower_wall, [corner.before for corner in corners]
+    )
     return ~beside
 
 
 def largest_ball(
     space: CutSpace, walls: Sequence[int], stock: float, corners: Sequence[InnerCorner] = (), left: float = 0.0
 ) -> LargestBall:
-    """The largest ball that finishes some walls of a space, with the rest of it in the way, and leaves `stock` (mm), and, in sharp
-    inner corners, no more than `left` (mm)."""
+    """Return the largest ball that finishes some walls of a space without gouging the other walls.
+
+    The ball leaves `stock` (mm) on the walls and no more than `left` (mm) in sharp inner corners.
+    """
     toe, heel = space.tooth.blank.extent
-    beside = BESIDE * min(1.0, space.depth / abs(heel - toe))
-    stations = np.linspace(0.0, 1.0, STATIONS)
+    beside = HIT_OFFSETS_DEPTHS * min(1.0, space.depth / abs(heel - toe))
+    # the narrowest pair of places at each station: touched points at the station, hit points around it
+    stations = np.linspace(0.0, 1.0, STATIONS_ALONG_FACE)
     ways = [(np.array([t]), np.unique(np.clip(t + beside, 0.0, 1.0))) for t in stations]
-    lines = ([(k, np.linspace(0.0, 1.0, TOUCHED)) for k in walls], _everywhere(space))
+    lines = ([(k, np.linspace(0.0, 1.0, TOUCHED_POINTS)) for k in walls], _everywhere(space))
     spots = _at(space, [(line, t) for both in ways for line, t in zip(lines, both, strict=True)])
     by_station = [_Narrowest.of(touched, hit, corners) for touched, hit in zip(spots[::2], spots[1::2], strict=True)]
     by_station.sort(key=lambda pair: pair.radius)
-    sizes = (1.0 / (TOUCHED - 1), 1.0 / (STATIONS - 1)), (1.0 / (HIT - 1), float(beside[1] - beside[0]))
-    least = min((_refine(space, pair, sizes, corners) for pair in by_station[:PLACES]), key=lambda pair: pair.radius)
-    touched, hit = (space.walls[k].region for k, _, _ in least.places)
-    radius, corner = largest_between(space, corners, least.radius, stock, left)
+    # refine the narrowest stations within windows of one grid step
+    sizes = (
+        (1.0 / (TOUCHED_POINTS - 1), 1.0 / (STATIONS_ALONG_FACE - 1)),
+        (1.0 / (HIT_POINTS - 1), float(beside[1] - beside[0])),
+    )
+    narrowest = min(
+        (_refine(space, pair, sizes, corners) for pair in by_station[:REFINED_STATIONS]), key=lambda pair: pair.radius
+    )
+    touched, hit = (space.walls[k].region for k, _, _ in narrowest.places)
+    # sharp corners may limit the ball further
+    radius, corner = largest_between(space, corners, narrowest.radius, stock, left)
     if corner is not None:
         touched, hit = (space.walls[k].region for k in (corner.before, corner.before + 1))
     return LargestBall(radius - stock, touched, hit, corner=corner is not None)
 
 
 def _everywhere(space: CutSpace) -> _Lines:
-    """Lines of all walls where a ball may hit them."""
-    return [(k, np.linspace(0.0, 1.0, HIT)) for k in range(len(space.walls))]
+    """Return lines of all walls that a ball may hit."""
+    return [(k, np.linspace(0.0, 1.0, HIT_POINTS)) for k in range(len(space.walls))]
 
 
 def _refine(
@@ -208,9 +237,12 @@ def _refine(
     sizes: tuple[tuple[float, float], tuple[float, float]],
     corners: Sequence[InnerCorner],
 ) -> _Narrowest:
-    """The narrowest ball near one, within windows of `sizes`, shares across the wall and along it, about its places."""
-    for k in range(ROUNDS):
-        windows = [_window(place, size, SHRINK**k) for place, size in zip(pair.places, sizes, strict=True)]
+    """Return the narrowest ball within windows about the places of `pair`.
+
+    `sizes` holds the windows of the touched and of the hit place, as shares across and along the wall.
+    """
+    for k in range(REFINING_ROUNDS):
+        windows = [_window(place, size, WINDOW_SHRINKAGE**k) for place, size in zip(pair.places, sizes, strict=True)]
         touched, hit = _at(space, windows)
         tried = _Narrowest.of(touched, hit, corners)
         pair = tried if tried.radius < pair.radius else pair
@@ -218,12 +250,12 @@ def _refine(
 
 
 def refuse_too_large(ball: BallCutter, largest: LargestBall, stock: float) -> None:
-    """Raise DesignError for a ball that is larger than the largest that fits, or a stock (mm) that leaves no room for any."""
+    """Raise DesignError for a ball larger than the largest that fits, or a stock (mm) without room for any ball."""
     most = 2.0 * largest.radius
-    if most >= SHARP and ball.diameter <= most * (1.0 + ROOM):
+    if most >= SHARP_CORNER_DIAMETER_MM and ball.diameter <= most * (1.0 + RELATIVE_ROOM):
         return
-    if most < SHARP <= most + 2.0 * stock:
-        room = largest.radius + stock - 0.5 * SHARP
+    if most < SHARP_CORNER_DIAMETER_MM <= most + 2.0 * stock:
+        room = largest.radius + stock - 0.5 * SHARP_CORNER_DIAMETER_MM
         raise ArgumentError(
             "stock",
             stock,
@@ -231,7 +263,7 @@ def refuse_too_large(ball: BallCutter, largest: LargestBall, stock: float) -> No
             reason="it leaves no room for a ball",
             allowed=f"at most {np.floor(1e4 * room) / 1e4:.7g} mm, by {largest.why}",
         )
-    if most < SHARP:
+    if most < SHARP_CORNER_DIAMETER_MM:
         raise ArgumentError(
             "tool",
             f"ball:{ball.diameter:g}",
@@ -253,15 +285,15 @@ def refuse_too_large(ball: BallCutter, largest: LargestBall, stock: float) -> No
 
 
 def _window(place: _Place, size: tuple[float, float], share: float) -> tuple[_Lines, Array]:
-    """Lines of a wall and stations about a place."""
+    """Return lines of a wall and stations about a place."""
     k, *centre = place
-    steps = share * np.linspace(-1.0, 1.0, WINDOW)
+    steps = share * np.linspace(-1.0, 1.0, POINTS_PER_WINDOW)
     s, t = (np.unique(np.clip(c + width * steps, 0.0, 1.0)) for c, width in zip(centre, size, strict=True))
     return [(k, s)], t
 
 
 def _at(space: CutSpace, grids: list[tuple[_Lines, Array]]) -> list[_Spots]:
-    """Places on lines of walls at stations t (T,), of several such grids."""
+    """Return the points on lines of walls at stations t (T,), for several such grids."""
     sections = space.tooth.sections(np.concatenate([t for _, t in grids]))
     ends = np.cumsum([t.size for _, t in grids])
     return [

@@ -1,15 +1,15 @@
-"""Cutter location files: the words of APT (ISO 4343) that readers of cutter locations have in common, one statement a line.
+"""Cutter location files: APT (ISO 4343), restricted to the words that all readers understand, one statement a line.
 
 PARTNO        name of the design and the member
-PPRINT        what it is, one line each
+PPRINT        description, one line each
 UNITS/MM
 MULTAX/ON     locations have a tool axis
 CUTTER/d,r,e,f,a,b,h    7-parameter cutter: diameter, corner radius, distance of the corner's centre from the axis (0) and its
               height over the tip (r), both angles 0, and the height
 LOADTL/n
-RAPID         of the next GOTO alone
+RAPID         for the next GOTO only
 FEDRAT/v,MMPM
-GOTO/x,y,z,i,j,k        the tip of the tool (not the ball's centre), mm, in the member's own frame, and the unit axis to the shank
+GOTO/x,y,z,i,j,k        tip of the tool (not the ball's centre), mm, in the member's own frame, and unit axis to the shank
 END, FINI
 """
 
@@ -20,14 +20,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from gearmesh.toolpath.ball import BallCutter
-from gearmesh.toolpath.motion import AXIS_DECIMALS, DECIMALS, ToolMotion
+from gearmesh.toolpath.motion import AXIS_DECIMALS, COORDINATE_DECIMALS, ToolMotion
 
-#: characters of a line of text
-WIDTH = 65
+#: characters of the text of a statement
+MAX_TEXT_LENGTH = 65
 
 
 def cls_text(title: str, notes: Sequence[str], motion: ToolMotion, ball: BallCutter, feed: float) -> str:
-    """The file of a motion at a feed, mm/min."""
+    """Return the file of a motion at a feed, mm/min."""
     r, d = ball.radius, ball.diameter
     head = [
         f"PARTNO {_plain(title)}",
@@ -41,9 +41,9 @@ def cls_text(title: str, notes: Sequence[str], motion: ToolMotion, ball: BallCut
 
 
 def _moves(motion: ToolMotion, feed: float) -> list[str]:
-    """Statements of all positions, with the words that change what goes before them."""
+    """Return the statements of all positions, with the statements that change space, feed or rapid before them."""
     table = np.concatenate((motion.tips, motion.axes), axis=1) + 0.0
-    template = "GOTO/" + ",".join([f"%.{DECIMALS}f"] * 3 + [f"%.{AXIS_DECIMALS}f"] * 3)
+    template = "GOTO/" + ",".join([f"%.{COORDINATE_DECIMALS}f"] * 3 + [f"%.{AXIS_DECIMALS}f"] * 3)
     lines: list[str] = []
     was_rapid = True
     for row, rapid, space, changed in zip(
@@ -65,6 +65,6 @@ def _moves(motion: ToolMotion, feed: float) -> list[str]:
 
 
 def _plain(text: str) -> str:
-    """Text in the letters that every reader has, not longer than a line."""
+    """Return the text with only the characters that every reader accepts, cut to the length of a line."""
     kept = "".join(c for c in text.replace("\n", " ") if c.isascii() and c.isprintable() and c not in "$'")
-    return kept[:WIDTH].strip()
+    return kept[:MAX_TEXT_LENGTH].strip()

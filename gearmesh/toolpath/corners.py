@@ -1,13 +1,15 @@
-r"""Sharp inner corners between two walls of a space: which part of either wall a ball reaches, and what it leaves between.
+r"""Sharp inner corners between two walls of a space: the part of either wall that a ball reaches, and the material left
+in the corner.
 
              \    (c)    /                  the ball touches both walls, r R tan(phi / 2) from the corner, phi the angle between
-              \   / \   /                   their normals; on the normals at the corner it leaves
+              \   / \   /                   their normals; along the normals at the corner it leaves
                \ /   \ /
        wall k   `-- --'   wall k + 1            R (1 - sqrt(1 - tan^2(phi / 2)))
                    V
 
-Where it touches both is solved on the surfaces: r_k(s, t) + R n_k = r_k+1(s', t') + R n_k+1 for s, s' and t' at given t. There the
-passes of both walls end. Along the tooth a corner may turn into an outer edge (phi < 0), up to which the ball goes on either wall.
+The contact with both walls is solved on the surfaces: r_k(s, t) + R n_k = r_k+1(s', t') + R n_k+1 for s, s' and t' at
+given t. The passes of both walls end there. Along the tooth a corner may turn into an outer edge (phi < 0); on both
+walls the ball then goes up to the edge.
 """
 
 from __future__ import annotations
@@ -26,27 +28,32 @@ from gearmesh.toolpath.space import CutSpace
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-#: normals (rad) that are no farther apart are one: a ball that touches one wall there cuts R angle^2 / 2 of the other
-SMOOTH = 1e-3
-#: stations at which corners are looked at
-STATIONS = 33
-#: Newton steps, the step of s and t of their differences, and the distance (mm) at which the ball touches both walls
-STEPS, STEP, TOUCHES = 12, 1e-6, 1e-9
-#: by how much farther from the corner passes end than where the ball touches both walls: what is interpolated between stations,
-#: and extrapolated to the ends, is far less
-MARGIN = 1.02
-#: rounds in which the largest ball of a corner is found
-REFINED = 4
-#: least share of the stations with a corner at which the ball has to touch both walls within the face
-FEWEST = 0.27
+#: largest angle between normals of a smooth joint; a ball on one wall cuts R angle^2 / 2 of the other
+MAX_SMOOTH_ANGLE_RAD = 1e-3
+#: stations at which corners are examined
+STATIONS_ALONG_FACE = 33
+#: Newton steps to the contact with both walls
+MAX_NEWTON_STEPS = 12
+#: step of s and t in the differences of Newton's method
+DIFFERENCE_STEP = 1e-6
+#: distance between the two centres that counts as contact with both walls
+CONTACT_TOLERANCE_MM = 1e-9
+#: factor by which passes end farther from the corner than the contact with both walls. The error of interpolation
+#: between stations, and of extrapolation to the ends, is far smaller
+CORNER_CLEARANCE_FACTOR = 1.02
+#: rounds of the search for the largest ball of a corner
+REFINING_ROUNDS = 4
+#: smallest share of the stations with a corner at which the ball must touch both walls within the face
+MIN_CONTACT_SHARE = 0.27
 
 
 @dataclass(frozen=True)
 class InnerCorner:
-    """The corner between wall `before` and the next one of a space: angles (STATIONS,), rad, between their normals, negative where
-    it is an outer edge."""
+    """The corner between wall `before` and the next wall of a space."""
 
+    #: number of the wall before the corner
     before: int
+    #: angles (STATIONS_ALONG_FACE,) between the normals, rad, negative at an outer edge
     angles: Array
 
     @property
@@ -56,31 +63,36 @@ class InnerCorner:
 
 
 def inner_corners(space: CutSpace, walls: Sequence[int]) -> tuple[InnerCorner, ...]:
-    """The sharp inner corners between walls (neighbours in their order) of a space."""
-    sections = space.tooth.sections(np.linspace(0.0, 1.0, STATIONS))
+    """Return the sharp inner corners between those of the given walls that are neighbours in a space."""
+    sections = space.tooth.sections(np.linspace(0.0, 1.0, STATIONS_ALONG_FACE))
     made = []
     for k in walls:
         if k + 1 not in walls:
             continue
         last, first = (space.walls[j].jet(np.array(s), sections) for j, s in ((k, [1.0]), (k + 1, [0.0, 1e-3])))
+        # the corner is an inner corner if the next wall rises out of the material of this wall
         into = dot(first.r[1] - first.r[0], last.n[0]) > 0.0
         sine = np.linalg.norm(np.cross(last.n[0], first.n[0]), axis=-1)
         angles = np.where(into, 1.0, -1.0) * np.arctan2(sine, dot(last.n[0], first.n[0]))
-        if angles.max() > SMOOTH:
+        if angles.max() > MAX_SMOOTH_ANGLE_RAD:
             made.append(InnerCorner(k, angles))
     return tuple(made)
 
 
 @dataclass(frozen=True)
 class WallParts:
-    """The part of every wall of a space that a ball reaches: s from `first` to `last`, splines over t, by the numbers of walls; all
-    of a wall that they do not have."""
+    """The part of every wall of a space that a ball reaches, as splines over t by wall numbers.
 
+    A wall without a spline is reached up to its end.
+    """
+
+    #: first reached s of a wall
     first: Mapping[int, CubicSpline] = field(default_factory=dict)
+    #: last reached s of a wall
     last: Mapping[int, CubicSpline] = field(default_factory=dict)
 
     def s(self, wall: int, share: Array, sections: Sections) -> Array:
-        """s (S,) or, where a corner bounds the wall, (S, T), of shares (S,) of what is reached."""
+        """Return s for shares (S,) of the reached part of a wall: (S,), or (S, T) if a corner bounds the wall."""
         if wall not in self.first and wall not in self.last:
             return share
         low, high = (
@@ -93,57 +105,63 @@ class WallParts:
 def largest_between(
     space: CutSpace, corners: Sequence[InnerCorner], most: float, stock: float, left: float
 ) -> tuple[float, InnerCorner | None]:
-    """Radius (mm), stock included and at most `most`, of the largest ball that leaves no more than `left` (mm) in any corner, and
-    the corner that limits it; None where none does."""
+    """Return the radius (mm) of the largest ball that leaves at most `left` (mm) in any corner, and its corner.
+
+    The radius includes the stock and is at most `most`. The corner is the one that limits the ball, or None.
+    """
     limit = None
     for corner in corners:
         radius = most
         height = _left_between(space, corner, radius, stock)
         if height <= left:
             continue
-        # what is left grows a little faster than the ball: of two radii on either side of the limit
+        # the height left grows slightly faster than the radius: regula falsi between radii on either side of the limit
         low, low_height = 0.0, 0.0
-        for _ in range(REFINED):
+        for _ in range(REFINING_ROUNDS):
             share = (left - low_height) / (height - low_height) if np.isfinite(height) else 0.5
             tried = low + share * (radius - low)
-            own = _left_between(space, corner, tried, stock)
-            if own <= left:
-                low, low_height = tried, own
+            tried_height = _left_between(space, corner, tried, stock)
+            if tried_height <= left:
+                low, low_height = tried, tried_height
             else:
-                radius, height = tried, own
+                radius, height = tried, tried_height
         most, limit = low, corner
     return most, limit
 
 
 def _left_between(space: CutSpace, corner: InnerCorner, radius: float, stock: float) -> float:
-    """The most (mm) that passes `radius` (mm) from both walls, the last ones before a corner, leave in it over the stock; infinite
-    where the ball does not reach into it."""
+    """Return the largest height (mm) over the stock left in a corner by the last passes on both of its walls.
+
+    The ball's centre is `radius` (mm) from the walls on these passes. The height is infinite if the ball does not reach
+    into the corner.
+    """
     if radius <= stock:
         return 0.0
     try:
         parts = wall_parts(space, [corner], radius)
     except NoSolutionError:
         return np.inf
-    sections = space.tooth.sections(np.linspace(0.0, 1.0, STATIONS))
+    sections = space.tooth.sections(np.linspace(0.0, 1.0, STATIONS_ALONG_FACE))
     ends = ((corner.before, 1.0), (corner.before + 1, 0.0))
-    least = np.full((2, STATIONS), np.inf)
+    lowest = np.full((2, STATIONS_ALONG_FACE), np.inf)
     at = [space.walls[k].jet(np.array([end]), sections) for k, end in ends]
     along = unit(np.gradient(at[0].r[0], sections.t, axis=0))
+    # height along the normals at the corner at which the ball of either last pass begins
     for k, end in ends:
         jet = space.walls[k].jet(parts.s(k, np.array([end]), sections), sections)
         way = jet.r[0] + radius * jet.n[0] - at[0].r[0]
         way -= dot(way, along)[:, None] * along
-        for own, height in zip(at, least, strict=True):
-            rise = dot(way, own.n[0])
+        for corner_jet, height in zip(at, lowest, strict=True):
+            rise = dot(way, corner_jet.n[0])
             inside = (radius - stock) ** 2 - (dot(way, way) - rise**2)
             np.minimum(height, np.where(inside > 0.0, rise - np.sqrt(np.maximum(inside, 0.0)), np.inf), out=height)
-    return float(least[:, corner.angles > SMOOTH].max()) - stock
+    return float(lowest[:, corner.angles > MAX_SMOOTH_ANGLE_RAD].max()) - stock
 
 
 def wall_parts(space: CutSpace, corners: Sequence[InnerCorner], radius: float) -> WallParts:
-    """What a ball whose centre is `radius` (mm) from the walls reaches beside their corners.
+    """Return the parts of the walls that a ball reaches beside the corners; its centre is `radius` (mm) from the walls.
 
-    Raises NoSolutionError where it does not touch both walls of a corner, or nothing of a wall.
+    Raises NoSolutionError if the ball does not touch both walls of a corner, or reaches no part of a wall.
     """
     from scipy.interpolate import CubicSpline
 
@@ -151,9 +169,9 @@ def wall_parts(space: CutSpace, corners: Sequence[InnerCorner], radius: float) -
     last: dict[int, CubicSpline] = {}
     for corner in corners:
         t, s = _contacts(space, corner, radius)
-        for ends, wall, end, own in ((last, corner.before, 1.0, s[0]), (first, corner.before + 1, 0.0, s[1])):
-            ends[wall] = CubicSpline(t, end + MARGIN * (own - end))
-    made, sections = WallParts(first, last), space.tooth.sections(np.linspace(0.0, 1.0, STATIONS))
+        for ends, wall, end, contact in ((last, corner.before, 1.0, s[0]), (first, corner.before + 1, 0.0, s[1])):
+            ends[wall] = CubicSpline(t, end + CORNER_CLEARANCE_FACTOR * (contact - end))
+    made, sections = WallParts(first, last), space.tooth.sections(np.linspace(0.0, 1.0, STATIONS_ALONG_FACE))
     for wall in {*first, *last}:
         s = made.s(wall, np.array([0.0, 1.0]), sections)
         if (s[0] >= s[1]).any():
@@ -162,44 +180,50 @@ def wall_parts(space: CutSpace, corners: Sequence[InnerCorner], radius: float) -
 
 
 def _contacts(space: CutSpace, corner: InnerCorner, radius: float) -> tuple[Array, Array]:
-    """t (T,) and s (2, T) on both walls at which a ball touches both, without stations where it touches one beyond the face; beyond
-    the corner, s > 1 and s < 0, where it is an outer edge."""
+    """Return t (T,) and s (2, T) on both walls at which a ball touches both.
+
+    Stations at which the ball touches one wall beyond the face are left out. At an outer edge s lies beyond the corner:
+    s > 1 and s < 0.
+    """
     before, after = (space.walls[k] for k in (corner.before, corner.before + 1))
-    t = np.linspace(0.0, 1.0, STATIONS)
+    t = np.linspace(0.0, 1.0, STATIONS_ALONG_FACE)
     sections = space.tooth.sections(t)
+    # start: contact of flat walls, at the distance R tan(phi / 2) from the corner
     away = radius * np.tan(0.5 * corner.angles)
     widths = [
         np.linalg.norm(np.diff(wall.jet(np.array([end, end + step]), sections).r, axis=0)[0], axis=-1) / abs(step)
         for wall, end, step in ((before, 1.0, -1e-3), (after, 0.0, 1e-3))
     ]
     ends = np.stack((1.0 - away / widths[0], away / widths[1]))
-    inner = np.flatnonzero(corner.angles > SMOOTH)
-    own = sections[inner]
+    inner = np.flatnonzero(corner.angles > MAX_SMOOTH_ANGLE_RAD)
+    inner_sections = sections[inner]
     x = np.clip(np.concatenate((ends[:, inner], t[None, inner])), 0.0, 1.0)
 
     def apart(x: Array) -> Array:
-        """Vectors (T, 3) between the centres over both walls."""
-        one = before.jet(x[0][None], own)
-        other = after.jet(x[1][None], space.tooth.sections(x[2]))
-        return np.asarray((one.r + radius * one.n - other.r - radius * other.n)[0])
+        """Return vectors (T, 3) between the ball's centres over both walls."""
+        before_jet = before.jet(x[0][None], inner_sections)
+        after_jet = after.jet(x[1][None], space.tooth.sections(x[2]))
+        return np.asarray((before_jet.r + radius * before_jet.n - after_jet.r - radius * after_jet.n)[0])
 
-    for _ in range(STEPS):
+    # Newton's method for (s, s', t') with differences for the Jacobian
+    for _ in range(MAX_NEWTON_STEPS):
         miss = apart(x)
-        if np.abs(miss).max() < TOUCHES:
+        if np.abs(miss).max() < CONTACT_TOLERANCE_MM:
             break
         slopes = []
         for k in range(3):
-            # into the face, where there is something
-            step = np.where(x[k] > 0.5, -STEP, STEP)
+            # the difference step points into the face, where the walls exist
+            step = np.where(x[k] > 0.5, -DIFFERENCE_STEP, DIFFERENCE_STEP)
             moved = x.copy()
             moved[k] += step
             slopes.append((apart(moved) - miss) / step[:, None])
         x = np.clip(x - np.linalg.solve(np.stack(slopes, axis=-1), miss[..., None])[..., 0].T, 0.0, 1.0)
-    good = np.linalg.norm(apart(x), axis=-1) < 1e3 * TOUCHES
-    if good.mean() < FEWEST:
+    good = np.linalg.norm(apart(x), axis=-1) < 1e3 * CONTACT_TOLERANCE_MM
+    if good.mean() < MIN_CONTACT_SHARE:
         raise _too_large(space, corner.before, radius)
+    # inner corners take the solution; stations without a solution are left out
     ends[:, inner] = x[:2]
-    used = np.delete(np.arange(STATIONS), inner[~good])
+    used = np.delete(np.arange(STATIONS_ALONG_FACE), inner[~good])
     return t[used], ends[:, used]
 
 

@@ -1,16 +1,18 @@
-r"""Passes along the tooth: lines s = const of the walls, as far apart as the scallop allows, with points as the chords allow.
+"""Passes along the tooth: lines s = const of the walls, spaced by the scallop, with points spaced by the chord
+tolerance.
 
-Near a point of contact the ball leaves the surface by the quadratic form of A = 1/R - K, K the shape operator (n_i = -K r_i, hollow
-positive), in the directions 1 along the pass and 2 across it. As the ball goes along the pass the least over all its places
-is left,
+Near a point of contact the ball leaves the surface by the quadratic form of A = 1/R - K. K is the shape operator (n_i =
+-K r_i, hollow positive); direction 1 is along the pass and direction 2 across it. As the ball moves along the pass, the
+least distance over all its positions remains at a distance y from the pass:
 
     z = 1/2 (A22 - A12^2 / A11) y^2 = 1/2 (det A / A11) y^2
 
-at a distance y from the pass, so that passes a step s apart leave the scallop h with s^2 = 8 h A11 / det A; where A12 = 0 this is
-8 h / (1/R - k22) = 8 h R rho / (rho +- R), + where the surface is convex across the pass, - where it is hollow.
+Passes at a step s therefore leave the scallop h with s^2 = 8 h A11 / det A. For A12 = 0 this is 8 h / (1/R - k22) = 8 h
+R rho / (rho +- R), with + for a surface convex across the pass and - for a hollow surface.
 
-Between two points the ball goes along a chord, which is beside the true path of its centre by the sag e. Where the chord is nearer
-to the surface than that path, e . n < 0, both ends are lifted by as much, so that what is left grows and nothing is gouged.
+Between two points the ball moves along a chord, which differs from the true path of its centre by the sag e. If the
+chord is nearer to the surface than this path, e . n < 0, both ends are lifted by the sag. This leaves more material and
+never gouges.
 """
 
 from __future__ import annotations
@@ -30,23 +32,29 @@ from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.corners import InnerCorner, WallParts, wall_parts
 from gearmesh.toolpath.space import CutSpace, SpaceFrames
 
-#: lines across a wall, and stations, at which the step is asked
-LINES, STATIONS = 65, 33
-#: chords along the face at first, rounds in which they are refined, and the most there may be
-CHORDS, ROUNDS, MOST_CHORDS = 8, 8, 4000
-#: least share of the curvature of the ball that is left between it and the surface, so that steps stay finite
-LEAST = 1e-3
-#: most passes of a wall
-MOST_PASSES = 20_000
-#: most positions of the ball in one space: more take minutes, and more memory than there is
-MOST_POSITIONS = 1_000_000
-#: distance (mm) below which passes of neighbouring walls are one
-SAME = 1e-6
+#: lines across a wall at which the step is computed
+STEP_LINES = 65
+#: stations at which the step is computed
+STEP_STATIONS = 33
+#: chords along the face before the refinement
+INITIAL_CHORDS = 8
+#: rounds of the refinement of chords
+REFINING_ROUNDS = 8
+#: limit of the chords along the face
+MAX_CHORDS = 4000
+#: smallest curvature between ball and surface, relative to the ball's, so that steps stay finite
+MIN_RELATIVE_CURVATURE = 1e-3
+#: limit of the passes of all walls
+MAX_PASSES = 20_000
+#: limit of the ball's positions in one space; more take minutes and exhaust the memory
+MAX_POSITIONS = 1_000_000
+#: distance below which passes of neighbouring walls are the same
+MIN_PASS_DISTANCE_MM = 1e-6
 
 
 @dataclass(frozen=True)
 class Budget:
-    """What may be left, mm: `scallop` between passes and `chord` along them."""
+    """Allowed material left, mm: `scallop` between passes and `chord` along them."""
 
     scallop: float
     chord: float
@@ -54,24 +62,35 @@ class Budget:
 
 @dataclass(frozen=True)
 class Passes:
-    """P passes of N points at the stations of `sections`: contact points on the exact surface, normals, ball centres, (P, N, 3) in
-    mm; `side` (P,) -1, 0 or 1 and `wall` (P,), the number of the wall, and `line` (P,), the share of its wall's `parts`;
-    directions of the space at the stations; `reach` (mm) of the ball's centre from the exact surface, where it is not lifted."""
+    """P passes of N points each, at the stations of `sections`."""
 
+    #: sections of the tooth at the N stations
     sections: Sections
+    #: directions of the space at the stations
     frames: SpaceFrames
+    #: contact points (P, N, 3) on the exact surface, mm
     contacts: Array
+    #: unit normals (P, N, 3) there
     normals: Array
+    #: centres (P, N, 3) of the ball, mm
     centres: Array
+    #: side (P,) of the wall: -1, 0 or 1
     side: Array
+    #: number (P,) of the wall
     wall: NDArray[np.int64]
+    #: position (P,) of the pass, as a share of its wall's `parts`
     line: Array
+    #: distance of the ball's centre from the exact surface, without lifts, mm
     reach: float
+    #: parts of the walls that the ball reaches
     parts: WallParts = field(default_factory=WallParts)
 
     @property
     def step_over(self) -> tuple[float, float]:
-        """Least and largest distance (mm) between neighbouring passes of a wall, at the surface; 0 where there is one alone."""
+        """Smallest and largest distance (mm) between neighbouring passes of a wall, at the surface.
+
+        Both are 0 if each wall has only one pass.
+        """
         same = self.wall[1:] == self.wall[:-1]
         if not same.any():
             return 0.0, 0.0
@@ -90,45 +109,47 @@ def plan_passes(
     denser: Array,
     corners: Sequence[InnerCorner] = (),
 ) -> Passes:
-    """Passes of some walls, which end where the ball touches both walls of a corner.
+    """Return the passes of some walls; they end where the ball touches both walls of a corner.
 
-    `denser` (W,): by what factor the passes of each wall of the space are closer than planned. Raises NoSolutionError
-    where there would be too many, and as `wall_parts`.
+    `denser` (W,) is the factor by which the passes of each wall are closer than the scallop requires. Raises
+    NoSolutionError for too many passes, and where `wall_parts` does.
     """
     within = wall_parts(space, corners, ball.radius + stock)
-    sections = space.tooth.sections(np.linspace(0.0, 1.0, STATIONS))
+    sections = space.tooth.sections(np.linspace(0.0, 1.0, STEP_STATIONS))
     lines = {}
     for k in walls:
-        s = np.linspace(0.0, 1.0, LINES)
+        s = np.linspace(0.0, 1.0, STEP_LINES)
         jet = space.walls[k].jet(within.s(k, s, sections), sections, stock)
         per_unit = denser[k] * _passes_per_unit(jet, s, ball.radius, budget.scallop)
         lines[k] = _evenly(s, per_unit)
-    if sum(map(len, lines.values())) > MOST_PASSES:
+    if sum(map(len, lines.values())) > MAX_PASSES:
         raise NoSolutionError(
-            reason=f"the scallop takes more than {MOST_PASSES} passes", remedy="allow a larger scallop or a larger ball"
+            reason=f"the scallop takes more than {MAX_PASSES} passes", remedy="allow a larger scallop or a larger ball"
         )
     return _with_points(space, lines, within, ball, stock, budget.chord)
 
 
 def _passes_per_unit(jet: Jet, s: Array, radius: float, scallop: float) -> Array:
-    """Passes (S,) per unit of s that a wall needs where it needs most along the face."""
+    """Return the number of passes (S,) per unit of s, at the station that needs most."""
     feed = unit(_tangent(np.gradient(jet.r, axis=1), jet.n))
     across = cross(jet.n, feed)
     k = shape_operator(jet, feed, across)
+    # A = 1/R - K, and det A / A11 for the height left beside a pass
     a11, a22, a12 = (1.0 / radius - k[..., 0, 0], 1.0 / radius - k[..., 1, 1], -k[..., 0, 1])
-    least = LEAST / radius
-    left = np.maximum(a22 - a12**2 / np.maximum(a11, least), least)
+    smallest = MIN_RELATIVE_CURVATURE / radius
+    remaining = np.maximum(a22 - a12**2 / np.maximum(a11, smallest), smallest)
     distance = np.abs(dot(np.gradient(jet.r, s, axis=0), across))
-    needed: Array = np.nanmax(distance * np.sqrt(left / (8.0 * scallop)), axis=1)
+    needed: Array = np.nanmax(distance * np.sqrt(remaining / (8.0 * scallop)), axis=1)
     return needed
 
 
 def _tangent(vectors: Array, normals: Array) -> Array:
+    """Return the part of vectors (..., 3) at right angles to unit normals (..., 3)."""
     return vectors - dot(vectors, normals)[..., None] * normals
 
 
 def _evenly(s: Array, per_unit: Array) -> Array:
-    """Lines from 0 to 1, evenly over the integral of their number, which is rounded up."""
+    """Return lines from 0 to 1 that divide the integral of `per_unit` evenly; their number is rounded up."""
     total = np.concatenate(([0.0], np.cumsum(0.5 * (per_unit[1:] + per_unit[:-1]) * np.diff(s))))
     count = max(1, int(np.ceil(total[-1])))
     if total[-1] <= 0.0:
@@ -139,13 +160,14 @@ def _evenly(s: Array, per_unit: Array) -> Array:
 def _with_points(
     space: CutSpace, lines: dict[int, Array], within: WallParts, ball: BallCutter, stock: float, chord: float
 ) -> Passes:
-    """Stations at which every chord is within its tolerance, and the passes over them."""
+    """Return the passes over stations at which every chord is within its tolerance."""
     fixed = np.unique(np.concatenate(([0.0, 1.0], space.tooth.breaks)))
-    t = np.unique(np.concatenate((np.linspace(0.0, 1.0, CHORDS + 1), fixed)))
-    for _ in range(ROUNDS):
-        if t.size * sum(map(len, lines.values())) > MOST_POSITIONS:
+    t = np.unique(np.concatenate((np.linspace(0.0, 1.0, INITIAL_CHORDS + 1), fixed)))
+    # refine the stations until the sag at the middle of every chord is within the tolerance
+    for _ in range(REFINING_ROUNDS):
+        if t.size * sum(map(len, lines.values())) > MAX_POSITIONS:
             raise NoSolutionError(
-                reason=f"the scallop takes more than {MOST_POSITIONS} positions of the ball in a space",
+                reason=f"the scallop takes more than {MAX_POSITIONS} positions of the ball in a space",
                 remedy="allow a larger scallop or a larger ball",
             )
         sections = space.tooth.sections(_with_middles(t))
@@ -153,14 +175,15 @@ def _with_points(
         centres = contacts + (ball.radius + stock) * normals
         sag = _sag(centres)
         worst = np.sqrt(dot(sag, sag)).max(axis=0)
-        if (worst <= chord).all() or t.size > MOST_CHORDS:
+        if (worst <= chord).all() or t.size > MAX_CHORDS:
             break
         t = _finer(t, np.sqrt(np.maximum(worst, 1e-3 * worst.max()) / chord), fixed)
     if (worst > chord).any():
         raise NoSolutionError(
-            reason=f"the tolerance of the chords, {1e3 * chord:.3g} um, takes more than {MOST_CHORDS} points a pass",
+            reason=f"the tolerance of the chords, {1e3 * chord:.3g} um, takes more than {MAX_CHORDS} points a pass",
             remedy="allow a larger tolerance or scallop",
         )
+    # lift both ends of each chord that is nearer to the surface than the true path
     nearer = np.maximum(-dot(sag, normals[:, 1::2]), 0.0)
     lift = np.pad(nearer, ((0, 0), (1, 0))), np.pad(nearer, ((0, 0), (0, 1)))
     ends = sections[::2]
@@ -183,19 +206,23 @@ def _with_points(
 
 
 def _with_middles(t: Array) -> Array:
+    """Return stations t (T,) with their middles, (2 T - 1,)."""
     fine = np.empty(2 * t.size - 1)
     fine[::2], fine[1::2] = t, 0.5 * (t[1:] + t[:-1])
     return fine
 
 
 def _points(space: CutSpace, lines: dict[int, Array], within: WallParts, sections: Sections) -> tuple[Array, Array]:
-    """Points and normals (P, T, 3) of the exact surface on lines of several walls."""
+    """Return points and normals (P, T, 3) of the exact surface on lines of several walls."""
     jets = [space.walls[k].jet(within.s(k, s, sections), sections) for k, s in lines.items()]
     return np.concatenate([jet.r for jet in jets]), np.concatenate([jet.n for jet in jets])
 
 
 def _sag(centres: Array) -> Array:
-    """Vectors (P, N-1, 3) from the path of the ball's centre, known at 2N-1 stations (P, 2N-1, 3), to its chords."""
+    """Return vectors (P, N-1, 3) from the path of the ball's centre to its chords.
+
+    The path is given at 2N-1 stations, (P, 2N-1, 3).
+    """
     start, middle, end = centres[:, :-2:2], centres[:, 1::2], centres[:, 2::2]
     chord, away = end - start, middle - start
     length = dot(chord, chord)
@@ -204,7 +231,7 @@ def _sag(centres: Array) -> Array:
 
 
 def _finer(t: Array, per_chord: Array, fixed: Array) -> Array:
-    """Stations with about `per_chord` (N-1,) new chords in each old one, among them the fixed ones."""
+    """Return stations with about `per_chord` (N-1,) new chords in each old chord; the `fixed` stations are among them."""
     total = np.concatenate(([0.0], np.cumsum(1.05 * np.maximum(per_chord, 1e-3))))
     at = np.interp(fixed, t, total)
     cells = np.maximum(1, np.ceil(np.diff(at)).astype(int))
@@ -214,8 +241,8 @@ def _finer(t: Array, per_chord: Array, fixed: Array) -> Array:
 
 
 def _without_twins(passes: Passes) -> Passes:
-    """Without the first pass of a wall where the last one of the wall before is the same."""
+    """Return the passes without the first pass of a wall if it equals the last pass of the wall before."""
     apart = np.diff(passes.centres, axis=0)
-    keep = np.append(True, np.sqrt(dot(apart, apart)).max(axis=1) > SAME)
+    keep = np.append(True, np.sqrt(dot(apart, apart)).max(axis=1) > MIN_PASS_DISTANCE_MM)
     fields = ("contacts", "normals", "centres", "side", "wall", "line")
     return replace(passes, **{name: getattr(passes, name)[keep] for name in fields})

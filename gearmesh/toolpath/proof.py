@@ -1,19 +1,18 @@
-r"""What a motion leaves, measured on the exact surfaces by a route that knows nothing of how it was planned.
+"""Proof of a motion: the material that it leaves, measured on the exact surfaces independently of the plan.
 
-The ball sweeps a capsule along each straight way of its centre. Where the normal n in a point q of the exact surface enters
-a capsule
-from a to b first, at q + z n, the finished surface stands z over the exact one. With c(l) = a + l (b - a), w = c - q and w'
-the part of w across n,
+The ball sweeps a capsule along each straight path of its centre. Let n be the normal in a point q of the exact surface.
+If n first enters a capsule from a to b at q + z n, the finished surface is z above the exact surface. With c(l) = a + l
+(b - a), w = c - q and w' the part of w across n:
 
     z = min over l in [0, 1] of  n . w - sqrt(R^2 - |w'|^2)
 
-which is a convex function of l: with d' the part of b - a across n and D its length, beta = n . (b - a), m the least |w'| of the
-line, at l0, and W^2 = R^2 - m^2, its least value is at l = l0 - beta W / (D sqrt(D^2 + beta^2)), or at the end of the range
-next to it.
-The least z of all capsules is left, less the stock: a negative one is a gouge. Points beside the walls, on lands, tip edges
-and other teeth, are gouged where they are nearer than R to the way of the centre.
+This is a convex function of l. Let d' be the part of b - a across n and D its length, and let beta = n . (b - a). m is
+the least |w'| on the line, at l0, and W^2 = R^2 - m^2. The minimum is at l = l0 - beta W / (D sqrt(D^2 + beta^2)), or
+at the nearest end of the range. The least z of all capsules, less the stock, is the height left; a negative height is a
+gouge. Points beside the walls, on lands, tip edges and other teeth, are gouged if they are nearer than R to the path of
+the centre.
 
-Only ways whose middle is near a point are asked, all of them: those farther off cannot reach it.
+For each point all paths whose middle is near enough are evaluated; paths farther away cannot reach the point.
 """
 
 from __future__ import annotations
@@ -36,38 +35,47 @@ from gearmesh.toolpath.motion import ToolMotion
 from gearmesh.toolpath.passes import Passes
 from gearmesh.toolpath.space import CutSpace
 
-#: points of a wall in the step of a pass, beside the pass itself and the middle between two, and the fewest across a wall
-IN_STEP, FEWEST = 2, 25
-#: most chords along a wall whose ends and middles are among the points, to know how close passes have to be, and for the proof
-DRAFT, CHORDS = 12, 60
-#: points across what is not finished
-BESIDE = 9
-#: longest way (radii of the ball) that is asked as one
-PIECE = 0.12
-#: most pieces, of which there are some hundred bytes each
-MOST_PIECES = 5_000_000
-#: points asked at once
-BLOCK = 20_000
-#: distance of points (radii of the ball) that stand for the teeth beside a shank, and clearance up to which it is measured
-SPACING, MEASURED = 0.125, 0.25
-#: most stations of these points
-ALONG = 2001
-#: most positions of a shank that are measured, all if there are fewer than twice as many
-MOST = 3000
-#: positions at once
-CENTRES = 256
-#: places on the way from one space to the next
-STEPS = 33
+#: points of a wall per step between passes, besides the pass itself and the middle between two passes
+POINTS_PER_STEP = 2
+#: smallest number of points across a wall
+MIN_POINTS_ACROSS = 25
+#: chords along a wall whose ends and middles are measured to find the density of the passes
+DRAFT_CHORDS = 12
+#: chords along a wall whose ends and middles are measured in the proof
+PROOF_CHORDS = 60
+#: points across surfaces that are not finished
+POINTS_ACROSS_UNFINISHED = 9
+#: longest piece of a path that is evaluated as one, in radii of the ball
+MAX_PIECE_RADII = 0.12
+#: limit of the pieces; each takes a few hundred bytes
+MAX_PIECES = 5_000_000
+#: points that are evaluated at once
+POINTS_PER_BLOCK = 20_000
+#: spacing of the points that represent the teeth beside a shank, in radii of the ball
+TEETH_SPACING_RADII = 0.125
+#: clearance up to which a shank is measured, in radii of the ball
+MEASURED_CLEARANCE_RADII = 0.25
+#: limit of the stations of these points
+MAX_STATIONS = 2001
+#: number of measured positions of a shank; all positions if there are fewer than twice as many
+SHANK_POSITIONS = 3000
+#: positions of a shank that are evaluated at once
+POSITIONS_PER_BLOCK = 256
+#: points on the path from one space to the next
+POINTS_BETWEEN_SPACES = 33
 
 
 @dataclass(frozen=True)
 class Left:
-    """What is left over the exact surface, less the stock: largest and least height (mm) on the walls that are finished, by region,
-    and the deepest gouge (mm, positive) anywhere."""
+    """Heights left over the exact surface, less the stock, on the finished walls, and gouges anywhere."""
 
+    #: largest height (mm) by region
     largest: dict[Region, float]
+    #: smallest height (mm) by region
     least: dict[Region, float]
+    #: depth of the deepest gouge, mm, positive
     gouge: float
+    #: number of measured points
     points: int
 
     @property
@@ -78,25 +86,32 @@ class Left:
 
 @dataclass(frozen=True)
 class _Ways:
-    """Straight ways (M, 3) of the ball's centre, none longer than a piece, and their tree by the middles."""
+    """Straight paths of the ball's centre, divided into pieces, with a search tree of their middles."""
 
+    #: starts (M, 3) of the pieces, mm
     start: Array
+    #: ends (M, 3) of the pieces, mm
     end: Array
+    #: radius of the ball, mm
     radius: float
+    #: cKDTree of the middles
     tree: Any
+    #: length of the longest piece, mm
     longest: float
 
     @staticmethod
     def of(ways: tuple[Array, Array], radius: float) -> _Ways:
+        """Return the paths `ways`, starts and ends (M, 3), as pieces. Raises NoSolutionError for too many pieces."""
         from scipy.spatial import cKDTree
 
         start, end = ways
         way = end - start
-        pieces = np.maximum(1, np.ceil(np.sqrt(dot(way, way)) / (PIECE * radius))).astype(int)
-        if pieces.sum() > MOST_PIECES:
+        pieces = np.maximum(1, np.ceil(np.sqrt(dot(way, way)) / (MAX_PIECE_RADII * radius))).astype(int)
+        if pieces.sum() > MAX_PIECES:
             length = float(np.sqrt(dot(way, way)).sum())
             raise NoSolutionError(
-                reason=f"the path through a space is {length:.3g} mm long, more than {PIECE * MOST_PIECES:g} radii of the ball",
+                reason=f"the path through a space is {length:.3g} mm long, "
+                f"more than {MAX_PIECE_RADII * MAX_PIECES:g} radii of the ball",
                 remedy="choose a larger ball or a larger scallop",
             )
         owner = np.repeat(np.arange(len(start)), pieces)
@@ -106,12 +121,12 @@ class _Ways:
         return _Ways(first, last, radius, cKDTree(0.5 * (first + last)), longest)
 
     def near(self, points: Array, reach: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Numbers of points (Q, 3), and of ways that are nearer to them than radius and `reach` (mm)."""
+        """Return numbers of points (Q, 3) and of pieces, in pairs that may be within radius plus `reach` (mm)."""
         return _pairs(self.tree, points, self.radius + 0.5 * self.longest + reach)
 
 
 def _pairs(tree: Any, points: Array, distance: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Numbers of points (Q, 3), and of those of a tree that are nearer to them than a distance."""
+    """Return numbers of points (Q, 3) and of points of a tree, in pairs nearer to each other than a distance."""
     lists = tree.query_ball_point(points, distance, return_sorted=False)
     sizes = np.fromiter(map(len, lists), dtype=np.int64, count=len(lists))
     near = np.fromiter(chain.from_iterable(lists), dtype=np.int64, count=int(sizes.sum()))
@@ -125,12 +140,16 @@ def measure_left(
     motion: ToolMotion,
     stock: float,
     scallop: float,
-    chords: int = CHORDS,
+    chords: int = PROOF_CHORDS,
 ) -> Left:
-    """What a motion in this space leaves on its walls, and what it gouges. Heights beyond two scallops count as infinite."""
+    """Return the heights left on the walls of this space by a motion, and its gouges.
+
+    Heights above two scallops count as infinite.
+    """
     ways, reach = _Ways.of(motion.cuts, motion.radius), stock + 2.0 * scallop
     sections = space.tooth.sections(_stations(passes.sections.t, chords))
     largest, least, gouge, count = {}, {}, 0.0, 0
+    # heights along the normals on all walls: gouges count on every wall, heights on the finished walls
     for k, wall in enumerate(space.walls):
         shares = _lines(passes.line[passes.wall == k])
         jets = [wall.jet(s, sections) for s in _places(passes, k, shares, sections)]
@@ -140,46 +159,54 @@ def measure_left(
         gouge = max(gouge, -float(heights.min()) - (0.0 if k in walls else stock))
         if k in walls:
             largest[wall.region], least[wall.region] = float(heights.max()), float(heights.min())
-    beyond = np.concatenate((space.beyond(np.linspace(0.0, 1.0, BESIDE), sections), space.beside, space.far[0]))
-    every = _Ways.of(motion.rapids, motion.radius)
-    beside = np.concatenate([_distances(beyond, own) for own in (ways, every)])
+    # distances of all other surfaces from the swept balls, rapid paths included
+    beyond = np.concatenate(
+        (space.beyond(np.linspace(0.0, 1.0, POINTS_ACROSS_UNFINISHED), sections), space.beside, space.far[0])
+    )
+    rapid_ways = _Ways.of(motion.rapids, motion.radius)
+    beside = np.concatenate([_distances(beyond, own) for own in (ways, rapid_ways)])
     return Left(largest, least, max(gouge, -float(beside.min())), count + beside.size)
 
 
 def _stations(t: Array, chords: int) -> Array:
-    """Stations at ends and middles of chords that end at t (T,), of some where there are many."""
+    """Return stations at ends and middles of chords that end at t (T,), of at most `chords` chords."""
     k = np.unique(np.linspace(0, t.size - 2, min(t.size - 1, chords)).round().astype(int))
     return np.unique(np.concatenate((t[k], 0.5 * (t[k] + t[k + 1]), t[k + 1])))
 
 
 def _lines(passes: Array) -> Array:
-    """Places across a wall: evenly, and at its passes (P,) and in their middles."""
+    """Return places across a wall: evenly spaced, at its passes (P,) and half way between passes."""
     ends = np.unique(np.concatenate(([0.0], passes, [1.0])))
-    even = np.linspace(0.0, 1.0, max(FEWEST, IN_STEP * ends.size + 1))
+    even = np.linspace(0.0, 1.0, max(MIN_POINTS_ACROSS, POINTS_PER_STEP * ends.size + 1))
     return np.unique(np.concatenate((even, ends, 0.5 * (ends[1:] + ends[:-1]))))
 
 
 def _places(passes: Passes, wall: int, shares: Array, sections: Sections) -> list[Array]:
-    """s (S,) or (S, T) at which a wall is measured: shares of what is reached of it, and of what is not, evenly."""
+    """Return s (S,) or (S, T) at which a wall is measured.
+
+    The places are given shares of the reached part of the wall, and even shares of the rest.
+    """
     s = passes.parts.s(wall, shares, sections)
     if s.ndim == 1:
         return [s]
-    even = np.linspace(0.0, 1.0, BESIDE)[:, None]
+    even = np.linspace(0.0, 1.0, POINTS_ACROSS_UNFINISHED)[:, None]
     return [s, s[0] * even, s[-1] + (1.0 - s[-1]) * even]
 
 
 def _heights(points: Array, normals: Array, ways: _Ways, reach: float) -> Array:
-    """Heights (Q,) at which normals enter the swept balls first; infinite beyond `reach`."""
-    blocks = [slice(k, k + BLOCK) for k in range(0, len(points), BLOCK)]
+    """Return heights (Q,) at which normals first enter the swept balls; infinite beyond `reach`."""
+    blocks = [slice(k, k + POINTS_PER_BLOCK) for k in range(0, len(points), POINTS_PER_BLOCK)]
     return np.concatenate([_heights_of_block(points[block], normals[block], ways, reach) for block in blocks])
 
 
 def _heights_of_block(points: Array, normals: Array, ways: _Ways, reach: float) -> Array:
+    """Return heights (Q,) of one block of points, as in the module's docstring."""
     point, way = ways.near(points, reach)
     n, start = normals[point], ways.start[way] - points[point]
     along = ways.end[way] - ways.start[way]
     rise, beta = dot(n, start), dot(n, along)
     across, aside = along - beta[:, None] * n, start - rise[:, None] * n
+    # minimum of the convex function of the share l along a piece; a piece along the normal has its minimum at an end
     square = dot(across, across)
     with np.errstate(divide="ignore", invalid="ignore"):
         nearest = np.where(square > 0.0, -dot(aside, across) / square, 0.0)
@@ -195,7 +222,7 @@ def _heights_of_block(points: Array, normals: Array, ways: _Ways, reach: float) 
 
 
 def _distances(points: Array, ways: _Ways) -> Array:
-    """Distances (Q,), mm, of points from the swept balls, negative within them; infinite of those that are far."""
+    """Return distances (Q,), mm, of points from the swept balls, negative inside; infinite for points far away."""
     point, way = ways.near(points, 0.0)
     along, start = ways.end[way] - ways.start[way], points[point] - ways.start[way]
     length = dot(along, along)
@@ -207,69 +234,73 @@ def _distances(points: Array, ways: _Ways) -> Array:
 
 
 def clear_of_teeth(space: CutSpace, motion: ToolMotion, places: Sequence[Rigid]) -> bool:
-    """Whether the ball on its way from the end of a motion in one place to its start in the next stays clear of the teeth."""
+    """Return True if the ball stays clear of the teeth between the motions in successive places.
+
+    It moves straight from the end of the motion in one place to the start of the motion in the next place.
+    """
     from scipy.spatial import cKDTree
 
     start, end = motion.centres[0], motion.centres[-1]
     ways = [(before.point(end), after.point(start)) for before, after in pairwise(places)]
-    steps = np.linspace(0.0, 1.0, STEPS)[:, None]
+    steps = np.linspace(0.0, 1.0, POINTS_BETWEEN_SPACES)[:, None]
     centres = np.concatenate([a + steps * (b - a) for a, b in ways])
     return bool(cKDTree(np.concatenate((space.beside, space.far[0]))).query(centres)[0].min() > motion.radius)
 
 
 def shank_clearance(space: CutSpace, motion: ToolMotion, ball: BallCutter) -> float:
-    """Least distance (mm) of shank and holder from the teeth while the ball is at work, infinite from MEASURED radii on.
+    """Return the least distance (mm) of shank and holder from the teeth at work.
 
-    The teeth beside the space are points of exact surfaces not farther from each other than e = SPACING radii; a shank could be
-    nearer to the surface between them by e^2 / 4R, which is taken off. Of all other teeth, which are far, as much is taken off as
-    their points may be from any other. A holder begins e sooner, as its rim might come between points.
+    It is infinite above MEASURED_CLEARANCE_RADII. The teeth beside the space are points of exact surfaces at a spacing
+    e of TEETH_SPACING_RADII. A shank could be nearer to the surface between the points by e^2 / 4R, which is
+    subtracted. For all other teeth, which are far, the largest distance of a surface point from its nearest sampled
+    point is subtracted. A holder begins e sooner, as its rim might come between points.
     """
     touching = np.flatnonzero(np.isfinite(motion.contacts[:, 0]))
-    at = touching[:: max(1, len(touching) // MOST)]
-    centres, axes = motion.centres[at], unit(motion.axes[at])
-    near = np.concatenate((_dense(space, SPACING * ball.radius), space.beside))
-    spacing = SPACING * ball.radius
+    measured = touching[:: max(1, len(touching) // SHANK_POSITIONS)]
+    centres, axes = motion.centres[measured], unit(motion.axes[measured])
+    near = np.concatenate((_dense(space, TEETH_SPACING_RADII * ball.radius), space.beside))
+    spacing = TEETH_SPACING_RADII * ball.radius
     least = np.inf
     for part in ball.cylinders:
         clouds = ((near, 0.25 * spacing**2 / part.radius), space.far)
-        own = replace(part, low=max(0.0, part.low - spacing))
-        least = min(least, *(_clearance(cloud, centres, axes, own, gap) for cloud, gap in clouds))
+        extended_part = replace(part, low=max(0.0, part.low - spacing))
+        least = min(least, *(_clearance(cloud, centres, axes, extended_part, gap) for cloud, gap in clouds))
     return least
 
 
 def _clearance(teeth: Array, centres: Array, axes: Array, part: ToolCylinder, gap: float) -> float:
-    """Least distance (mm), less a gap, of points (K, 3) from a cylinder over centres along axes (N, 3)."""
+    """Return the least distance (mm), less `gap`, of points (K, 3) from a cylinder over centres along axes (N, 3)."""
     from scipy.spatial import cKDTree
 
     if not len(teeth):
         return np.inf
     tree, least, step = cKDTree(teeth), np.inf, 0.5 * part.radius
-    widest = part.radius * (1.0 + MEASURED) + gap
-    # no tooth is farther than the teeth and the centres are from each other
-    every = np.concatenate((teeth, centres))
-    high = min(part.high, float(np.linalg.norm(np.ptp(every, axis=0))))
+    widest = part.radius * (1.0 + MEASURED_CLEARANCE_RADII) + gap
+    # limit an endless holder to the extent of teeth and centres
+    all_points = np.concatenate((teeth, centres))
+    high = min(part.high, float(np.linalg.norm(np.ptp(all_points, axis=0))))
     up_to = np.arange(part.low, high + step, step)
     if not up_to.size:
         return np.inf
-    for k in range(0, len(centres), CENTRES):
-        centre, axis = centres[k : k + CENTRES], axes[k : k + CENTRES]
+    for k in range(0, len(centres), POSITIONS_PER_BLOCK):
+        centre, axis = centres[k : k + POSITIONS_PER_BLOCK], axes[k : k + POSITIONS_PER_BLOCK]
         samples = (centre[:, None] + up_to[:, None] * axis[:, None]).reshape(-1, 3)
         sample, point = _pairs(tree, samples, float(np.hypot(widest, 0.5 * step)))
-        own = sample // up_to.size
-        way = teeth[point] - centre[own]
-        up = dot(way, axis[own])
+        position = sample // up_to.size
+        way = teeth[point] - centre[position]
+        up = dot(way, axis[position])
         beside = np.sqrt(np.maximum(dot(way, way) - up**2, 0.0)) - part.radius
         least = min(least, float(beside[(up > part.low) & (up < part.high)].min(initial=np.inf)))
     return least - gap
 
 
 def _dense(space: CutSpace, spacing: float) -> Array:
-    """Points (K, 3) of the walls and what is beside them, about `spacing` (mm) apart."""
-    along = int(np.clip(np.ceil(1.2 * space.length / spacing), 9, ALONG))
+    """Return points (K, 3) of the walls and of the surfaces beside them, about `spacing` (mm) apart."""
+    along = int(np.clip(np.ceil(1.2 * space.length / spacing), 9, MAX_STATIONS))
     sections = space.tooth.sections(np.linspace(0.0, 1.0, along))
-    points = [space.beyond(np.linspace(0.0, 1.0, BESIDE), sections)]
+    points = [space.beyond(np.linspace(0.0, 1.0, POINTS_ACROSS_UNFINISHED), sections)]
     for wall in space.walls:
-        line = wall.jet(np.linspace(0.0, 1.0, BESIDE), sections[:: along - 1]).r
+        line = wall.jet(np.linspace(0.0, 1.0, POINTS_ACROSS_UNFINISHED), sections[:: along - 1]).r
         width = float(np.linalg.norm(np.diff(line, axis=0), axis=-1).sum(axis=0).max())
         s = np.linspace(0.0, 1.0, int(np.clip(np.ceil(1.2 * width / spacing), 1, 200)) + 1)
         points.append(wall.jet(s, sections).r.reshape(-1, 3))

@@ -1,4 +1,6 @@
-"""A whole tool path: its passes planned, their axes chosen, what they leave proved, and planned anew where that is too much."""
+"""A whole tool path: plans passes, chooses axes, proves the result, and plans again if too much material is left or
+gouged.
+"""
 
 from __future__ import annotations
 
@@ -15,62 +17,80 @@ from gearmesh.toolpath.ball import BallCutter, LargestBall, largest_ball, refuse
 from gearmesh.toolpath.corners import inner_corners
 from gearmesh.toolpath.motion import ToolMotion, join, motion_of
 from gearmesh.toolpath.passes import Budget, Passes, plan_passes
-from gearmesh.toolpath.proof import CHORDS, DRAFT, Left, clear_of_teeth, measure_left, shank_clearance
+from gearmesh.toolpath.proof import DRAFT_CHORDS, PROOF_CHORDS, Left, clear_of_teeth, measure_left, shank_clearance
 from gearmesh.toolpath.space import CutSpace, choose_walls
 
-#: mm: the deepest gouge that a path may have
-GOUGE = 1e-4
-#: share of the scallop asked for that the chords may take where no tolerance is given, and what is kept for higher orders
-CHORD, KEPT = 0.1, 0.05
-#: how often passes are planned; by how much more than what was measured they are brought closer, and chords made finer
-ATTEMPTS, MORE, FINER = 5, 1.02, 0.4
+#: depth of the deepest gouge that a path may have
+MAX_GOUGE_MM = 1e-4
+#: share of the scallop for chords if no tolerance is given
+DEFAULT_CHORD_SHARE = 0.1
+#: share of the scallop reserved for effects of higher order
+RESERVED_SCALLOP_SHARE = 0.05
+#: limit of the plans
+MAX_PLANS = 5
+#: factor by which passes are brought closer than the measured heights require
+PASS_DENSITY_MARGIN = 1.02
+#: factor of the chord tolerance after a gouge
+CHORD_REDUCTION = 0.4
 #: overrun beyond the ends of the face, in radii of the ball
-OVERRUN = 1.0
+OVERRUN_RADII = 1.0
 
 
 @dataclass(frozen=True)
 class PathOrder:
-    """What is asked for: lengths in mm, angles in rad.
+    """Order for a tool path; lengths in mm, angles in rad."""
 
-    `scallop`: the most that may stand over the surface (or over the stock), that of chords within `chord` (None: a tenth) included;
-    `flank` "left", "right" or "both"; `surfaces` "all" (with fillets and root) or "flanks"; `spaces`: the number of the one
-    that is cut, that of the tooth after it, or None for all of all rows of teeth; `feed` "zigzag" or "one-way"; `lead`,
-    `tilt` None where they are chosen.
-    """
-
+    #: largest height over the surface (or over the stock), chords included
     scallop: float
+    #: part of the scallop for chords; None for a tenth
     chord: float | None = None
+    #: material left along the normals on purpose
     stock: float = 0.0
+    #: "left", "right" or "both"
     flank: str = "both"
+    #: "all" (with fillets and root) or "flanks"
     surfaces: str = "all"
+    #: number of the space to cut, which is the number of the tooth after it; None for all spaces of all rows
     spaces: int | None = 0
+    #: "zigzag" or "one-way"
     feed: str = "zigzag"
+    #: lead of the tool axis; None to choose it
     lead: float | None = None
+    #: tilt of the tool axis; None to choose it
     tilt: float | None = None
 
 
 @dataclass(frozen=True)
 class ToolPath:
-    """Passes and axes in one space, its motion and what it leaves; `whole`: the motion through all spaces asked for;
-    clearance (mm) of the shank, `inf` where nothing is near it."""
+    """A tool path with its plan and its proof."""
 
+    #: space that is cut
     space: CutSpace
+    #: cutter
     ball: BallCutter
+    #: largest ball that fits
     largest: LargestBall
+    #: passes in one space
     passes: Passes
+    #: tool axes of the passes
     axes: Axes
+    #: motion in one space
     motion: ToolMotion
+    #: motion through all spaces of the order
     whole: ToolMotion
+    #: measured heights and gouges
     left: Left
+    #: clearance of the shank, mm; inf if nothing is near it
     clearance: float
+    #: tolerance of the chords, mm
     chord: float
 
 
 def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
-    """The path of a ball-end cutter through spaces of a member, proved.
+    """Return the proved path of a ball-end cutter through spaces of a member.
 
-    Raises DesignError for a ball that does not fit, and NoSolutionError where the shank is not clear of the teeth, or where what is
-    left or gouged cannot be brought within what is asked for.
+    Raises DesignError for a ball that does not fit. Raises NoSolutionError if the shank is not clear of the teeth, or
+    if the heights left or the gouges stay above what the order allows.
     """
     space = CutSpace(member)
     _refuse_number(space, order.spaces)
@@ -80,20 +100,21 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
     largest = largest_ball(space, walls, order.stock, corners, budget.scallop)
     refuse_too_large(ball, largest, order.stock)
     tell(0.15)
-    for _ in range(ATTEMPTS):
+    # plan and measure, first coarsely, until heights and gouges are within the order
+    for _ in range(MAX_PLANS):
         passes = plan_passes(space, walls, ball, order.stock, budget, denser, corners)
         axes = choose_axes(space, passes, ball, order.lead, order.tilt)
-        motion = motion_of(passes, axes, ball, space.depth, order.feed, OVERRUN * ball.radius)
+        motion = motion_of(passes, axes, ball, space.depth, order.feed, OVERRUN_RADII * ball.radius)
         tell(0.4)
-        for chords in (DRAFT, CHORDS):
+        for chords in (DRAFT_CHORDS, PROOF_CHORDS):
             left = measure_left(space, walls, passes, motion, order.stock, order.scallop, chords)
-            if left.scallop > order.scallop or left.gouge > GOUGE:
+            if left.scallop > order.scallop or left.gouge > MAX_GOUGE_MM:
                 break
         else:
             break
         denser = denser * _factors(space, left, order.scallop)
-        if left.gouge > GOUGE:
-            budget = Budget(budget.scallop, FINER * budget.chord)
+        if left.gouge > MAX_GOUGE_MM:
+            budget = Budget(budget.scallop, CHORD_REDUCTION * budget.chord)
     else:
         raise _refusal(ball, left, order.scallop)
     tell(0.9)
@@ -122,21 +143,21 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
 
 
 def budget_of(order: PathOrder) -> Budget:
-    """What passes and chords may leave."""
-    chord = CHORD * order.scallop if order.chord is None else order.chord
-    return Budget((1.0 - KEPT) * order.scallop - chord, chord)
+    """Return the parts of the scallop for passes and chords."""
+    chord = DEFAULT_CHORD_SHARE * order.scallop if order.chord is None else order.chord
+    return Budget((1.0 - RESERVED_SCALLOP_SHARE) * order.scallop - chord, chord)
 
 
 def _factors(space: CutSpace, left: Left, scallop: float) -> Array:
-    """By how much closer (W,) the passes of each wall of the space have to be."""
+    """Return factors (W,) by which the passes of each wall of the space must come closer."""
     measured = np.array([left.largest.get(wall.region, 0.0) for wall in space.walls])
     with np.errstate(invalid="ignore"):
         share = np.minimum(np.nan_to_num(measured / scallop, posinf=4.0), 4.0)
-    return np.where(share > 1.0, MORE * np.sqrt(share), 1.0)
+    return np.where(share > 1.0, PASS_DENSITY_MARGIN * np.sqrt(share), 1.0)
 
 
 def _refusal(ball: BallCutter, left: Left, scallop: float) -> NoSolutionError:
-    if left.gouge > GOUGE:
+    if left.gouge > MAX_GOUGE_MM:
         reason = f"the ball gouges the teeth by {1e3 * left.gouge:.3g} um, beside its passes or beyond the face"
     else:
         reason = f"{1e3 * left.scallop:.3g} um are left instead of {1e3 * scallop:.3g}"
@@ -144,16 +165,16 @@ def _refusal(ball: BallCutter, left: Left, scallop: float) -> NoSolutionError:
 
 
 def _refuse_number(space: CutSpace, which: int | None) -> None:
-    """Raise DesignError for a space that there is not."""
+    """Raise DesignError for a number without a space."""
     numbers = space.numbers
     if which is not None and which not in numbers:
         raise ArgumentError("spaces", which, must_be=f"all, or from {numbers[0]} to {numbers[-1]}")
 
 
 def _through_spaces(space: CutSpace, motion: ToolMotion, which: int | None) -> ToolMotion:
-    """The motion through the spaces that are asked for.
+    """Return the motion through the spaces of the order.
 
-    Raises NoSolutionError where the way from one to the next, above the tips, is not clear of the teeth.
+    Raises NoSolutionError if the path above the tips from one space to the next is not clear of the teeth.
     """
     if which is not None:
         return motion.move(space.place(which), which)

@@ -18,7 +18,7 @@ from gearmesh.toolpath.ball import BallCutter, largest_ball
 from gearmesh.toolpath.motion import ToolMotion
 from gearmesh.toolpath.proof import Left, measure_left
 from gearmesh.toolpath.space import CutSpace, choose_walls
-from gearmesh.toolpath.toolpath import GOUGE, PathOrder, tool_path
+from gearmesh.toolpath.toolpath import MAX_GOUGE_MM, PathOrder, tool_path
 
 #: points of every wall at which the file is judged
 POINTS = 400
@@ -56,7 +56,7 @@ def test_the_file_leaves_no_more_than_asked_and_gouges_nothing(case: str, tmp_pa
     for k, wall in enumerate(space.walls):
         jet = wall.jet(np.append(random.random(POINTS // 25 - 2), [0.0, 1.0]), sections)
         left = heights(file, jet.r.reshape(-1, 3), jet.n.reshape(-1, 3)) - answer.order.stock
-        assert left.min() > -GOUGE - (0.0 if k in cut else answer.order.stock)
+        assert left.min() > -MAX_GOUGE_MM - (0.0 if k in cut else answer.order.stock)
         if k in cut:
             assert left.max() < answer.order.scallop + BETWEEN
             highest = max(highest, float(left.max()))
@@ -79,7 +79,7 @@ def test_ball_and_shank_stay_out_of_the_whole_solid(name: str, member: str, tool
     points = gears.solid(member, "5um").mesh.vertices
     radius, centres = spheres(file)
     depth = radius - cKDTree(centres).query(points, distance_upper_bound=2.0 * radius)[0]
-    assert -1e-3 < depth.max() < GOUGE
+    assert -1e-3 < depth.max() < MAX_GOUGE_MM
     _, tips, axes, rapid = positions(file)
     cuts = np.flatnonzero(~rapid)
     cuts = cuts[:: max(1, cuts.size // 60)]
@@ -99,7 +99,7 @@ def test_the_proof_reports_a_gouge_and_a_ridge() -> None:
     def measured(motion: ToolMotion) -> Left:
         return measure_left(path.space, walls, path.passes, motion, 0.0, 0.02)
 
-    assert path.left.gouge < GOUGE
+    assert path.left.gouge < MAX_GOUGE_MM
     assert 0.7 * 0.02 < path.left.scallop <= 0.02
     deeper = replace(path.motion, tips=path.motion.tips - 1e-3 * path.motion.axes)
     assert measured(deeper).gouge == pytest.approx(1e-3, rel=0.05)

@@ -19,11 +19,11 @@ from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.lengths import Length, in_mm
 from gearmesh.toolpath.ball import BallCutter
-from gearmesh.toolpath.motion import ONE_WAY, ZIGZAG, ToolMotion
+from gearmesh.toolpath.motion import ONE_WAY_ORDER, ZIGZAG_ORDER, ToolMotion
 from gearmesh.toolpath.toolpath import PathOrder, ToolPath, budget_of, tool_path
 
 #: what may be asked for
-FLANKS, SURFACES, FEEDS = ("right", "left", "both"), ("all", "flanks"), (ZIGZAG, ONE_WAY)
+FLANKS, SURFACES, FEEDS = ("right", "left", "both"), ("all", "flanks"), (ZIGZAG_ORDER, ONE_WAY_ORDER)
 #: mm: least and largest scallop; deg: largest lead and tilt; mm/min: least and largest feed, and the feed where none is given
 SCALLOPS, ANGLES, RATES, FEED = (1e-4, 1.0), (-85.0, 85.0), (1e-3, 1e6), 500.0
 #: largest part of the scallop that chords may take
@@ -241,7 +241,7 @@ def tool_path_of(
     flank: str = "both",
     surfaces: str = "all",
     spaces: int | str = 0,
-    order: str = ZIGZAG,
+    order: str = ZIGZAG_ORDER,
     lead: float | None = None,
     tilt: float | None = None,
     feed: float = FEED,
