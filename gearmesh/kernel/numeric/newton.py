@@ -44,7 +44,7 @@ def solve(
     - `max_evaluations`: a member unsolved after so many evaluations of its function stays as it is.
     - `rcond`: one number or (N,), 0 for a plain step. Otherwise the step is the least-norm step of the truncated
       pseudo-inverse. A system with a consistent null space (line contact) then converges to the solution nearest the
-      start and does not drift along the null space.
+      start and does not run away along the null space.
 
     One more iteration follows after the tolerance is met, because Newton gains the last digits for free.
     """
