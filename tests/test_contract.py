@@ -340,6 +340,7 @@ def test_rules_catch_what_they_should(file: str, source: str, words: str | None)
 
 
 @pytest.mark.parametrize("modules", [["gearmesh"], FILES], ids=["package", "every module"])
+@pytest.mark.sweep_cases("every module")
 def test_importing_loads_nothing_heavy(modules: list[str]) -> None:
     """`import gearmesh`, and every module of it, in a fresh interpreter."""
     names = [Path(name).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__") for name in modules]

@@ -170,6 +170,7 @@ REFUSED: list[tuple[Callable[[gm.Gears], Any], str, Any, str, str]] = [
 
 
 @pytest.mark.parametrize("case", REFUSED, ids=[f"{key}-{k}" for k, (_, key, *_) in enumerate(REFUSED)])
+@pytest.mark.sweep_cases("backlash-25")
 def test_errors_have_fields(spur: gm.Gears, case: tuple[Callable[[gm.Gears], Any], str, Any, str, str]) -> None:
     call, key, value, allowed, reason = case
     with pytest.raises(GearmeshError) as refused:

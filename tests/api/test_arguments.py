@@ -121,6 +121,7 @@ def parameters_of(function: Callable[..., Any]) -> list[str]:
 
 
 @pytest.mark.parametrize("verb", [*METHODS, *VERBS])
+@pytest.mark.sweep_cases("save_pictures")
 def test_no_verb_takes_an_object_or_a_complex_number(gears: gm.Gears, verb: str) -> None:
     """No annotation allows these, but that of values to be written."""
     for one in parameters(verb):
@@ -236,6 +237,7 @@ def figures_of(answer: gm.Result) -> str:
 
 
 @pytest.mark.parametrize("sample", ["helical", "rack", "face_gear", "hypoid_measured", "novikov", "worm_drive"])
+@pytest.mark.sweep_cases("hypoid_measured")
 def test_gears_pickle(sample: str) -> None:
     """Of every way to make a surface: what is asked afterwards is the same to the last digit."""
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml"))

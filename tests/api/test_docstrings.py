@@ -158,6 +158,37 @@ def test_examples_that_do_not_run_are_few_and_have_a_reason() -> None:
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.sweep_cases(
+    "Compensation.apply",
+    "ContactPath.without",
+    "Contacts.at",
+    "Contacts.put",
+    "Diagram.save",
+    "Engagement.along_line",
+    "Engagement.as_at",
+    "Engagement.at",
+    "Engagement.near",
+    "Figure.item",
+    "Fit.jams",
+    "Gears.compensate",
+    "Gears.drawing",
+    "Gears.roll",
+    "Gears.study",
+    "Gears.theoretical_chart",
+    "Gears.with_deviations",
+    "ModelledGears.section",
+    "Plan.rows",
+    "PlanetarySizing.first_sets",
+    "Result.json",
+    "RollTest.patches",
+    "Study.assemblies",
+    "Study.csv",
+    "Study.numbers",
+    "StudySummary.read",
+    "Summary.entry",
+    "WorkshopDrawing.save",
+    "size_planetary",
+)
 def test_examples_run(
     name: str,
     small: dict[str, Any],

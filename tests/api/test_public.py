@@ -266,7 +266,7 @@ def assert_speaks(answer: Result) -> None:
     assert {"save", "to_dict"} <= {*dir(answer)}
 
 
-@pytest.mark.sweep_cases("compensation", "check")
+@pytest.mark.sweep_cases("compensation", "check", "contact", "loaded", "roll", "vh")
 @pytest.mark.parametrize("name", ANSWERS)
 def test_answers_speak_for_themselves_and_save(name: str, gears: gm.Gears, tmp_path: Path) -> None:
     answer = ANSWERS[name](gears)
@@ -298,7 +298,7 @@ def test_solved_models_speak_and_save(gears: gm.Gears, tmp_path: Path) -> None:
         assert solved.save(tmp_path / f"saved{suffix}").stat().st_size > 0
 
 
-@pytest.mark.sweep_cases("gap")
+@pytest.mark.sweep_cases("gap", "contact")
 @needs_opengl
 @pytest.mark.parametrize("view", ["contact", "gap", "pair"])
 def test_pictures_are_drawn_when_saved(view: str, gears: gm.Gears, tmp_path: Path) -> None:

@@ -48,7 +48,7 @@ def program(*arguments: str | Path, **environment: str) -> subprocess.CompletedP
 # ---------------------------------------------------------------- new, sample, describe
 
 
-@pytest.mark.sweep_cases("spiral_bevel")
+@pytest.mark.sweep_cases("spiral_bevel", "hypoid")
 @pytest.mark.parametrize("kind", gm.kinds())
 def test_a_new_file_of_every_kind_loads_and_builds(kind: str, here: Path) -> None:
     assert run("new", kind, "-o", "new.toml") == (0, "", "")
@@ -83,7 +83,7 @@ def test_samples_are_listed_and_copied(here: Path) -> None:
     assert refused("sample", "spur", "-o", "nowhere") == "cannot write to nowhere: it is not a folder"
 
 
-@pytest.mark.sweep_cases("hypoid_formate")
+@pytest.mark.sweep_cases("hypoid_formate", "hypoid_measured", "novikov", "zerol")
 @pytest.mark.parametrize("sample", some(DESIGNS, 10))
 def test_every_sample_is_described(sample: str) -> None:
     status, out, _ = run("describe", SAMPLES / f"{sample}.toml")
@@ -98,7 +98,7 @@ def test_every_sample_is_described(sample: str) -> None:
 # ---------------------------------------------------------------- render, solid, run
 
 
-@pytest.mark.sweep_cases("gap")
+@pytest.mark.sweep_cases("gap", "pattern", "tool")
 @needs_opengl
 @pytest.mark.parametrize(
     "options",
@@ -213,7 +213,7 @@ COMMANDS = {
 }
 
 
-@pytest.mark.sweep_cases("run", "compensate", "check", "solid")
+@pytest.mark.sweep_cases("run", "compensate", "check", "solid", "fe", "limits", "tca", "tca of a worm")
 @pytest.mark.parametrize("command", COMMANDS)
 def test_tables_fit_eighty_columns(command: str, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures")
@@ -237,7 +237,7 @@ def test_tables_fit_eighty_columns(command: str, here: Path, monkeypatch: pytest
         assert {line.key for lines in groups.values() for line in lines} <= shown
 
 
-@pytest.mark.sweep_cases("describe")
+@pytest.mark.sweep_cases("describe", "tca SAMPLE --json -")
 @pytest.mark.parametrize("arguments", some(["describe", "describe beveloid", "sample", "tca SAMPLE --json -"], 3))
 def test_a_closed_standard_output_is_one_line(arguments: str) -> None:
     command = f"exec '{sys.executable}' -m gearmesh {arguments.replace('SAMPLE', str(SPUR))} >&-"

@@ -88,6 +88,7 @@ def test_refuses_in_one_line(options: list[str], line: str, capsys: pytest.Captu
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".step"])
+@pytest.mark.sweep_cases(".step")
 def test_loads_no_more_than_a_solid_needs(suffix: str, tmp_path: Path) -> None:
     """One format, and of a CAD solid neither scipy, whose splines it could take, nor any."""
     others = ["glb", "threemf", "vtk", *(["stl"] if suffix == ".step" else [])]

@@ -71,7 +71,7 @@ def exact_lines(member: Member, z: float, count: int = DENSE) -> list[Array]:
     return [tooth.grid(region, np.linspace(0.0, 1.0, count), sections).points[:, 0, :2] for region in tooth.regions]
 
 
-@pytest.mark.sweep_cases("novikov-0.01")
+@pytest.mark.sweep_cases("novikov-0.01", "novikov-1e-05")
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-5])
 @pytest.mark.parametrize("case", CASES)
 def test_curves_are_within_the_tolerance_of_the_exact_section_both_ways(case: str, tolerance: float) -> None:
@@ -93,7 +93,7 @@ def test_curves_are_within_the_tolerance_of_the_exact_section_both_ways(case: st
         assert not isinstance(curve, PlaneSpline) or len(curve.control) <= 40
 
 
-@pytest.mark.sweep_cases("novikov", "bar")
+@pytest.mark.sweep_cases("novikov", "bar", "chamfered", "keyed", "ring", "throated", "undercut")
 @pytest.mark.parametrize("case", [*CASES, *WITHIN])
 def test_loops_close_and_are_what_the_solid_has_there(case: str) -> None:
     """The solid's triangles, cut by the plane: segments as near as the solid is, and the length of all of them."""
@@ -114,6 +114,7 @@ def test_loops_close_and_are_what_the_solid_has_there(case: str) -> None:
 
 
 @pytest.mark.parametrize(("case", "stations"), [("keyed", 1), ("full", 1), ("beveloid", 10)])
+@pytest.mark.sweep_cases("beveloid-10")
 def test_area_makes_the_exact_volume(case: str, stations: int) -> None:
     """Sections of cylindrical gears are all alike; else Gauss quadrature over the face."""
     if case == "beveloid":
@@ -126,7 +127,7 @@ def test_area_makes_the_exact_volume(case: str, stations: int) -> None:
     assert 0.5 * (high - low) * float(weights @ areas) == pytest.approx(exact_volume(member), rel=5e-8)
 
 
-@pytest.mark.sweep_cases("double_helical-pinion", "internal-gear")
+@pytest.mark.sweep_cases("double_helical-pinion", "internal-gear", "helical-pinion")
 @pytest.mark.parametrize(
     ("sample", "member"), [("helical", "pinion"), ("double_helical", "pinion"), ("internal", "gear"), ("rack", "rack")]
 )

@@ -402,6 +402,7 @@ def face_names(member: Member) -> Counter[str]:
 
 
 @pytest.mark.parametrize("file", EVERY_FILE)
+@pytest.mark.sweep_cases("keyed")
 def test_a_fresh_process_reads_one_valid_solid(file: str, folder: Path) -> None:
     """One closed shell, every edge between two faces, and the exact volume (Gauss quadrature of exact sections)."""
     expected = members(file)
@@ -505,7 +506,7 @@ def test_header_names_schema_and_unit(folder: Path) -> None:
     assert "SI_UNIT(.MILLI.,.METRE.)" in data
 
 
-@pytest.mark.sweep_cases("spiral_bevel_geometry1-0.01", "spiral_bevel_basic-1e-05")
+@pytest.mark.sweep_cases("spiral_bevel_geometry1-0.01", "spiral_bevel_basic-1e-05", "spiral_bevel_basic-0.01")
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-5])
 @pytest.mark.parametrize("sample", ["spiral_bevel_basic", "spiral_bevel_geometry1"])
 def test_cones_fit_their_edges_at_any_tolerance(sample: str, tolerance: float) -> None:
@@ -524,7 +525,7 @@ def spline(sample: str, tolerance: float = TOLERANCE) -> SplineTooth:
     return spline_tooth(pair_of(sample, changes).pinion.tooth, tolerance)
 
 
-@pytest.mark.sweep_cases("beveloid_crossed-1e-05", "zerol-0.001")
+@pytest.mark.sweep_cases("beveloid_crossed-1e-05", "zerol-0.001", "beveloid_crossed-0.001", "zerol-1e-05")
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
 @pytest.mark.parametrize("sample", ["helical", "beveloid_crossed", "circular_arc", "zerol"])
 def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> None:
@@ -547,6 +548,7 @@ def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> N
 
 
 @pytest.mark.parametrize("sample", ["helical", "beveloid_crossed", "circular_arc", "zerol"])
+@pytest.mark.sweep_cases("beveloid_crossed")
 def test_borders_lie_on_the_lands_and_roots_beside_them(sample: str) -> None:
     """At any tolerance within what CAD programs take for the same point: the faces share these curves."""
     teeth, places = spline(sample, 1e-2), np.linspace(0.0, 1.0, 301)
@@ -568,6 +570,7 @@ def test_nodes_grow_with_the_sixth_root_of_the_tolerance() -> None:
 
 
 @pytest.mark.parametrize("sample", ["beveloid_crossed", "zerol"])
+@pytest.mark.sweep_cases("beveloid_crossed")
 def test_neighbours_share_their_borders(sample: str) -> None:
     """Control polygons and knots of common borders agree: of flank and fillet, and at breaks."""
     teeth = spline(sample)
@@ -584,6 +587,7 @@ def test_neighbours_share_their_borders(sample: str) -> None:
 
 
 @pytest.mark.parametrize(("sample", "changes"), [("helical", KEYED), ("zerol", SMALL)])
+@pytest.mark.sweep_cases("zerol-changes1")
 def test_exact_volume_counts_hub_and_keyway(sample: str, changes: list[str]) -> None:
     """Against the mesh, whose volume may be off by its tolerance all over its area."""
     member = pair_of(sample, changes).members["pinion"]

@@ -51,6 +51,14 @@ def wide() -> GearPair:
     "contact_worm_drive_inch_single_za",
     "contact_worm_drive_zi_errors",
     "contact_worm_drive_zn_100deg",
+    "contact_beveloid_edge_8",
+    "contact_circular_arc_edge_2021",
+    "contact_circular_arc_sensible_10",
+    "contact_face_gear_sensible_1",
+    "contact_spiral_bevel_conjugate_edge_17",
+    "contact_spiral_bevel_conjugate_edge_2",
+    "contact_worm_drive_helical_left_82",
+    "contact_worm_drive_left_six_zk",
 )
 @pytest.mark.parametrize("file", CORPUS, ids=lambda file: file.stem)
 def test_the_flanks_touch_where_they_roll(file: Path) -> None:
@@ -186,7 +194,7 @@ def test_no_position_has_less_backlash_than_the_least(file: Path) -> None:
     assert -1e-12 < most < 1.0 * ARCSEC
 
 
-@pytest.mark.sweep_cases("nodes_novikov_sensible_205")
+@pytest.mark.sweep_cases("nodes_novikov_sensible_205", "nodes_face_gear_edge_202")
 @pytest.mark.parametrize("file", NODES, ids=lambda file: file.stem)
 def test_no_contact_leads_where_it_is_followed_to(file: Path) -> None:
     """The contact of each node, followed to the next on either side, is not ahead of what touches first there."""
@@ -247,7 +255,10 @@ def test_the_pair_that_carried_on_takes_over_and_not_one_that_only_comes_to_carr
 
 
 @pytest.mark.sweep_cases(
-    "overlap_beveloid_twenty_windings", "overlap_beveloid_five_teeth_wide", "overlap_beveloid_three_teeth"
+    "overlap_beveloid_twenty_windings",
+    "overlap_beveloid_five_teeth_wide",
+    "overlap_beveloid_three_teeth",
+    "overlap_beveloid_one_tooth",
 )
 @pytest.mark.parametrize("file", OVERLAPS, ids=lambda file: file.stem)
 def test_the_overlap_ratio_of_few_teeth_is_the_closed_form(file: Path) -> None:

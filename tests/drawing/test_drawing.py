@@ -56,7 +56,7 @@ def drawing(case: str) -> WorkshopDrawing:
     return gm.build(gm.load(SAMPLES / f"{sample}.toml", changes)).drawing(member)
 
 
-@pytest.mark.sweep_cases("keyed", "ring", "single")
+@pytest.mark.sweep_cases("keyed", "ring", "single", "bevel", "double helical", "rack", "worm")
 @pytest.mark.parametrize("case", CASES)
 def test_texts_say_what_the_gear_is_and_none_lies_on_another(case: str) -> None:
     made = drawing(case)

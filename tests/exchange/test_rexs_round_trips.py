@@ -154,12 +154,37 @@ def there_and_back(gears: gm.Gears, folder: Path, suffix: str = ".rexs") -> gm.G
 
 
 @pytest.mark.parametrize("name", [*HAVING, *(pytest.param(name, marks=pytest.mark.sweep) for name in SLOW)])
+@pytest.mark.sweep_cases(
+    "double_helical",
+    "helical_hub",
+    "hob_protuberance",
+    "hypoid",
+    "internal",
+    "planetary",
+    "spiral_bevel_basic",
+    "spur_relieved",
+    "worm_drive",
+)
 def test_samples_come_back_as_the_same_gears(name: str, tmp_path: Path) -> None:
     gears = gm.build(gm.load(SAMPLES / f"{name}.toml"))
     same_contact(gears, there_and_back(gears, tmp_path, ".rexsj" if len(name) % 2 else ".rexsz"))
 
 
 @pytest.mark.parametrize("name", OTHERS)
+@pytest.mark.sweep_cases(
+    "ZK left-hand",
+    "ZN of normal module",
+    "formed",
+    "helical set",
+    "inches",
+    "modified",
+    "obtuse bevel",
+    "offset the other way",
+    "ring as pinion",
+    "shaped",
+    "span",
+    "transverse",
+)
 def test_others_come_back_as_the_same_gears(name: str, tmp_path: Path) -> None:
     gears = gm.build(gm.parse(OTHERS[name]))
     again = there_and_back(gears, tmp_path)
@@ -171,6 +196,7 @@ def test_others_come_back_as_the_same_gears(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["spur", "helical", "internal", "hob_protuberance", "planetary"])
+@pytest.mark.sweep_cases("hob_protuberance", "internal", "planetary")
 def test_attributes_of_the_format_alone_say_the_pair(name: str, tmp_path: Path) -> None:
     """What another program hands back that keeps nothing of ours; but how far each pair is followed."""
     gears = gm.build(gm.load(SAMPLES / f"{name}.toml"))
@@ -183,6 +209,7 @@ def test_attributes_of_the_format_alone_say_the_pair(name: str, tmp_path: Path) 
     same_contact(gears, gm.build(gm.load_rexs(tmp_path / "foreign.rexs").design))
 
 
+@pytest.mark.sweep
 def test_results_of_loaded_contact_are_a_load_case(tmp_path: Path) -> None:
     gears = gm.build(gm.load(SAMPLES / "spur.toml"))
     gears.rexs(tmp_path, torque=80.0).save(tmp_path / "gears.rexs")

@@ -456,6 +456,7 @@ def test_land_of_width() -> None:
 
 
 @pytest.mark.parametrize("rounded_edge", [False, True])
+@pytest.mark.sweep_cases("True")
 def test_broken_edges(rounded_edge: bool) -> None:
     """The chamfer begins `size` below the tip; the rounding touches flank and tip circle."""
     for tooth, module in some_teeth():

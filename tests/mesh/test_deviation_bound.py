@@ -100,7 +100,7 @@ def holds(name: str, part: str, tolerance: float, count: int, finer: float) -> N
     assert bound.sampled - rest.largest <= CLOSE * max(there, back)
 
 
-@pytest.mark.sweep_cases("undercut_modified_involute_sensible_2066-pinion-0.1")
+@pytest.mark.sweep_cases("undercut_modified_involute_sensible_2066-pinion-0.1", "internal-gear-0.1")
 @pytest.mark.parametrize(("name", "part", "tolerance"), FEW)
 def test_random_points_never_exceed_the_bound(name: str, part: str, tolerance: float) -> None:
     holds(name, part, tolerance, 3_000, 12.0)
@@ -124,7 +124,7 @@ def test_the_bound_is_above_what_another_route_measures(name: str, part: str) ->
         assert found.largest <= CLOSE * measured[patch.region].facets_to_surface
 
 
-@pytest.mark.sweep_cases("face_gear-gear--0.1", "worm_drive-wheel-0.2")
+@pytest.mark.sweep_cases("face_gear-gear--0.1", "worm_drive-wheel-0.2", "internal-gear-0.1")
 @pytest.mark.parametrize(
     ("name", "part", "distance"),
     [

@@ -102,7 +102,9 @@ def test_what_chamfers_take_off_spur_teeth() -> None:
     assert tooth.volume() - broken.volume() == pytest.approx(removed, rel=5e-4)
 
 
-@pytest.mark.sweep_cases("spiral_bevel_geometry2-pinion-ends1-None")
+@pytest.mark.sweep_cases(
+    "spiral_bevel_geometry2-pinion-ends1-None", "helical-gear-ends3-tip3", "spiral_bevel_geometry2-gear-ends4-None"
+)
 @pytest.mark.parametrize(
     ("sample", "name", "ends", "tip"),
     [
@@ -243,6 +245,7 @@ def test_room_for_chamfers_is_looked_for_on_samples_that_are_as_good_as_the_surf
 
 
 @pytest.mark.parametrize(("tolerance", "rounded"), [(0.05, False), (0.001, False), (0.05, True)])
+@pytest.mark.sweep_cases("0.001-False", "0.05-True")
 def test_no_place_of_a_chamfer_is_farther_than_its_bound(
     tolerance: float, rounded: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -316,6 +319,7 @@ def test_what_broken_edges_take_off_a_bar(case: str, rounded: bool) -> None:
         ("sharp roots", {"end_chamfer_heel": 0.5}),
     ],
 )
+@pytest.mark.sweep_cases("helical-keys1")
 def test_bars_are_closed_and_weigh_what_the_sheet_says(case: str, keys: dict[str, object]) -> None:
     """The chamfers go on along the root lands to the bar's ends. Centre of gravity and inertia against the mesh's."""
     gears, tolerance = bar(case, **keys), 0.002

@@ -71,7 +71,15 @@ ONE_OF_A_KIND = (
 )
 
 
-@pytest.mark.sweep_cases("novikov-focused", "zerol-plain", "beveloid_crossed-plain", "circular_arc-plain")
+@pytest.mark.sweep_cases(
+    "novikov-focused",
+    "zerol-plain",
+    "beveloid_crossed-plain",
+    "circular_arc-plain",
+    "beveloid_crossed-second_order",
+    "face_gear-focused",
+    "spur-plain",
+)
 @pytest.mark.parametrize(
     ("sample", "shape"),
     some(
@@ -143,7 +151,7 @@ def test_spacing_uses_all_the_cells_there_are() -> None:
         assert (steps.max() > 2.0 * steps.min()) == (width < 0.5)
 
 
-@pytest.mark.sweep_cases("spiral_bevel_basic-1", "beveloid_parallel-1")
+@pytest.mark.sweep_cases("spiral_bevel_basic-1", "beveloid_parallel-1", "beveloid_parallel-2", "spiral_bevel_basic-2")
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("sample", ["beveloid_parallel", "circular_arc", "spiral_bevel_basic"])
 def test_flank_nodes_lie_on_the_exact_surface(sample: str, order: int) -> None:
@@ -307,6 +315,7 @@ def test_elements_asked_for_over_the_ellipse(sample: str) -> None:
 
 @pytest.mark.parametrize("flank", ["right", "left"])
 @pytest.mark.parametrize("sample", ["beveloid_crossed", "spiral_bevel_basic"])
+@pytest.mark.sweep_cases("beveloid_crossed-left")
 def test_members_touch_and_the_torque_drives(sample: str, flank: str) -> None:
     key = "contact.flank" if sample.startswith("beveloid") else "contact.side"
     value = flank if sample.startswith("beveloid") else {"right": "pinion_convex", "left": "pinion_concave"}[flank]
@@ -340,7 +349,7 @@ def test_members_touch_and_the_torque_drives(sample: str, flank: str) -> None:
     assert abs(built.gap) < 0.5 * at.approach
 
 
-@pytest.mark.sweep_cases("beveloid_crossed-2", "spur-1")
+@pytest.mark.sweep_cases("beveloid_crossed-2", "spur-1", "helical-1")
 @pytest.mark.parametrize(
     ("sample", "order"), [("spur", 1), ("helical", 1), ("circular_arc", 1), ("beveloid_crossed", 2)]
 )

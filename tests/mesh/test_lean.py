@@ -68,6 +68,13 @@ def ratio(mesh: ToothMesh) -> float:
         ("beveloid_crossed", "gear", 1.8),
     ],
 )
+@pytest.mark.sweep_cases(
+    "beveloid_crossed-gear-1.8",
+    "beveloid_crossed-pinion-1.7",
+    "face_gear-gear-1.55",
+    "hypoid-pinion-1.5",
+    "internal-gear-1.5",
+)
 def test_flanks_and_fillets_take_few_triangles(sample: str, member: str, most: float) -> None:
     assert ratio(tessellate(tooth_of(sample, member), 0.01)) < most
 
@@ -87,6 +94,7 @@ def test_links_just_below_what_is_merged_are_merged_where_the_tooth_has_more_tha
         ("zerol", "gear", 75, 1.5),
     ],
 )
+@pytest.mark.sweep_cases("spiral_bevel_basic-pinion-112-1.55", "worm_drive-wheel-205-1.5", "zerol-gear-75-1.5")
 def test_seams_of_coarse_meshes_have_few_nodes_that_both_sides_share(
     sample: str, member: str, most: int, times: float
 ) -> None:
@@ -113,6 +121,7 @@ def test_links_none_of_whose_edges_can_collapse_stay_as_they_are() -> None:
 
 
 @pytest.mark.parametrize(("sample", "tolerance"), [("circular_arc", 0.01), ("spiral_bevel_basic", 0.1)])
+@pytest.mark.sweep_cases("spiral_bevel_basic-0.1")
 def test_sides_that_are_bent_most_beside_their_middles_keep_the_tolerance(sample: str, tolerance: float) -> None:
     """By middles and normals at the ends to third order meshes were 0.33 and 1.4 um off, and solids were meshed twice."""
     assert tooth_bound(tessellate(tooth_of(sample, "pinion"), tolerance)).largest <= tolerance

@@ -86,6 +86,7 @@ def test_a_grid_reads_back_to_the_last_digit(spur: gm.Gears, suffix: str, tmp_pa
         pytest.param("novikov", "gear", marks=pytest.mark.sweep),
     ],
 )
+@pytest.mark.sweep_cases("beveloid_crossed-gear")
 def test_real_flanks_go_through_what_was_measured(sample: str, member: str, tmp_path: Path) -> None:
     """At the points to rounding; points in space, turned by two pitches and a bit, give the same flank."""
     design = gm.load(SAMPLES / f"{sample}.toml")

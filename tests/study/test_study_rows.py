@@ -27,6 +27,7 @@ MOVED = ["hypoid", "spiral_bevel_geometry1", "helical", "internal", "face_gear",
 
 
 @pytest.mark.parametrize("sample", [*MOVED, "circular_arc"])
+@pytest.mark.sweep_cases("novikov")
 def test_members_of_many_assemblies_stand_where_each_design_puts_them(sample: str) -> None:
     design = gm.load(SAMPLES / f"{sample}.toml")
     moved = system(design.kind).displacements
@@ -230,6 +231,7 @@ def test_the_command_writes_tables_and_figures(tmp_path: Path) -> None:
         ),
     ],
 )
+@pytest.mark.sweep_cases("words11---workers = 0: must be")
 def test_what_the_command_cannot_do_is_one_line(words: list[str], said: str) -> None:
     assert re.search(said, refused("study", CROSSED, *words))
 

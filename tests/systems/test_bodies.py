@@ -135,6 +135,7 @@ def test_a_keyway_without_a_size_goes_by_the_bore(keyway: str, bore: str, size: 
 
 
 @pytest.mark.parametrize("case", GEARS)
+@pytest.mark.sweep_cases("conical")
 def test_webs_and_holes_make_solids_of_the_right_volume(case: str) -> None:
     member, expected = gear(case)
     tolerance = 2e-3
@@ -341,6 +342,7 @@ def test_finite_element_models_say_what_they_leave_out() -> None:
         ),
     ],
 )
+@pytest.mark.sweep_cases("changes1-message1", "changes11-message11", "changes2-message2")
 def test_bodies_that_cannot_be_are_refused(changes: list[str], message: str) -> None:
     with pytest.raises(gm.DesignError) as refused:
         pinion(*changes)

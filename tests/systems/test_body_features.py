@@ -269,6 +269,7 @@ UNEVEN = {
 
 
 @pytest.mark.parametrize("case", swept(UNEVEN, {"conical", "rack"}))
+@pytest.mark.sweep_cases("conical")
 def test_moments_are_those_of_meshes(case: str) -> None:
     """Between a mesh and the exact surfaces is at most its tolerance on all of its area, no farther out than it reaches."""
     keys, tolerance = UNEVEN[case]
@@ -422,6 +423,7 @@ def test_the_figure_of_a_refusal_is_the_first_that_works(
         ("bore=30", "bolts={count=5,diameter=8,circle=38.4}"),
     ],
 )
+@pytest.mark.sweep_cases("keys0", "keys1", "keys3")
 def test_walls_as_thin_as_they_may_be_are_in_meshes_and_cad_solids(keys: tuple[str, ...]) -> None:
     """However coarse the mesh: chords of an opening do not cut through to the bore. Thinner ones are refused."""
     part = member("spur", "gear", *keys)

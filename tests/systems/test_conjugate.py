@@ -146,6 +146,7 @@ def test_sample_runs_without_error_from_tooth_to_tooth() -> None:
         (1e6, "rho = 1000000.0: must be a length in mm above 0 and up to 50000"),
     ],
 )
+@pytest.mark.sweep_cases("5680.0-up to 5674.01 mm")
 def test_profile_radius_that_no_tooth_can_have(rho: float, words: str) -> None:
     with pytest.raises(DesignError) as refused:
         pair_of(load(SAMPLES / "spiral_bevel_geometry2.toml", [f"rho={rho}"]))

@@ -69,7 +69,9 @@ def test_teeth_are_as_thick_as_the_closed_form_says_at_every_radius(pair: tuple[
             assert r[:, 2] == pytest.approx(z, abs=1e-12)
 
 
-@pytest.mark.sweep_cases("internal_oblique", "ring_drives", "few_and_many")
+@pytest.mark.sweep_cases(
+    "internal_oblique", "ring_drives", "few_and_many", "internal", "internal_helical", "left_helical", "shaped"
+)
 def test_backlash_wanted_is_backlash_measured(pair: tuple[Any, gm.Gears]) -> None:
     found, gears = pair
     summary = gears.contact(cycle=True).summary
@@ -81,7 +83,9 @@ def test_backlash_wanted_is_backlash_measured(pair: tuple[Any, gm.Gears]) -> Non
     assert summary["mesh_te_peak_to_peak_arcsec"] < 1e-7
 
 
-@pytest.mark.sweep_cases("ring_drives", "internal_helical")
+@pytest.mark.sweep_cases(
+    "ring_drives", "internal_helical", "few_and_many", "internal_oblique", "left_helical", "shaped", "shifted"
+)
 def test_contact_ratio_is_the_closed_form(pair: tuple[Any, gm.Gears]) -> None:
     found, gears = pair
     mesh = found.mesh
@@ -119,6 +123,9 @@ def test_rolled_solids_of_an_internal_pair_agree_and_have_the_exact_volume() -> 
     "teeth-44.3-teeth3-15.0",
     "teeth-65.6-teeth2-22.0",
     "teeth-62.6-teeth1-0.0",
+    "equal-62.6-teeth1-0.0",
+    "equal-65.6-teeth2-22.0",
+    "sliding-44.3-teeth3-15.0",
 )
 @pytest.mark.parametrize(
     ("distance", "teeth", "helix"),
@@ -324,6 +331,7 @@ def test_allowances_of_the_thickness_are_taken_in_their_middle() -> None:
         ({"teeth": 20, "thickness_allowance": {"upper": -0.2, "lower": -0.1}}, {"teeth": 22}, {}, "lower = -0.1"),
     ],
 )
+@pytest.mark.sweep_cases("pinion7-gear7-keys7-assembly.center_distance = 70")
 def test_what_cannot_be_is_refused_in_one_line(
     pinion: dict[str, Any], gear: dict[str, Any], keys: dict[str, Any], named: str
 ) -> None:

@@ -327,6 +327,9 @@ def test_top_land_at_the_outer_radius_is_the_one_asked_for() -> None:
     ],
     ids=lambda value: value[-1] if isinstance(value, list) else "",
 )
+@pytest.mark.sweep_cases(
+    "backlash=10-", "gear.addendum=2.5-", "gear.outer_radius=400-", "shaper.addendum=2-", "shaper.tip_radius=0.4-"
+)
 def test_refusals_name_key_value_and_limit(overrides: list[str], words: str) -> None:
     with pytest.raises(DesignError) as failure:
         pair(*overrides)

@@ -405,6 +405,7 @@ def test_small_offsets_lead_to_none() -> None:
         ),
     ],
 )
+@pytest.mark.sweep_cases("changes5-words5")
 def test_pairs_that_cannot_exist_are_refused(changes: dict[str, Any], words: str) -> None:
     with pytest.raises(DesignError, match=words):
         with_offset(replace(SAMPLE_2, **changes))

@@ -442,6 +442,7 @@ SEARCHED = [
 @pytest.mark.parametrize(
     ("override", "message"), [*REFUSED, *some(SEARCHED, 0)], ids=[row[0] for row in (*REFUSED, *SEARCHED)]
 )
+@pytest.mark.sweep_cases("clearance=9", "gear.cutter.edge_radius=9", "shaft_angle=165")
 def test_refused(override: str, message: str, tmp_path: Path) -> None:
     file = tmp_path / "basic.toml"
     file.write_text(

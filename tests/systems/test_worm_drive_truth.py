@@ -238,6 +238,7 @@ def path(*overrides: str) -> ContactPath:
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
+@pytest.mark.sweep_cases("right")
 def test_oversized_zi_is_uniform_under_errors_and_both_hands_are_mirror_images(side: str) -> None:
     """Under errors of all four kinds at once; in the mirror the worm is displaced the other way."""
     errors = (OVERSIZED, "assembly.da=0.05", "assembly.dz2=0.2", "assembly.d_sigma=0.05", f"contact.flank={side}")
@@ -252,6 +253,7 @@ def test_oversized_zi_is_uniform_under_errors_and_both_hands_are_mirror_images(s
 
 
 @pytest.mark.parametrize("form", ["ZA", "ZN", "ZI", "ZK"])
+@pytest.mark.sweep_cases("ZA", "ZK", "ZN")
 def test_a_hob_like_the_worm_makes_no_transmission_error(form: str) -> None:
     for hand in ("true", "false"):
         one = path(f"worm.form={form}", f"worm.right_hand={hand}")
@@ -287,6 +289,7 @@ def test_a_hob_like_the_worm_makes_no_transmission_error(form: str) -> None:
         (["hob.addendum=4"], "hob.addendum = 4: must be a multiple of the axial module from 0 to 3"),
     ],
 )
+@pytest.mark.sweep_cases("changes2-message2", "changes5-message5", "changes6-message6")
 def test_what_cannot_be_is_refused_in_one_line(changes: list[str], message: str) -> None:
     with pytest.raises(DesignError, match=f"^{message}"):
         gm.build(drive(*changes))

@@ -100,6 +100,7 @@ SETTINGS = (
 
 
 @pytest.mark.parametrize("changes", some(SETTINGS, 2))
+@pytest.mark.sweep_cases("changes3")
 def test_a_fly_cutter_fed_along_the_hobs_axis_leaves_the_wheel(changes: list[str]) -> None:
     """100 points of either flank: at every place of the feed the blade turns to each of them, the wheel by both; the least distance
     over the feed."""
@@ -155,6 +156,7 @@ def sheet_of(gears: gm.Gears) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("form", ["enveloping", "helical"])
+@pytest.mark.sweep_cases("enveloping")
 def test_backlash_is_the_same_by_either_member(form: str) -> None:
     """Thinner threads, thinner teeth, or both: the teeth's way is the sheet's, and contact is at the same place at phi1 = 0."""
     ways = []
@@ -289,6 +291,7 @@ UNIFORM = (
 
 
 @pytest.mark.parametrize("keys", some(UNIFORM, 2))
+@pytest.mark.sweep_cases("keys0")
 def test_a_larger_zi_hob_leaves_a_wheel_with_profile_shift_that_is_uniform_and_free(keys: dict[str, Any]) -> None:
     """Without backlash: neither flank is ahead anywhere, so nothing jams, and both touch in the pitch point together."""
     contact = gm.build(gm.parse(keys)).contact()

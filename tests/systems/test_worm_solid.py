@@ -80,6 +80,7 @@ def test_thread_is_what_the_rack_leaves_on_the_worm(threads: int, hand: int) -> 
 
 
 @pytest.mark.parametrize(("threads", "tip_radius"), [(1, 0.3), (3, 0.3), (1, 0.0)])
+@pytest.mark.sweep_cases("1-0.3", "3-0.3")
 def test_solid_of_a_worm(threads: int, tip_radius: float) -> None:
     """Closed, within the tolerance, of the volume of its exact sections, with the radii that the rack's heights say."""
     member = worm_member(worm(threads, radius=70.0), racks(tip_radius), 25.0, bore=50.0)
@@ -288,6 +289,7 @@ def _flanks(design: Any) -> list[tuple[Any, int]]:
 
 
 @pytest.mark.parametrize("crowning", ["worm_plunge", "worm_roll"])
+@pytest.mark.sweep_cases("worm_plunge")
 def test_worm_of_a_design_touches_the_pinion_with_its_flanks(crowning: str) -> None:
     """Every point that grinds the pinion of the pair lies on the part, within the length that it says is needed."""
     design = load(NOVIKOV, [f"pinion.crowning={crowning}", "worm.threads=2", "coast_pressure_angle=20"])

@@ -232,6 +232,7 @@ def test_the_fewest_teeth_are_just_not_undercut() -> None:
 
 @pytest.mark.parametrize("sample", ["spur", "helical", "beveloid_crossed", "spiral_bevel_basic"])
 @pytest.mark.parametrize("land", [0.3, 1.0])
+@pytest.mark.sweep_cases("0.3-beveloid_crossed")
 def test_a_tip_raised_to_the_limit_has_the_land_asked_for(sample: str, land: float) -> None:
     part = member(sample)
     limits = member_limits(part, land, count=3)

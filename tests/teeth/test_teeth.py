@@ -36,7 +36,7 @@ def pinion(sample: str, *overrides: str) -> Member:
     return members(sample, *overrides)["pinion"]
 
 
-@pytest.mark.sweep_cases("hypoid_high_ratio")
+@pytest.mark.sweep_cases("hypoid_high_ratio", "hypoid_formate", "hypoid_measured", "spiral_bevel_formate")
 @pytest.mark.parametrize("sample", NAMES)
 def test_links_of_the_chain_share_their_ends(sample: str) -> None:
     for member in members(sample).values():
@@ -122,7 +122,7 @@ def test_undercut_beginning_along_the_face_is_a_station() -> None:
     assert cut.tolist() == [True, False]
 
 
-@pytest.mark.sweep_cases("intersected", "helical")
+@pytest.mark.sweep_cases("intersected", "helical", "circular_arc")
 @pytest.mark.parametrize(
     ("sample", "overrides", "tolerances"),
     some(
@@ -170,6 +170,30 @@ def test_helical_solid_is_lean() -> None:
 
 
 @pytest.mark.parametrize("sample", NAMES)
+@pytest.mark.sweep_cases(
+    "beveloid_crossed",
+    "beveloid_intersected",
+    "beveloid_parallel",
+    "circular_arc",
+    "face_gear",
+    "face_gear_conjugate",
+    "face_gear_offset",
+    "hypoid",
+    "hypoid_formate",
+    "hypoid_high_ratio",
+    "hypoid_measured",
+    "modified_involute",
+    "novikov",
+    "spiral_bevel_abdullah_curved",
+    "spiral_bevel_abdullah_straight",
+    "spiral_bevel_formate",
+    "spiral_bevel_geometry1",
+    "spiral_bevel_geometry2",
+    "worm_drive",
+    "worm_drive_dual_lead",
+    "worm_drive_zk_oversize",
+    "zerol",
+)
 def test_every_solid_is_proved(sample: str) -> None:
     for member in members(sample).values():
         solid = gear_solid(member, 0.05)
@@ -248,6 +272,7 @@ def test_cell_normals_are_those_of_the_exact_flank() -> None:
         ("face_gear", "gear", ("inner_cylinder", "outer_cylinder")),
     ],
 )
+@pytest.mark.sweep_cases("face_gear-gear-faces3", "spiral_bevel_basic-pinion-faces1")
 def test_end_faces_take_no_more_triangles_than_their_borders_demand(
     sample: str, name: str, faces: tuple[str, str]
 ) -> None:
@@ -280,6 +305,7 @@ def test_end_faces_of_a_bevel_gear_are_its_front_and_back_cones(name: str) -> No
     ("sample", "overrides", "tolerances"),
     [("spur", BENCH, (1e-2, 1e-3, 1e-4)), ("spiral_bevel_basic", [], (1e-2, 2e-3, 4e-4))],
 )
+@pytest.mark.sweep_cases("spiral_bevel_basic-overrides1-tolerances1")
 def test_volume_converges_with_the_tolerance(sample: str, overrides: list[str], tolerances: tuple[float, ...]) -> None:
     member = pinion(sample, *overrides)
     exact = member.tooth.volume(32)
@@ -321,6 +347,7 @@ def test_features_of_the_body(features: list[str], change: str) -> None:
 
 
 @pytest.mark.parametrize("edge", ["tip_chamfer", "tip_rounding"])
+@pytest.mark.sweep_cases("tip_chamfer")
 def test_broken_tip_edges(edge: str) -> None:
     plain, member = pinion("helical"), pinion("helical", f"pinion.{edge}=0.5")
     assert prove(gear_solid(member, 0.01), 1).ok
@@ -339,7 +366,7 @@ LIMITS = {
 }
 
 
-@pytest.mark.sweep_cases("face")
+@pytest.mark.sweep_cases("face", "chamfer", "pointed")
 @pytest.mark.parametrize("name", LIMITS)
 def test_refusals_name_a_true_limit(name: str) -> None:
     sample, key, value, _, pattern = LIMITS[name]
