@@ -1,7 +1,7 @@
-"""Edges of a triangulation in the (s, t) plane that may collapse into one node, and which of them may do so at once.
+"""Collapse of edges of a triangulation in the (s, t) plane, and choice of edges that can collapse at once.
 
-The triangles at either end of an edge, but for those on the edge itself, are its ring: they stay, with one common node in
-place of both ends. Where all of them keep their orientation the triangulation stays one.
+The ring of an edge consists of the triangles at either end without those on the edge itself. They stay when the edge
+collapses, with one common node in place of both ends. The result is a triangulation if they all keep their orientation.
 """
 
 from __future__ import annotations
@@ -15,51 +15,57 @@ from gearmesh.kernel.numeric.algebra import Array
 
 Index = NDArray[np.int64]
 
-#: passes in which edges that touch no chosen one are chosen from those left
-PASSES = 4
-#: area in the (s, t) plane below which a triangle has none
-FLAT = 1e-12
+#: passes of the choice of independent edges; each takes edges beside no chosen edge
+CHOICE_PASSES = 4
+#: largest area in the (s, t) plane that counts as 0
+FLAT_AREA = 1e-12
 
 
 @dataclass(frozen=True)
 class Incidence:
-    """Which edges (E, 2) a triangulation has, which of them are the sides of each triangle (M, 3), in how many triangles
-    (E,) each is, and the corners, 3 times the triangle and the corner, at every node: those of node n are `corners` from
-    `begins`[n] on."""
+    """Edges, triangles and nodes of a triangulation, and how they meet."""
 
+    #: nodes (E, 2) of the edges
     edges: Index
+    #: edges (M, 3) opposite to the corners of the triangles
     sides: Index
+    #: number of triangles (E,) at each edge
     count: Index
+    #: corners (3 M,), numbered 3 triangle + corner, sorted by their nodes
     corners: Index
+    #: index (N + 1,) in `corners` at which the corners of each node begin
     begins: Index
 
     @staticmethod
     def of(triangles: Index, nodes: int) -> Incidence:
-        """Of triangles (M, 3) between so many nodes; side k is opposite to corner k."""
+        """Return the incidence of triangles (M, 3) between `nodes` nodes; side k is opposite to corner k."""
         edges, sides = edges_of(triangles, nodes)
         corners = np.argsort(triangles.ravel(), kind="stable")
         begins = np.searchsorted(triangles.ravel()[corners], np.arange(nodes + 1))
         return Incidence(edges, sides, np.bincount(sides.ravel(), minlength=len(edges)), corners, begins)
 
     def corners_at(self, nodes: Index) -> tuple[Index, Index]:
-        """Corners (K,) at nodes (N,), one node after the other, and at which of them each is (K,)."""
+        """Return the corners (K,) at nodes (N,), node by node, and the index (K,) of the node of each corner."""
         first, count = self.begins[nodes], self.begins[nodes + 1] - self.begins[nodes]
         place = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
         return self.corners[np.repeat(first, count) + place], np.repeat(np.arange(nodes.size), count)
 
     def quadrilaterals(self, triangles: Index) -> tuple[Index, Index, Index, Index, Index, Index]:
-        """Of every edge between two triangles of these (M, 3): one and the other, the former's corners off and on the edge, as
-        `apex` and `b`, the latter's corner off it, `far`, and the other end `c`; all (K,)."""
+        """Return the quadrilaterals of two triangles with a common edge; six arrays (K,).
+
+        They are: first triangle, second triangle, corner `apex` of the first off the edge, start `b` of the edge, corner `far`
+        of the second off the edge, end `c` of the edge.
+        """
         order = np.argsort(self.sides.ravel(), kind="stable")
         inner = np.flatnonzero(self.count == 2)
         begins = np.cumsum(self.count) - self.count
-        (one, k), (other, m) = (np.divmod(order[begins[inner] + i], 3) for i in (0, 1))
-        apex, far = triangles[one, k], triangles[other, m]
-        return one, other, apex, triangles[one, (k + 1) % 3], far, triangles[one, (k + 2) % 3]
+        (first, k), (second, m) = (np.divmod(order[begins[inner] + i], 3) for i in (0, 1))
+        apex, far = triangles[first, k], triangles[second, m]
+        return first, second, apex, triangles[first, (k + 1) % 3], far, triangles[first, (k + 2) % 3]
 
 
 def edges_of(triangles: Index, count: int) -> tuple[Index, Index]:
-    """Edges (E, 2) between `count` nodes, and which are those of each triangle (M, 3), opposite to its corners."""
+    """Return the edges (E, 2) of triangles (M, 3) between `count` nodes, and the edges (M, 3) opposite to their corners."""
     low, high = np.moveaxis(np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]], axis=-1), -1, 0)
     coded, side = np.unique(low * count + high, return_inverse=True)
     return np.stack(np.divmod(coded, count), axis=-1), side.reshape(-1, 3)
@@ -67,25 +73,32 @@ def edges_of(triangles: Index, count: int) -> tuple[Index, Index]:
 
 @dataclass(frozen=True)
 class Rings:
-    """The rings of edges (C, 2): triangles `ring` (J,), the `owner` (J,) of each, in order, and their nodes `after` (J,) and
-    `before` (J,) the end of the edge, counterclockwise; `following` (J,): which of them begins at the node before it, -1 if
-    none does; `begins` (C,). `taken` (K,) and `taken_by` (K,): all triangles at the edges' ends."""
+    """Rings of C edges: the triangles that stay when an edge collapses."""
 
+    #: triangles (J,) of the rings, edge by edge
     ring: Index
+    #: edge (J,) of each triangle, rising
     owner: Index
+    #: node (J,) of each triangle after the end of the edge, counterclockwise
     after: Index
+    #: node (J,) of each triangle before the end of the edge
     before: Index
+    #: triangle (J,) of the ring that begins at the node before; -1 if there is none
     following: Index
+    #: index (C,) at which the ring of each edge begins
     begins: Index
+    #: triangles (K,) at the ends of the edges, those on the edges included
     taken: Index
+    #: edge (K,) of each of them
     taken_by: Index
 
     @staticmethod
     def of(triangles: Index, incidence: Incidence, edges: Index) -> Rings:
+        """Return the rings of edges (C, 2) of a triangulation (M, 3)."""
         ends = edges.ravel()
         corners, end = incidence.corners_at(ends)
         triangle, corner = np.divmod(corners, 3)
-        # the other end of the edge
+        # triangles on the edge have its other end as a corner: they are not in the ring
         other = ends[end ^ 1]
         after, before = triangles[triangle, (corner + 1) % 3], triangles[triangle, (corner + 2) % 3]
         ring = (after != other) & (before != other)
@@ -96,7 +109,7 @@ class Rings:
         return Rings(triangle[ring], owner, after, before, follows, begins, triangle, taken_by)
 
     def collapses(self, edges: Index, at: Array, st: Array) -> Collapses:
-        """What they make of nodes st (N, 2) when these edges (C, 2) collapse into their first nodes, at places (C, 2)."""
+        """Return the collapse of edges (C, 2) into their first nodes, at places `at` (C, 2); `st` (N, 2): all nodes."""
         keep, (count, size) = edges[:, 0], (len(edges), self.owner.size)
         nodes = np.concatenate((keep, self.after, self.before))
         after = count + np.arange(size)
@@ -105,15 +118,15 @@ class Rings:
         return Collapses(edges, self.ring, corners, self.owner, nodes, by, np.concatenate((at, st[nodes[count:]])))
 
     def of_some(self, chosen: NDArray[np.bool_]) -> Rings:
-        """Of the `chosen` (C,) edges alone, numbered as they are among them."""
-        own, number = chosen[self.owner], np.cumsum(chosen) - 1
-        place = np.cumsum(own) - 1
-        owner, taken, follows = number[self.owner[own]], chosen[self.taken_by], self.following[own]
+        """Return the rings of the `chosen` (C,) edges, which are numbered anew."""
+        kept, number = chosen[self.owner], np.cumsum(chosen) - 1
+        place = np.cumsum(kept) - 1
+        owner, taken, follows = number[self.owner[kept]], chosen[self.taken_by], self.following[kept]
         return Rings(
-            self.ring[own],
+            self.ring[kept],
             owner,
-            self.after[own],
-            self.before[own],
+            self.after[kept],
+            self.before[kept],
             np.where(follows < 0, -1, place[follows]),
             np.searchsorted(owner, np.arange(int(chosen.sum()))),
             self.taken[taken],
@@ -123,21 +136,31 @@ class Rings:
 
 @dataclass(frozen=True)
 class Collapses:
-    """Edges (C, 2) collapse into their first nodes: triangles `ring` (J,) get the corners (J, 3) among the `nodes` (V,), which go
-    to `places` (V, 2); each of the former is there by the edge `owner` (J,), ascending, of the latter by the edge `by` (V,)."""
+    """Collapse of C edges into their first nodes."""
 
+    #: nodes (C, 2) of the edges
     edges: Index
+    #: triangles (J,) that stay and change
     ring: Index
+    #: their new corners (J, 3), as indices in `nodes`
     corners: Index
+    #: edge (J,) that changes each triangle, rising
     owner: Index
+    #: nodes (V,) of the changed triangles
     nodes: Index
+    #: edge (V,) that each node belongs to
     by: Index
+    #: places (V, 2) of the nodes after the collapse
     places: Array
 
 
 def following(owner: Index, after: Index, before: Index, count: int) -> Index:
-    """Which of the triangles (J,) at a corner that they have in common, the `owner` (J,), begins at the node before each of
-    them, -1 if none does; of so many nodes."""
+    """Return for each of J triangles around a common corner the triangle that begins at its node before; -1 if there is none.
+
+    - owner: number (J,) of the common corner.
+    - after, before: nodes (J,) of the triangles after and before the common corner.
+    - count: number of nodes.
+    """
     codes, wanted = owner * count + after, owner * count + before
     order = np.argsort(codes, kind="stable")
     codes = codes[order]
@@ -147,14 +170,18 @@ def following(owner: Index, after: Index, before: Index, count: int) -> Index:
 
 
 def independent(taken: Index, taken_by: Index, cost: Array, triangles: int) -> Index:
-    """Which (K,) of several changes of finite cost (C,) can be made at once, cheap ones first: no two have a triangle in common.
+    """Return the changes that can be made at once, the cheapest first: no two of them share a triangle.
 
-    `taken` (K,): triangles, of so many, that the changes `taken_by` (K,) need.
+    - taken: triangles (K,) that the changes need.
+    - taken_by: change (K,) that needs each of them.
+    - cost: costs (C,) of the changes; infinite costs are never chosen.
+    - triangles: number of triangles.
     """
     rank = np.empty(cost.size, dtype=np.int64)
     rank[np.argsort(cost, kind="stable")] = np.arange(cost.size)
     alive, chosen = np.isfinite(cost), np.zeros(cost.size, dtype=bool)
-    for _ in range(PASSES):
+    for _ in range(CHOICE_PASSES):
+        # a change is chosen if it has the least cost at all its triangles; then its triangles are gone for the others
         held = alive[taken_by]
         if not held.any():
             break
@@ -170,13 +197,13 @@ def independent(taken: Index, taken_by: Index, cost: Array, triangles: int) -> I
 
 
 def area(a: Array, b: Array, c: Array) -> Array:
-    """Twice the areas (...,) of triangles with corners (..., 2), positive if counterclockwise."""
+    """Return twice the areas (...,) of triangles with corners (..., 2); positive if counterclockwise."""
     twice: Array = (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (c[..., 0] - a[..., 0]) * (b[..., 1] - a[..., 1])
     return twice
 
 
 def within_link(places: Array, near: Array) -> Array:
-    """Places (..., 2) moved into the link of others (..., 2): s goes from 2 k to 2 k + 1 on link k, t from 0 to 1."""
+    """Return places (..., 2) moved into the link of places `near` (..., 2): on link k, s is 2 k to 2 k + 1 and t is 0 to 1."""
     low = np.stack((2.0 * np.floor(0.5 * near[..., 0]), np.zeros(near.shape[:-1])), axis=-1)
     inside: Array = np.clip(places, low, low + 1.0)
     return inside

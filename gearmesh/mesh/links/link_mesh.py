@@ -1,6 +1,4 @@
-"""The mesh of one link by its plan: nodes, strips of triangles between its lines, and how far these are from the
-surface.
-"""
+"""Mesh of one link by its plan: nodes, strips of triangles between its lines, and their distances from the surface."""
 
 from __future__ import annotations
 
@@ -16,7 +14,7 @@ from gearmesh.kernel.numeric.grid import on_grid
 from gearmesh.mesh.links.collapse import edges_of
 from gearmesh.mesh.links.forms import Forms
 from gearmesh.mesh.links.lines import STEPS_PER_LINK, between, integral, nodes, rows, stations
-from gearmesh.mesh.links.measure import PLACES, deviations_of, off_chords
+from gearmesh.mesh.links.measure import CHORD_SHARES, deviations_of, off_chords
 from gearmesh.mesh.links.plan import LinkPlan
 from gearmesh.mesh.links.thinning import thin
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
@@ -27,39 +25,43 @@ from gearmesh.teeth.tooth import Tooth
 
 Index = NDArray[np.int64]
 
-#: points (N, 3) of a link at s, t (N,), t 0 or 1
+#: function that returns points (N, 3) of a link at s, t (N,), with t = 0 or 1
 SectionCurve = Callable[[Array, Array], Array]
 
-#: below this (mm) a deviation is rounding
-FLOOR = 1e-9
-#: steps of the grid of levels in a row of nodes: levels on the same are equal but for rounding
+#: largest deviation that counts as rounding
+ROUNDING_MM = 1e-9
+#: grid of the levels in a row of nodes: levels on the same grid point differ by rounding alone
 STEPS_PER_ROW = 2.0**30
-#: rounds of turning diagonals, and more of them where a mesh misses the tolerance, after the best ones were taken
-TURNS = (1, 6)
-#: share of its densest nodes that a section curve has where it is straight
-STRAIGHT = 0.1
-#: rounds in which chords of the section curves are halved
-ROUNDS = 12
+#: rounds of turning diagonals at first, and after the best diagonals were taken in strips that miss the tolerance
+TURNING_ROUNDS = (1, 6)
+#: least density of nodes on a section curve, as a share of its largest density
+MIN_DENSITY_SHARE = 0.1
+#: rounds in which chords of the section curves are cut
+MAX_HALVING_ROUNDS = 12
 
 
 @dataclass(frozen=True)
 class LinkLines:
-    """The lines of a link at s (S + 1,) and the stations of their nodes, t (N,), line k from `begins`[k] on; those on
-    the ends given.
-    """
+    """Lines of a link and the stations of their nodes."""
 
+    #: s (S + 1,) of the lines
     s: Array
+    #: t (N,) of the nodes, line by line
     t: Array
+    #: index (S + 2,) in `t` at which each line begins
     begins: Index
 
     @staticmethod
     def of(plan: LinkPlan, seams: Array, fixed: Array, first: Array, last: Array) -> LinkLines:
-        """`seams` (K,): places of lines; `fixed`: stations of nodes on all of them; `first`, `last`: stations of the
-        first and last line.
+        """Return the lines of a plan.
+
+        - seams: s (K,) that must be lines.
+        - fixed: stations that are nodes of all inner lines.
+        - first, last: stations of the nodes on the first and last line.
         """
         s = nodes(*plan.across, seams)
         if plan.staggered and s.size % 2 == 0:
-            # no two lines that are not staggered beside each other
+            # an odd number of lines: both outer lines are not staggered, so the lines alternate
             s = nodes(plan.across[0], plan.across[1] * (s.size - 0.5) / integral(*plan.across)[-1], seams)
         if s.size == 2:
             return LinkLines(s, np.concatenate((first, last)), np.cumsum([0, first.size, last.size]))
@@ -74,29 +76,34 @@ class LinkLines:
 
     @property
     def line(self) -> Index:
-        """Which line (N,) each node is on."""
+        """Line (N,) of each node."""
         return np.repeat(np.arange(self.s.size), np.diff(self.begins))
 
 
 @dataclass(frozen=True)
 class LinkMesh:
-    """The mesh of a link, its lines at s with so many cells (S + 1,), and by how much, mm, edges along `lines` and
-    `strips` (S,) miss the surface, and those on its seam with the fillet (of a flank) the sharp `form_point`.
-    """
+    """Mesh of a link with the distances of its lines and strips from the surface."""
 
+    #: the mesh
     patch: PatchMesh
+    #: s (S + 1,) of the lines
     s: Array
+    #: number of cells (S + 1,) on each line
     cells: Array
+    #: largest distances (S + 1,), mm, of edges on each line
     lines: Array
+    #: largest distances (S,), mm, of triangles in each strip
     strips: Array
+    #: largest distance, mm, of edges on the seam of a flank with its fillet from a sharp form point
     form_point: float = 0.0
 
     @property
     def worst(self) -> float:
+        """Largest distance, mm."""
         return max(float(self.lines.max()), float(self.strips.max()))
 
     def stations(self, s: float) -> Array:
-        """Stations t of the nodes of its first (s = 0) or last (1) line."""
+        """Return the stations t of the nodes on the first (s = 0) or last (s = 1) line."""
         nodes = self.patch.nodes
         return nodes.t[nodes.line(s)]
 
@@ -111,16 +118,21 @@ def mesh_link(
     tolerance: float,
     before: LinkMesh | None = None,
 ) -> LinkMesh:
-    """`trimmed`: sections at the stations of the first and the last line, at least; `second` (S, T): as those of
-    `Forms`; `before`: an earlier mesh of the same link.
+    """Return the mesh of a link on given lines.
 
-    Section curves at toe and heel keep `tolerance` (mm).
+    - trimmed: sections, at least at the stations of the first and last line.
+    - plan: plan of the link.
+    - second: second parameters (S, T) of the surface, as in `Forms`.
+    - tolerance: mm; section curves at toe and heel keep it.
+    - before: an earlier mesh of the same link, whose results are reused.
     """
     link, count = tooth.chain[region], lines.s.size
 
     def section_curve(s: Array, t: Array) -> Array:
+        """Return points (N, 3) of the section curves at toe and heel."""
         return LinkNodes.of(tooth, region, s, t, trimmed[np.array([0, -1])], between(second, s, t)).points
 
+    # nodes of the lines, then nodes of the section curves between the lines
     ends, missed = _between(section_curve, lines.s, plan.outline, tolerance)
     pieces = [piece for inner in ends for piece in inner]
     at_end = [np.full(sum(piece.size for piece in inner), t) for inner, t in zip(ends, (0.0, 1.0), strict=True)]
@@ -133,12 +145,14 @@ def mesh_link(
     level = on_grid(between(plan.level, s, t), STEPS_PER_ROW)
 
     def arch(edges: Index) -> Array:
-        return on_grid(points.arch(edges), 1.0 / FLOOR)
+        """Return the heights of arcs over edges (E, 2), mm, without their last digits."""
+        return on_grid(points.arch(edges), 1.0 / ROUNDING_MM)
 
     triangulation = StripTriangulation.of(numbers, inner[: count - 1], inner[count - 1 :], level, arch)
     on_break = np.isin(t, tooth.face_breaks)
     held, crease = np.where(on_break, t, 0.0), on_break | np.isin(s, breaks(link)) | (link.surface is None)
-    for turns in TURNS:
+    # diagonals turn where that brings triangles closer; strips that still miss the tolerance get the best diagonals
+    for turns in TURNING_ROUNDS:
         for _ in range(turns):
             turned = triangulation.flip(arch, held)
             if turned is triangulation:
@@ -147,18 +161,20 @@ def mesh_link(
         triangles, strip = triangulation.triangles()
         edges, side = edges_of(triangles, s.size)
         edge, peaks, normals = deviations_of(points, triangles, edges, side, crease)
-        edge, peaks = on_grid(edge, 1.0 / FLOOR), on_grid(peaks, 1.0 / FLOOR)
-        if peaks.max() <= tolerance or turns == TURNS[-1]:
+        edge, peaks = on_grid(edge, 1.0 / ROUNDING_MM), on_grid(peaks, 1.0 / ROUNDING_MM)
+        if peaks.max() <= tolerance or turns == TURNING_ROUNDS[-1]:
             break
         bad, fixed = (
-            np.bincount(strip[of], minlength=count - 1) > 0
-            for of in (peaks > tolerance, np.any(held[triangles] > 0.0, axis=1))
+            np.bincount(strip[chosen], minlength=count - 1) > 0
+            for chosen in (peaks > tolerance, np.any(held[triangles] > 0.0, axis=1))
         )
         triangulation = triangulation.best(arch, t, bad & ~fixed)
-    strips, off = np.full(count - 1, FLOOR), np.full(count, FLOOR)
+    # largest distances of each strip and of each line
+    strips, off = np.full(count - 1, ROUNDING_MM), np.full(count, ROUNDING_MM)
     np.maximum.at(strips, strip, peaks)
     on_line = (line[edges[:, 0]] == line[edges[:, 1]]) & (line[edges[:, 0]] >= 0)
     np.maximum.at(off, line[edges[on_line, 0]], edge[on_line])
+    # at a sharp form point the seam must be near the exact edge
     form_point = 0.0
     if region.is_flank and isinstance(link, GeneratedLink):
         seam = 0 if link.side is Side.RIGHT else count - 1
@@ -184,8 +200,14 @@ def thin_link(
     *,
     again: bool,
 ) -> PatchMesh:
-    """The patch of a link's mesh, the one of this `number` in its forms, with fewer triangles within `tolerance` (mm), but
-    hardly fewer than are `enough`; `again`: as in `thin`."""
+    """Return the patch of a link's mesh with fewer triangles within `tolerance`, mm.
+
+    - trimmed: sections, as `mesh_link` takes them.
+    - forms: second forms of all links.
+    - number: number of the link in the forms.
+    - enough: number of triangles at which thinning stops.
+    - again: as in `thin`.
+    """
     patch, second = mesh.patch, forms.second[number]
     nodes, link = patch.nodes, tooth.chain[patch.region]
     if link.surface is None:
@@ -193,25 +215,32 @@ def thin_link(
     crease = np.isin(nodes.t, tooth.face_breaks) | np.isin(nodes.s, breaks(link))
 
     def place(s: Array, t: Array) -> LinkNodes:
+        """Return nodes at s, t (N,) on the surface."""
         return LinkNodes.of(tooth, patch.region, s, t, trimmed, between(second, s, t))
 
-    of_link = np.stack([form[number] for form in (forms.length, forms.twist, forms.face)], axis=-1)
-    return thin(patch, place, of_link, forms.outline[number], crease, tolerance, enough, again=again)
+    link_forms = np.stack([form[number] for form in (forms.length, forms.twist, forms.face)], axis=-1)
+    return thin(patch, place, link_forms, forms.outline[number], crease, tolerance, enough, again=again)
 
 
 def _between(
     curve: SectionCurve, s: Array, outline: Sequence[tuple[Array, Array]], tolerance: float
 ) -> tuple[list[list[Array]], float]:
-    """Nodes (2, S) of the section curves at toe and heel between the lines s (S + 1,), as many as keep their chords
-    within the tolerance.
+    """Return the nodes of the section curves at toe and heel between lines, and the largest distance, mm, of their chords.
 
-    And the largest distance (mm) of the chords from the curves.
+    - curve: points of the section curves.
+    - s: s (S + 1,) of the lines.
+    - outline: cells per unit of s at toe and heel, as pairs (s, density).
+    - tolerance: mm; the chords keep it.
+
+    The nodes are two lists, for toe and heel, of S arrays of s.
     """
     totals = [np.interp(s, density[0], integral(*density)) for density in outline]
     cells = np.maximum(1, np.ceil(np.diff(totals) - 1e-9).astype(int))
-    # between lines they are closer where the curve is bent more
-    evens = [integral(x, np.maximum(density, STRAIGHT * density.max() + FLOOR)) for x, density in outline]
-    for _ in range(ROUNDS):
+    # nodes between lines are denser where the curve is bent more
+    evens = [
+        integral(x, np.maximum(density, MIN_DENSITY_SHARE * density.max() + ROUNDING_MM)) for x, density in outline
+    ]
+    for _ in range(MAX_HALVING_ROUNDS):
         nodes = [
             _outline_nodes(s, count, even, density) for density, even, count in zip(outline, evens, cells, strict=True)
         ]
@@ -224,15 +253,17 @@ def _between(
         more = np.ceil(cells * np.clip(np.sqrt(worst / tolerance), 1.0, 2.0)).astype(int)
         cells = np.where(worst > tolerance, np.maximum(more, cells + 1), cells)
     inner = [
-        [of[end - n + 1 : end] for end, n in zip(np.cumsum(count).tolist(), count.tolist(), strict=True)]
-        for of, count in zip(nodes, cells, strict=True)
+        [curve_nodes[end - n + 1 : end] for end, n in zip(np.cumsum(count).tolist(), count.tolist(), strict=True)]
+        for curve_nodes, count in zip(nodes, cells, strict=True)
     ]
     return inner, float(worst.max())
 
 
 def _outline_nodes(s: Array, count: Index, even: Array, density: tuple[Array, Array]) -> Array:
-    """Nodes s (N + 1,) where cells between s (S + 1,) are cut into so many (S,): by equal parts of what is `even` over the s of a
-    density."""
+    """Return nodes s (N + 1,): each cell between lines s (S + 1,) is cut into `count` (S,) parts with equal cell counts.
+
+    `even`: integral of the cells over the s of the `density`.
+    """
     ends = np.interp(s, density[0], even)
     cell = np.repeat(np.arange(count.size), count)
     place = np.arange(cell.size) - (np.cumsum(count) - count)[cell]
@@ -242,27 +273,28 @@ def _outline_nodes(s: Array, count: Index, even: Array, density: tuple[Array, Ar
 
 
 def _off_curves(curve: SectionCurve, nodes: Sequence[Array]) -> list[Array]:
-    """Largest distances (N,), mm, of the chords between nodes s (N + 1,) of the section curves at toe and heel from these."""
-    step = 1 + PLACES.size
-    fine = [np.append((s[:-1, None] + np.diff(s)[:, None] * np.append(0.0, PLACES)).ravel(), s[-1]) for s in nodes]
+    """Return the largest distances (N,), mm, of the chords between nodes s (N + 1,) from the section curves at toe and heel."""
+    step = 1 + CHORD_SHARES.size
+    fine = [
+        np.append((s[:-1, None] + np.diff(s)[:, None] * np.append(0.0, CHORD_SHARES)).ravel(), s[-1]) for s in nodes
+    ]
     t = np.repeat([0.0, 1.0], [s.size for s in fine])
     curves = np.split(curve(np.concatenate(fine), t), [fine[0].size])
     chords = [np.stack((points[:-1:step], points[step::step]), axis=1) for points in curves]
     inner = [points[:-1].reshape(-1, step, 3)[:, 1:] for points in curves]
-    return [off_chords(*both) for both in zip(chords, inner, strict=True)]
+    return [off_chords(ends, points) for ends, points in zip(chords, inner, strict=True)]
 
 
 def _form_point_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float:
-    """Largest distance (mm) of the chords between stations from the form point with the fillet, where that is a sharp
-    edge.
+    """Return the largest distance, mm, of the chords between stations from a form point that is a sharp edge.
 
-    Where flank and fillet pass into each other smoothly, the chord may lie beside the form point: both surfaces are
-    near it.
+    If flank and fillet join smoothly, the chord may lie beside the form point: both surfaces are near it.
     """
-    own = tooth.side(flank.side)
+    tooth_side = tooth.side(flank.side)
 
     def on_edge(ends: Ends) -> NDArray[np.bool_]:
-        is_edge: NDArray[np.bool_] = (ends.form_point_flank != own.form_point[0]) | own.sharp
+        """True (N,) where the form point is a sharp edge."""
+        is_edge: NDArray[np.bool_] = (ends.form_point_flank != tooth_side.form_point[0]) | tooth_side.sharp
         return is_edge
 
     if not on_edge(stations.of(flank.side)).any():

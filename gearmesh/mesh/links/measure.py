@@ -1,4 +1,4 @@
-"""How far edges and triangles of a link are from its exact surface."""
+"""Distances of edges and triangles of a link from its exact surface."""
 
 from __future__ import annotations
 
@@ -10,22 +10,26 @@ from gearmesh.mesh.patch import LinkNodes
 
 Index = NDArray[np.int64]
 
-#: places along a chord at which its distance from its section curve is measured: where the curve is bent unevenly, as beside a
-#: form point, the middle is not the farthest
-PLACES = np.array([0.25, 0.5, 0.75])
+#: places along a chord at which its distance from the section curve is measured; the middle is not always the farthest point,
+#: as beside a form point, where the curvature changes
+CHORD_SHARES = np.array([0.25, 0.5, 0.75])
 
 
 def deviations_of(
     nodes: LinkNodes, triangles: Index, edges: Index, sides: Index, crease: NDArray[np.bool_]
 ) -> tuple[Array, Array, Array]:
-    """Largest distances, mm, of edges (E, 2) and of triangles (M, 3), and the normals (M, 3) near the centres of these.
+    """Return the largest distances, mm, of edges (E,) and triangles (M,), and the normals (M, 3) near the triangles' centres.
 
-    `sides` (M, 3): which edges those opposite to a triangle's corners are; `crease` (N,): nodes with one of two normals.
+    - nodes: nodes (N,) of the link.
+    - triangles: nodes (M, 3) of the triangles.
+    - edges: nodes (E, 2) of the edges.
+    - sides: edges (M, 3) opposite to the corners of the triangles.
+    - crease: True (N,) at nodes on a crease, which have the normal of one of its two sides.
     """
-    # of both in one evaluation, which takes hardly more than one of them
+    # middles of edges and centres of triangles in one evaluation, which costs little more than either
     count, (both, normals) = len(edges), nodes.height(edges, triangles)
     heights, centres = both[:count], both[count:]
-    # normals on creases are those of one of both sides, and those of drawn links not square to them
+    # arches need normals of the surface: at a crease the normal may be that of the other side
     arches = np.where(crease[edges].any(axis=1), 0.0, nodes.arch(edges, heights))
     edge = np.maximum(np.abs(heights), arches)
     inside = peaks(heights[sides], centres)
@@ -33,22 +37,25 @@ def deviations_of(
 
 
 def peaks(sides: Array, centres: Array) -> Array:
-    """Largest distances (M,), mm, of triangles from the surface by those, signed, of the middles of edges (M, 3) and
-    of centres.
+    """Return the largest distances (M,), mm, of triangles from the surface.
 
-    With a, b, c at the edges' middles, opposite to the corners, the distance is 4 (a y z + b z x + c x y) at
-    barycentric x, y, z. It peaks at x : y : z = a (b + c - a) : b (c + a - b) : c (a + b - c) or, where that is
-    outside, at the middle of an edge. What the centre has beyond it is of third order and vanishes on the edges like x
-    y z.
+    - sides: signed distances (M, 3), mm, at the middles of the edges, opposite to the corners.
+    - centres: signed distances (M,), mm, at the centres.
+
+    To second order the distance at barycentric coordinates x, y, z is 4 (a y z + b z x + c x y), with a, b, c at the middles of
+    the edges. Its extreme is at x : y : z = a (b + c - a) : b (c + a - b) : c (a + b - c). If this point is outside the
+    triangle, the extreme is at the middle of an edge. The rest at the centre is of third order; it vanishes on the edges
+    as x y z does.
     """
-    # column by column: numpy is slow along axes of three
+    # column by column, because numpy is slow along axes of three
     a, b, c = sides.T
     total = a + b + c
     x, y, z = a * (total - 2.0 * a), b * (total - 2.0 * b), c * (total - 2.0 * c)
     largest: Array = np.maximum(np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(c)), np.abs(centres))
     inside = np.flatnonzero((x > 0.0) & (y > 0.0) & (z > 0.0))
     if inside.size:
-        a, b, c, x, y, z = (of[inside] for of in (a, b, c, x, y, z))
+        # extremes inside the triangle, with the third-order rest of the centre
+        a, b, c, x, y, z = (values[inside] for values in (a, b, c, x, y, z))
         total = x + y + z
         x, y, z = x / total, y / total, z / total
         more = centres[inside] - 4.0 / 9.0 * (a + b + c)
@@ -58,7 +65,7 @@ def peaks(sides: Array, centres: Array) -> Array:
 
 
 def off_chords(ends: Array, points: Array) -> Array:
-    """Largest distances (N,), mm, of points (N, K, 3) from the lines through ends (N, 2, 3)."""
+    """Return the largest distances (N,), mm, of points (N, K, 3) from the lines through `ends` (N, 2, 3)."""
     chord, away = ends[:, 1] - ends[:, 0], points - ends[:, :1]
     length = dot(chord, chord)[:, None]
     along = dot(away, chord[:, None])

@@ -1,5 +1,8 @@
-"""How far edges and triangles in the (s, t) plane of a link are from its surface, by the second form alone: an edge by an eighth
-of the form in its middle, a triangle by the middles of its sides (see `measure`)."""
+"""Predicted distances of edges and triangles in the (s, t) plane of a link from its surface, by the second form alone.
+
+The distance of an edge is an eighth of the form at its middle. The distance of a triangle follows from the middles of its
+sides (see `measure`).
+"""
 
 from __future__ import annotations
 
@@ -8,38 +11,48 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.links.collapse import FLAT, Index, area
+from gearmesh.mesh.links.collapse import FLAT_AREA, Index, area
 from gearmesh.mesh.links.lines import between
 from gearmesh.mesh.links.measure import peaks
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """`forms` (S, T, 3): L, M, N on uniform samples of s, from 0 to `extent`, and t; `outline` (2, S) as that of `Forms`.
+    """Prediction from sampled second forms.
 
-    `arched`: edges by the form at their ends too, as long ones ask for: with q0, q, q1 there and in the middle the height at x is
+    If `arched`, an edge uses the form at its ends, too. With q0, q, q1 at start, middle and end, its height at x (0 to 1) is
     x (1 - x) ((q0 + 2 q) (1 - x) + (2 q + q1) x) / 6.
     """
 
+    #: L, M, N (S, T, 3), mm, at uniform s from 0 to `extent` and uniform t from 0 to 1
     forms: Array
+    #: second derivatives (2, S), mm, of the section curves at toe and heel, as in `Forms`
     outline: Array
+    #: largest s
     extent: float = 1.0
+    #: True for long edges, along which the form changes
     arched: bool = False
 
     def triangles(self, a: Array, b: Array, c: Array) -> Array:
-        """Distances (N,), mm, of triangles with corners (N, 2); inf where they are no triangles."""
+        """Return the distances (N,), mm, of triangles with corners a, b, c (N, 2); inf for triangles without area."""
         ends = np.stack((b, c, a)), np.stack((c, a, b))
         middle = self._forms(0.5 * (ends[0] + ends[1]))
         first, last = (self._forms(end) if self.arched else None for end in ends)
         return _worst(*_edges(first, middle, last, ends[1] - ends[0]), area(a, b, c))
 
     def stars(self, near: Array, places: Array, after: Array, before: Array, following: Index) -> Array:
-        """Distances (J, K), mm, of triangles between nodes `after` and `before` (J, 2) and one at `places` (J, K, 2), by the
-        second form with it `near` (J, 2); chords of the section curves at toe and heel included.
+        """Return the distances (J, K), mm, of the triangles around a node that is tried at K places.
 
-        `following` (J,): the triangle that begins at the node before, -1 if none does.
+        - near: place (J, 2) of the node at which the second form is taken.
+        - places: places (J, K, 2) that are tried.
+        - after: next corner (J, 2) of each triangle, counterclockwise.
+        - before: last corner (J, 2) of each triangle.
+        - following: triangle (J,) that begins at the last corner; -1 if there is none.
+
+        Chords of the section curves at toe and heel count, too.
         """
         a, b, c, count = places, after[:, None], before[:, None], len(near)
+        # the side to the last corner belongs to the following triangle, too; without one it is evaluated alone
         open_ = np.flatnonzero(following < 0)
         middles = 0.5 * np.concatenate((near + after, after + before, near[open_] + before[open_]))
         to_after, base, to_before = np.split(self._form(middles)[..., None], [count, 2 * count], axis=1)
@@ -62,7 +75,7 @@ class Prediction:
         return errors
 
     def chords(self, places: Array) -> Array:
-        """Largest distances (N,), mm, of those sides of triangles (N, 3, 2) that are chords of a section curve; 0 of others."""
+        """Return the largest distances (N,), mm, of sides of triangles (N, 3, 2) on toe or heel from the section curve; else 0."""
         off = np.zeros(len(places))
         for end in (0, 1):
             for k in range(3):
@@ -72,15 +85,15 @@ class Prediction:
         return off
 
     def _forms(self, places: Array) -> Array:
-        """L, M, N (3, K, N) at places (K, N, 2)."""
+        """Return L, M, N (3, K, N) at places (K, N, 2)."""
         return self._form(places.reshape(-1, 2)).reshape(3, *places.shape[:2])
 
     def _form(self, places: Array) -> Array:
-        """L, M, N (3, N) at places (N, 2)."""
+        """Return L, M, N (3, N) at places (N, 2)."""
         return between(self.forms, places[:, 0] / self.extent, places[:, 1]).T
 
     def _sag(self, end: int, a: Array, b: Array) -> Array:
-        """Distances (...,), mm, of chords between s a and b from the section curve at toe (0) or heel (1)."""
+        """Return the distances (...,), mm, of chords from s = a to s = b from the section curve at toe (end 0) or heel (end 1)."""
         outline = self.outline[end]
         sag: Array = (
             0.125 * np.interp(0.5 * (a + b), np.linspace(0.0, self.extent, outline.size), outline) * (b - a) ** 2
@@ -89,27 +102,36 @@ class Prediction:
 
 
 def _height(form: Array, away: Array) -> Array:
-    """Signed distances (...,), mm, of the middles of edges `away` (..., 2) long by the second form L, M, N (3, ...) there."""
+    """Return the signed distances (...,), mm, of the middles of edges with vectors `away` (..., 2), by L, M, N (3, ...)."""
     ds, dt = away[..., 0], away[..., 1]
     height: Array = 0.125 * ((form[0] * ds + 2.0 * form[1] * dt) * ds + form[2] * dt**2)
     return height
 
 
 def _edges(first: Array | None, middle: Array, last: Array | None, away: Array) -> tuple[Array, Array]:
-    """Signed distances (...,), mm, of the middles of edges `away` (..., 2) long, and the largest of all, by the second forms
-    (3, ...) in the middle and, where they are given, at both ends."""
+    """Return the signed distances (...,), mm, of the middles of edges, and the largest distances (...,), mm, on the edges.
+
+    - first, middle, last: L, M, N (3, ...) at the start, middle and end of the edges; the ends may be None.
+    - away: vectors (..., 2) of the edges.
+    """
     if first is None or last is None:
         height = _height(middle, away)
         return height, np.abs(height)
-    one, other = _height((first + 2.0 * middle) / 6.0, away), _height((2.0 * middle + last) / 6.0, away)
-    height = one + other
-    beside = np.maximum(np.abs(3.0 * one + other), np.abs(one + 3.0 * other))
+    # the heights at a quarter and three quarters of the edge are 3/8 of these sums
+    start_part, end_part = _height((first + 2.0 * middle) / 6.0, away), _height((2.0 * middle + last) / 6.0, away)
+    height = start_part + end_part
+    beside = np.maximum(np.abs(3.0 * start_part + end_part), np.abs(start_part + 3.0 * end_part))
     return height, np.maximum(np.abs(height), 0.375 * beside)
 
 
 def _round(values: tuple[Array, Array, Array], following: Index, open_: Index) -> Array:
-    """Values (3, J, K) at the sides of the triangles of stars: away from the node, to the node after, and to the one before, which
-    the `following` (J,) triangle has too, but for the `open_` (O,) ones, `lone` (O, K)."""
+    """Return values (3, J, K) at the three sides of the triangles around a node.
+
+    - values: at the sides opposite to the node (J, K), at the sides to the next corner (J, K), and at the sides to the last
+      corner of open triangles (O, K).
+    - following: triangle (J,) that shares the side to the last corner.
+    - open_: triangles (O,) without a following triangle.
+    """
     base, to_after, lone = values
     sides = np.empty((3, *to_after.shape))
     sides[0], sides[1], sides[2] = base, to_after, to_after[following]
@@ -118,8 +140,12 @@ def _round(values: tuple[Array, Array, Array], following: Index, open_: Index) -
 
 
 def _worst(middles: Array, sizes: Array, areas: Array) -> Array:
-    """Largest distances (...,) of triangles by those of the middles of their sides (3, ...), and of the whole sides, `sizes`; inf
-    without area (...,)."""
+    """Return the largest distances (...,) of triangles; inf for triangles without area.
+
+    - middles: signed distances (3, ...) at the middles of the sides.
+    - sizes: largest distances (3, ...) on the sides.
+    - areas: areas (...,) in the (s, t) plane.
+    """
     sides = middles.reshape(3, -1)
     errors = peaks(sides.T, 4.0 / 9.0 * sides.sum(axis=0)).reshape(areas.shape)
-    return np.where(areas > FLAT, np.maximum(errors, sizes.max(axis=0)), np.inf)
+    return np.where(areas > FLAT_AREA, np.maximum(errors, sizes.max(axis=0)), np.inf)

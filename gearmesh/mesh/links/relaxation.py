@@ -1,10 +1,10 @@
-"""Edges that collapse while the nodes round them move, where the collapse alone would miss the tolerance.
+"""Collapse of edges while the nodes around them move, where the collapse alone would miss the tolerance.
 
-Single collapses come to rest where facets use three quarters of the tolerance: each of them needs what its ring has left.
-Here the triangles at all nodes of the ring are a patch, of which each edge has a copy for itself, so that all edges are tried
-at once; the copy's inner nodes, and those of the section curves at toe and heel along these, go one after the other to the best
-of eight places round them, time and again. What counts is the sum of a high power of the distances of the triangles at a node,
-so that all of them come closer, the worst first.
+Collapses without moves end when facets use three quarters of the tolerance, because each needs the rest of its ring. Here
+the triangles at all nodes of the ring form a patch. Each edge has its own copy of its patch, so all edges are tried at
+once. The inner nodes of a patch go one after the other to the best of eight places around them, in several sweeps; nodes
+on the section curves at toe and heel move along these. The measure is the sum of a high power of the distances of the
+triangles at a node: all triangles come closer, the worst ones first.
 """
 
 from __future__ import annotations
@@ -19,61 +19,72 @@ from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, following, independent, within_link
 from gearmesh.mesh.links.prediction import Prediction
 
-#: places tried round a node, the one where it is first
-PLACES = np.array([[0.0, 0.0]] + [[x, y] for x in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0) if x or y])
-#: first as far as this share of the edges opposite to the node, half as far where none is better
-REACH, CLOSER = 0.1, 0.5
-#: a number without small factors
-SPREAD = 7_368_787
-#: a diagonal turns for a sum of powers this much smaller
-GAIN = 0.98
-
-
-#: distances of triangles above this share of the tolerance are too large where only those count
-ALLOWED = 0.985
+#: offsets that are tried around a node, in units of its reach; the first one is 0
+TRIED_OFFSETS = np.array([[0.0, 0.0]] + [[x, y] for x in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0) if x or y])
+#: first reach of a node, as a share of the edges opposite to it
+REACH_SHARE = 0.1
+#: factor of the reach after a sweep in which no place was better
+REACH_FACTOR = 0.5
+#: number without small factors, which spreads ranks over the nodes
+RANK_STEP = 7_368_787
+#: a diagonal turns if the sum of powers falls below this share
+TURNING_GAIN = 0.98
+#: share of the tolerance above which the distance of a triangle is too large, if only such triangles count
+ALLOWED_SHARE = 0.985
 
 
 @dataclass(frozen=True)
 class Patience:
-    """How much is tried for an edge: those that miss the tolerance by more than `far` times are not, of those whose patches overlap
-    `layers` at once, or up to `many` in all if that is more.
+    """Effort that is spent on an edge."""
 
-    `stages`: sweeps over all nodes of a patch, and by which factor it may miss the tolerance after them: where it is more it is
-    given up. `turning`: diagonals turn before each of them, and only what is too far counts, so that all room is used.
-    """
-
+    #: factor of the tolerance beyond which an edge is not tried
     far: float = 2.0
+    #: number of edges with overlapping patches that are tried at once
     layers: int = 3
+    #: number of edges that are tried at once in any case
     many: int = 60
+    #: sweeps over all nodes of a patch, and the factor of the tolerance beyond which it is given up after them
     stages: tuple[tuple[int, float], ...] = ((2, 1.25), (2, 1.1), (4, 1.02))
+    #: True to turn diagonals before each stage, and to count only triangles beyond the tolerance
     turning: bool = False
 
 
 @dataclass(frozen=True)
 class Patches:
-    """Copies of the patches of edges (C, 2) once these have collapsed: triangles `ring` (J,) of the net with corners (J, 3), each
-    of the patch `owner` (J,), ascending; at corners are `nodes` (V,) of the net, in patches `patch` (V,), at `places` (V, 2).
+    """Copies of the patches of C edges, after the collapse of the edges."""
 
-    Nodes move in their `turn` (V,), none with the same turn as a neighbour, or stay, -1, within `reach` (V, 2), at toe and heel
-    along s. `twin` (V,): the node in the same place on the other side of a seam, -1 of others; both move together, along t.
-    """
-
+    #: triangles (J,) of the net
     ring: Index
+    #: corners (J, 3) of the triangles, as indices in `nodes`
     corners: Index
+    #: patch (J,) of each triangle, rising
     owner: Index
+    #: nodes (V,) of the net
     nodes: Index
+    #: patch (V,) of each node
     patch: Index
+    #: places (V, 2) of the nodes
     places: Array
+    #: turn (V,) in which each node moves; neighbours have different turns; -1 for nodes that stay
     turn: Index
+    #: largest step (V, 2) of each node; at toe and heel along s alone
     reach: Array
+    #: node (V,) at the same place on the other side of a seam, which moves with this node along t; -1 for none
     twin: Index
 
     @staticmethod
     def of(
         triangles: Index, incidence: Incidence, edges: Index, at: Array, st: Array, turn: Index, twin: Index
     ) -> Patches:
-        """Of edges that collapse into their first nodes at places (C, 2), of nodes st (N, 2) that take their `turns`; those on
-        seams on both sides of these, where their `twin` (N,) nodes are."""
+        """Return the patches of edges that collapse into their first nodes; edges on seams collapse on both sides.
+
+        - triangles: (M, 3).
+        - edges: nodes (C, 2).
+        - at: places (C, 2) of the merged nodes.
+        - st: places (N, 2) of all nodes.
+        - turn: turns (N,) of all nodes.
+        - twin: twins (N,) of all nodes on seams, else -1.
+        """
         count = len(st)
         inner, owner, ring = around(triangles, incidence, edges, st, twin)
         corners, on_seam = triangles[ring], on_seams(edges, st, twin)
@@ -90,29 +101,37 @@ class Patches:
             other = nodes == other_keep[patch]
             places[other, 1] = at[patch[other], 1]
             merged |= other
-        # the merged node is next to nodes of all turns
-        own = np.where(merged & (turn[nodes] >= 0), 1 + turn.max(), turn[nodes])
-        own = np.where(np.isin(codes, inner), own, -1)
-        return Patches._of_corners((ring, local.reshape(-1, 3), owner), (nodes, patch), places, own, twin)
+        # the merged node has neighbours of all turns: it moves last
+        new_turn = np.where(merged & (turn[nodes] >= 0), 1 + turn.max(), turn[nodes])
+        new_turn = np.where(np.isin(codes, inner), new_turn, -1)
+        return Patches._of_corners((ring, local.reshape(-1, 3), owner), (nodes, patch), places, new_turn, twin)
 
     @staticmethod
     def whole(triangles: Index, st: Array, turn: Index, twin: Index) -> Patches:
-        """All of a net of nodes st (N, 2) as one patch, in which nothing has collapsed; `turn` and `twin` (N,) as in `of`."""
+        """Return a whole net as one patch, without a collapse; the arguments are those of `of`."""
         nodes, corners = np.unique(triangles, return_inverse=True)
-        ring, one = np.arange(len(triangles)), np.zeros(len(triangles), dtype=np.int64)
+        ring, owner = np.arange(len(triangles)), np.zeros(len(triangles), dtype=np.int64)
         patch = np.zeros(nodes.size, dtype=np.int64)
-        return Patches._of_corners((ring, corners.reshape(-1, 3), one), (nodes, patch), st[nodes], turn[nodes], twin)
+        return Patches._of_corners((ring, corners.reshape(-1, 3), owner), (nodes, patch), st[nodes], turn[nodes], twin)
 
     @staticmethod
     def _of_corners(
         triangles: tuple[Index, Index, Index], nodes: tuple[Index, Index], places: Array, turn: Index, twin: Index
     ) -> Patches:
-        """Of `ring`, `corners` and `owner` of triangles, and of `nodes` and their `patch`, ascending by these; twins (N,) of the
-        net."""
+        """Return patches with reach and twins computed.
+
+        - triangles: ring, corners and owner.
+        - nodes: nodes and their patch, sorted by patch and node.
+        - places: (V, 2).
+        - turn: (V,).
+        - twin: twins (N,) of the net.
+        """
         (ring, corners, owner), (node, patch) = triangles, nodes
         reach = np.zeros_like(places)
         for k in range(3):
-            np.maximum.at(reach, corners[:, k], REACH * np.abs(places[corners[:, k - 1]] - places[corners[:, k - 2]]))
+            np.maximum.at(
+                reach, corners[:, k], REACH_SHARE * np.abs(places[corners[:, k - 1]] - places[corners[:, k - 2]])
+            )
         reach[(places[:, 1] == 0.0) | (places[:, 1] == 1.0), 1] = 0.0
         codes, wanted = patch * twin.size + node, patch * twin.size + twin[node]
         same = np.minimum(np.searchsorted(codes, wanted), codes.size - 1)
@@ -124,7 +143,7 @@ class Patches:
 
     @staticmethod
     def join(parts: Sequence[Patches]) -> Patches:
-        """All of several, numbered on."""
+        """Return several sets of patches as one set."""
         nodes = np.cumsum([0, *(len(part.nodes) for part in parts)])
         count = np.cumsum([0, *(part.count for part in parts)])
         return Patches(
@@ -141,23 +160,23 @@ class Patches:
 
     @property
     def count(self) -> int:
-        """How many patches."""
+        """Number of patches."""
         return int(self.owner[-1]) + 1 if self.owner.size else 0
 
     def collapses(self, edges: Index) -> Collapses:
-        """What they make of a net when these edges (C, 2) collapse."""
+        """Return the collapse of the edges (C, 2) of these patches."""
         return Collapses(edges, self.ring, self.corners, self.owner, self.nodes, self.patch, self.places)
 
     def of_some(self, chosen: NDArray[np.bool_]) -> Patches:
-        """The `chosen` (C,) ones, numbered as they are among them."""
+        """Return the `chosen` (C,) patches, numbered anew."""
         number = np.cumsum(chosen) - 1
-        own, kept = chosen[self.owner], chosen[self.patch]
+        kept_triangles, kept = chosen[self.owner], chosen[self.patch]
         place = np.cumsum(kept) - 1
-        corners, twin = place[self.corners[own]], self.twin[kept]
+        corners, twin = place[self.corners[kept_triangles]], self.twin[kept]
         return Patches(
-            self.ring[own],
+            self.ring[kept_triangles],
             corners,
-            number[self.owner[own]],
+            number[self.owner[kept_triangles]],
             self.nodes[kept],
             number[self.patch[kept]],
             self.places[kept],
@@ -167,14 +186,18 @@ class Patches:
         )
 
     def worst(self, prediction: Prediction) -> Array:
-        """Largest distances (C,), mm."""
+        """Return the largest predicted distances (C,), mm, of the patches."""
         places = self.places[self.corners]
         errors = np.maximum(prediction.triangles(*np.moveaxis(places, 1, 0)), prediction.chords(places))
         return np.maximum.reduceat(errors, np.flatnonzero(np.append(True, self.owner[1:] != self.owner[:-1])))
 
     def relax(self, prediction: Prediction, tolerance: float, sweeps: int, size: Callable[[Array], Array]) -> Patches:
-        """The same with their loose nodes moved so that triangles come within the tolerance, mm, by sums of the `size` of their
-        distances over it."""
+        """Return the patches with loose nodes moved to bring triangles closer to the surface.
+
+        - tolerance: mm.
+        - sweeps: number of moves of each node.
+        - size: function of distance over tolerance whose sum at a node is made small.
+        """
         places, reach = self.places.copy(), self.reach.copy()
         loose = self.turn >= 0
         if not loose.any():
@@ -182,7 +205,7 @@ class Patches:
         corner = np.flatnonzero(loose[self.corners])
         triangle, k = np.divmod(corner, 3)
         node = self.corners.ravel()[corner]
-        # the node that both sides of a seam have, one after the other
+        # corners sorted by turn, then by node; twins follow each other
         first_of = np.where(self.twin >= 0, np.minimum(self.twin, np.arange(len(places))), np.arange(len(places)))
         order = np.lexsort((node, first_of[node], self.turn[node]))
         node, triangle, k = node[order], triangle[order], k[order]
@@ -190,38 +213,43 @@ class Patches:
         follows = following(node, after, before, len(places))
         steps = list[tuple[Index, Index, Index, Index, Index, Index, Index]]()
         for part in np.split(np.arange(node.size), np.flatnonzero(np.diff(self.turn[node])) + 1):
-            own = node[part]
-            first = np.append(True, own[1:] != own[:-1])
+            moved = node[part]
+            first = np.append(True, moved[1:] != moved[:-1])
             begins = np.flatnonzero(first)
-            pairs = first_of[own[begins]]
+            pairs = first_of[moved[begins]]
             alone = np.append(True, pairs[1:] != pairs[:-1])
             then = np.where(follows[part] < 0, -1, follows[part] - part[0])
             of_node = np.cumsum(alone) - 1
-            steps.append((own[begins], np.cumsum(first) - 1, of_node, begins[alone], after[part], before[part], then))
+            steps.append((moved[begins], np.cumsum(first) - 1, of_node, begins[alone], after[part], before[part], then))
         for _ in range(sweeps):
-            for own, of, of_node, begins, one, other, then in steps:
-                near = places[own]
-                tried = within_link(near[:, None] + reach[own, None] * PLACES, near[:, None])
-                errors = prediction.stars(near[of], tried[of], places[one], places[other], then)
+            for moved, corner_node, of_node, begins, next_node, last_node, then in steps:
+                near = places[moved]
+                tried = within_link(near[:, None] + reach[moved, None] * TRIED_OFFSETS, near[:, None])
+                errors = prediction.stars(
+                    near[corner_node], tried[corner_node], places[next_node], places[last_node], then
+                )
                 best = np.add.reduceat(size(errors / tolerance), begins, axis=0).argmin(axis=1)[of_node]
-                places[own] = tried[np.arange(own.size), best]
-                reach[own[best == 0]] *= CLOSER
+                places[moved] = tried[np.arange(moved.size), best]
+                reach[moved[best == 0]] *= REACH_FACTOR
         return replace(self, places=places, reach=reach)
 
     def flip(
         self, prediction: Prediction, tolerance: float, crease: NDArray[np.bool_], size: Callable[[Array], Array]
     ) -> Patches:
-        """The same with diagonals turned that bring triangles closer to the surface, none between nodes on a `crease` (V,)."""
+        """Return the patches with diagonals turned that bring triangles closer to the surface.
+
+        Diagonals between nodes on a `crease` (V,) stay. The other arguments are those of `relax`.
+        """
         incidence = Incidence.of(self.corners, len(self.nodes))
-        one, other, apex, b, far, c = incidence.quadrilaterals(self.corners)
+        first, second, apex, b, far, c = incidence.quadrilaterals(self.corners)
         wanted = ~(crease[b] & crease[c])
-        one, other, apex, b, far, c = (of[wanted] for of in (one, other, apex, b, far, c))
+        first, second, apex, b, far, c = (part[wanted] for part in (first, second, apex, b, far, c))
         p, miss = self.places, prediction.triangles
         now = size(miss(p[apex], p[b], p[c]) / tolerance) + size(miss(p[far], p[c], p[b]) / tolerance)
         then = size(miss(p[apex], p[b], p[far]) / tolerance) + size(miss(p[apex], p[far], p[c]) / tolerance)
-        cost = np.where(then < GAIN * now, then - now, np.inf)
-        pairs = np.stack((one, other), axis=1)
-        chosen = independent(pairs.ravel(), np.repeat(np.arange(one.size), 2), cost, len(self.corners))
+        cost = np.where(then < TURNING_GAIN * now, then - now, np.inf)
+        pairs = np.stack((first, second), axis=1)
+        chosen = independent(pairs.ravel(), np.repeat(np.arange(first.size), 2), cost, len(self.corners))
         if not chosen.size:
             return self
         corners = self.corners.copy()
@@ -231,9 +259,13 @@ class Patches:
 
 
 def around(triangles: Index, incidence: Incidence, edges: Index, st: Array, twin: Index) -> tuple[Index, Index, Index]:
-    """Nodes of the rings of edges (C, 2) between nodes st (N, 2), ends included, as codes (K,), N times the edge and the node,
-    ascending, and all triangles at them, on both sides of seams, where the `twin` (N,) nodes are: the edge (J,), ascending, and the
-    triangle (J,)."""
+    """Return the nodes of the rings of edges (C, 2), and all triangles at these nodes, on both sides of seams.
+
+    - st: places (N, 2) of the nodes.
+    - twin: twins (N,) of nodes on seams, else -1.
+
+    Three arrays: codes (K,) = N edge + node of the nodes, rising; the edge (J,), rising, and the triangle (J,).
+    """
     count, on_seam = len(st), np.flatnonzero(on_seams(edges, st, twin))
     every = np.concatenate((np.arange(len(edges)), on_seam))
     rings = Rings.of(triangles, incidence, np.concatenate((edges, twin[edges[on_seam]])))
@@ -248,39 +280,43 @@ def around(triangles: Index, incidence: Incidence, edges: Index, st: Array, twin
 
 
 def turns(incidence: Incidence, loose: NDArray[np.bool_], twin: Index) -> Index:
-    """Numbers (N,) of nodes that are `loose` (N,), -1 of others, so that no two with the same one have a triangle in common; a
-    node and its `twin` (N,) have the same."""
+    """Return turns (N,) of the `loose` (N,) nodes, -1 for others: nodes with a common triangle have different turns.
+
+    A node and its `twin` (N,) have the same turn.
+    """
     turn, left = np.full(loose.size, -1), np.flatnonzero(loose & (twin < np.arange(loose.size)))
     triangles = len(incidence.sides)
-    # in no order: neighbours would wait for each other
-    rank = np.arange(loose.size) * SPREAD % (loose.size + 1)
+    # ranks are spread over the nodes: with ranks in order neighbours would wait for each other
+    rank = np.arange(loose.size) * RANK_STEP % (loose.size + 1)
     number = 0
     while left.size:
         paired = np.flatnonzero(twin[left] >= 0)
-        corners, of = incidence.corners_at(np.concatenate((left, twin[left[paired]])))
-        of = np.concatenate((np.arange(left.size), paired))[of]
-        chosen = independent(corners // 3, of, rank[left].astype(float), triangles)
+        corners, place = incidence.corners_at(np.concatenate((left, twin[left[paired]])))
+        taken_by = np.concatenate((np.arange(left.size), paired))[place]
+        chosen = independent(corners // 3, taken_by, rank[left].astype(float), triangles)
         turn[left[chosen]] = number
         left, number = left[turn[left] < 0], number + 1
     return np.where(loose & (twin >= 0) & (turn < 0), turn[twin], turn)
 
 
 def on_seams(edges: Index, st: Array, twin: Index) -> NDArray[np.bool_]:
-    """Which edges (C, 2) between nodes st (N, 2) are on a seam, so that the edge between their `twin` (N,) nodes is the same."""
+    """True (C,) for edges (C, 2) on a seam: their `twin` (N,) nodes have the same edge. `st` (N, 2): places of the nodes."""
     on_seam: NDArray[np.bool_] = (twin[edges] >= 0).all(axis=1) & (st[edges[:, 0], 0] == st[edges[:, 1], 0])
     return on_seam
 
 
 def _onward(numbers: Index, by: int) -> Index:
-    """Numbers (V,) of nodes, -1 of none, so many further on."""
+    """Return node numbers (V,) raised by an amount; -1, for no node, stays."""
     return np.where(numbers >= 0, numbers + by, -1)
 
 
 def relax_patches(
     patches: Patches, prediction: Prediction, tolerance: float, patience: Patience, crease: NDArray[np.bool_]
 ) -> tuple[Patches, Index]:
-    """Those patches that keep the tolerance, mm, once relaxed, and which (K,) of all they are; edges between nodes of a `crease`
-    (N,) of the net do not turn."""
+    """Return the relaxed patches that keep the tolerance, mm, and their numbers (K,).
+
+    Edges between nodes of a `crease` (N,) of the net do not turn.
+    """
     left, size = np.arange(patches.count), _excess if patience.turning else _power
     for sweeps, allowed in patience.stages:
         if patience.turning:
@@ -294,20 +330,20 @@ def relax_patches(
 
 
 def fourth(ratio: Array) -> Array:
-    """To the fourth: large ones count more, and yet all of them."""
+    """Return the fourth power: all values count, large ones more."""
     square = ratio * ratio
     power: Array = square * square
     return power
 
 
 def _power(ratio: Array) -> Array:
-    """To the twelfth."""
+    """Return the twelfth power."""
     by_four = fourth(ratio)
     power: Array = by_four * by_four * by_four
     return power
 
 
 def _excess(ratio: Array) -> Array:
-    """The square of what is too much; no triangles have very much."""
-    more: Array = np.clip(ratio - ALLOWED, 0.0, 1e6)
+    """Return the square of the part above ALLOWED_SHARE; it is limited, because degenerate triangles are infinitely far."""
+    more: Array = np.clip(ratio - ALLOWED_SHARE, 0.0, 1e6)
     return more * more

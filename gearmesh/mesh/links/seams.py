@@ -1,11 +1,16 @@
-"""Triangles of all links of a tooth merged together, the nodes of the seams between them included.
+"""Thinning of all links of a tooth together, including the nodes on the seams between them.
 
-Seams have as many nodes as the link that wants most of them, at stations that suit none of their links once these are thinned:
-where a link has a few dozen triangles half of its nodes are there. Here all links are one net, in which link k goes from s = 2 k to
-2 k + 1, so that each has its own second form. A node of a seam is in it once for either side, as twins that move along t together
-and collapse together; what else happens is as in `thinning`, with more patience: patches of edges that miss the tolerance by more
-are tried, their diagonals turn while their nodes move, and long edges are judged by the second form at their ends too.
-While nodes move the ends of the links are straight between STATIONS; all nodes are put on the exact sections in the end.
+A seam has as many nodes as its finer link needs, at stations that suit neither link once the links are thinned. A link of
+a few dozen triangles has half of its nodes on seams. Here all links form one net: link k has s from 2 k to 2 k + 1, so each
+link keeps its own second form. A node on a seam occurs twice, once on either side; these twins move along t together and
+collapse together. The rest is as in `thinning`, with more patience:
+
+- edges are tried whose collapse misses the tolerance by more,
+- diagonals turn while nodes move,
+- long edges are judged by the second form at their ends, too.
+
+While nodes move, the ends of the links are straight between END_STATIONS stations. At the end all nodes are put on the exact
+sections.
 """
 
 from __future__ import annotations
@@ -19,7 +24,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.mesh.deviation.edges import between_wedges
 from gearmesh.mesh.links.collapse import Index
-from gearmesh.mesh.links.forms import SAMPLES, Forms
+from gearmesh.mesh.links.forms import SAMPLE_COUNTS, Forms
 from gearmesh.mesh.links.lines import between
 from gearmesh.mesh.links.prediction import Prediction
 from gearmesh.mesh.links.relaxation import Patience
@@ -28,13 +33,12 @@ from gearmesh.mesh.patch import LinkNodes, PatchMesh, distance, trim
 from gearmesh.teeth.section import breaks
 from gearmesh.teeth.tooth import Tooth
 
-#: stations between which the ends of links are straight, beside those of the seams
-STATIONS = 65
-#: cosine of the angle between two surfaces below which they meet at an edge, of which chords may be no farther than the tolerance
-SMOOTH = 0.95
-#: what is tried for edges, and again twice after all nodes have moved: 170 triangles of a hypoid
-#: pinion at 100 um become 160 and 158, 140 of a modified involute one 138 and 138, 76 of a zerol gear 76 and 72
-PATIENCES = (Patience(far=4.0, many=400, stages=((2, 3.0), (4, 2.0), (8, 1.2), (8, 1.02)), turning=True),) * 3
+#: number of stations, besides those of the seams, between which the ends of links are straight
+END_STATIONS = 65
+#: least cosine of the angle between two surfaces that join smoothly; at sharper edges chords must keep the tolerance
+SMOOTH_COSINE = 0.95
+#: patience of the first merging of edges and of two more, after all nodes have moved
+MERGE_PATIENCES = (Patience(far=4.0, many=400, stages=((2, 3.0), (4, 2.0), (8, 1.2), (8, 1.02)), turning=True),) * 3
 
 
 def thin_seams(
@@ -45,13 +49,17 @@ def thin_seams(
     tolerance: float,
     enough: int,
 ) -> tuple[PatchMesh, ...]:
-    """All links of a tooth, or some in a row, with fewer triangles within `tolerance` (mm), but hardly fewer than are `enough`.
+    """Return all links of a tooth, or some in a row, with fewer triangles within `tolerance`, mm.
 
-    `held` (R,): links whose first seam stays. What is drawn stays, and so do its seams.
+    - forms: second forms of the links.
+    - held: True (R,) for links whose first seam stays.
+    - enough: number of triangles at which thinning stops.
+
+    Drawn links and their seams stay.
     """
     net = _ToothNet.of_patches(tooth, patches, forms, held, tolerance)
     net.turn()
-    net.merge(PATIENCES, enough)
+    net.merge(MERGE_PATIENCES, enough)
     thinned = net.patches(patches)
     most = max(tolerance, *(patch.deviation for patch in patches))
     return tuple(patches) if max(patch.deviation for patch in thinned) > most else thinned
@@ -59,19 +67,23 @@ def thin_seams(
 
 @dataclass
 class _ToothNet(Net):
-    """The `links` of a tooth, of which those that have surfaces are thinned; `chords`: those of the seams before, as `_chord`."""
+    """Net of all links of a tooth; links with surfaces are thinned."""
 
+    #: meshes of the links before thinning
     links: tuple[PatchMesh, ...] = ()
+    #: keys of the chords of the seams before thinning, see `_chord_key`
     chords: Array = field(default_factory=lambda: np.zeros(0))
 
     @staticmethod
     def of_patches(
         tooth: Tooth, patches: Sequence[PatchMesh], forms: Forms, held: NDArray[np.bool_], tolerance: float
     ) -> _ToothNet:
+        """Return the net of the links of a tooth; the arguments are those of `thin_seams`."""
         count, whole = len(patches), len(patches) == len(tooth.regions)
         chain = [tooth.chain[patch.region] for patch in patches]
         smooth = [link.surface is not None for link in chain]
         begins = np.cumsum([0, *(len(patch.points) for patch in patches)])
+        # twins: nodes on either side of a seam between links with surfaces
         twin = np.full(begins[-1], -1)
         for k in range(count) if whole else range(1, count):
             if smooth[k] and smooth[k - 1] and not held[k]:
@@ -84,6 +96,7 @@ class _ToothNet(Net):
         for k, link in enumerate(chain):
             own = slice(begins[k], begins[k + 1])
             crease[own] = np.isin(s[own], breaks(link)) | np.isin(t[own], tooth.creases(patches[k].region))
+        # kinds of nodes: on the end faces, on free seams, fixed on creases and on other seams, or inner
         kind = np.where(t == 0.0, TOE, np.where(t == 1.0, HEEL, INNER))
         seam = (s == 0.0) | (s == 1.0)
         kind[seam] = np.where((twin >= 0) & (kind == INNER), SEAM, FIXED)[seam]
@@ -96,13 +109,21 @@ class _ToothNet(Net):
             np.full((len(patch.points), 2), np.nan) if patch.nodes.parameters is None else patch.nodes.parameters
             for patch in patches
         ]
-        # but where the next tooth begins, whose normals are turned
-        edge = (twin >= 0) & (dot(normals, normals[twin]) < SMOOTH) & (st[:, 0] > 0.0) & (st[:, 0] < 2.0 * count - 1.0)
+        # sharp edges at seams; not where the next tooth begins, because its normals are turned by the pitch
+        edge = (
+            (twin >= 0)
+            & (dot(normals, normals[twin]) < SMOOTH_COSINE)
+            & (st[:, 0] > 0.0)
+            & (st[:, 0] < 2.0 * count - 1.0)
+        )
         nodes = LinkNodes(tooth, patches[0].region, st[:, 0], t, points, normals, np.concatenate(parameters))
         seams = np.concatenate([patch.nodes.t[patch.nodes.line(0.0)] for patch in patches])
-        trimmed = tooth.sections(np.unique(np.concatenate((np.linspace(0.0, 1.0, STATIONS), seams, tooth.face_breaks))))
+        trimmed = tooth.sections(
+            np.unique(np.concatenate((np.linspace(0.0, 1.0, END_STATIONS), seams, tooth.face_breaks)))
+        )
 
         def place(s: Array, t: Array) -> LinkNodes:
+            """Return nodes on the surfaces at s, t of the net."""
             points, normals, parameters = np.empty((s.size, 3)), np.empty((s.size, 3)), np.empty((s.size, 2))
             for k, own in _by_link(s):
                 local, region = s[own] - 2.0 * k, patches[k].region
@@ -127,7 +148,7 @@ class _ToothNet(Net):
             edge,
             links=tuple(patches),
         )
-        net.chords = _chord(st[:, 0], t, triangles, np.roll(triangles, -1, axis=1)).ravel()
+        net.chords = _chord_key(st[:, 0], t, triangles, np.roll(triangles, -1, axis=1)).ravel()
         net.errors = net.miss(nodes, triangles, crease)
         return net
 
@@ -138,24 +159,23 @@ class _ToothNet(Net):
         return errors
 
     def off_ends(self, nodes: LinkNodes, triangles: Index, edge: NDArray[np.bool_]) -> Array:
-        """As of one link, and of those new sides on seams between nodes on an `edge` (N,) by the heights over
-        both surfaces."""
+        """Return the distances of one link; new sides on sharp seams (`edge` (N,)) also by the heights over both surfaces."""
         off, after = super().off_ends(nodes, triangles, edge), np.roll(triangles, -1, axis=1)
         along = edge[triangles] & edge[after] & (nodes.s[triangles] == nodes.s[after])
-        on, side = np.nonzero(along & ~np.isin(_chord(nodes.s, nodes.t, triangles, after), self.chords))
+        on, side = np.nonzero(along & ~np.isin(_chord_key(nodes.s, nodes.t, triangles, after), self.chords))
         if on.size:
             sides = np.stack((triangles[on, side], after[on, side]), axis=1)
             odd, last = nodes.s[sides] % 2.0 == 1.0, 2.0 * len(self.links) - 1.0
             there = self.place(
                 (nodes.s[sides] + np.where(odd, 1.0, -1.0)).ravel() % (last + 1.0), nodes.t[sides].ravel()
             )
-            one, normals = self._heights(nodes, sides)
-            other, others = self._heights(there, np.arange(2 * on.size).reshape(-1, 2))
-            np.maximum.at(off, on, between_wedges(one, other, dot(normals, others)))
+            heights, normals = self._heights(nodes, sides)
+            twin_heights, twin_normals = self._heights(there, np.arange(2 * on.size).reshape(-1, 2))
+            np.maximum.at(off, on, between_wedges(heights, twin_heights, dot(normals, twin_normals)))
         return off
 
     def _heights(self, nodes: LinkNodes, edges: Index) -> tuple[Array, Array]:
-        """Heights (E,), mm, of the middles of edges (E, 2) over their surfaces, and the normals (E, 3) there."""
+        """Return the heights (E,), mm, of the middles of edges (E, 2) over their surfaces, and the normals (E, 3) there."""
         heights, normals = np.empty(len(edges)), np.empty((len(edges), 3))
         for k, own in _by_link(nodes.s[edges[:, 0]]):
             near = self._local(nodes, k).middle(edges[own])
@@ -163,11 +183,11 @@ class _ToothNet(Net):
         return heights, normals
 
     def _local(self, nodes: LinkNodes, k: int) -> LinkNodes:
-        """All nodes as those of link k."""
+        """Return all nodes with s counted on link k."""
         return replace(nodes, region=self.links[k].region, s=nodes.s - 2.0 * k)
 
     def patches(self, before: Sequence[PatchMesh]) -> tuple[PatchMesh, ...]:
-        """The links with the nodes that are left, those `before` where they are drawn."""
+        """Return the thinned links; drawn links are those `before`."""
         tooth, made = self.nodes.tooth, list(before)
         for k, own in _by_link(self.st[self.triangles[:, 0], 0]):
             used, corners = np.unique(self.triangles[own], return_inverse=True)
@@ -181,27 +201,27 @@ class _ToothNet(Net):
         return tuple(made)
 
 
-def _chord(s: Array, t: Array, first: Index, last: Index) -> Array:
-    """What tells the chords (...,) of seams at s (N,) apart, by the nodes at their ends (...,)."""
-    which: Array = 4.0 * s[first] + (t[first] + t[last])
-    return which
+def _chord_key(s: Array, t: Array, first: Index, last: Index) -> Array:
+    """Return keys (...,) of chords on seams; different chords have different keys. `first`, `last` (...,): nodes at their ends."""
+    key: Array = 4.0 * s[first] + (t[first] + t[last])
+    return key
 
 
 def _place(patch: PatchMesh, k: int) -> Array:
-    """Places (N, 2) of the nodes of link k."""
+    """Return the places (N, 2) in the net of the nodes of link k."""
     return np.stack((patch.nodes.s + 2.0 * k, patch.nodes.t), axis=-1)
 
 
 def _by_link(s: Array) -> list[tuple[int, Index]]:
-    """Links k in which some of s (N,) are, and which (K,)."""
+    """Return the links that contain some of s (N,), each with the indices (K,) of these."""
     link = np.floor(0.5 * s).astype(int)
     return [(int(k), np.flatnonzero(link == k)) for k in np.unique(link)]
 
 
 def _prediction(forms: Forms, links: Sequence[int]) -> Prediction:
-    """Of links one after the other, with gaps between them."""
-    steps, extent = SAMPLES[0] - 1, 2.0 * len(links) - 1.0
-    table, outline = np.zeros((int(extent) * steps + 1, SAMPLES[1], 3)), np.zeros((2, int(extent) * steps + 1))
+    """Return the prediction for a net of links, with gaps between them."""
+    steps, extent = SAMPLE_COUNTS[0] - 1, 2.0 * len(links) - 1.0
+    table, outline = np.zeros((int(extent) * steps + 1, SAMPLE_COUNTS[1], 3)), np.zeros((2, int(extent) * steps + 1))
     for k in links:
         own = slice(2 * k * steps, (2 * k + 1) * steps + 1)
         table[own] = np.stack([form[k] for form in (forms.length, forms.twist, forms.face)], axis=-1)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.numeric.grid import on_grid
 from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, independent, within_link
-from gearmesh.mesh.links.measure import PLACES, deviations_of, off_chords
+from gearmesh.mesh.links.measure import CHORD_SHARES, deviations_of, off_chords
 from gearmesh.mesh.links.prediction import Prediction
 from gearmesh.mesh.links.relaxation import Patches, Patience, around, fourth, on_seams, relax_patches, turns
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
@@ -432,8 +432,8 @@ class Net:
         if on.size:
             ends = np.stack((side, (side + 1) % 3), axis=1)
             first, last = s[on[:, None], ends].T
-            along = first[:, None] + (last - first)[:, None] * PLACES
-            curve = self.place(along.ravel(), np.repeat(t[on, side], PLACES.size)).points
+            along = first[:, None] + (last - first)[:, None] * CHORD_SHARES
+            curve = self.place(along.ravel(), np.repeat(t[on, side], CHORD_SHARES.size)).points
             np.maximum.at(
                 off, on, off_chords(nodes.points[triangles[on[:, None], ends]], curve.reshape(*along.shape, 3))
             )
