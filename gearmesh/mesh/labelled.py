@@ -1,4 +1,4 @@
-"""Triangles with their regions and normals: those of the exact surfaces where they are known, of the facets elsewhere."""
+"""Triangles with regions and normals: exact normals on flanks and fillets, normals of the facets elsewhere."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from gearmesh.mesh.triangles import TriangleMesh, facet_normals
 from gearmesh.teeth.region import FILLETS, FLANKS, Region
 
 #: regions whose triangles have the normals of the exact surfaces
-_EXACT = (*FLANKS.values(), *FILLETS.values())
+_EXACT_REGIONS = (*FLANKS.values(), *FILLETS.values())
 
 
 def labelled_mesh(
@@ -21,9 +21,16 @@ def labelled_mesh(
     tooth_normals: Array,
     name: str,
 ) -> TriangleMesh:
-    """Mesh with facet normals everywhere but on flanks and fillets, where the given normals of the teeth stay."""
+    """Return the mesh with exact normals on flanks and fillets and facet normals elsewhere.
+
+    - vertices: (V, 3), mm.
+    - triangles: (M, 3), those of the teeth first.
+    - regions: indices (M,) in `names`.
+    - tooth_normals: exact normals (K, 3) of the triangles of the teeth.
+    - name: of the mesh.
+    """
     exact, normals = np.zeros(len(triangles), dtype=bool), np.empty((len(triangles), 3))
-    exact[: len(tooth_normals)] = np.array([name in _EXACT for name in names])[regions[: len(tooth_normals)]]
+    exact[: len(tooth_normals)] = np.array([name in _EXACT_REGIONS for name in names])[regions[: len(tooth_normals)]]
     normals[exact] = tooth_normals[exact[: len(tooth_normals)]]
     normals[~exact] = facet_normals(vertices, triangles[~exact])
     return TriangleMesh(vertices, triangles.astype(np.int64), regions.astype(np.int32), names, normals, name)

@@ -1,15 +1,16 @@
-r"""One pitch of a gear that repeats its teeth, and what it proves of the whole.
+r"""One pitch of a gear that repeats its teeth, as a proof of the whole gear.
 
-The gear is turned onto itself by a pitch, which takes vertex (c, s) to (c, s + 1): c is its class, s counts pitches, mod the
-number of teeth N. A class on the axis has one vertex, and no s. Triangles of the gear are those of one pitch, N times, so that
+A turn by one pitch maps the gear onto itself. It takes vertex (c, s) to (c, s + 1), where c is the class of the vertex and s
+counts pitches, mod the number of teeth N. A class on the axis has one vertex and no s. The triangles of the gear are those of
+one pitch, N times. It follows:
 
-- a directed edge (c, s) -> (d, t) is there as often as there are edges of the pitch with the same c, d and t - s mod N: the gear
-  runs along all edges once in either direction if the pitch has each (c, d, t - s) once, and each (d, c, s - t);
-- cuts between pitches fit, as a vertex on a cut is one vertex of both;
-- vertices, edges and triangles are N times those of the pitch, but for vertices on the axis, which count once;
-- teeth cannot pass through each other if each stays in its sector, between the line where it begins and that line turned.
+- The number of directed edges (c, s) -> (d, t) of the gear is the number of edges of the pitch with the same c, d and
+  t - s mod N. The gear is closed if the pitch has each (c, d, t - s) once, and each (d, c, s - t) once.
+- The cuts between pitches fit, because a vertex on a cut is one vertex of both pitches.
+- Vertices, edges and triangles are N times those of the pitch; vertices on the axis count once.
+- Teeth do not pass through each other if each stays in its sector, between its first line and that line turned by a pitch.
 
-Three pitches closed to a ring have the same edges (c, d, t - s), now mod 3, and are what manifold3d is asked about.
+Three pitches closed to a ring have the same edges (c, d, t - s), mod 3. manifold3d checks this ring.
 """
 
 from __future__ import annotations
@@ -24,34 +25,32 @@ from gearmesh.mesh.gear_mesh import GearMesh
 
 Index = NDArray[np.int64]
 
-#: teeth from which on one pitch stands for all of them: three are proved
-FEWEST_TEETH = 4
-#: pitches that are closed to a ring
+#: least number of teeth for which one pitch proves all; with fewer teeth the whole gear is proved
+MIN_TEETH = 4
+#: pitches of the closed ring
 CLOSED_PITCHES = 3
-#: share of a pitch by which vertices beside a tooth's first line may leave its sector by rounding, and by chords of that line
+#: largest angle, in pitches, by which a vertex may leave its tooth's sector, for rounding and for chords of the first line
 SLACK_PITCHES = 1e-5
 
 
 @dataclass(frozen=True)
 class Pitch:
-    """Triangles of one pitch of a gear.
+    """Triangles of one pitch of a gear."""
 
-    teeth      number of pitches
-    classes    class (M, 3) of every corner
-    shifts     pitch (M, 3) of every corner, 0 on the axis
-    on_axis    True for the classes (C,) on the axis
-    """
-
+    #: number of pitches
     teeth: int
+    #: class (M, 3) of each corner
     classes: Index
+    #: pitch (M, 3) of each corner; 0 on the axis
     shifts: Index
+    #: True (C,) for classes on the axis
     on_axis: NDArray[np.bool_]
 
     @staticmethod
     def of(mesh: GearMesh) -> Pitch | None:
-        """The first pitch of a gear; None where the others are not the same, turned, or where there are too few."""
+        """Return the first pitch of a gear; None if the other pitches are not its images, or if there are too few."""
         teeth = mesh.ring.teeth
-        if len(mesh.ring.kinds) > 1 or teeth < FEWEST_TEETH:
+        if len(mesh.ring.kinds) > 1 or teeth < MIN_TEETH:
             return None
         tooth, body = mesh.ring.kinds[0], mesh.body
         size = len(tooth.vertices)
@@ -73,21 +72,20 @@ class Pitch:
             begin += count
             outer = block < mesh.ring.size
             inside = np.where(outer, 0, block - mesh.ring.size)
-            own, on = (
+            vertex_class, vertex_pitch = (
                 np.where(outer, *pair)
                 for pair in ((block % size, of_body[0][inside]), (block // size, of_body[1][inside]))
             )
-            turned = np.where(on_axis[own], 0, (on - np.arange(teeth)[:, None, None]) % teeth)
-            if (own != own[0]).any() or (turned != turned[0]).any():
+            turned = np.where(on_axis[vertex_class], 0, (vertex_pitch - np.arange(teeth)[:, None, None]) % teeth)
+            if (vertex_class != vertex_class[0]).any() or (turned != turned[0]).any():
                 return None
-            classes.append(own[0])
+            classes.append(vertex_class[0])
             shifts.append(turned[0])
         return Pitch(teeth, np.concatenate(classes), np.concatenate(shifts), on_axis)
 
     @property
     def edges(self) -> tuple[Index, Index]:
-        """Number (3 M,) of every edge along which a triangle runs, by its classes and the pitches between them; and of the same
-        edge run back."""
+        """Codes (3 M,) of the directed edges of the triangles, by classes and pitches between them, and of the reversed edges."""
         a, b = self.classes, np.roll(self.classes, -1, axis=1)
         ahead = np.where(self.on_axis[a] | self.on_axis[b], 0, np.roll(self.shifts, -1, axis=1) - self.shifts)
         classes = len(self.on_axis)
@@ -97,26 +95,26 @@ class Pitch:
 
     @property
     def closed(self) -> bool:
-        """True where the gear runs along each of its edges once in either direction."""
-        there, back = (np.sort(of) for of in self.edges)
+        """True if the gear has each of its edges once in either direction."""
+        there, back = (np.sort(codes) for codes in self.edges)
         along_axis = (self.on_axis[self.classes].sum(axis=1) > 1).any()
         return not along_axis and bool((there[1:] != there[:-1]).all()) and np.array_equal(there, back)
 
     @property
     def euler(self) -> int:
-        """Euler number of the whole gear."""
+        """Euler characteristic of the whole gear."""
         there, back = self.edges
         halved = distinct(there[there == back]).size
-        # an edge that half a turn takes to itself run back
+        # edges that half a turn maps onto their reverse count half
         edges = self.teeth * distinct(np.minimum(there, back)).size - self.teeth // 2 * halved
         used = distinct(self.classes)
         alone = int(self.on_axis[used].sum())
         return int(self.teeth * (used.size - alone) + alone - edges + self.teeth * len(self.classes))
 
     def ring(self, mesh: GearMesh) -> tuple[Array, Index]:
-        """Vertices (V, 3), those of as many pitches of the gear, and triangles (T, 3) of a few pitches closed to a ring."""
+        """Return the vertices (V, 3), mm, of CLOSED_PITCHES pitches, and the triangles (T, 3) that close them to a ring."""
         count = len(self.on_axis)
-        # from one corner to the others, either way round
+        # pitches from one corner to the others, the shorter way around
         first = self.shifts[np.arange(len(self.shifts)), self.on_axis[self.classes].argmin(axis=1)]
         ahead = (self.shifts - first[:, None] + self.teeth // 2) % self.teeth - self.teeth // 2
         on = (ahead[None] + np.arange(CLOSED_PITCHES)[:, None, None]) % CLOSED_PITCHES
@@ -136,8 +134,10 @@ class Pitch:
 
 
 def least_room(mesh: GearMesh) -> float:
-    """Least angle, in pitches, by which a tooth stays between the line where it begins and the same line of the next tooth;
-    0 on these lines, negative beyond them."""
+    """Return the least angle, in pitches, of a tooth's vertices to its first line and to the first line of the next tooth.
+
+    It is 0 on these lines and negative outside the sector between them.
+    """
     tooth, pitch = mesh.ring.kinds[0], mesh.ring.pitch
     lines = np.split(tooth.first_line, len(tooth.numbers))
     least = np.inf

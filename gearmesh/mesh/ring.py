@@ -1,7 +1,7 @@
-"""All teeth round the axis: which vertices each has among those of all, where teeth may differ from each other.
+"""All teeth around the axis and the numbers of their vertices; teeth may differ from each other.
 
-Teeth that are alike follow one another, so that the vertices of every kind are a block. A tooth ends in the first line of the next
-one, whichever that is: lines of all kinds have nodes at the same stations.
+The vertices of all teeth of one kind form a block. A tooth ends at the first line of the next tooth, of any kind: the first
+lines of all kinds have nodes at the same stations.
 """
 
 from __future__ import annotations
@@ -24,20 +24,22 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class TeethRing:
-    """The different teeth in all their halves, `kinds`, and which of them every tooth round the axis is, `order` (teeth,)."""
+    """All teeth around the axis."""
 
+    #: the different teeth, in all their halves
     kinds: tuple[WeldedHalves, ...]
+    #: kind (teeth,) of every tooth around the axis
     order: Index
 
     @staticmethod
     def of(meshes: Sequence[ToothMesh], order: Index, halves: tuple[HalfGear, ...]) -> TeethRing:
-        """Of meshes with lines at common stations."""
+        """Return the ring of teeth by the meshes of the kinds, whose lines have common stations."""
         rows = max(mesh.end_rows for mesh in meshes)
         return TeethRing(tuple(WeldedHalves.of(mesh.weld(rows), halves) for mesh in meshes), order)
 
     @property
     def teeth(self) -> int:
-        """How many there are."""
+        """Number of teeth."""
         return len(self.order)
 
     @property
@@ -47,7 +49,7 @@ class TeethRing:
 
     @property
     def vertices(self) -> Array:
-        """Vertices (V, 3) of all teeth, mm, those of one kind after those of another."""
+        """Vertices (V, 3) of all teeth, mm, kind by kind."""
         return np.concatenate([self.turn(kind, own.vertices) for kind, own in enumerate(self.kinds)])
 
     @property
@@ -62,18 +64,17 @@ class TeethRing:
         return int(sum(len(self.kinds[kind].vertices) for kind in self.order))
 
     def places(self, kind: int) -> Index:
-        """Which teeth (K,) are of a kind."""
+        """Return the teeth (K,) of a kind."""
         return np.flatnonzero(self.order == kind)
 
     def turn(self, kind: int, vectors: Array, places: Index | None = None) -> Array:
-        """Points or vectors (N, 3) of a tooth of some kind, at all teeth of it, or at some `places`, (K N, 3)."""
+        """Return points or vectors (N, 3) of a tooth at all teeth of its kind, or at some `places`: (K N, 3)."""
         rotation = Rigid.about_z((self.places(kind) if places is None else places) * self.pitch).rotation
         turned: Array = np.einsum("kij,nj->kni", rotation, vectors).reshape(-1, 3)
         return turned
 
     def numbers(self, kind: int, own: Index, places: Index | None = None) -> Index:
-        """Numbers (K, N) among the vertices of all, at all teeth of a kind or at some `places`, of those that a tooth of it
-        numbers `own` (N,)."""
+        """Return the numbers (K, N) among all vertices of a tooth's vertices `own` (N,), at all teeth of a kind or some `places`."""
         count, places = len(self.kinds[kind].vertices), self.places(kind) if places is None else places
         following, beyond = (places + 1) % self.teeth, own >= count
         numbers = self._firsts[places][:, None] + own % count
@@ -82,14 +83,14 @@ class TeethRing:
         return numbers
 
     def on_next_line(self, kind: int, own: Index) -> Index:
-        """Numbers (...,) of a tooth's vertices and then those where the next tooth begins, of those that it numbers `own`."""
+        """Return numbers (...,) for vertices on the next tooth: they count along its first line, after the tooth's vertices."""
         count = len(self.kinds[kind].vertices)
         on_line = np.zeros(count, dtype=np.int64)
         on_line[self._lines[kind]] = np.arange(self._lines.shape[1])
         return count + on_line[own % count]
 
     def next_lines(self, places: Index) -> Array:
-        """Vertices (K, N, 3), mm, where the next tooth begins, of the teeth at some places."""
+        """Return the vertices (K, N, 3), mm, on the first line of the next tooth, for the teeth at some places."""
         following = (places + 1) % self.teeth
         points = np.empty((len(places), self._lines.shape[1], 3))
         for kind, own in enumerate(self.kinds):
@@ -99,12 +100,12 @@ class TeethRing:
 
     @cached_property
     def _lines(self) -> Index:
-        """First lines of all kinds, (kinds, N)."""
+        """Vertices (kinds, N) on the first line of each kind."""
         return np.array([kind.first_line for kind in self.kinds])
 
     @cached_property
     def _firsts(self) -> Index:
-        """Number of every tooth's first vertex, (teeth,)."""
+        """Number (teeth,) of the first vertex of each tooth."""
         sizes = np.array([len(kind.vertices) for kind in self.kinds])[self.order]
         by_kind = np.argsort(self.order, kind="stable")
         firsts = np.empty(self.teeth, dtype=np.int64)

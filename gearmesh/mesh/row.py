@@ -1,4 +1,4 @@
-r"""Whole racks: the teeth of a member that slides, one after the other, closed by the bar under them.
+r"""Whole racks: the teeth of a sliding member in a row, closed by the bar under them.
 
                     ____        ____
         B    ______/    \______/    \______  A      toe and heel: planes across z
@@ -6,8 +6,8 @@ r"""Whole racks: the teeth of a member that slides, one after the other, closed 
         r   |______________________________| a
                           back               r
 
-So a bar is as many pitches long as it has teeth, and bars laid end to end go on as one; or its root lands go on beyond that, with
-the chamfers along toe and heel.
+A bar is as many pitches long as it has teeth: bars laid end to end continue each other. With an overhang the root lands,
+and the chamfers along toe and heel, go on beyond the last pitch.
 """
 
 from __future__ import annotations
@@ -31,37 +31,41 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class RowMesh:
-    """Vertices (V, 3), triangles (M, 3) and their regions; `of_tooth` (N,): which one of a tooth's each of the first N is."""
+    """Mesh of a whole rack."""
 
+    #: (V, 3), mm
     vertices: Array
+    #: (M, 3)
     triangles: Index
+    #: region of each triangle
     regions: tuple[Region, ...]
+    #: triangle (N,) of the single tooth for each of the first N triangles
     of_tooth: Index
 
 
 def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
-    """The closed surface of all teeth and the bar, the tooth of `tooth_mesh` in the middle of them, or next to it.
+    """Return the closed surface of all teeth and the bar; the tooth of `tooth_mesh` is in the middle, or next to it.
 
-    `overhang` (mm): how far the bar goes on beyond the last pitch, at either end.
+    `overhang`: length, mm, of the bar beyond the last pitch, at either end.
     """
-    tooth, one, strips = tooth_mesh.tooth, tooth_mesh.weld(), tooth_mesh.end_meshes()
-    count, teeth = len(one.vertices), tooth.teeth
-    # one more than there are, of which the last one's first line is used
+    tooth, welded, strips = tooth_mesh.tooth, tooth_mesh.weld(), tooth_mesh.end_meshes()
+    count, teeth = len(welded.vertices), tooth.teeth
+    # one more tooth than there are: its first line ends the last tooth
     places = tooth.joint.places(teeth)
     ways = tooth.joint.to(np.append(places, places[-1] + 1) * tooth.pitch_angle).translation
-    vertices = (one.vertices + ways[:, None]).reshape(-1, 3)
+    vertices = (welded.vertices + ways[:, None]).reshape(-1, 3)
     first_numbers = count * np.arange(teeth)[:, None, None]
-    # the bar begins in the middle of the first root, and its last one is half of another
+    # the bar begins and ends in the middle of a root: the first tooth has no root of its own here
     root = len(tooth_mesh.patches[0].triangles)
-    of_root = np.arange(len(one.triangles)) < root
+    of_root = np.arange(len(welded.triangles)) < root
     begin = sum(len(patch.triangles) for patch in tooth_mesh.patches)
     for strip in strips.values():
         of_root[begin : begin + strip.pieces[0]] = True
         begin += len(strip.triangles)
     of_tooth = np.concatenate((np.flatnonzero(~of_root), np.tile(np.arange(len(of_root)), teeth - 1)))
     place = np.repeat(np.arange(teeth), [int((~of_root).sum()), *[len(of_root)] * (teeth - 1)])
-    triangles = one.triangles[of_tooth] + count * place[:, None]
-    first, last = one.firsts[1], one.firsts[0] + teeth * count
+    triangles = welded.triangles[of_tooth] + count * place[:, None]
+    first, last = welded.firsts[1], welded.firsts[0] + teeth * count
     low, high = len(vertices) + np.arange(len(first)), len(vertices) + len(first) + np.arange(len(last))
     corners, (toe, heel) = len(vertices) + len(first) + len(last) + np.arange(4), (0, -1)
     ends = [vertices[line] for line in (first, last)]
@@ -73,8 +77,8 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
     faces = list[tuple[Region, Index]]()
     for near, far in ((low, first), (last, high)):
         faces += _half_root(near, far, strips)
-    for k, row in enumerate((one.toe, one.heel)):
-        # from where the first root ends
+    for k, row in enumerate((welded.toe, welded.heel)):
+        # the outline begins where the first root ends
         chain = (row + first_numbers[:, 0]).ravel()[int(np.flatnonzero(row == first[-k])[0]) :]
         outline = np.concatenate((low[[-k]], chain, last[[-k]], high[[-k]], corners[[2 + k, k]]))
         face = outline[triangulate(vertices[outline, :2])]
@@ -84,9 +88,9 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
         (Region.END, _fan(corners[2], np.append(high, corners[3]))[:, ::-1]),
         (Region.BACK, corners[np.array([[0, 1, 3], [0, 3, 2]])]),
     ]
-    one_tooth = [patch.region for patch in tooth_mesh.patches for _ in patch.triangles]
-    one_tooth += [region for region, strip in strips.items() for _ in strip.triangles]
-    regions = [one_tooth[k] for k in of_tooth.tolist()] + [region for region, face in faces for _ in face]
+    tooth_regions = [patch.region for patch in tooth_mesh.patches for _ in patch.triangles]
+    tooth_regions += [region for region, strip in strips.items() for _ in strip.triangles]
+    regions = [tooth_regions[k] for k in of_tooth.tolist()] + [region for region, face in faces for _ in face]
     triangles = np.concatenate((triangles, *(face for _, face in faces)))
     triangles, kept = with_area(vertices, triangles)
     of_tooth, regions = of_tooth[kept[kept < len(of_tooth)]], [regions[k] for k in kept.tolist()]
@@ -95,7 +99,7 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
 
 
 def _half_root(low: Index, high: Index, strips: Mapping[Region, EndMesh]) -> list[tuple[Region, Index]]:
-    """Triangles between two lines (N,) from toe to heel, of the root and of what goes on along it of the `strips` at its ends."""
+    """Return the triangles of half a root between two lines (N,) from toe to heel, by region; `strips`: meshes of the chamfers."""
     rows = {region: strip.rows for region, strip in strips.items()}
     toe, heel = (rows.get(region, 0) for region in (Region.EDGE_TOE, Region.EDGE_HEEL))
     cuts = [0, toe, len(low) - 1 - heel, len(low) - 1]
@@ -106,11 +110,11 @@ def _half_root(low: Index, high: Index, strips: Mapping[Region, EndMesh]) -> lis
 
 
 def _strip(low: Index, high: Index) -> Index:
-    """Triangles between two lines (N,) from toe to heel, seen from the tips."""
+    """Return the triangles between two lines (N,) from toe to heel, counterclockwise seen from the tips."""
     quads = [((a, b, d), (a, d, c)) for (a, c), (b, d) in zip(pairwise(low), pairwise(high), strict=True)]
     return np.array(quads, dtype=np.int64).reshape(-1, 3)
 
 
 def _fan(corner: int, line: Index) -> Index:
-    """Triangles between a corner and a line (N,) that does not go through it."""
+    """Return the triangles between a corner and a line (N,) that does not contain it."""
     return np.stack((np.full(len(line) - 1, corner), line[:-1], line[1:]), axis=1)

@@ -28,7 +28,7 @@ from gearmesh.mesh.links.forms import SAMPLE_COUNTS, Forms
 from gearmesh.mesh.links.lines import between
 from gearmesh.mesh.links.prediction import Prediction
 from gearmesh.mesh.links.relaxation import Patience
-from gearmesh.mesh.links.thinning import FIXED, HEEL, INNER, SEAM, TOE, Net
+from gearmesh.mesh.links.thinning import FIXED_NODE, HEEL_NODE, INNER_NODE, SEAM_NODE, TOE_NODE, Net
 from gearmesh.mesh.patch import LinkNodes, PatchMesh, distance, trim
 from gearmesh.teeth.section import breaks
 from gearmesh.teeth.tooth import Tooth
@@ -97,11 +97,11 @@ class _ToothNet(Net):
             own = slice(begins[k], begins[k + 1])
             crease[own] = np.isin(s[own], breaks(link)) | np.isin(t[own], tooth.creases(patches[k].region))
         # kinds of nodes: on the end faces, on free seams, fixed on creases and on other seams, or inner
-        kind = np.where(t == 0.0, TOE, np.where(t == 1.0, HEEL, INNER))
+        kind = np.where(t == 0.0, TOE_NODE, np.where(t == 1.0, HEEL_NODE, INNER_NODE))
         seam = (s == 0.0) | (s == 1.0)
-        kind[seam] = np.where((twin >= 0) & (kind == INNER), SEAM, FIXED)[seam]
-        kind[crease] = FIXED
-        kind[(twin >= 0) & crease[twin]] = FIXED
+        kind[seam] = np.where((twin >= 0) & (kind == INNER_NODE), SEAM_NODE, FIXED_NODE)[seam]
+        kind[crease] = FIXED_NODE
+        kind[(twin >= 0) & crease[twin]] = FIXED_NODE
         points, normals = (
             np.concatenate([getattr(patch.nodes, name) for patch in patches]) for name in ("points", "normals")
         )
