@@ -74,7 +74,7 @@ class TeethRing:
         return turned
 
     def numbers(self, kind: int, own: Index, places: Index | None = None) -> Index:
-        """Return the numbers (K, N) among all vertices of a tooth's vertices `own` (N,), at all teeth of a kind or some `places`."""
+        """Return the numbers (K, N) among all vertices of vertices `own` (N,) of a tooth, at all teeth of a kind or some places."""
         count, places = len(self.kinds[kind].vertices), self.places(kind) if places is None else places
         following, beyond = (places + 1) % self.teeth, own >= count
         numbers = self._firsts[places][:, None] + own % count
