@@ -1,10 +1,11 @@
-"""The gear's body under the teeth: end faces from the toothed outline down, bore and back, as shared-vertex triangles.
+"""Mesh of the body under the teeth: end faces from the toothed outline inwards, bore and back.
 
-The body is a profile of points (rho, z) (see `teeth.body`); each is turned to a ring of vertices. Toothed end faces lie on
-a station: a plane, the front and back cones of a bevel gear, or the inner and outer cylinders of a face gear. They are
-triangulated in a chart that develops the station's generatrices to rays, polar angle kept: planes as it comes, cones and
-cylinders along these rays, which needs no vertices but those of outline and ring. Where that does not do they are refined
-until their inner edges stay within the tolerance of the station; edges shared with teeth and neighbours are never touched.
+The body is a profile of points (rho, z) (see `teeth.body`); each point becomes a ring of vertices. A toothed end face lies on
+a station surface: a plane, the front or back cone of a bevel gear, or the inner or outer cylinder of a face gear. It is
+triangulated in a plane chart in which the generatrices of the station are rays and polar angles stay. On a plane any
+triangles do. On cones and cylinders edges follow the rays, which needs no vertices besides those of outline and ring. If that
+is not possible, the triangles are split until their inner edges are within the tolerance of the station. Edges shared with
+teeth and neighbours are never split.
 """
 
 from __future__ import annotations
@@ -20,41 +21,40 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.mesh.ring import TeethRing
-from gearmesh.mesh.strip_triangulation import GAIN, Miss, StripTriangulation
+from gearmesh.mesh.strip_triangulation import MIN_GAIN_MM, Miss, StripTriangulation
 from gearmesh.teeth.blank.body import Body, end_regions
 from gearmesh.teeth.blank.halves import HalfEnd
 from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RARE_REGIONS
 
-#: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles
-ROUNDS = 10_000
-#: rounds of turning the edges of an end face: there they save vertices inside, which a single one may leave
-TURNS = 8
-#: step of the grid on which polygons are triangulated, of their largest coordinate
+#: guard of the splitting of edges; each round splits the edges that are the worst of both their triangles
+MAX_SPLITTING_ROUNDS = 10_000
+#: rounds of turning the edges of an end face; each round can save inner vertices
+TURNING_ROUNDS = 8
+#: step of the grid on which polygons are triangulated, as a share of their largest coordinate
 TRIANGULATION_STEP = 2.0**-24
-#: rings on a plane that are closer to each other than so many times the tolerance have as many points
-NARROW = 4.0
+#: distance of two rings on a plane, in tolerances, below which both have the same number of points
+NARROW_RING_TOLERANCES = 4.0
 
 Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class BodyMesh:
-    """Vertices (V, 3) beyond those of the teeth, triangles (n, 3), and regions, indices into BODY_, RARE_, GAP_ and
-    FEATURE_REGIONS, one after the other.
+    """Mesh of the body under the teeth."""
 
-    Triangles count vertices from those of the teeth on: index `offset` + k is vertices[k]. Vertices follow one another in
-    `rings`, sizes (R,): all of a ring, or all inside one end face, tooth by tooth. Triangles follow one another in `blocks`,
-    sizes (B,), each of them tooth by tooth, too.
-    """
-
+    #: vertices (V, 3), mm, besides those of the teeth
     vertices: Array
+    #: triangles (n, 3); indices below the number of the teeth's vertices are vertices of the teeth
     triangles: Index
+    #: regions (n,), as indices in BODY_, RARE_, GAP_ and FEATURE_REGIONS, one after the other
     regions: NDArray[np.int32]
+    #: sizes (R,) of the groups of vertices: a ring, or the inner vertices of an end face, tooth by tooth
     rings: tuple[int, ...]
+    #: sizes (B,) of the groups of triangles, each tooth by tooth
     blocks: tuple[int, ...]
 
     def join(self, other: BodyMesh, offset: int) -> BodyMesh:
-        """Both of the same teeth, which have `offset` vertices."""
+        """Return this body and another one of the same teeth, which have `offset` vertices."""
         shift = np.where(other.triangles < offset, 0, len(self.vertices))
         return BodyMesh(
             np.concatenate((self.vertices, other.vertices)),
@@ -68,9 +68,13 @@ class BodyMesh:
 def gear_body(
     round_axis: TeethRing, ends: tuple[HalfEnd, HalfEnd], level: Level, body: Body, tolerance: float
 ) -> BodyMesh:
-    """Close the teeth between two ends of their halves; their vertices are the first.
+    """Return the body that closes the teeth between two ends of their halves.
 
-    `level` is the station coordinate; the end faces lie within `tolerance` (mm) of their stations.
+    - round_axis: all teeth; their vertices come first.
+    - ends: ends at the toe and at the heel.
+    - level: axial station of points.
+    - body: profile of the body.
+    - tolerance: largest distance, mm, of the end faces from their stations.
     """
     teeth, profile, first = round_axis.teeth, body.profile, round_axis.kinds[0]
     corner = first.vertices[first.end(ends[0])[0]]
@@ -115,7 +119,7 @@ def gear_body(
 
 
 def ring_count(teeth: int, radius: float, tolerance: float) -> int:
-    """Points round a circle whose chords stay within the tolerance, the same number for every tooth."""
+    """Return the number of points on a circle with chords within the tolerance, a multiple of the number of teeth."""
     if radius == 0.0:
         return teeth
     step = 2.0 * np.arccos(max(1.0 - tolerance / radius, 0.5))
@@ -123,21 +127,21 @@ def ring_count(teeth: int, radius: float, tolerance: float) -> int:
 
 
 def _ring_counts(teeth: int, profile: Sequence[tuple[float, float]], tolerance: float) -> list[int]:
-    """Points of the ring of each point (rho, z) of a profile: what its own radius asks for, 1 on the axis.
+    """Return the number of points on the ring of each point (rho, z) of a profile, by its radius; 1 on the axis.
 
-    On both sides of a cone as many, so that no edge leaves it by more than chords do; and of a narrow plane, so that chords of the
-    outer ring do not cross the inner one.
+    Both rings of a cone have equal numbers, so that edges stay as close to the cone as chords. Both rings of a narrow plane
+    have equal numbers, so that chords of the outer ring do not cross the inner ring.
     """
     counts = [ring_count(teeth, rho, tolerance) if rho > 0.0 else 1 for rho, _ in profile]
     pairs = list(enumerate(pairwise(profile)))
     for k, ((rho, z), (other, end)) in (*pairs, *reversed(pairs)):
-        if min(rho, other) > 0.0 and (z != end or abs(rho - other) < NARROW * tolerance):
+        if min(rho, other) > 0.0 and (z != end or abs(rho - other) < NARROW_RING_TOLERANCES * tolerance):
             counts[k] = counts[k + 1] = max(counts[k : k + 2])
     return counts
 
 
 def _band(low: int, low_count: int, high: int, high_count: int) -> Index:
-    """Triangles between two rings of vertices that begin at the same polar angle, or one of them a single centre."""
+    """Return the triangles between two rings of vertices that begin at the same polar angle; a ring may be a single centre."""
     low_steps, high_steps = low_count - (low_count == 1), high_count - (high_count == 1)
     ahead = np.concatenate((np.arange(1, low_steps + 1) * high_count, np.arange(1, high_steps + 1) * low_count))
     on_low = np.argsort(ahead, kind="stable") < low_steps
@@ -149,19 +153,22 @@ def _band(low: int, low_count: int, high: int, high_count: int) -> Index:
 
 @dataclass(frozen=True)
 class _Sector:
-    """Triangles (n, 3) of one tooth's part of an end face, over the polygon's vertices and then `added` (m, 3)."""
+    """Part of an end face that belongs to one tooth."""
 
+    #: triangles (n, 3) of the polygon's vertices, then of the added ones
     triangles: Index
+    #: added vertices (m, 3), mm
     added: Array
 
 
 def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float], tolerance: float) -> _Sector:
-    """Triangulate between the outline of a tooth (C, 3) and its part of the ring (P, 3), both on one station."""
+    """Return the triangles between the outline of a tooth (C, 3) and its part of the ring (P, 3), both on one station."""
     across, along = station_normal(level)
-    # the generatrix outwards, in (rho, z)
+    # direction of the generatrix outwards, in (rho, z)
     out = np.array([along, -across])
 
     def chart(r: Array) -> Array:
+        """Return points (N, 2) of the chart for points (N, 3)."""
         rho = np.hypot(r[:, 0], r[:, 1])
         radius = ring[0] + out[0] * (rho - ring[0]) + out[1] * (r[:, 2] - ring[1])
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -169,6 +176,7 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
         return np.where(rho[:, None] > 0.0, flat, 0.0)
 
     def lift(q: Array) -> Array:
+        """Return points (N, 3) on the station for points (N, 2) of the chart."""
         radius = np.hypot(q[:, 0], q[:, 1])
         rho, z = ring[0] + out[0] * (radius - ring[0]), ring[1] + out[1] * (radius - ring[0])
         return np.column_stack((q * (rho / radius)[:, None], z))
@@ -178,6 +186,7 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
     station = float(level.value(chain[0]))
 
     def miss_of(r: Array) -> Miss:
+        """Return the function of distances of edges from the station."""
         return lambda edges: np.abs(np.asarray(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]]))) - station)
 
     triangles = triangulate(q) if across == 0.0 else _spokes(q, len(chain), miss_of(r))
@@ -188,13 +197,16 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
 def split_long(
     triangles: Index, points: tuple[Array, Array], level: Level, lift: Callable[[Array], Array], tolerance: float
 ) -> tuple[Index, Array]:
-    """Triangles whose inner edges keep within the tolerance (mm) of their station, and the points of all.
+    """Return triangles whose inner edges are within the tolerance, mm, of their station, and the points of all.
 
-    `points`: those of the triangles in a chart of the station, (N, 2), and in space, (N, 3); `lift` takes the former to the latter.
+    - triangles: (n, 3).
+    - points: points in a chart of the station (N, 2), and in space (N, 3).
+    - level: axial station of points.
+    - lift: function from the chart to space.
     """
     q, r = points
     station = float(level.value(r[0]))
-    for _ in range(ROUNDS):
+    for _ in range(MAX_SPLITTING_ROUNDS):
         edges, owners = _inner_edges(triangles)
         miss = np.abs(np.asarray(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]]))) - station)
         chosen = _worst_of_both(miss, owners, len(triangles), tolerance)
@@ -207,10 +219,11 @@ def split_long(
 
 
 def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
-    """Triangles (n, 3) of a polygon whose first `outer` vertices go round the axis, the others back, nearer to it.
+    """Return the triangles (n, 3) of a polygon between an outline and a ring, with edges along generatrices.
 
-    On cones and cylinders edges keep to the surface if they run along generatrices: between outline and ring at about the
-    same polar angle. Where the outline turns back, as round an undercut, they may not, and any triangles must do.
+    The first `outer` vertices of the polygon go around the axis, the others go back, closer to the axis. Edges along the
+    generatrices of cones and cylinders stay on the surface: they join outline and ring at about the same polar angle. If the
+    outline turns back, as around an undercut, this may be impossible, and any triangles are taken.
     """
     if len(polygon) - outer < 2:
         return triangulate(polygon)
@@ -219,7 +232,7 @@ def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
     numbers = np.arange(len(polygon))
     plain = StripTriangulation.of([numbers[outer:][::-1], numbers[:outer]], [none], [none], angle, miss)
     turned = plain
-    for _ in range(TURNS):
+    for _ in range(TURNING_ROUNDS):
         turned = turned.flip(miss)
     for triangulation in (turned, plain):
         triangles, _ = triangulation.triangles()
@@ -230,10 +243,10 @@ def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
 
 
 def triangulate(polygon: Array) -> Index:
-    """Triangles (n, 3), counterclockwise, of a simple counterclockwise polygon (K, 2) without new points.
+    """Return the triangles (n, 3), counterclockwise, of a simple counterclockwise polygon (K, 2), without new points.
 
-    Teeth are symmetric, so that two diagonals are often equally good. Vertices on a grid far coarser than rounding let no
-    processor's last digits choose between them.
+    Teeth are symmetric, so two diagonals are often equally good. The vertices are put on a grid far coarser than rounding:
+    the last digits, which differ between processors, do not choose between them.
     """
     import manifold3d
 
@@ -247,7 +260,7 @@ def triangulate(polygon: Array) -> Index:
 
 
 def thickness(corners: Array) -> Array:
-    """Least heights (M,) of triangles with corners (M, 3, 3)."""
+    """Return the least heights (M,) of triangles with corners (M, 3, 3)."""
     sides = np.roll(corners, -1, axis=1) - corners
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=-1)
     heights: Array = area / np.linalg.norm(sides, axis=-1).max(axis=1)
@@ -255,14 +268,17 @@ def thickness(corners: Array) -> Array:
 
 
 def without_needles(triangles: Index, q: Array, r: Array, miss: Miss, tolerance: float) -> Index:
-    """Triangles with inner edges turned where that makes triangles thicker that are thinner than the tolerance (mm).
+    """Return triangles with inner edges turned that make triangles thicker which are thinner than the tolerance, mm.
 
-    q (N, 2), r (N, 3): vertices in the chart and in space. No edge leaves the station by more than the tolerance for that.
+    - q: vertices (N, 2) in the chart.
+    - r: vertices (N, 3) in space.
+    - miss: distances of edges from the station; a turned edge stays within the tolerance, or is no worse than before.
     """
-    for _ in range(TURNS):
+    for _ in range(TURNING_ROUNDS):
         thin = thickness(r[triangles])
         if thin.min() >= tolerance:
             break
+        # both triangles of each inner edge, and the two triangles with the edge turned
         edges, owners = _inner_edges(triangles)
         corners = triangles[owners]
         apart = (corners[..., None] != edges[:, None, None, :]).all(axis=-1).argmax(axis=-1)
@@ -274,7 +290,7 @@ def without_needles(triangles: Index, q: Array, r: Array, miss: Miss, tolerance:
         gain = thickness(r[turned].reshape(-1, 3, 3)).reshape(-1, 2).min(axis=1) - before
         good = (x * v > y * u).all(axis=1) & (before < tolerance)
         good &= miss(np.stack((apex, other), axis=1)) <= np.maximum(tolerance, miss(edges))
-        chosen = _worst_of_both(np.where(good, gain, 0.0), owners, len(triangles), GAIN)
+        chosen = _worst_of_both(np.where(good, gain, 0.0), owners, len(triangles), MIN_GAIN_MM)
         if not chosen.size:
             break
         triangles = triangles.copy()
@@ -283,7 +299,7 @@ def without_needles(triangles: Index, q: Array, r: Array, miss: Miss, tolerance:
 
 
 def _inner_edges(triangles: Index) -> tuple[Index, Index]:
-    """Edges (E, 2) shared by two triangles, and these (E, 2)."""
+    """Return the edges (E, 2) shared by two triangles, and their triangles (E, 2)."""
     ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     order = np.lexsort((ends[:, 1], ends[:, 0]))
     ends, owner = ends[order], order // 3
@@ -292,7 +308,7 @@ def _inner_edges(triangles: Index) -> tuple[Index, Index]:
 
 
 def _worst_of_both(miss: Array, owners: Index, count: int, tolerance: float) -> Index:
-    """Edges beyond the tolerance that are the worst of both their triangles, so that no triangle is split twice."""
+    """Return the edges beyond the tolerance that are the worst of both their triangles: no triangle is split twice."""
     order = np.argsort(miss, kind="stable")
     rank = np.empty(len(miss), dtype=np.int64)
     rank[order] = np.arange(len(miss))
@@ -302,11 +318,11 @@ def _worst_of_both(miss: Array, owners: Index, count: int, tolerance: float) -> 
 
 
 def _split(triangles: Index, edges: Index, owners: Index, fresh: int) -> Index:
-    """Cut both triangles of every edge (E, 2) at its middle, vertex `fresh` + k for edge k."""
+    """Cut both triangles of each edge (E, 2) at its middle, which is vertex `fresh` + k for edge k."""
     which = owners.ravel()
     corners = triangles[which]
     middle = np.repeat(fresh + np.arange(len(edges)), 2)
-    # turn each triangle so that the edge is between its first two corners
+    # rotate the corners of each triangle so that the edge is between the first two
     apart = (corners[:, :, None] != np.repeat(edges, 2, axis=0)[:, None, :]).all(axis=2).argmax(axis=1)
     a, b, c = (corners[np.arange(len(which)), (apart + k) % 3] for k in (1, 2, 0))
     kept = np.delete(triangles, which, axis=0)

@@ -19,7 +19,7 @@ from gearmesh.kernel.surface.levels import Level
 from gearmesh.mesh.body import BodyMesh
 from gearmesh.mesh.labelled import labelled_mesh
 from gearmesh.mesh.ring import TeethRing
-from gearmesh.mesh.triangles import PIECE, TriangleMesh, enclosed_volume, pieces
+from gearmesh.mesh.triangles import ROWS_PER_PIECE, TriangleMesh, enclosed_volume, pieces
 from gearmesh.teeth.region import Region
 
 Index = NDArray[np.int64]
@@ -144,7 +144,7 @@ class GearMesh:
     def _some_teeth(self, kind: int, size: int) -> Iterator[Index]:
         """Yield the places of a kind in order, in pieces for teeth of `size` rows each; nothing if `size` is 0."""
         if size:
-            yield from pieces(self.ring.places(kind), max(1, PIECE // size))
+            yield from pieces(self.ring.places(kind), max(1, ROWS_PER_PIECE // size))
 
     def _teeth_of(self, regions: Sequence[int] | None) -> list[Index]:
         """Return the triangles (M, 3) of each kind of tooth in all or some regions."""

@@ -1,7 +1,7 @@
-"""Whole gears: one meshed tooth turned round the axis, closed by end faces and bore into a proved solid; racks: see `row`.
+"""Solids of whole gears: a meshed tooth repeated around the axis, closed by end faces and bore, and proved. Racks: see `row`.
 
-Neighbouring patches and neighbouring teeth share their vertices, so the surface is closed by construction; keyway and
-openings are cut by manifold3d, with the regions carried through.
+Neighbouring patches and neighbouring teeth share their vertices, so the surface is closed by construction. manifold3d cuts
+keyway and openings and keeps the regions of triangles.
 """
 
 from __future__ import annotations
@@ -33,36 +33,42 @@ from gearmesh.teeth.region import Region
 if TYPE_CHECKING:
     import manifold3d
 
-#: sides of a hole beside the axis: so many or a multiple
-AROUND = 8
-#: share of the cube of its size below which a solid's volume is rounding
-FLAT = 1e-15
-#: status of a gear whose teeth leave their sectors, so that one pitch does not stand for all of them
+#: sides of a hole beside the axis, or a multiple of them
+HOLE_SIDES = 8
+#: largest volume that counts as rounding, as a share of the cube of the solid's size
+ROUNDING_VOLUME_SHARE = 1e-15
+#: status of a gear whose teeth leave their sectors: one pitch does not prove it
 BEYOND_SECTOR = "BeyondSector"
 
 
 @dataclass(frozen=True)
 class Proof:
-    """What is found of a solid in two independent ways: manifold3d's status; watertightness, Euler number and volume by count.
+    """Findings about a solid from two independent checks."""
 
-    `genus` is the one expected (1 with a bore, 0 without). `ok` is True if all agree.
-    """
-
+    #: status of manifold3d, "NoError" for a solid
     status: str
+    #: True if each edge is run along once in either direction, by count
     watertight: bool
+    #: Euler characteristic, by count
     euler: int
+    #: expected genus: 1 with a bore, 0 without
     genus: int
+    #: enclosed volume, mm^3
     volume: float
 
     @property
     def ok(self) -> bool:
+        """True if all findings agree."""
         return self.status == "NoError" and self.watertight and self.euler == 2 - 2 * self.genus and self.volume > 0.0
 
 
 def gear_solid(member: Member, tolerance: float, *tooth_meshes: ToothMesh, lean: bool = True) -> TriangleMesh:
-    """The whole member as a closed mesh within `tolerance` (mm) of its exact surfaces, in its own frame.
+    """Return the whole member as a closed mesh, in its own frame.
 
-    `tooth_meshes` of its different teeth, with lines at common stations, save meshing them again; `lean` is that of `tessellate`.
+    - tolerance: largest distance, mm, from the exact surfaces.
+    - tooth_meshes: meshes of its different teeth with lines at common stations, if they exist already.
+    - lean: as in `tessellate`.
+
     Raises TrimError for teeth that cannot be trimmed.
     """
     return gear_facets(member, tolerance, *tooth_meshes, lean=lean).whole()
@@ -71,7 +77,7 @@ def gear_solid(member: Member, tolerance: float, *tooth_meshes: ToothMesh, lean:
 def gear_facets(
     member: Member, tolerance: float, *tooth_meshes: ToothMesh, lean: bool = True
 ) -> GearMesh | TriangleMesh:
-    """The same, of gears without keyway and openings as teeth that repeat, which take little memory."""
+    """Return the member as `gear_solid` does; gears without keyway and openings as repeated teeth, which take little memory."""
     kinds = member.different_teeth
     tooth_meshes = tooth_meshes or tessellate_alike(kinds, tolerance, lean=lean)
     if len(tooth_meshes) != len(kinds):
@@ -92,7 +98,7 @@ def gear_facets(
 
 
 def some_teeth(member: Member, tooth_meshes: Sequence[ToothMesh], count: int) -> TriangleMesh:
-    """Open mesh of so many teeth, from `tooth_meshes` of the member's different ones, as `teeth_mesh`."""
+    """Return the open mesh of `count` teeth of a member, from the meshes of its different teeth."""
     places = member.tooth.joint.places(count)
     kinds = member.order[:count] if member.others else np.zeros(count, dtype=np.int64)
     meshes = [teeth_mesh(tooth_meshes[kind], member.name, places[kinds == kind]) for kind in np.unique(kinds)]
@@ -100,15 +106,15 @@ def some_teeth(member: Member, tooth_meshes: Sequence[ToothMesh], count: int) ->
 
 
 def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> TriangleMesh:
-    """Open mesh of the teeth at `places` (K,) (0 is the tooth on +x), without end faces and body.
+    """Return the open mesh of the teeth at `places` (K,), without end faces and body; place 0 is the tooth on +x.
 
-    A mesh of a few links only, e.g. one flank, stays what it is.
+    The tooth mesh may consist of a few links, e.g. one flank.
     """
-    one, joint = tooth_mesh.weld(), tooth_mesh.tooth.joint
+    welded, joint = tooth_mesh.weld(), tooth_mesh.tooth.joint
     moved = joint.to(places * tooth_mesh.tooth.pitch_angle)
-    points, corners, kept = one.vertices, one.triangles, np.arange(len(one.triangles))
+    points, corners, kept = welded.vertices, welded.triangles, np.arange(len(welded.triangles))
     if tooth_mesh.whole:
-        # the next tooth's first line, which nothing else brings here
+        # a whole tooth ends at the first line of the next tooth
         following = joint.to(tooth_mesh.tooth.pitch_angle).point(points)
         points = np.concatenate((points, following))
         corners, kept = with_area(points, corners)
@@ -123,10 +129,11 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
 
 
 def prove(mesh: Facets, genus: int) -> Proof:
-    """Put a solid before manifold3d, and count its edges, each of which must be run along once in either direction.
+    """Return the proof of a solid: the status of manifold3d, and a count of the directed edges.
 
-    One pitch proves a gear that repeats its teeth (see `pitch`), unless it leaves its sector; what it does not prove is looked at
-    as a whole. trimesh counts the same; it takes as long to load as a gear to mesh, and so judges the files in the tests alone.
+    One pitch proves a gear that repeats its teeth (see `pitch`), unless it leaves its sector. Other solids, and gears that
+    one pitch does not prove, are checked as a whole. trimesh gives the same counts and checks the files in the tests; it takes
+    as long to load as a gear takes to mesh.
     """
     pitch = Pitch.of(mesh) if isinstance(mesh, GearMesh) else None
     if pitch is not None and isinstance(mesh, GearMesh):
@@ -144,7 +151,7 @@ def prove(mesh: Facets, genus: int) -> Proof:
 
 
 def prove_pitch(mesh: GearMesh, pitch: Pitch, genus: int) -> Proof:
-    """The same of a gear by one of its pitches."""
+    """Return the proof of a gear by one of its pitches."""
     status = BEYOND_SECTOR
     if least_room(mesh) >= -SLACK_PITCHES:
         points, triangles = pitch.ring(mesh)
@@ -153,32 +160,34 @@ def prove_pitch(mesh: GearMesh, pitch: Pitch, genus: int) -> Proof:
 
 
 def _proof(status: str, closed: bool, euler: int, genus: int, mesh: Facets) -> Proof:
+    """Return the proof with the volume, which must be above rounding."""
     volume, extremes = mesh.volume(), [(piece.min(axis=0), piece.max(axis=0)) for piece in mesh.vertex_pieces()]
     low, high = np.min([low for low, _ in extremes], axis=0), np.max([high for _, high in extremes], axis=0)
-    # less is rounding
-    least = FLAT * float((high - low).max()) ** 3
+    least = ROUNDING_VOLUME_SHARE * float((high - low).max()) ** 3
     sound = closed and bool(np.isfinite(high - low).all()) and volume > least
     return Proof(status=status, watertight=sound, euler=euler, genus=genus, volume=volume)
 
 
 def _names(tooth_mesh: ToothMesh) -> tuple[Region, ...]:
+    """Return the regions of a tooth and of the chamfers of its ends."""
     return *(patch.region for patch in tooth_mesh.patches), *tooth_mesh.end_meshes()
 
 
 def _regions(tooth_mesh: ToothMesh, end_rows: int) -> NDArray[np.int32]:
-    """Region (M,) of every triangle of a tooth, an index into `_names`."""
+    """Return the region (M,) of each triangle of a tooth, as an index in `_names`."""
     ends = tooth_mesh.end_meshes(end_rows).values()
     sizes = [len(patch.triangles) for patch in tooth_mesh.patches] + [len(mesh.triangles) for mesh in ends]
     return np.repeat(np.arange(len(sizes), dtype=np.int32), sizes)
 
 
 def _normals(tooth_mesh: ToothMesh, end_rows: int) -> Array:
-    """Exact normals (M, 3) at the centres of a tooth's triangles; none, 0, of chamfers of its ends."""
+    """Return the exact normals (M, 3) at the centres of a tooth's triangles; 0 on the chamfers of its ends."""
     ends = [np.zeros(mesh.triangles.shape) for mesh in tooth_mesh.end_meshes(end_rows).values()]
     return np.concatenate([patch.normals for patch in tooth_mesh.patches] + ends)
 
 
 def _close(tooth_meshes: Sequence[ToothMesh], body: Body, member: Member) -> GearMesh:
+    """Return the gear with its teeth closed by the body, and by the bodies in its gaps."""
     ring, halves = TeethRing.of(tooth_meshes, member.order, member.halves), member.halves
     axial, tolerance = member.tooth.blank.axial, tooth_meshes[0].tolerance
     rows = max(mesh.end_rows for mesh in tooth_meshes)
@@ -199,7 +208,7 @@ def _close(tooth_meshes: Sequence[ToothMesh], body: Body, member: Member) -> Gea
 
 
 def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> TriangleMesh:
-    """Bore and keyway, and openings, cut by manifold3d; every triangle keeps the region of the solid it came from."""
+    """Return the mesh with bore, keyway and openings cut; each triangle keeps the region of the solid that it comes from."""
     import manifold3d
 
     (low, top), bore, teeth = member.body.ends, member.plain_body.bore_radius, member.tooth.teeth
@@ -207,6 +216,7 @@ def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> Tria
     gear = manifold_of(full.vertices, {gear_id: full.triangles}, _faces(full))
 
     def cut(tool: Any, region: Region) -> None:
+        """Subtract a solid; the cut faces get the region."""
         nonlocal gear
         sources[tool.original_id()] = region
         gear = gear - tool
@@ -215,11 +225,11 @@ def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> Tria
         cut(_hole(bore, (low - 1.0, top + 1.0), teeth, tolerance), Region.BORE)
         cut(_slot(member.keyway, bore, low, top), Region.KEYWAY)
     for opening in member.openings:
-        # beyond the body where it goes through
+        # through openings reach beyond the body
         ends = low - 1.0, top + 1.0
         if opening.floor is not None:
             ends = (opening.floor, ends[1]) if opening.floor == opening.low else (ends[0], opening.floor)
-        # chords of its arc about the axis do not leave the wall between it and the bore
+        # chords of arcs about the axis must stay within the wall between opening and bore
         inner = max((rho for rho, _ in member.body.profile if rho < opening.reach[0]), default=0.0)
         cut(_prism(opening.curves, ends, min(tolerance, 0.5 * (opening.reach[0] - inner))), opening.region)
     if gear.status().name != "NoError" or gear.is_empty():
@@ -231,7 +241,7 @@ def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> Tria
 
 
 def _flat_faces(mesh: TriangleMesh) -> list[NDArray[np.int64]]:
-    """Triangles (M,) of every plane face across the axis, each of one region at one z."""
+    """Return the triangles (M,) of each plane face square to the axis, by region and z."""
     z = mesh.vertices[mesh.triangles, 2]
     flat = np.flatnonzero((z == z[:, :1]).all(axis=1))
     _, face = np.unique(np.column_stack((mesh.regions[flat], z[flat, 0])), axis=0, return_inverse=True)
@@ -239,21 +249,21 @@ def _flat_faces(mesh: TriangleMesh) -> list[NDArray[np.int64]]:
 
 
 def _faces(mesh: TriangleMesh) -> NDArray[np.int64]:
-    """Ids (M,) of the faces of all triangles: one of their numbers, the same of a plane face."""
+    """Return face ids (M,) of all triangles: the triangle's number, or the number of one triangle of its plane face."""
     numbers = np.arange(len(mesh.triangles))
-    for own in _flat_faces(mesh):
-        numbers[own] = own[0]
+    for face in _flat_faces(mesh):
+        numbers[face] = face[0]
     return numbers
 
 
 def _thick(mesh: TriangleMesh, tolerance: float) -> TriangleMesh:
-    """The mesh with plane faces across the axis, which openings cut to needles, without those thinner than the tolerance."""
+    """Return the mesh with fewer thin triangles in plane faces square to the axis, which openings cut to needles."""
     triangles = mesh.triangles.copy()
-    for own in _flat_faces(mesh):
-        # seen from outside
-        seen = mesh.vertices[:, :2] * np.array([1.0, np.sign(mesh.normals[own[0], 2])])
-        triangles[own] = without_needles(
-            triangles[own], seen, mesh.vertices, lambda edges: np.zeros(len(edges)), tolerance
+    for face in _flat_faces(mesh):
+        # the face as seen from outside
+        seen = mesh.vertices[:, :2] * np.array([1.0, np.sign(mesh.normals[face[0], 2])])
+        triangles[face] = without_needles(
+            triangles[face], seen, mesh.vertices, lambda edges: np.zeros(len(edges)), tolerance
         )
     return replace(mesh, triangles=triangles)
 
@@ -261,21 +271,22 @@ def _thick(mesh: TriangleMesh, tolerance: float) -> TriangleMesh:
 def _hole(
     radius: float, ends: tuple[float, float], teeth: int, tolerance: float, centre: Sequence[float] = (0.0, 0.0)
 ) -> Any:
+    """Return the cylinder of a round hole, as a solid of manifold3d."""
     import manifold3d
 
     body = manifold3d.Manifold.cylinder(ends[1] - ends[0], radius, radius, ring_count(teeth, radius, tolerance))
-    # turned to its place, so that holes round the axis are alike
+    # the polygon turns with its place, so that holes around the axis are alike
     turned = body.rotate((0.0, 0.0, math.degrees(math.atan2(centre[1], centre[0]))))
     return turned.translate((*centre, ends[0])).as_original()
 
 
 def _prism(curves: ClosedLine, ends: tuple[float, float], tolerance: float) -> Any:
-    """What an opening takes between two z, its arcs as chords within the tolerance."""
+    """Return the prism of an opening between two z, as a solid of manifold3d; chords of arcs are within the tolerance."""
     import manifold3d
 
     first = curves[0]
     if isinstance(first, PlaneArc) and first.closed:
-        return _hole(first.radius, ends, AROUND, tolerance, first.centre.tolist())
+        return _hole(first.radius, ends, HOLE_SIDES, tolerance, first.centre.tolist())
     outline = np.concatenate([curve.at(np.arange(n) / n) for curve in curves for n in [chords(curve, tolerance)]])
     count, ring = len(outline), np.arange(len(outline))
     after, cap = np.roll(ring, -1), triangulate(outline)
@@ -286,16 +297,17 @@ def _prism(curves: ClosedLine, ends: tuple[float, float], tolerance: float) -> A
 
 
 def chords(curve: PlaneCurve, tolerance: float) -> int:
-    """Chords along a line or arc of an opening that stay within the tolerance."""
+    """Return the number of chords of a line or arc of an opening that stay within the tolerance."""
     if not isinstance(curve, PlaneArc):
         return 1
     if curve.closed:
-        return ring_count(AROUND, curve.radius, tolerance)
+        return ring_count(HOLE_SIDES, curve.radius, tolerance)
     step = 2.0 * np.arccos(max(1.0 - tolerance / curve.radius, 0.5))
     return max(1, int(np.ceil(abs(curve.width) / step)))
 
 
 def _slot(keyway: Slot, bore: float, low: float, top: float) -> Any:
+    """Return the block of a keyway, as a solid of manifold3d."""
     import manifold3d
 
     body = manifold3d.Manifold.cube((bore + keyway.depth, keyway.width, top - low + 2.0))
@@ -305,10 +317,11 @@ def _slot(keyway: Slot, bore: float, low: float, top: float) -> Any:
 def manifold_of(
     vertices: Array, runs: Mapping[int, NDArray[np.int64]], faces: NDArray[np.int64] | None = None
 ) -> manifold3d.Manifold:
-    """A body of manifold3d, whose status says whether it is one; coordinates to the last digit.
+    """Return a solid of manifold3d in double precision; its status tells whether the triangles are a solid.
 
-    Runs of triangles have ids of their own, which keeps manifold3d from renumbering (and merging) the faces; the places
-    of the triangles among all are the ids of the faces, or `faces` (M,): it merges plane ones with the same id.
+    - vertices: (V, 3), mm.
+    - runs: triangles by id; an id keeps manifold3d from renumbering and merging the faces.
+    - faces: face ids (M,); manifold3d merges plane triangles with equal ids. None for the numbers of the triangles.
     """
     import manifold3d
 
@@ -326,6 +339,7 @@ def manifold_of(
 
 
 def _from_manifold(body: Any, full: TriangleMesh, sources: dict[int, Region], gear_id: int) -> TriangleMesh:
+    """Return the mesh of a cut solid; triangles of the gear keep region and normal, cut faces have those of their tool."""
     result = body.to_mesh64()
     triangles = np.array(result.tri_verts, dtype=np.int64)
     vertices = np.array(result.vert_properties)[:, :3].copy()

@@ -1,8 +1,8 @@
-"""Strip triangulation between the lines of a link that run from toe to heel: the diagonals of each strip follow a level.
+"""Triangulation of the strips between the lines of a link from toe to heel; the diagonals of each strip follow a level.
 
-Two neighbouring lines of constant s, and the section curves at toe and heel between them, bound a strip. Its nodes are those of
-the lines and, where toe and heel need more of them, nodes on these curves between the lines; none lies inside. Two chains
-lead from one corner at the toe to one at the heel:
+A strip lies between two neighbouring lines of constant s and the section curves at toe and heel. Its nodes are on the lines
+and, where needed, on the section curves between the lines; none lies inside. Two chains lead from a corner at the toe to a
+corner at the heel:
 
           heel   end
       +--o--o--+                             a: the left line, then the heel's nodes
@@ -11,10 +11,10 @@ lead from one corner at the toe to one at the heel:
       +--o--o--+                             (or the toe's nodes before the left line, the heel's after the right one)
     start   toe
 
-A merge of both chains is a triangulation: every step along either is a triangle, every pair (a, b) between two steps a diagonal.
-Merged by a level, diagonals join nodes of about the same level; swapping two steps of different chains then turns a diagonal. All
-nodes lie on the edges of a rectangle of the (s, t) plane and no three of a triangle on one of them, so that every merge is
-valid.
+A merge of both chains is a triangulation: each step along a chain is a triangle, each pair (a, b) between two steps is a
+diagonal. In a merge by level, diagonals join nodes of about the same level. Exchanging two steps of different chains turns a
+diagonal. All nodes lie on the edges of a rectangle in the (s, t) plane, and the corners of a triangle never on a single
+edge, so every merge is valid.
 """
 
 from __future__ import annotations
@@ -29,44 +29,54 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.cheapest_ways import NodePairs, cheapest, together
 
 Index = NDArray[np.int64]
-#: distance (M,), mm, of the middles of edges (M, 2) from the surface
+#: function that returns the distances (M,), mm, of the middles of edges (M, 2) from the surface
 Miss = Callable[[Index], Array]
 
-#: left and right line, the nodes between them at toe and heel
+#: nodes of a strip: left line, right line, and the nodes between them at toe and heel
 Strip = tuple[Index, Index, Index, Index]
-#: start, end, and the chains a and b between them, of a strip
+#: start, end, and the chains a and b between them
 Chains = tuple[int, int, tuple[Index, Index]]
 
-#: a strip may start at the left corner of the toe or at the right one, and end at the right one of the heel or at the left one
-CORNERS = ((True, True), (True, False), (False, True), (False, False))
-#: gain (mm) from which on a diagonal is turned: below it is rounding
-GAIN = 1e-12
-#: rises of levels, in rows of nodes, that differ by less are equal but for rounding
+#: possible ends of chains: True, True for a start at the left corner of the toe and an end at the right corner of the heel
+END_CORNERS = ((True, True), (True, False), (False, True), (False, False))
+#: least gain for which a diagonal turns; less is rounding
+MIN_GAIN_MM = 1e-12
+#: largest difference, in rows of nodes, of rises of levels that counts as rounding
 LEVEL_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
 class StripTriangulation:
-    """All strips of a link, one after the other.
+    """Triangulation of all S strips of a link."""
 
-    `a`, `b`: nodes of both chains, without the corners `start` and `end` (S,) at which they meet; `first` (S, 2): where a strip's
-    begin in them. `steps` (K,): True where the next node is one of a; `strip` (K,) whose step it is. `strips`: their borders.
-    """
-
+    #: nodes of the chains a, strip by strip, without the corners at which both chains meet
     a: Index
+    #: nodes of the chains b
     b: Index
+    #: corner (S,) at which the chains of a strip start
     start: Index
+    #: corner (S,) at which they end
     end: Index
+    #: index (S, 2) in `a` and `b` at which the chains of a strip begin
     first: Index
+    #: steps (K,): True along a, False along b
     steps: NDArray[np.bool_]
+    #: strip (K,) of each step
     strip: Index
+    #: nodes on the borders of the strips
     strips: tuple[Strip, ...]
 
     @staticmethod
     def of(
         lines: Sequence[Index], toe: Sequence[Index], heel: Sequence[Index], level: Array, miss: Miss
     ) -> StripTriangulation:
-        """Lines of nodes from toe to heel (S + 1), and the nodes between them at toe and heel (S), by their `level` (N,)."""
+        """Return the triangulation by level.
+
+        - lines: nodes of the S + 1 lines, from toe to heel.
+        - toe, heel: nodes of the S strips at toe and heel, between the lines.
+        - level: level (N,) of all nodes.
+        - miss: distances of edges from the surface.
+        """
         strips = list(zip(lines[:-1], lines[1:], toe, heel, strict=True))
         chains = [_chains(strip, *ends) for strip, ends in zip(strips, _corners(strips, level, miss), strict=True)]
         levels = [[np.maximum.accumulate(level[chain])[1:] for chain in pair] for *_, pair in chains]
@@ -77,6 +87,7 @@ class StripTriangulation:
     def _join(
         strips: Sequence[Strip], chains: Sequence[Chains], steps: Sequence[NDArray[np.bool_]]
     ) -> StripTriangulation:
+        """Return the triangulation of strips by their chains and steps."""
         counts = np.array([[len(chain) for chain in pair] for *_, pair in chains])
         return StripTriangulation(
             np.concatenate([pair[0] for *_, pair in chains]),
@@ -85,18 +96,18 @@ class StripTriangulation:
             np.array([end for _, end, _ in chains]),
             np.cumsum(counts, axis=0) - counts,
             np.concatenate(steps),
-            np.repeat(np.arange(len(steps)), [of.size for of in steps]),
+            np.repeat(np.arange(len(steps)), [part.size for part in steps]),
             tuple(strips),
         )
 
     @property
     def _chains(self) -> list[Chains]:
-        """Start, end, and the chains between them, of every strip."""
+        """Start, end and chains of each strip."""
         a, b = (np.split(chain, first[1:]) for chain, first in zip((self.a, self.b), self.first.T, strict=True))
         return list(zip(self.start.tolist(), self.end.tolist(), zip(a, b, strict=True), strict=True))
 
     def diagonals(self) -> tuple[Index, Index]:
-        """Places (S + K, 2) in a and b of all diagonals, those of a strip in order, and the strip of each."""
+        """Return the places (S + K, 2) in a and b of all diagonals, strip by strip in order, and the strip of each."""
         strip = np.concatenate((np.arange(len(self.start)), self.strip))
         order = np.argsort(strip, kind="stable")
         moves = np.zeros((len(strip), 2), dtype=np.int64)
@@ -106,7 +117,7 @@ class StripTriangulation:
         return places - (places[begins] - self.first)[strip], strip
 
     def triangles(self) -> tuple[Index, Index]:
-        """Triangles (S + K + S, 3), counterclockwise in the (s, t) plane, and the strip of each, strips in order."""
+        """Return the triangles (S + K + S, 3), counterclockwise in the (s, t) plane, strip by strip, and the strip of each."""
         places, strip = self.diagonals()
         a, b = self.a[places[:, 0]], self.b[places[:, 1]]
         inner = strip[1:] == strip[:-1]
@@ -126,10 +137,10 @@ class StripTriangulation:
         return made[order], owner[order]
 
     def flip(self, miss: Miss, held: Array | None = None) -> StripTriangulation:
-        """The triangulation with diagonals turned where that brings them nearer to the surface, but for those between nodes that
-        are `held` (N,) by the same number, 0 for none.
+        """Return the triangulation with diagonals turned that come closer to the surface.
 
-        Of neighbours the one that gains most. Doing so again until nothing gains saves no triangle on any kind of gear.
+        Of neighbouring diagonals the one with the largest gain turns. Diagonals between nodes with the same `held` (N,) number
+        above 0 stay.
         """
         held = np.zeros(max(int(self.a.max()), int(self.b.max())) + 1) if held is None else held
         chosen, steps = self._gaining(miss, held), self.steps.copy()
@@ -139,11 +150,11 @@ class StripTriangulation:
         return replace(self, steps=steps)
 
     def best(self, miss: Miss, t: Array, chosen: NDArray[np.bool_]) -> StripTriangulation:
-        """The triangulation with the best corners, and the best diagonals between their chains, in the chosen strips (S,): the sum
-        of the diagonals' misses, to the fourth power, is the least that there is; nodes are at `t` (N,).
+        """Return the triangulation with the best corners and diagonals in the `chosen` (S,) strips.
 
-        By dynamic programming over all pairs of nodes [Fuchs, Kedem & Uselton, Comm. ACM 20 (1977) 693], in long strips over those
-        that are near; where they are too many the strip stays (`NodePairs`).
+        The sum of the fourth powers of the diagonals' distances from the surface becomes least, by dynamic programming over all
+        pairs of nodes [Fuchs, Kedem & Uselton, Comm. ACM 20 (1977) 693]. In long strips only pairs of near nodes are tried; a
+        strip with too many pairs stays (see `NodePairs`). `t` (N,): stations of the nodes.
         """
         steps, chains = np.split(self.steps, np.searchsorted(self.strip, np.arange(1, len(self.start)))), self._chains
         places, strip = self.diagonals()
@@ -156,28 +167,29 @@ class StripTriangulation:
             costs = miss(np.concatenate([table.pairs(*pair) for _, pair, table in begun])) ** 4
             ways = cheapest(costs, [table for *_, table in begun])
             for (k, _, _), (way, taken) in zip(begun, ways, strict=True):
-                chains[k], steps[k] = _chains(self.strips[k], *CORNERS[way]), taken
+                chains[k], steps[k] = _chains(self.strips[k], *END_CORNERS[way]), taken
         return StripTriangulation._join(self.strips, chains, steps)
 
     def _gaining(self, miss: Miss, held: Array) -> Index:
-        """Steps that better change places with the next one, no two of them neighbours."""
+        """Return the steps to exchange with the next step, no two of them neighbours."""
         at = np.flatnonzero((self.strip[1:] == self.strip[:-1]) & (self.steps[1:] != self.steps[:-1]))
         places, _ = self.diagonals()
-        # the diagonal after step k is the one that it shares with step k + 1; a strip has one diagonal before its first step
+        # the diagonal between steps k and k + 1; each strip also has a diagonal before its first step
         here = places[at + self.strip[at] + 1]
         other = here + np.where(self.steps[at], -1, 1)[:, None] * np.array([1, -1])
         gain = np.zeros(len(self.steps) + 1)
         both = [np.stack((self.a[diagonal[:, 0]], self.b[diagonal[:, 1]]), axis=1) for diagonal in (here, other)]
         first, second = held[both[0]].T
         gain[at] = np.where((first == second) & (first > 0.0), 0.0, miss(both[0]) - miss(both[1]))
-        best = (gain > GAIN) & (gain > np.append(gain[1:], 0.0)) & (gain >= np.concatenate(([0.0], gain[:-1])))
+        best = (gain > MIN_GAIN_MM) & (gain > np.append(gain[1:], 0.0)) & (gain >= np.concatenate(([0.0], gain[:-1])))
         return np.flatnonzero(best)
 
 
 def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bool, bool]]:
-    """For every strip whether it starts at the left corner of the toe, and whether it ends at the right one of the heel.
+    """Return, for each strip, True for a start at the left corner of the toe, and True for an end at the right corner of the heel.
 
-    Where levels rise across the strip both, where they fall neither; where they do neither as the nearer diagonals do.
+    Both are True if levels rise across the strip, both False if they fall. If they hardly change, the diagonals closer to the
+    surface decide.
     """
     diagonals = [
         (
@@ -189,7 +201,7 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
         for left, right, toe, heel in strips
     ]
     from_left, from_right, to_right, to_left = miss(np.array(diagonals).reshape(-1, 2)).reshape(-1, 4).T
-    starts, ends = from_left <= from_right + GAIN, to_right <= to_left + GAIN
+    starts, ends = from_left <= from_right + MIN_GAIN_MM, to_right <= to_left + MIN_GAIN_MM
     corners = []
     for k, (left, right, *_) in enumerate(strips):
         rise = 0.5 * float(level[right[0]] + level[right[-1]] - level[left[0]] - level[left[-1]])
@@ -197,15 +209,18 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
         if abs(rise) >= (0.5 - LEVEL_ROUNDING) * row:
             corners.append((rise > 0.0, rise > 0.0))
         else:
-            # a line of two nodes has none for a chain that starts and ends on it
+            # a chain cannot start and end on a line of two nodes
             held = len(left if starts[k] else right) == 2
             corners.append((bool(starts[k]), bool(starts[k] if held else ends[k])))
     return corners
 
 
 def _around(strip: Strip, t: Array, apart: float) -> tuple[tuple[Index, Index], NodePairs | None]:
-    """The nodes of a strip at its toe, on its left line and at its heel, those at toe, on the right line and at heel, and the
-    table of their pairs, in which chains of all CORNERS begin and end: from left, from right; to right, to left."""
+    """Return the nodes of both sides of a strip, and the table of their pairs for chains of all END_CORNERS.
+
+    The first side has the nodes at the toe, on the left line and at the heel; the second those at the toe, on the right line
+    and at the heel. `apart`: distance along t up to which nodes may be joined.
+    """
     left, right, toe, heel = strip
     a, b = np.concatenate((toe[::-1], left, heel)), np.concatenate((toe, right, heel[::-1]))
     starts = [[toe.size + 1, 0], [0, toe.size + 1]]
@@ -214,7 +229,7 @@ def _around(strip: Strip, t: Array, apart: float) -> tuple[tuple[Index, Index], 
 
 
 def _chains(strip: Strip, from_left: bool, to_right: bool) -> Chains:
-    """Start, end, and the chains a and b between them, of one strip."""
+    """Return start, end and chains of a strip with given corners."""
     left, right, toe, heel = strip
     if from_left:
         start, a, b = left[0], left[1:], np.concatenate((toe, right))

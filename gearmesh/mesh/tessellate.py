@@ -1,11 +1,11 @@
-"""Triangulated teeth to a stated tolerance: the largest distance between facets and exact surface, in mm.
+"""Triangulated teeth within a tolerance: the largest distance, mm, between facets and exact surface.
 
-Every link of the section chain (see `tooth`) has lines of constant s from toe to heel, as many as it needs, and strips of
-triangles between them (see `strip_triangulation`), whose diagonals run along the sections or across the lines, whichever
-takes fewer (see `plan`). At toe and heel the chords are the edges of the end faces: there it is the distance from the
-section curve itself that counts, which is larger than that from the surface where end face and surface meet at an acute angle
-(on a worm's thread more than twice as large), so section curves have nodes between the lines where they need them. What the
-second forms predict is then measured between the vertices and mended where the prediction was too bold.
+Each link of the section chain (see `tooth`) has lines of constant s from toe to heel, and strips of triangles between them
+(see `strip_triangulation`). Diagonals follow the sections or cross the lines, whichever needs fewer triangles (see `plan`). At
+toe and heel the chords are edges of the end faces, and their distance from the section curve counts. It is larger than the
+distance from the surface if end face and surface meet at an acute angle, on a worm's thread more than twice as large.
+Section curves therefore have nodes between the lines where needed. The second forms predict the distances; these are then
+measured between the vertices, and the mesh is refined where the prediction was too small.
 """
 
 from __future__ import annotations
@@ -34,32 +34,41 @@ from gearmesh.teeth.tooth import Tooth
 
 Index = NDArray[np.int64]
 
-#: sampled deviations may reach this share of the tolerance: between the samples it is a little larger
-SAFETY = 0.97
-#: rounds of measuring and mending; each halves a cell at most, the usual number is 1 or 2
-ROUNDS = 12
-#: part of what lines missed before by which more of them must miss less
-WORSE = 0.99
-#: rounds in which they need not, where a plan without shear takes so many times the triangles
-PATIENCE, DEAR = 3, 1.15
-#: where links that have more than the fewest triangles have together more than so many times these, those with more than so many
-#: are thinned, until they have no more than so many
-LARGE, EXCESS, ENOUGH = 1.48, 1.55, 1.42
-#: with this share of what sampled deviations may reach: their triangles are of all shapes, and miss more between the samples
-BETWEEN = 0.97
-#: where flanks and fillets of a tooth of so many triangles in all at most still have more than so many times the fewest nodes of
-#: seams are merged, too
-MOST, LARGER = 250, 1.48
-#: such a plan is taken at once if it takes no more than this share
-CHEAP = 0.9
+#: largest sampled deviation, as a share of the tolerance: between the samples deviations are a little larger
+SAMPLED_SHARE = 0.97
+#: rounds of measuring and refining; a round halves cells at most, 1 or 2 rounds are usual
+MAX_ROUNDS = 12
+#: more lines must reduce the deviation of a link below this share
+IMPROVEMENT_SHARE = 0.99
+#: rounds without such a reduction before a plan without shear is taken, if that plan needs many more triangles
+PATIENT_ROUNDS = 3
+#: number of triangles of the plan without shear, over that of the present mesh, that counts as many more
+DEAR_PLAN_RATIO = 1.15
+#: number of triangles of a tooth, over the least possible, beyond which it is thinned
+MAX_TOOTH_EXCESS = 1.48
+#: number of triangles of a link, over the least possible, beyond which it is thinned first
+MAX_LINK_EXCESS = 1.55
+#: number of triangles of a link, over the least possible, at which thinning stops
+ENOUGH_RATIO = 1.42
+#: share of the allowed deviation for thinned links: their triangles have all shapes and deviate more between the samples
+THINNED_SHARE = 0.97
+#: largest number of triangles of a tooth whose seams are thinned
+MAX_SEAM_TRIANGLES = 250
+#: number of triangles of flanks and fillets, over the least possible, beyond which seams are thinned
+MAX_CURVED_EXCESS = 1.48
+#: the plan without shear is taken at once if it needs no more than this share of the triangles
+CHEAP_PLAN_RATIO = 0.9
 
 
 @dataclass(frozen=True)
 class ToothMesh:
-    """The links of one tooth, and the tolerance (mm) they were made to."""
+    """Mesh of one tooth."""
 
+    #: the tooth
     tooth: Tooth
+    #: meshes of its links
     patches: tuple[PatchMesh, ...]
+    #: mm
     tolerance: float
 
     @property
@@ -70,22 +79,23 @@ class ToothMesh:
 
     @property
     def triangles(self) -> int:
-        """Triangles of one tooth."""
+        """Number of triangles."""
         ends = sum(len(mesh.triangles) for mesh in self.end_meshes().values())
         return ends + sum(len(patch.triangles) for patch in self.patches)
 
     @property
     def whole(self) -> bool:
-        """True where it has all links, so that the last one ends where the next tooth begins."""
+        """True if the mesh has all links: the last one ends where the next tooth begins."""
         return len(self.patches) == len(self.tooth.regions)
 
     def end_meshes(self, rows: int = 1) -> dict[Region, EndMesh]:
-        """The chamfers of its end faces, in so many rows of triangles at least; none of a few links."""
+        """Return the meshes of the chamfers of the ends, with at least `rows` rows of triangles; none if links are missing."""
         strips = self.tooth.end_strips if self.whole else (None, None)
         names = end_edges(self.tooth.blank.axial)
         return {names[end]: self._end_mesh(strip, end, rows) for end, strip in enumerate(strips) if strip is not None}
 
     def _end_mesh(self, strip: EndStrip, end: int, rows: int) -> EndMesh:
+        """Return the mesh of the chamfer at an end, which is made once."""
         key = end, rows
         if key not in self._end_meshes:
             s = [(patch.region, patch.nodes.s[patch.nodes.end(float(end))]) for patch in self.patches]
@@ -94,35 +104,39 @@ class ToothMesh:
 
     @cached_property
     def _end_meshes(self) -> dict[tuple[int, int], EndMesh]:
+        """Meshes of chamfers by end and rows."""
         return {}
 
     @property
     def end_rows(self) -> int:
-        """Most rows of triangles of a chamfer at its ends, 1 without any."""
+        """Largest number of rows of triangles of a chamfer; 1 without chamfers."""
         return max((mesh.rows for mesh in self.end_meshes().values()), default=1)
 
     def weld(self, end_rows: int = 1) -> Welded:
-        """The links in one, neighbouring ones with the nodes of their seam in common, and after them the chamfers of its ends."""
+        """Return the links as one mesh; neighbours share the nodes of their seam; then the chamfers of the ends."""
         firsts = [patch.nodes.line(0.0) for patch in self.patches]
         points, numbers, count = [], [], 0
         for patch in self.patches:
-            own = np.ones(len(patch.points), dtype=bool)
-            own[patch.nodes.line(1.0)] = False
-            numbers.append(np.where(own, count + np.cumsum(own) - 1, -1))
-            points.append(patch.points[own])
-            count += int(own.sum())
+            # a link has no vertices of its own on its last line, which is the first line of the next link
+            unshared = np.ones(len(patch.points), dtype=bool)
+            unshared[patch.nodes.line(1.0)] = False
+            numbers.append(np.where(unshared, count + np.cumsum(unshared) - 1, -1))
+            points.append(patch.points[unshared])
+            count += int(unshared.sum())
         for k, patch in enumerate(self.patches[:-1]):
             numbers[k][patch.nodes.line(1.0)] = numbers[k + 1][firsts[k + 1]]
         last = self.patches[-1].nodes.line(1.0)
-        # of a tooth the next one's first line, of a few links nodes of its own
+        # the last line of a whole tooth is the first line of the next tooth
         numbers[-1][last] = count + (numbers[0][firsts[0]] if self.whole else np.arange(last.size))
         points.append(self.patches[-1].points[last][: 0 if self.whole else None])
         ends = [
-            np.concatenate([of[patch.nodes.end(end)[:-1]] for of, patch in zip(numbers, self.patches, strict=True)])
+            np.concatenate(
+                [number[patch.nodes.end(end)[:-1]] for number, patch in zip(numbers, self.patches, strict=True)]
+            )
             for end in (0.0, 1.0)
         ]
-        triangles = [of[patch.triangles] for of, patch in zip(numbers, self.patches, strict=True)]
-        lines = tuple(of[first] for of, first in zip(numbers, firsts, strict=True))
+        triangles = [number[patch.triangles] for number, patch in zip(numbers, self.patches, strict=True)]
+        lines = tuple(number[first] for number, first in zip(numbers, firsts, strict=True))
         welded = Welded(np.concatenate(points), np.concatenate(triangles), ends[0], ends[1], lines)
         for region, mesh in self.end_meshes(end_rows).items():
             welded = welded.with_end(end_edges(self.tooth.blank.axial).index(region), mesh)
@@ -131,26 +145,27 @@ class ToothMesh:
 
 @dataclass(frozen=True)
 class Welded:
-    """One tooth: vertices (V, 3), triangles (M, 3), its vertices at `toe` and `heel` in order, and on each link's
-    first line; those of the first two go on over the chamfers of its ends.
+    """Mesh of one tooth with common nodes on its seams."""
 
-    Of a whole tooth a vertex V + k is vertex k of the next one.
-    """
-
+    #: vertices (V, 3), mm
     vertices: Array
+    #: triangles (M, 3); of a whole tooth, vertex V + k is vertex k of the next tooth
     triangles: Index
+    #: vertices at the toe, in order
     toe: Index
+    #: vertices at the heel, in order
     heel: Index
+    #: vertices on the first line of each link; the first two lines go on over the chamfers of the ends
     firsts: tuple[Index, ...] = ()
 
     def with_end(self, end: int, mesh: EndMesh) -> Welded:
-        """The same with the chamfer at its toe (0) or heel (1), whose outline takes the place of that end's."""
+        """Return the tooth with the chamfer at its toe (0) or heel (1); the outline of the chamfer is then the end."""
         count, fresh = len(self.vertices), len(mesh.vertices)
-        own = np.concatenate(((self.toe, self.heel)[end], count + np.arange(fresh)))
-        numbers = np.concatenate((own, count + fresh + own))
+        of_tooth = np.concatenate(((self.toe, self.heel)[end], count + np.arange(fresh)))
+        numbers = np.concatenate((of_tooth, count + fresh + of_tooth))
         triangles = np.concatenate((self.triangles + fresh * (self.triangles >= count), numbers[mesh.triangles]))
         outline, lines = numbers[mesh.outline], numbers[mesh.lines[:2]]
-        # those of root and first fillet, between which bars end
+        # the first lines of root and first fillet, at which bars end, go on over the chamfer
         broken = tuple(
             np.concatenate((first, line) if end else (line[::-1], first))
             for first, line in zip(self.firsts, lines, strict=False)
@@ -163,11 +178,13 @@ class Welded:
 def tessellate(
     tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | None = None, *, lean: bool = True
 ) -> ToothMesh:
-    """Mesh one tooth (or only some links of it) within `tolerance` (mm) of its exact surfaces.
+    """Return the mesh of a tooth, or of some of its links.
 
-    Without `lean` it is not thinned: where nobody keeps the triangles, that takes longer than what they save.
+    - tolerance: largest distance, mm, from the exact surfaces.
+    - regions: links; None for all.
+    - lean: False for a mesh without thinning, which is faster if the mesh is not kept.
 
-    Raises TrimError where the tooth cannot be trimmed.
+    Raises TrimError if the tooth cannot be trimmed.
     """
     return tessellate_alike((tooth,), tolerance, regions, lean=lean)[0]
 
@@ -175,12 +192,12 @@ def tessellate(
 def tessellate_alike(
     teeth: Sequence[Tooth], tolerance: float, regions: tuple[Region, ...] | None = None, *, lean: bool = True
 ) -> tuple[ToothMesh, ...]:
-    """Mesh teeth as `tessellate` does one, with lines at the same stations: each fits beside each of them.
+    """Return the meshes of several teeth with lines at common stations: each tooth fits beside any other.
 
-    Raises TrimError where a tooth cannot be trimmed.
+    The arguments are those of `tessellate`. Raises TrimError if a tooth cannot be trimmed.
     """
     for tooth in teeth:
-        # rounding decides which edges go: the next mesh of the tooth, as of a sector, is to be this one
+        # undercut first, so that later meshes of the tooth, as of a sector, are equal to the last digit
         tooth.find_undercut()
     drafts = [_Draft.of(tooth, regions or tooth.regions, tolerance) for tooth in teeth]
     count = len(drafts[0].regions)
@@ -190,7 +207,7 @@ def tessellate_alike(
         list[Array](),
     )
     known = dict[bytes, Array]()
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ROUNDS):
         before, seams = seams, _seams(drafts, least, fixed, known)
         moved = [not before or not np.array_equal(*pair) for pair in zip(seams, before or seams, strict=True)]
         if not any(moved) and not any(draft.stale for draft in drafts):
@@ -204,11 +221,13 @@ def tessellate_alike(
 
 
 def _seams(drafts: Sequence[_Draft], least: Array, fixed: Array, known: dict[bytes, Array]) -> list[Array]:
-    """Stations of the nodes of every seam (R + 1) between the links of all drafts, as many as the links on both sides
-    of it want.
+    """Return the stations of the nodes on the R + 1 seams, dense enough for the links of all drafts on both sides.
 
-    The last seam of a whole tooth is the first one of the next. `least` (R + 1,): cells that they have at least; `known`: those of
-    rounds before, by their density.
+    The last seam of a whole tooth is the first seam of the next.
+
+    - least: least number of cells (R + 1,).
+    - fixed: stations that are nodes.
+    - known: stations of earlier rounds by their density, which are reused.
     """
     count, seams = len(drafts[0].regions), list[Array]()
     whole = count == len(drafts[0].tooth.regions)
@@ -231,26 +250,35 @@ def _seams(drafts: Sequence[_Draft], least: Array, fixed: Array, known: dict[byt
 
 @dataclass
 class _Draft:
-    """A tooth that is being meshed: the plan of each link, how much it `missed` the surface by before, mm, in how
-    many rounds by no less for having more lines (`worse`), and its last mesh, which may be `stale`; the sections
-    last `trimmed`."""
+    """A tooth that is being meshed."""
 
+    #: the tooth
     tooth: Tooth
+    #: links to mesh
     regions: tuple[Region, ...]
+    #: mm
     tolerance: float
+    #: second forms of the links
     forms: Forms
+    #: plan of each link
     plans: list[LinkPlan]
+    #: deviation of each link in the last round, mm
     missed: list[float]
+    #: number of rounds of each link in which more lines did not reduce the deviation
     worse: list[int]
+    #: last mesh of each link
     meshes: dict[int, LinkMesh]
+    #: links whose last mesh does not follow their plan
     stale: set[int]
+    #: sections that were trimmed last
     trimmed: Sections | None = None
 
     @staticmethod
     def of(tooth: Tooth, regions: tuple[Region, ...], tolerance: float) -> _Draft:
-        forms, allowed = Forms.of(tooth, regions), SAFETY * tolerance
+        """Return the draft with its plans, before the first mesh."""
+        forms, allowed = Forms.of(tooth, regions), SAMPLED_SHARE * tolerance
         straight, whole = tooth.face_breaks.size > 0, len(regions) == len(tooth.regions)
-        plans = link_plans(forms, SAFETY * allowed, allowed, straight=straight, whole=whole)
+        plans = link_plans(forms, SAMPLED_SHARE * allowed, allowed, straight=straight, whole=whole)
         return _Draft(
             tooth,
             regions,
@@ -264,68 +292,74 @@ class _Draft:
         )
 
     def patches(self) -> tuple[PatchMesh, ...]:
-        """All links in order, as they were meshed last."""
+        """Return the last meshes of all links, in order."""
         return tuple(self.meshes[k].patch for k in range(len(self.regions)))
 
     def thin(self) -> tuple[PatchMesh, ...]:
-        """All links in order, with fewer triangles where that many are far from needed."""
-        allowed, meshes = SAFETY * self.tolerance, [self.meshes[k] for k in range(len(self.regions))]
+        """Return the meshes of all links, thinned where they have far more triangles than needed."""
+        allowed, meshes = SAMPLED_SHARE * self.tolerance, [self.meshes[k] for k in range(len(self.regions))]
         taken = np.array([len(mesh.patch.triangles) for mesh in meshes])
         seams = [int(mesh.cells[0] + mesh.cells[-1]) for mesh in meshes]
         fewest = np.array([self.forms.fewest(k, allowed, cells) for k, cells in enumerate(seams)])
         more = taken > fewest
-        thinned = (taken > EXCESS * fewest) & (taken[more].sum() > LARGE * fewest[more].sum())
+        thinned = (taken > MAX_LINK_EXCESS * fewest) & (taken[more].sum() > MAX_TOOTH_EXCESS * fewest[more].sum())
         patches = [mesh.patch for mesh in meshes]
-        # of teeth that have more than so many times the fewest even then all links that have more than enough are
-        for rest in (thinned, (taken > ENOUGH * fewest) & ~thinned):
+        # links with a large excess first; if the tooth still has too many triangles, all links with more than enough
+        for rest in (thinned, (taken > ENOUGH_RATIO * fewest) & ~thinned):
             for k in np.flatnonzero(rest).tolist():
-                enough = int(ENOUGH * fewest[k]) - 6
-                # where nodes of seams are merged, too, a link that is merged as far as it can be leaves them less room
-                patches[k] = self._image(k, patches) or self._thin(k, enough, again=taken.sum() > MOST)
+                enough = int(ENOUGH_RATIO * fewest[k]) - 6
+                # if seams are thinned later, a link that is thinned to its limit would leave them less room
+                patches[k] = self._image(k, patches) or self._thin(k, enough, again=taken.sum() > MAX_SEAM_TRIANGLES)
             left = np.array([len(patch.triangles) for patch in patches])
-            if not thinned.any() or left[more].sum() <= LARGE * fewest[more].sum():
+            if not thinned.any() or left[more].sum() <= MAX_TOOTH_EXCESS * fewest[more].sum():
                 break
         return tuple(patches)
 
     def thin_seams(self, patches: tuple[PatchMesh, ...]) -> tuple[PatchMesh, ...]:
-        """These links with fewer nodes on their seams too, where they have few triangles and yet far more than needed."""
-        allowed, taken = BETWEEN * SAFETY * self.tolerance, np.array([len(patch.triangles) for patch in patches])
+        """Return the links with thinned seams, if they have few triangles and yet far more than needed."""
+        allowed, taken = (
+            THINNED_SHARE * SAMPLED_SHARE * self.tolerance,
+            np.array([len(patch.triangles) for patch in patches]),
+        )
         curved = np.array([region in (*FLANKS.values(), *FILLETS.values()) for region in self.regions])
-        if taken.sum() > MOST or not curved.any():
+        if taken.sum() > MAX_SEAM_TRIANGLES or not curved.any():
             return patches
         cells = self.forms.seam_cells(allowed, whole=len(self.regions) == len(self.tooth.regions))
         fewest = np.array([self.forms.fewest(k, allowed, int(cells[k] + cells[k + 1])) for k in range(len(patches))])
         least = fewest[curved].sum()
-        if taken[curved].sum() <= LARGER * least:
+        if taken[curved].sum() <= MAX_CURVED_EXCESS * least:
             return patches
         meshes = [self.meshes[k] for k in range(len(patches))]
-        # sharp form points ask for more than their flanks and fillets do
+        # seams at sharp form points need more nodes than their flanks and fillets: they stay
         sharp = np.array([mesh.form_point > 0.0 for mesh in meshes])
         held = np.array([bool(sharp[k] or sharp[k - 1]) for k in range(len(patches))])
-        enough = int(ENOUGH * least + taken[~curved].sum())
+        enough = int(ENOUGH_RATIO * least + taken[~curved].sum())
         return thin_seams(self.tooth, patches, self.forms, held, allowed, enough)
 
     def _image(self, k: int, patches: list[PatchMesh]) -> PatchMesh | None:
-        """What was made of a link before whose image link k is, where it is within the tolerance there, too."""
+        """Return the thinned mesh of an earlier link on its image, link k, if it keeps the tolerance there; else None."""
         assert self.trimmed is not None
         for other in range(k):
             if patches[other] is not self.meshes[other].patch:
                 both = self.meshes[k], self.meshes[other]
                 patch = image(self.tooth, *both, patches[other], self.trimmed, (self.forms, k, other))
-                if patch is not None and patch.deviation <= SAFETY * self.tolerance:
+                if patch is not None and patch.deviation <= SAMPLED_SHARE * self.tolerance:
                     return patch
         return None
 
     def _thin(self, k: int, enough: int, *, again: bool) -> PatchMesh:
-        allowed = BETWEEN * SAFETY * self.tolerance
+        """Return the thinned mesh of link k."""
+        allowed = THINNED_SHARE * SAMPLED_SHARE * self.tolerance
         assert self.trimmed is not None
         return thin_link(self.tooth, self.meshes[k], self.trimmed, self.forms, k, allowed, enough, again=again)
 
     def mesh(self, seams: list[Array], moved: list[bool], least: Array, fixed: Array) -> None:
-        """Mesh what is new, with nodes at the stations `seams` of every seam, some of them `moved`, and refine its
-        plans.
+        """Mesh the links whose plans or seams have changed, and refine the plans of those that miss the tolerance.
 
-        `least` (R + 1,): cells that a seam needs.
+        - seams: stations of the nodes on each seam.
+        - moved: True for seams whose stations have changed.
+        - least: least number of cells (R + 1,) of the seams, which is raised where needed.
+        - fixed: stations that are nodes of all lines.
         """
         wanted = [k for k in range(len(self.regions)) if k in self.stale or moved[k] or moved[k + 1]]
         for k in wanted:
@@ -350,28 +384,28 @@ class _Draft:
                 self.trimmed,
                 self.plans[k],
                 self.forms.second[k],
-                SAFETY * self.tolerance,
+                SAMPLED_SHARE * self.tolerance,
                 self.meshes.get(k),
             )
             self.meshes[k] = mesh
             self._refine(k, mesh, least)
 
     def _refine(self, k: int, mesh: LinkMesh, least: Array) -> None:
-        """Replace the plan of a link where its mesh misses the tolerance, and forget the mesh."""
-        allowed, plan = SAFETY * self.tolerance, self.plans[k]
+        """Refine the plan of a link if its mesh misses the tolerance; the mesh is then stale."""
+        allowed, plan = SAMPLED_SHARE * self.tolerance, self.plans[k]
         if mesh.worst <= allowed:
             return
         plain = plan.otherwise
-        self.worse[k] += mesh.worst > WORSE * self.missed[k]
+        self.worse[k] += mesh.worst > IMPROVEMENT_SHARE * self.missed[k]
         if plain is not None and self.worse[k] > (
-            PATIENCE if plain.triangles > DEAR * len(mesh.patch.triangles) else 0
+            PATIENT_ROUNDS if plain.triangles > DEAR_PLAN_RATIO * len(mesh.patch.triangles) else 0
         ):
-            # lines that lean with the surface and miss it by more for being more: the plain ones take their place
+            # more lines along the shear made the deviation larger: the plan without shear takes over
             self.plans[k] = plain
             self.stale.add(k)
             return
         first, self.missed[k] = self.missed[k] == np.inf, mesh.worst
-        # at least about a cell more, which a few percent are not where there are few
+        # at least about one more cell on a line: a few percent of few cells would be none
         factor = np.maximum(1.02 * np.sqrt(mesh.lines / allowed), 1.0 + 1.2 / mesh.cells)
         factor = np.where(mesh.lines > allowed, np.minimum(factor, 2.0), 1.0)
         for seam, line in ((k, 0), (k + 1, -1)):
@@ -379,12 +413,12 @@ class _Draft:
                 least[seam] = max(least[seam], np.ceil(mesh.cells[line] * factor[line]), mesh.cells[line] + 1.0)
         if (factor[1:-1] > 1.0).any():
             plan = plan.with_more_nodes(mesh.s[1:-1], factor[1:-1])
-        # strips between lines that are good themselves
+        # strips count only between lines that keep the tolerance
         strips = np.where(np.maximum(mesh.lines[1:], mesh.lines[:-1]) <= allowed, mesh.strips, 0.0)
         if (strips > allowed).any():
             wanted = len(mesh.patch.triangles) * (1.0 + 0.5 * np.mean(strips > allowed))
-            # without shear where that takes far less
-            if plain is not None and plain.triangles < CHEAP * wanted:
+            # the plan without shear, if it needs far fewer triangles
+            if plain is not None and plain.triangles < CHEAP_PLAN_RATIO * wanted:
                 plan = plain
             else:
                 plan = replace(plan, across=denser(mesh.s, strips, allowed, even=first))

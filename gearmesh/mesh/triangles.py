@@ -1,4 +1,4 @@
-"""The triangle mesh that solids, exports, pictures and the roll test exchange: arrays, and nothing that computes gears."""
+"""Triangle meshes as plain arrays, for solids, exports, pictures and the roll test."""
 
 from __future__ import annotations
 
@@ -15,27 +15,26 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 Index = NDArray[np.int64]
 T = TypeVar("T", bound=np.generic)
 
-#: vertices closer to each other, over the largest coordinate, are one: files with single precision take them for one. No farther
-#: apart are nodes of the two cuts of a sector, turned onto each other
-SAME = 2.5e-7
-#: rows of a table that are worked on at once, where all of them would take too much memory
-PIECE = 50_000
+#: largest distance of vertices that count as one, as a share of the largest coordinate: files in single precision cannot
+#: distinguish them, and nodes of the two cuts of a sector, turned onto each other, are no farther apart
+SAME_VERTEX_SHARE = 2.5e-7
+#: rows of a table in a piece, where the whole table would take too much memory
+ROWS_PER_PIECE = 50_000
 
 
 def facet_normals(vertices: Array, triangles: NDArray[np.int64]) -> Array:
-    """Unit normals (T, 3) of the triangles (T, 3) of vertices (V, 3); NaN for those without area."""
+    """Return the unit normals (T, 3) of triangles (T, 3) of vertices (V, 3); NaN for triangles without area."""
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
     return unit(cross(b - a, c - a))
 
 
 def closeness(vertices: Array) -> float:
-    """How far apart (mm) vertices are that are one."""
-    return SAME * float(np.abs(vertices).max())
+    """Return the largest distance, mm, of vertices that count as one."""
+    return SAME_VERTEX_SHARE * float(np.abs(vertices).max())
 
 
 def without_doubles(vertices: Array, triangles: Index, some: Index) -> tuple[Index, Index]:
-    """Triangles with one vertex for all that are next to each other on `some` (K,) of the vertices (V, 3); and which of the
-    triangles are left."""
+    """Return triangles with all vertices close to `some` (K,) of the vertices (V, 3) joined, and the triangles that are left."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
@@ -51,8 +50,10 @@ def without_doubles(vertices: Array, triangles: Index, some: Index) -> tuple[Ind
 
 
 def with_area(vertices: Array, triangles: Index) -> tuple[Index, Index]:
-    """As `without_doubles` on all vertices if any triangle has no area, as those of a fillet without a radius, which is a line;
-    else all of them as they are."""
+    """Return triangles without area removed, by `without_doubles` on all vertices, and the triangles that are left.
+
+    A fillet without radius is a line, and its triangles have no area. If all triangles have area, they are returned unchanged.
+    """
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
     area = cross(b - a, c - a)
     if (dot(area, area) <= closeness(vertices) ** 4).any():
@@ -60,14 +61,14 @@ def with_area(vertices: Array, triangles: Index) -> tuple[Index, Index]:
     return triangles, np.arange(len(triangles))
 
 
-def pieces(table: NDArray[T], size: int = PIECE) -> Iterator[NDArray[T]]:
-    """A table (N, ...) in pieces of so many rows."""
+def pieces(table: NDArray[T], size: int = ROWS_PER_PIECE) -> Iterator[NDArray[T]]:
+    """Yield a table (N, ...) in pieces of `size` rows."""
     for start in range(0, len(table), size):
         yield table[start : start + size]
 
 
 def enclosed_volume(corners: Iterable[Array]) -> float:
-    """Volume, mm3, between triangles whose corners come in pieces (K, 3, 3), by the divergence theorem."""
+    """Return the volume, mm^3, enclosed by triangles with corners in pieces (K, 3, 3), by the divergence theorem."""
     total = 0.0
     for a, b, c in (np.moveaxis(piece, 1, 0) for piece in corners):
         total += float(np.einsum("ij,ij->", a, np.cross(b, c)))
@@ -75,15 +76,15 @@ def enclosed_volume(corners: Iterable[Array]) -> float:
 
 
 class Facets(Protocol):
-    """Triangles that come in pieces, as writers, bounds and proof take them."""
+    """Triangles in pieces, as writers, bounds and proofs take them."""
 
     @property
     def name(self) -> str:
-        """The part's name."""
+        """Name of the part."""
 
     @property
     def frame(self) -> str:
-        """As of `TriangleMesh`."""
+        """Frame of the coordinates, as in `TriangleMesh`."""
 
     @property
     def region_names(self) -> tuple[str, ...]:
@@ -91,7 +92,7 @@ class Facets(Protocol):
 
     @property
     def vertex_data(self) -> Mapping[str, Array]:
-        """As of `TriangleMesh`."""
+        """Arrays of the vertices by name, as in `TriangleMesh`."""
 
     @property
     def vertex_count(self) -> int:
@@ -102,51 +103,51 @@ class Facets(Protocol):
         """Number of triangles."""
 
     def vertex_pieces(self) -> Iterator[Array]:
-        """All vertices in order, in pieces (K, 3), mm."""
+        """Yield all vertices in order, in pieces (K, 3), mm."""
 
     def triangle_pieces(self, regions: Sequence[int] | None = None) -> Iterator[Index]:
-        """The triangles of all or some regions in order, in pieces (K, 3) of numbers of vertices."""
+        """Yield the triangles of all or some regions in order, in pieces (K, 3) of vertex numbers."""
 
     def region_pieces(self) -> Iterator[NDArray[np.int32]]:
-        """The regions (K,) of the pieces that `triangle_pieces` makes of all."""
+        """Yield the regions (K,) of the triangles, in the pieces of `triangle_pieces`."""
 
     def corner_pieces(self, regions: Sequence[int] | None = None) -> Iterator[Array]:
-        """The corners (K, 3, 3), mm, of the triangles of all or some regions, in the pieces of `triangle_pieces`."""
+        """Yield the corners (K, 3, 3), mm, of the triangles of all or some regions, in the pieces of `triangle_pieces`."""
 
     def volume(self) -> float:
-        """The volume that they enclose, mm3."""
+        """Return the enclosed volume, mm^3."""
 
     def move(self, transform: Rigid) -> Facets:
-        """The same in another frame, which is called common."""
+        """Return the triangles in another frame, which is called common."""
 
     def round(self, rounding: Callable[[Array], Array]) -> Facets:
-        """The same with rounded coordinates."""
+        """Return the triangles with rounded coordinates."""
 
     def whole(self) -> TriangleMesh:
-        """Arrays of all of them."""
+        """Return the triangles as one mesh."""
 
 
 @dataclass(frozen=True)
 class TriangleMesh:
-    """Oriented triangles with a region for each.
+    """Oriented triangles with a region for each."""
 
-    `vertices` (V, 3) in mm; `triangles` (T, 3) vertex indices, counterclockwise seen from outside;
-    `regions` (T,) indices into `region_names` (flank_left, fillet_left, land, root, ...);
-    `normals` (T, 3) unit outward normals: of the exact surface at the cell's centre on flanks and fillets,
-    of the facet elsewhere; `frame` says where the coordinates count from: "own", that of the part called `name`, or
-    "common", where parts are beside each other.
-    """
-
+    #: (V, 3), mm
     vertices: Array
+    #: vertex indices (T, 3), counterclockwise seen from outside
     triangles: NDArray[np.int64]
+    #: regions (T,), as indices in `region_names`
     regions: NDArray[np.int32]
+    #: names of the regions: flank_left, fillet_left, land, root, ...
     region_names: tuple[str, ...]
+    #: unit outward normals (T, 3): of the exact surface at the centre on flanks and fillets, of the facet elsewhere
     normals: Array
+    #: name of the part
     name: str = "gear"
+    #: frame of the coordinates: "own" of the part, or "common" of several parts
     frame: str = "own"
 
     def corners(self) -> Array:
-        """The corners of all triangles.
+        """Return the corners of all triangles.
 
         Returns
         -------
@@ -161,7 +162,7 @@ class TriangleMesh:
         return self.vertices[self.triangles]
 
     def volume(self) -> float:
-        """The volume that it encloses, by the divergence theorem.
+        """Return the enclosed volume, by the divergence theorem.
 
         Returns
         -------
@@ -176,17 +177,17 @@ class TriangleMesh:
         return enclosed_volume(self.corner_pieces())
 
     def round(self, rounding: Callable[[Array], Array]) -> TriangleMesh:
-        """The mesh with rounded coordinates.
+        """Return the mesh with rounded coordinates.
 
         Parameters
         ----------
         rounding : callable
-            From coordinates (N, 3), mm, to rounded ones.
+            Function from coordinates (N, 3), mm, to rounded coordinates.
 
         Returns
         -------
         TriangleMesh
-            Its triangles and their normals stay.
+            Triangles and normals are the same.
 
         Examples
         --------
@@ -207,7 +208,7 @@ class TriangleMesh:
         return len(self.triangles)
 
     def vertex_pieces(self) -> Iterator[Array]:
-        """All vertices in order, in pieces.
+        """Yield all vertices in order, in pieces.
 
         Returns
         -------
@@ -223,7 +224,7 @@ class TriangleMesh:
         yield from pieces(self.vertices)
 
     def triangle_pieces(self, regions: Sequence[int] | None = None) -> Iterator[Index]:
-        """The triangles of all or some regions in order, in pieces.
+        """Yield the triangles of all or some regions in order, in pieces.
 
         Parameters
         ----------
@@ -233,7 +234,7 @@ class TriangleMesh:
         Returns
         -------
         iterator of ndarray, (K, 3)
-            Numbers of vertices.
+            Vertex indices.
 
         Examples
         --------
@@ -244,7 +245,7 @@ class TriangleMesh:
         yield from pieces(self.triangles if regions is None else self.triangles[np.isin(self.regions, regions)])
 
     def region_pieces(self) -> Iterator[NDArray[np.int32]]:
-        """The regions of the pieces that `triangle_pieces` makes of all.
+        """Yield the regions of the triangles, in the pieces of `triangle_pieces`.
 
         Returns
         -------
@@ -260,7 +261,7 @@ class TriangleMesh:
         yield from pieces(self.regions)
 
     def corner_pieces(self, regions: Sequence[int] | None = None) -> Iterator[Array]:
-        """The corners of the triangles of all or some regions, in the pieces of `triangle_pieces`.
+        """Yield the corners of the triangles of all or some regions, in the pieces of `triangle_pieces`.
 
         Parameters
         ----------
@@ -282,12 +283,12 @@ class TriangleMesh:
             yield self.vertices[piece]
 
     def whole(self) -> TriangleMesh:
-        """The mesh itself, as of meshes that have no arrays of all.
+        """Return the mesh itself; meshes in pieces return their arrays here.
 
         Returns
         -------
         TriangleMesh
-            It.
+            This mesh.
 
         Examples
         --------
@@ -299,21 +300,21 @@ class TriangleMesh:
 
     @property
     def vertex_data(self) -> Mapping[str, Array]:
-        """Arrays of the vertices, (V,) or (V, 3), by their names, of a mesh that has any; normals as "Normals"."""
+        """Arrays (V,) or (V, 3) of the vertices by name, if the mesh has any; "Normals" are the normals."""
         return {}
 
     def only(self, *names: str) -> TriangleMesh:
-        """The part of the mesh in named regions.
+        """Return the part of the mesh in named regions.
 
         Parameters
         ----------
         names : str
-            Of `region_names`.
+            Names of regions.
 
         Returns
         -------
         TriangleMesh
-            Without the vertices that it does not need.
+            With the vertices of these regions alone.
 
         Examples
         --------
@@ -333,12 +334,12 @@ class TriangleMesh:
         )
 
     def move(self, transform: Rigid) -> TriangleMesh:
-        """The same mesh in another frame, which is called common.
+        """Return the mesh in another frame, which is called common.
 
         Parameters
         ----------
         transform : Rigid
-            From its own frame to the other one.
+            From the frame of the mesh to the other frame.
 
         Returns
         -------
@@ -355,26 +356,27 @@ class TriangleMesh:
         return replace(self, vertices=vertices, normals=normals, frame="common")
 
 
-#: names of a surface's parameters and of the shares along the section and along the face, in files
-PARAMETERS = ("p", "v", "s", "t")
+#: names in files of the parameters of a surface, and of the shares along section and face
+PARAMETER_NAMES = ("p", "v", "s", "t")
 
 
 @dataclass(frozen=True)
 class SurfaceMesh(TriangleMesh):
-    """Triangles of open exact surfaces: at every vertex the unit normal (V, 3), and the `PARAMETERS` (V, 4).
+    """Triangles of open exact surfaces, with normals and parameters at the vertices."""
 
-    p and v are those of the surface, as its tool generates it; s goes from root to tip, or back on left sides, t from toe to heel,
-    both from 0 to 1.
-    """
-
+    #: unit normals (V, 3) at the vertices
     vertex_normals: Array = field(kw_only=True)
+    #: (V, 4): p and v of the surface as its tool generates it; s from root to tip (on left sides from tip to root) and t from
+    #: toe to heel, both from 0 to 1
     parameters: Array = field(kw_only=True)
 
     @property
     def vertex_data(self) -> Mapping[str, Array]:
-        return {"Normals": self.vertex_normals, **dict(zip(PARAMETERS, self.parameters.T, strict=True))}
+        """Normals and parameters by name."""
+        return {"Normals": self.vertex_normals, **dict(zip(PARAMETER_NAMES, self.parameters.T, strict=True))}
 
     def move(self, transform: Rigid) -> SurfaceMesh:
+        """Return the surfaces in another frame, which is called common."""
         return replace(
             self,
             vertices=transform.point(self.vertices),
@@ -385,7 +387,7 @@ class SurfaceMesh(TriangleMesh):
 
     @staticmethod
     def join(meshes: Sequence[SurfaceMesh]) -> SurfaceMesh:
-        """Surfaces with the same regions beside each other in one."""
+        """Return several surfaces with the same regions as one."""
         whole = join(meshes)
         return SurfaceMesh(
             whole.vertices,
@@ -401,7 +403,7 @@ class SurfaceMesh(TriangleMesh):
 
 
 def join(meshes: Sequence[TriangleMesh]) -> TriangleMesh:
-    """Meshes with the same regions beside each other in one, in the first one's frame and by its name."""
+    """Return several meshes with the same regions as one, with frame and name of the first."""
     firsts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     return replace(
         meshes[0],

@@ -471,7 +471,7 @@ def mesh_within(
 def _less_rounding(member: Member, tolerance: float, file: str | PathLike[str], place: Rigid | None) -> float:
     """Tolerance (mm) to ask for, so that the mesh with the rounding of a file at its `place` is within the tolerance."""
     from gearmesh import io
-    from gearmesh.mesh.tessellate import SAFETY
+    from gearmesh.mesh.tessellate import SAMPLED_SHARE
 
     tooth, joint = member.tooth, member.tooth.joint
     land = tooth.grid(Region.LAND, np.array([0.5]), tooth.even).points.reshape(-1, 3)
@@ -479,7 +479,7 @@ def _less_rounding(member: Member, tolerance: float, file: str | PathLike[str], 
     every = joint.to(joint.places(tooth.teeth)[:, None] * tooth.pitch_angle)
     points = every.point(np.concatenate((land, profile))).reshape(-1, 3)
     rounding = io.most_rounding(points if place is None else place.point(points), file)
-    if SAFETY * tolerance + rounding <= tolerance or rounding > MOST_ROUNDING * tolerance:
+    if SAMPLED_SHARE * tolerance + rounding <= tolerance or rounding > MOST_ROUNDING * tolerance:
         return tolerance
     return tolerance - rounding
 
