@@ -1,1 +1,1 @@
-"""Meshes against the exact surfaces, and the roll test, of flanks and of whole members, which never sees the solver."""
+"""Checks independent of the contact solver: deviation of meshes from exact surfaces, and the roll test."""

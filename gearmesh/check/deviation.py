@@ -1,11 +1,12 @@
-"""How far a meshed tooth is from its exact surfaces, both ways, at many points between the vertices.
+"""Deviation of a meshed tooth from its exact surfaces, in both directions, at many points between the vertices.
 
-The mesher steers by a few estimates; this measures what came out: every facet is sampled at 13 points whose distances
-from the surface are taken, and over every facet there are 10 exact surface points whose distances from the facets are.
+The mesher relies on a few estimates; this module measures the result. Every facet has 13 sample points, whose distances
+from the surface are measured. Over every facet there are 10 exact surface points, whose distances from the facets are
+measured.
 
-Only the largest distance is asked for. Any point of the other side is at least as far as the closest one, so every
-sample first gets such a bound, and the closest point is only sought, in the order of the bounds, where the bound is above
-the largest distance found until then.
+Only the largest distance is needed. The distance to any point of the other side is an upper bound of the distance to
+the closest point. Every sample therefore first gets such a bound. The closest point is computed in the order of the
+bounds, and only where the bound is above the largest distance found until then.
 """
 
 from __future__ import annotations
@@ -23,27 +24,30 @@ from gearmesh.mesh.patch import PatchMesh, trim
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.teeth.region import Region
 
-#: barycentric places on a facet: 10 inside and the middles of the edges
-PLACES = np.array(
+#: barycentric coordinates of the samples of a facet: 10 inside, and the middles of the edges
+SAMPLE_WEIGHTS = np.array(
     [(i / 6, j / 6, (6 - i - j) / 6) for i in range(1, 5) for j in range(1, 6 - i)]
     + [(0.5, 0.5, 0.0), (0.0, 0.5, 0.5), (0.5, 0.0, 0.5)]
 )
-#: of these, where the exact points over a facet are
-INSIDE = PLACES[:10]
-#: facets measured at once: as many as stay in the cache (20,000 take twice the time on a worm)
-BLOCK = 4_000
-#: samples whose closest points are sought at first, and by how much more of them every further time
-BATCH, MORE = 64, 4
-#: where the closest facet is sought, one after the other: 0 so many facets along the strip on either side, else so many rings
-REACHES = (0, 1, 2, 3)
-STEPS = np.array([0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64])
-#: distances (mm) that differ by no more are the same
-TOLERANCE = 1e-9
+#: barycentric coordinates of the exact points over a facet
+SURFACE_SAMPLE_WEIGHTS = SAMPLE_WEIGHTS[:10]
+#: facets measured at once: as many as stay in the cache
+FACETS_PER_BLOCK = 4_000
+#: samples whose closest points are computed first
+FIRST_BATCH = 64
+#: growth of the batches after the first
+BATCH_GROWTH = 4
+#: stages of the search for the closest facet: 0 for facets along the strip, else the number of rings
+SEARCH_RINGS = (0, 1, 2, 3)
+#: distances, in facets, at which facets along the strip are tried on either side
+STRIP_STEPS = np.array([0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64])
+#: difference of distances that count as the same
+SAME_DISTANCE_MM = 1e-9
 
 
 @dataclass(frozen=True)
 class Deviation:
-    """Largest distances (mm) of one link: facets from the surface, and surface from the facets."""
+    """Largest distances (mm) of one link: from facets to surface, and from surface to facets."""
 
     facets_to_surface: float
     surface_to_facets: float
@@ -54,7 +58,7 @@ class Deviation:
 
 
 def deviations(mesh: ToothMesh) -> dict[Region, Deviation]:
-    """Largest distances for every link with an exact surface: flanks, fillets and lands."""
+    """Return the largest distances for every link with an exact surface: flanks, fillets and lands."""
     around, by_region, first = _Around.of(mesh), {}, 0
     for patch in mesh.patches:
         if mesh.tooth.chain[patch.region].surface is not None:
@@ -65,45 +69,48 @@ def deviations(mesh: ToothMesh) -> dict[Region, Deviation]:
 
 @dataclass(frozen=True)
 class _Around:
-    """Facets (M, 3, 3) of a tooth and, unless it is a part of one, of both its neighbours, the tooth's own first.
+    """Facets of a tooth and, unless it is a part of a tooth, of both neighbours; the tooth's own facets come first.
 
-    `facets_of`: the facets of every vertex, one after the other, those of vertex k from `begins`[k] on; `vertices` (M, 3).
-    Where links pass smoothly into each other, a point of one may lie over a facet of the next.
+    Where links join smoothly, a point of one link may lie over a facet of the next link.
     """
 
+    #: corners (M, 3, 3) of the facets, mm
     corners: Array
+    #: vertex numbers (M, 3) of the facets
     vertices: NDArray[np.int64]
+    #: facets of every vertex, vertex after vertex
     facets_of: NDArray[np.int64]
+    #: index in `facets_of` at which the facets of each vertex begin
     begins: NDArray[np.int64]
 
     @staticmethod
     def of(mesh: ToothMesh) -> _Around:
-        one = mesh.weld()
-        count, pitch = len(one.vertices), mesh.tooth.pitch_angle
-        points = one.vertices
+        welded = mesh.weld()
+        count, pitch = len(welded.vertices), mesh.tooth.pitch_angle
+        points = welded.vertices
         if mesh.whole:
             points = np.concatenate(
                 [mesh.tooth.joint.to(turn).point(points) for turn in (0.0, pitch, -pitch, 2.0 * pitch)]
             )
-            # the next tooth's vertices are count + k, those of the one before come after them, and of the one after the next
-            following = one.triangles + count
+            # vertices: this tooth k, next tooth count + k, previous tooth 2 count + k, next but one 3 count + k
+            following = welded.triangles + count
             following[following >= 2 * count] += count
-            before = np.where(one.triangles < count, one.triangles + 2 * count, one.triangles - count)
-            triangles = np.concatenate((one.triangles, following, before))
+            before = np.where(welded.triangles < count, welded.triangles + 2 * count, welded.triangles - count)
+            triangles = np.concatenate((welded.triangles, following, before))
         else:
-            triangles = one.triangles
+            triangles = welded.triangles
         order = np.argsort(triangles.ravel(), kind="stable")
         begins = np.searchsorted(triangles.ravel()[order], np.arange(len(points) + 1))
         return _Around(points[triangles], triangles, order // 3, begins)
 
     def beside(self, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
-        """Facets on either side, along their strip, of each of `facets` (A,), and the owner of each, in order."""
-        steps = np.concatenate((STEPS, -STEPS[1:]))
+        """Return facets on either side of each of `facets` (A,) along its strip, and the owner of each, in order."""
+        steps = np.concatenate((STRIP_STEPS, -STRIP_STEPS[1:]))
         numbers = np.clip(facets[:, None] + steps, 0, len(self.corners) - 1)
         return numbers.ravel(), np.repeat(np.arange(len(facets)), steps.size)
 
     def from_all(self, q: Array, distance: float) -> float:
-        """Distance (mm) of a point (3,) from the closest of all facets, which is at most `distance`."""
+        """Return the distance (mm) of a point (3,) from the closest of all facets, which is at most `distance`."""
         low, high = self._boxes
         outside = np.maximum(np.maximum(low - q, q - high), 0.0)
         near = np.flatnonzero((outside**2).sum(axis=1) < distance**2)
@@ -111,11 +118,14 @@ class _Around:
 
     @cached_property
     def _boxes(self) -> tuple[Array, Array]:
-        """Least and greatest coordinates (M, 3) of the facets."""
+        """Smallest and largest coordinates (M, 3) of the facets."""
         return self.corners.min(axis=1), self.corners.max(axis=1)
 
     def rings(self, facets: NDArray[np.int64], owner: NDArray[np.intp]) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
-        """The facets that share a vertex with `facets` (A,) of each owner (A,), once each, and their owners, in order."""
+        """Return the facets that share a vertex with `facets` (A,) of each owner (A,), once each, and their owners.
+
+        Both are in the order of the owners.
+        """
         corners, owner = self.vertices[facets].ravel(), np.repeat(owner, 3)
         sizes = self.begins[corners + 1] - self.begins[corners]
         places = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes - self.begins[corners], sizes)
@@ -124,29 +134,38 @@ class _Around:
 
 
 def _facets_to_surface(patch: PatchMesh) -> float:
-    """Where a search ends without a foot the surface may be at its end, as a flank at its base: then the next links count, too."""
+    """Return the largest distance (mm) of the facets from the exact surface of a patch.
+
+    If a search ends without a foot point, the surface may have ended before it, as a flank ends at its base. The next
+    links then count, too.
+    """
     nodes = patch.nodes
     surface = nodes.tooth.chain[patch.region].surface
     assert surface is not None
     assert nodes.parameters is not None
     worst = 0.0
-    for start in range(0, len(patch.triangles), BLOCK):
-        block = patch.triangles[start : start + BLOCK]
-        q, uv = (PLACES @ nodes.points[block]).reshape(-1, 3), (PLACES @ nodes.parameters[block]).reshape(-1, 2)
+    for start in range(0, len(patch.triangles), FACETS_PER_BLOCK):
+        block = patch.triangles[start : start + FACETS_PER_BLOCK]
+        q, uv = (
+            (SAMPLE_WEIGHTS @ nodes.points[block]).reshape(-1, 3),
+            (SAMPLE_WEIGHTS @ nodes.parameters[block]).reshape(-1, 2),
+        )
         jet = surface.jet(*uv.T)
         ahead = uv + np.stack(tangential(jet, q - jet.r), axis=-1)
-        # where the step leads nowhere the start stands, and where there is none either nothing is known
+        # bound: distance from the start, or after one tangential step; infinite if neither is finite
         bound = np.fmin(np.fmin(_length(q - jet.r), _length(q - surface.jet(*ahead.T).r)), np.inf)
-        t = (nodes.t[block] @ PLACES.T).ravel()
+        t = (nodes.t[block] @ SAMPLE_WEIGHTS.T).ravel()
 
         def closest(
             which: NDArray[np.intp], least: float, q: Array = q, t: Array = t, uv: Array = ahead, bound: Array = bound
         ) -> Array:
-            # where the surface is all but singular the search may lead away
+            # the search may diverge where the surface is nearly singular
             foot = nearest(surface, q[which], *uv[which].T)
-            away = _length(q[which] - foot.jet.r)
-            distance = np.fmin(bound[which], away)
-            lost = np.flatnonzero((distance > least) & ~(foot.converged & (away <= distance + TOLERANCE)))
+            foot_distance = _length(q[which] - foot.jet.r)
+            distance = np.fmin(bound[which], foot_distance)
+            lost = np.flatnonzero(
+                (distance > least) & ~(foot.converged & (foot_distance <= distance + SAME_DISTANCE_MM))
+            )
             if lost.size:
                 distance[lost] = np.fmin(distance[lost], _beside(patch, q[which[lost]], t[which[lost]]))
             return distance
@@ -156,34 +175,40 @@ def _facets_to_surface(patch: PatchMesh) -> float:
 
 
 def _beside(patch: PatchMesh, q: Array, t: Array) -> Array:
-    """Distances (M,) of points q (M, 3), at about t (M,), from the generated links next to the patch's; inf where they are not."""
+    """Return distances (M,) of points q (M, 3), at about t (M,), from the generated links next to the patch's link.
+
+    Distances are inf where the foot point is not on these links.
+    """
     tooth = patch.nodes.tooth
     regions, (toe, heel) = tooth.regions, tooth.blank.extent
     distance = np.full(len(q), np.inf)
-    for place, end in ((regions.index(patch.region) + step, end) for step, end in ((-1, 1.0), (1, 0.0))):
-        over, k = divmod(place, len(regions))
+    for number, end in ((regions.index(patch.region) + step, end) for step, end in ((-1, 1.0), (1, 0.0))):
+        tooth_offset, k = divmod(number, len(regions))
         link = tooth.chain[regions[k]]
         if link.surface is None or not link.generated:
             continue
-        turned = tooth.joint.to(-over * tooth.pitch_angle).point(q)
+        turned = tooth.joint.to(-tooth_offset * tooth.pitch_angle).point(q)
         start = link.grid(np.full((1, len(q)), end), trim(tooth, t)).parameters[0]
         foot = nearest(link.surface, turned, *start.T)
         at = np.clip((np.asarray(tooth.blank.axial.value(foot.jet.r)) - toe) / (heel - toe), 0.0, 1.0)
-        first, last = link.span(trim(tooth, np.where(foot.converged, at, t)))
+        p_start, p_end = link.span(trim(tooth, np.where(foot.converged, at, t)))
         p = foot.values[:, 0]
-        within = foot.converged & ((p - first) * (p - last) <= 0.0)
+        within = foot.converged & ((p - p_start) * (p - p_end) <= 0.0)
         distance = np.where(within, np.fmin(distance, _length(turned - foot.jet.r)), distance)
     return distance
 
 
 def _surface_to_facets(patch: PatchMesh, around: _Around, first: int) -> float:
-    """`first`: number of the link's first facet among those of the tooth."""
+    """Return the largest distance (mm) of the exact surface of a patch from the facets.
+
+    `first` is the number of the link's first facet among the facets of the tooth.
+    """
     worst = 0.0
-    for start in range(0, len(patch.triangles), BLOCK):
-        points = patch.nodes.over(patch.triangles[start : start + BLOCK], INSIDE)
-        own = first + start + np.arange(len(points))
-        bound = triangle_distance(points, around.corners[own][:, None]).ravel()
-        q, at = points.reshape(-1, 3), np.repeat(own, points.shape[1])
+    for start in range(0, len(patch.triangles), FACETS_PER_BLOCK):
+        points = patch.nodes.over(patch.triangles[start : start + FACETS_PER_BLOCK], SURFACE_SAMPLE_WEIGHTS)
+        facet = first + start + np.arange(len(points))
+        bound = triangle_distance(points, around.corners[facet][:, None]).ravel()
+        q, at = points.reshape(-1, 3), np.repeat(facet, points.shape[1])
 
         def closest(which: NDArray[np.intp], least: float, q: Array = q, at: NDArray[np.intp] = at) -> Array:
             return _walk(q[which], at[which], around, least)
@@ -193,13 +218,13 @@ def _surface_to_facets(patch: PatchMesh, around: _Around, first: int) -> float:
 
 
 def _walk(q: Array, at: NDArray[np.intp], around: _Around, least: float) -> Array:
-    """Distances (M,) of points q (M, 3) from the facets, by steps from facets `at` (M,) to ever closer ones.
+    """Return distances (M,) of points q (M, 3) from the facets, by steps from facets `at` (M,) to ever closer facets.
 
-    Where facets are long and skew, the one that is closest to a point may be many away from its own, and those between
-    farther away than both: points farther than `least` look along the strip of their facet on either side, then round it.
+    Among long and skew facets the closest one may be many facets away, with farther facets between. Points farther than
+    `least` are therefore searched along the strip of their facet on either side first, then in rings around it.
     """
     at, distance = at.copy(), triangle_distance(q, around.corners[at])
-    for reach in REACHES:
+    for reach in SEARCH_RINGS:
         active = np.flatnonzero(distance > least)
         while active.size:
             facets, owner = around.beside(at[active]) if reach == 0 else (at[active], np.arange(active.size))
@@ -212,27 +237,28 @@ def _walk(q: Array, at: NDArray[np.intp], around: _Around, least: float) -> Arra
             better = closest < distance[active]
             distance[active] = closest
             active = active[better & (closest > least)]
-    # steps may end before the closest facet: what is reported as the farthest point is held against all of them
-    known = np.zeros(len(q), dtype=bool)
+    # steps may end before the closest facet: the farthest point is compared with all facets, until it stays the farthest
+    checked = np.zeros(len(q), dtype=bool)
     while len(q):
         k = int(distance.argmax())
-        if known[k] or distance[k] <= least:
+        if checked[k] or distance[k] <= least:
             break
-        distance[k], known[k] = around.from_all(q[k], distance[k]), True
+        distance[k], checked[k] = around.from_all(q[k], distance[k]), True
     return distance
 
 
 def _largest(bound: Array, closest: Callable[[NDArray[np.intp], float], Array], least: float) -> float:
-    """Largest of distances (M,) of which each is at most its `bound` (M,), or `least`.
+    """Return the largest of distances (M,), each of which is at most its `bound` (M,), or `least` if this is larger.
 
-    `closest` gives those asked for, or anything between those that are below the given number and that number.
+    `closest` returns distances for given numbers. For a distance below the given limit it may return any value up to
+    the limit.
     """
-    open_ = np.flatnonzero(bound > least)
-    order = open_[np.argsort(-bound[open_])]
-    start, size = 0, BATCH
+    candidates = np.flatnonzero(bound > least)
+    order = candidates[np.argsort(-bound[candidates])]
+    start, size = 0, FIRST_BATCH
     while start < order.size and bound[order[start]] > least:
         least = max(least, float(closest(order[start : start + size], least).max()))
-        start, size = start + size, MORE * size
+        start, size = start + size, BATCH_GROWTH * size
     return least
 
 
@@ -241,7 +267,7 @@ def _length(w: Array) -> Array:
 
 
 def triangle_distance(q: Array, corners: Array) -> Array:
-    """Distances (...,) of points q (..., 3) from triangles (..., 3, 3), in mm; also from those that are lines or points."""
+    """Return distances (...,), mm, of points q (..., 3) from triangles (..., 3, 3), which may be degenerate."""
     a, b, c = corners[..., 0, :], corners[..., 1, :], corners[..., 2, :]
     normal = cross(b - a, c - a)
     with np.errstate(invalid="ignore"):

@@ -1,4 +1,5 @@
-"""Flanks as height fields: where a circle about an axis, or a straight ray, meets a triangle mesh or an exact grid.
+"""Flanks as height fields: intersections of circles about an axis, or of straight rays, with a triangle mesh or an
+exact grid.
 
 A `HeightChart` splits space into two flat coordinates (a, b) and a height, so that a flank is a function height(a, b):
 
@@ -6,9 +7,9 @@ A `HeightChart` splits space into two flat coordinates (a, b) and a height, so t
     Slides: a = x, b = z, height = +-y         lines along the y axis (how far may a body slide?)
     Rays: a = x,   b = y, height = z           straight lines along z   (how far apart are two bodies?)
 
-Arcs cross the *plane* of a triangle in closed form, so that a mesh is met exactly as the polyhedron it is: straight
-chords are curved in (rho, z, theta), and interpolating theta between the vertices would be wrong by as much as the
-facets are. A structured grid of exact points is met as the bicubic spline through it.
+Arcs cross the *plane* of a triangle in closed form, so a mesh is treated exactly as a polyhedron. Interpolation of
+theta between the vertices would be wrong by the size of the facets' deviation, because straight chords are curved in
+(rho, z, theta). A structured grid of exact points is treated as the bicubic spline through the points.
 """
 
 from __future__ import annotations
@@ -29,46 +30,49 @@ from gearmesh.mesh.triangles import TriangleMesh
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-# Barycentric slack: closes the cracks between neighbouring triangles; rounding is about 1e-12 for the thinnest facets.
-INSIDE = 1e-9
-# A Newton step on the grid ends when the flat coordinates are met to this, mm.
-GRID_RESIDUAL = 1e-11
-# Where a grid is nearly tangent to the lines of the chart, at a root or a rounded tip, Newton gains a factor of 4 a step.
-GRID_ITERATIONS = 24
-# A place beyond the rim is given up when its foot on the rim moves by less than this, in cells.
-AT_REST = 1e-3
-# A grid has two sheets where its lines turn the other way by more than this share of the most.
-FLAT = 1e-9
-MOST_BINS = 200
-# Triangles whose boxes are larger than this part of the whole, both ways, are halved for the bins, so many times at most.
-PIECES, HALVINGS = 60, 14
+#: closes the cracks between neighbouring triangles; rounding is about 1e-12 for the thinnest facets
+BARYCENTRIC_SLACK = 1e-9
+#: residual of the flat coordinates at which Newton's method on a grid ends
+GRID_RESIDUAL_MM = 1e-11
+#: Newton steps on a grid; nearly tangent lines, at a root or a rounded tip, gain a factor of 4 per step
+MAX_GRID_STEPS = 24
+#: step along the rim below which a place beyond the rim is given up, in cells
+RESTING_STEP_CELLS = 1e-3
+#: a grid has two sheets if its lines turn the other way by more than this share of the largest turning
+SHEET_TOLERANCE = 1e-9
+#: limit of the bins in either direction
+MAX_BINS = 200
+#: triangles are halved for the bins while their boxes exceed the whole divided by this in both directions
+PIECES_PER_EXTENT = 60
+#: limit of these halvings
+MAX_HALVINGS = 14
 
 
 class HeightChart(Protocol):
-    """Two flat coordinates and a height; all in the chart's own frame, mm (heights of `Arcs` and `Slides` in rad)."""
+    """Two flat coordinates and a height, in the chart's own frame; mm, but rad for heights of `Arcs` and `Slides`."""
 
     def split(self, r: Array) -> tuple[Array, Array]:
-        """Flat coordinates (..., 2) and heights (...,) of points (..., 3)."""
+        """Return flat coordinates (..., 2) and heights (...,) of points (..., 3)."""
 
     def join(self, flat: Array, height: Array) -> Array:
-        """Points (..., 3)."""
+        """Return points (..., 3) from flat coordinates and heights."""
 
     def rate(self, r: Array, dr: Array) -> Array:
-        """Change of the flat coordinates, (..., 2), when points (..., 3) move by dr (..., 3)."""
+        """Return the change (..., 2) of the flat coordinates when points (..., 3) move by dr (..., 3)."""
 
     def uphill(self, r: Array) -> Array:
-        """Unit directions (..., 3) in which the height grows."""
+        """Return unit directions (..., 3) of increasing height."""
 
     def plane_height(self, flat: Array, normal: Array, offset: Array, near: Array) -> Array:
-        """Heights (...,) of the planes normal . r = offset over `flat`, on the branch of the points `near` (..., 3)."""
+        """Return heights (...,) of the planes normal . r = offset over `flat`, on the branch of points `near` (..., 3)."""
 
     def lowest(self, corners: Array) -> Array:
-        """Lower bounds (T, 2) of the flat coordinates over whole triangles (T, 3, 3); the upper ones are at corners."""
+        """Return lower bounds (T, 2) of the flat coordinates over triangles (T, 3, 3); the upper ones are at corners."""
 
 
 @dataclass(frozen=True)
 class Arcs:
-    """Circles about z: flat (rho, z), height `sense` * theta with theta within half a turn of `reference` (rad)."""
+    """Circles about z: flat (rho, z), height `sense` * theta, with theta within half a turn of `reference` (rad)."""
 
     sense: float
     reference: float
@@ -90,7 +94,7 @@ class Arcs:
         return self.sense * np.stack((-r[..., 1] / rho, r[..., 0] / rho, np.zeros_like(rho)), axis=-1)
 
     def plane_height(self, flat: Array, normal: Array, offset: Array, near: Array) -> Array:
-        # |n_xy| rho cos(theta - direction of n_xy) = offset - n_z z
+        # solve |n_xy| rho cos(theta - direction of n_xy) = offset - n_z z; of two roots take the one on the side of `near`
         middle = polar_angle(normal)
         length = flat[..., 0] * np.hypot(normal[..., 0], normal[..., 1])
         half = np.arccos((offset - normal[..., 2] * flat[..., 1]) / length)
@@ -98,7 +102,7 @@ class Arcs:
         return self._height(middle + side * half)
 
     def lowest(self, corners: Array) -> Array:
-        # a chord passes closer to the axis than its ends
+        # the smallest rho may lie between the ends of an edge
         start, end = corners[..., :2], np.roll(corners, -1, axis=1)[..., :2]
         edge = end - start
         (x, y), (dx, dy) = np.moveaxis(start, -1, 0), np.moveaxis(edge, -1, 0)
@@ -108,13 +112,13 @@ class Arcs:
         return np.stack((_least(np.sqrt(x * x + y * y)), _least(corners[..., 2])), axis=-1)
 
     def slope(self, r: Array, normal: Array) -> Array:
-        """Partials of the height by (rho, z), (..., 2) in rad/mm, of surfaces with `normal` at r (..., 3)."""
+        """Return derivatives of the height by (rho, z), (..., 2) in rad/mm, of surfaces with `normal` at r (..., 3)."""
         rho = np.hypot(r[..., 0], r[..., 1])
         outward = (r[..., 0] * normal[..., 0] + r[..., 1] * normal[..., 1]) / rho
         return -np.stack((outward, normal[..., 2]), axis=-1) / (rho * dot(normal, self.uphill(r)))[..., None]
 
     def arm(self, r: Array) -> Array:
-        """mm per rad of the height."""
+        """Return the displacement in mm per rad of the height."""
         radius: Array = np.hypot(r[..., 0], r[..., 1])
         return radius
 
@@ -124,7 +128,7 @@ class Arcs:
 
 @dataclass(frozen=True)
 class Slides:
-    """Straight lines along y: flat (x, z), height `sense` * y / `radius`; what `Arcs` are to what turns, to what slides."""
+    """Straight lines along y: flat (x, z), height `sense` * y / `radius`; the `Arcs` of a sliding member."""
 
     sense: float
     radius: float
@@ -151,19 +155,20 @@ class Slides:
         return corner
 
     def slope(self, r: Array, normal: Array) -> Array:
-        """Partials of the height by (x, z), (..., 2) in rad/mm, of surfaces with `normal` at r (..., 3)."""
+        """Return derivatives of the height by (x, z), (..., 2) in rad/mm, of surfaces with `normal` at r (..., 3)."""
         return -normal[..., ::2] / (self.radius * self.sense * normal[..., 1])[..., None]
 
     def arm(self, r: Array) -> Array:
-        """mm per rad of the height."""
+        """Return the displacement in mm per rad of the height."""
         return np.full(r.shape[:-1], self.radius)
 
 
+#: charts over the paths in which a joint moves points
 Ways: TypeAlias = Arcs | Slides
 
 
 def along(joint: Joint, sense: float, reference: float) -> Ways:
-    """The chart over the ways in which a joint moves points."""
+    """Return the chart over the paths in which a joint moves points."""
     return Arcs(sense, reference) if joint.travel is None else Slides(sense, joint.travel)
 
 
@@ -193,22 +198,28 @@ class Rays:
 
 @dataclass(frozen=True)
 class Hits:
-    """Where the lines of a chart meet a flank: heights (N,), points and unit normals (N, 3); NaN where they miss.
+    """Intersections of the lines of a chart with a flank; NaN where a line misses the flank.
 
-    Points and normals are in the chart's frame; normals look uphill, whatever the orientation of the triangles. `part`
-    (N,) says which part of a flank of several was met.
+    Points and normals are in the chart's frame. Normals point uphill, for any orientation of the triangles.
     """
 
+    #: height (N,)
     height: Array
+    #: point (N, 3), mm
     point: Array
+    #: unit normal (N, 3)
     normal: Array
+    #: number (N,) of the intersected part of a flank of several parts
     part: NDArray[np.int64]
 
     def __getitem__(self, which: NDArray[np.bool_]) -> Hits:
         return Hits(self.height[which], self.point[which], self.normal[which], self.part[which])
 
     def better(self, other: Hits, side: float) -> Hits:
-        """Of two hits in a place the higher (`side` +1) or the lower (-1), or the only one; of equal ones the own."""
+        """Return the higher (`side` +1) or lower (-1) of two hits per place, or the only hit.
+
+        This object's hit is returned if both are equal.
+        """
         with np.errstate(invalid="ignore"):
             swap = np.isnan(self.height) | (side * other.height > side * self.height)
         swap &= np.isfinite(other.height)
@@ -223,10 +234,13 @@ class Hits:
 
 @dataclass(frozen=True)
 class RimPlaces:
-    """Places (N,) on the rim of a flank: flat coordinates (N, 2), how these change with the share (N, 2), and hits."""
+    """Places on the rim of a flank."""
 
+    #: flat coordinates (N, 2)
     flat: Array
+    #: derivative (N, 2) of the flat coordinates by the share of the segment
     rate: Array
+    #: hits at the places
     hits: Hits
 
 
@@ -235,21 +249,21 @@ class Field(Protocol):
 
     @property
     def box(self) -> Array:
-        """Least and greatest flat coordinates, (2, 2)."""
+        """Smallest and largest flat coordinates, (2, 2)."""
 
     @property
     def smooth(self) -> bool:
-        """Whether heights are smooth inside its rims; facets are not."""
+        """True if heights are smooth inside the rims of the flank; False for facets."""
 
     @property
     def rim_segments(self) -> int:
-        """Number of segments of the rim; within one everything is smooth."""
+        """Number of segments of the rim; the rim is smooth within a segment."""
 
     def rim(self, segment: NDArray[np.int64], share: Array) -> RimPlaces:
-        """Places on the rim at shares (N,) in 0 .. 1 of segments (N,), met exactly; shares may run over a little."""
+        """Return exact places on the rim at shares (N,) of segments (N,); shares may leave 0 .. 1 slightly."""
 
     def at(self, flat: Array) -> Hits:
-        """Hits over flat coordinates (N, 2)."""
+        """Return hits over flat coordinates (N, 2)."""
 
 
 class HeightFlank(Protocol):
@@ -257,17 +271,17 @@ class HeightFlank(Protocol):
 
     @property
     def points(self) -> Array:
-        """Points (K, 3) on it, that show where it is."""
+        """Points (K, 3) of the flank that indicate its position."""
 
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
-        """The flank as a height field; of several hits the highest (`side` +1) or the lowest (-1) counts."""
+        """Return the flank as a height field; the highest (`side` +1) or the lowest (-1) of several hits counts."""
 
     def between(self, low: float, high: float) -> Self | None:
-        """The part of it between two z (mm), and a little more; None where there is none."""
+        """Return the part of the flank between two z (mm), slightly extended; None if there is none."""
 
 
 def as_flank(source: TriangleMesh | Array | HeightFlank) -> HeightFlank:
-    """A flank from a triangle mesh, from a structured grid of exact points (I, J, 3), or as it is."""
+    """Return a flank from a triangle mesh or a structured grid of exact points (I, J, 3); keep a flank as it is."""
     if isinstance(source, TriangleMesh):
         return MeshFlank(source.corners())
     if isinstance(source, np.ndarray):
@@ -277,7 +291,7 @@ def as_flank(source: TriangleMesh | Array | HeightFlank) -> HeightFlank:
 
 @dataclass(frozen=True)
 class MeshFlank:
-    """Triangles (T, 3, 3), own frame, mm; order of triangles and corners does not matter."""
+    """Triangles (T, 3, 3), mm, in the member's frame; the order of triangles and corners does not matter."""
 
     corners: Array
 
@@ -291,7 +305,10 @@ class MeshFlank:
 
     @cached_property
     def rim(self) -> NDArray[np.int64]:
-        """Triangle and first corner (R, 2) of the edges that belong to one triangle alone; ends are identified by coordinates."""
+        """Triangle and first corner (R, 2) of each edge that belongs to one triangle only.
+
+        Ends of edges are identified by their coordinates.
+        """
         vertex = np.unique(self.points, axis=0, return_inverse=True)[1].reshape(-1, 3)
         ends = np.sort(np.stack((vertex, np.roll(vertex, -1, axis=1)), axis=-1).reshape(-1, 2), axis=1)
         _, edge, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
@@ -308,26 +325,34 @@ class MeshFlank:
 
 @dataclass(frozen=True)
 class MeshField:
-    """Triangles (T, 3, 3) in the chart's frame, sorted into bins over the flat coordinates."""
+    """Triangles in the chart's frame, sorted into bins over the flat coordinates."""
 
+    #: chart of the field
     chart: HeightChart
+    #: triangles (T, 3, 3) in the chart's frame
     corners: Array
+    #: +1 if the highest of several hits counts, -1 if the lowest
     side: float
+    #: the flank in its member's frame
     flank: MeshFlank
+    #: False, as facets have edges
     smooth: bool = False
 
     @cached_property
     def _pieces(self) -> tuple[Array, NDArray[np.int64]]:
-        """Parts (K, 3, 3) of the triangles, halved until long and oblique ones fit their boxes, and whose parts they are (K,)."""
+        """Pieces (K, 3, 3) of the triangles, and the number (K,) of the triangle of each piece.
+
+        Long oblique triangles are halved until they fit their boxes.
+        """
         pieces, whose, small = self.corners, np.arange(len(self.corners)), list[tuple[Array, NDArray[np.int64]]]()
         flat = self.chart.split(pieces)[0]
-        large = np.ptp(flat.reshape(-1, 2), axis=0) / PIECES
-        for _ in range(HALVINGS):
+        large = np.ptp(flat.reshape(-1, 2), axis=0) / PIECES_PER_EXTENT
+        for _ in range(MAX_HALVINGS):
             x, y = np.moveaxis(self.chart.split(pieces)[0], -1, 0)
             much = (_greatest(x) - _least(x) > large[0]) & (_greatest(y) - _least(y) > large[1])
             if not much.any():
                 break
-            # what is small enough stays so
+            # small pieces are complete; large pieces are halved
             small.append((pieces[~much], whose[~much]))
             halved = _halve(pieces[much])
             pieces, whose = np.concatenate(halved), np.concatenate([whose[much]] * len(halved))
@@ -339,7 +364,7 @@ class MeshField:
         return self._boxes(self.corners)
 
     def _boxes(self, triangles: Array) -> tuple[Array, Array]:
-        """Least and greatest flat coordinates (K, 2) over triangles (K, 3, 3)."""
+        """Return smallest and largest flat coordinates (K, 2) over triangles (K, 3, 3)."""
         x, y = np.moveaxis(self.chart.split(triangles)[0], -1, 0)
         return self.chart.lowest(triangles), np.stack((_greatest(x), _greatest(y)), axis=-1)
 
@@ -393,7 +418,7 @@ class MeshField:
 
     def at(self, flat: Array) -> Hits:
         query, triangle = self._bins.pairs(flat)
-        # column by column: sums and comparisons over two or three numbers each take as long as those over thousands
+        # compare column by column, which is faster than along the short last axis
         for place, low, high in zip(flat.T, *self._reach, strict=True):
             along = place[query]
             near = (along >= low[triangle]) & (along <= high[triangle])
@@ -403,38 +428,46 @@ class MeshField:
         with np.errstate(all="ignore"):  # lines that run along a plane or miss it
             height = self.chart.plane_height(flat[query], normal, dot(normal, corner), self._middles[triangle])
             point = self.chart.join(flat[query], height)
-            one, two = np.einsum("nkj,nj->kn", self._duals[triangle], point - corner)
-            hit = (one >= -INSIDE) & (two >= -INSIDE) & (one + two <= 1.0 + INSIDE)
+            weight_1, weight_2 = np.einsum("nkj,nj->kn", self._duals[triangle], point - corner)
+            hit = (
+                (weight_1 >= -BARYCENTRIC_SLACK)
+                & (weight_2 >= -BARYCENTRIC_SLACK)
+                & (weight_1 + weight_2 <= 1.0 + BARYCENTRIC_SLACK)
+            )
         query, triangle, height, point = query[hit], triangle[hit], height[hit], point[hit]
 
-        first = np.lexsort((-self.side * height, query))
-        first = first[np.diff(query[first], prepend=-1) > 0]
+        # the highest or lowest hit of each query
+        best = np.lexsort((-self.side * height, query))
+        best = best[np.diff(query[best], prepend=-1) > 0]
         hits = _misses(len(flat))
-        hits.height[query[first]] = height[first]
-        hits.point[query[first]] = point[first]
-        hits.normal[query[first]] = _uphill(self.chart, point[first], self._area_vectors[triangle[first]])
+        hits.height[query[best]] = height[best]
+        hits.point[query[best]] = point[best]
+        hits.normal[query[best]] = _uphill(self.chart, point[best], self._area_vectors[triangle[best]])
         return hits
 
 
 def _above(triangles: Array, level: float, way: float) -> Array:
-    """What of triangles (T, 3, 3) lies above the plane z = `level`, or below it (`way` -1), as triangles in the same planes."""
+    """Return the parts of triangles (T, 3, 3) above the plane z = `level`, or below it (`way` -1), as triangles."""
     height = way * (triangles[..., 2] - level)
     inside = height >= 0.0
     count = inside.sum(axis=1)
     cut = (count == 1) | (count == 2)
-    # the corner that is alone on its side first
+    # corner a is alone on its side of the plane: the part is its tip, or the rest as two triangles
     alone = np.where(count == 1, inside.argmax(axis=1), inside.argmin(axis=1))[cut]
     order = (alone[:, None] + np.arange(3)) % 3
     a, b, c = np.moveaxis(np.take_along_axis(triangles[cut], order[..., None], axis=1), 1, 0)
     ab, ac = _at_level(a, b, level), _at_level(a, c, level)
-    one = (count == 1)[cut]
-    tips = np.stack((a, ab, ac), axis=1)[one]
-    rests = [np.stack(corners, axis=1)[~one] for corners in ((ab, b, c), (ab, c, ac))]
+    single_corner = (count == 1)[cut]
+    tips = np.stack((a, ab, ac), axis=1)[single_corner]
+    rests = [np.stack(corners, axis=1)[~single_corner] for corners in ((ab, b, c), (ab, c, ac))]
     return np.concatenate((triangles[count == 3], tips, *rests))
 
 
 def _at_level(a: Array, b: Array, level: float) -> Array:
-    """Where edges from a to b (N, 3) cross z = `level`: the same points, to the last digit, from b to a."""
+    """Return the points where edges from a to b (N, 3) cross z = `level`.
+
+    Edges from b to a give the same points to the last digit.
+    """
     swap = (a[:, 2] > b[:, 2])[:, None]
     low, high = np.where(swap, b, a), np.where(swap, a, b)
     point: Array = low + ((level - low[:, 2]) / (high[:, 2] - low[:, 2]))[:, None] * (high - low)
@@ -443,17 +476,17 @@ def _at_level(a: Array, b: Array, level: float) -> Array:
 
 
 def _least(values: Array) -> Array:
-    """The least of three values each, (T, 3)."""
+    """Return the smallest of three values each, (T, 3)."""
     return np.minimum(np.minimum(values[:, 0], values[:, 1]), values[:, 2])
 
 
 def _greatest(values: Array) -> Array:
-    """The greatest of three values each, (T, 3)."""
+    """Return the largest of three values each, (T, 3)."""
     return np.maximum(np.maximum(values[:, 0], values[:, 1]), values[:, 2])
 
 
 def _halve(triangles: Array) -> tuple[Array, Array]:
-    """Both halves of triangles (T, 3, 3), cut across their longest edges."""
+    """Return both halves of triangles (T, 3, 3), cut across their longest edges."""
     side = np.roll(triangles, -1, axis=1) - triangles
     length = np.sqrt(dot(side, side))
     order = (length.argmax(axis=1)[:, None] + np.arange(3)) % 3
@@ -464,19 +497,30 @@ def _halve(triangles: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class _Bins:
-    """Triangles in a rectangular grid of bins, by the boxes of their pieces: bin k holds members[start[k] : start[k + 1]]."""
+    """Triangles in a rectangular grid of bins, by the boxes of their pieces.
 
+    Bin k holds members[start[k] : start[k + 1]].
+    """
+
+    #: corner (2,) of the grid, in flat coordinates
     origin: Array
+    #: size (2,) of a bin
     size: Array
+    #: number (2,) of bins in either direction
     shape: NDArray[np.int64]
+    #: index in `members` at which each bin begins
     start: NDArray[np.int64]
+    #: numbers of the triangles, bin after bin
     members: NDArray[np.int64]
 
     @staticmethod
     def of(low: Array, high: Array, whose: NDArray[np.int64]) -> _Bins:
-        """Bins of about the average size of the boxes from `low` to `high` (K, 2) of pieces of the triangles `whose` (K,)."""
+        """Return bins of about the average size of the boxes `low` to `high` (K, 2).
+
+        The boxes belong to pieces of the triangles `whose` (K,).
+        """
         origin, extent = low.min(axis=0), high.max(axis=0) - low.min(axis=0)
-        average = np.maximum((high - low).mean(axis=0), extent / MOST_BINS)
+        average = np.maximum((high - low).mean(axis=0), extent / MAX_BINS)
         shape = np.maximum(np.ceil(extent / np.maximum(average, np.finfo(float).tiny)), 1.0).astype(np.int64)
         size = np.maximum(extent / shape, np.finfo(float).tiny)
         margin = 1e-6 * size
@@ -485,14 +529,14 @@ class _Bins:
         span = last - first + 1
         box, step = _expand(span.prod(axis=1))
         cell = first[box] + np.stack((step // span[box, 1], step % span[box, 1]), axis=-1)
-        # of the many pieces that an oblique triangle may have in a bin one is enough
+        # an oblique triangle with many pieces in a bin is entered once
         count = int(whose.max(initial=0)) + 1
         key, member = np.divmod(distinct((cell[:, 0] * shape[1] + cell[:, 1]) * count + whose[box]), count)
         start = np.concatenate(([0], np.cumsum(np.bincount(key, minlength=int(shape.prod())))))
         return _Bins(origin, size, shape, start, member)
 
     def pairs(self, flat: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Indices of queries `flat` (N, 2) and of the triangles in their bins."""
+        """Return indices of queries `flat` (N, 2), and of the triangles in their bins."""
         place = (flat - self.origin) / self.size
         within = (place >= -1e-6) & (place <= self.shape + 1e-6)
         inside = within[:, 0] & within[:, 1]
@@ -504,12 +548,11 @@ class _Bins:
 
 @dataclass(frozen=True)
 class GridFlank:
-    """Structured exact points (I, J, 3), own frame, mm, joined by a bicubic spline over the indices.
+    """Bicubic spline over the indices of structured exact points."""
 
-    I and J are at least 4. `cells`: the polynomials (I - 1, J - 1, 4, 4, 3) of a part of a larger grid, whose spline it keeps.
-    """
-
+    #: points (I, J, 3), mm, in the member's frame; I and J are at least 4
     grid: Array
+    #: polynomials (I - 1, J - 1, 4, 4, 3) of the cells, for a part of a larger grid that keeps the larger grid's spline
     cells: Array | None = None
 
     def __post_init__(self) -> None:
@@ -526,7 +569,7 @@ class GridFlank:
 
     @property
     def last(self) -> Array:
-        """The greatest indices, (2,)."""
+        """Largest indices, (2,)."""
         return np.array(self.grid.shape[:2], dtype=float) - 1.0
 
     @cached_property
@@ -541,10 +584,10 @@ class GridFlank:
         return np.ascontiguousarray(np.transpose(along_j, (3, 1, 2, 0, 4)))
 
     def jet(self, index: Array) -> tuple[Array, Array, Array]:
-        """Points and their partials (N, 3) at fractional indices (N, 2)."""
+        """Return points and their partial derivatives (N, 3) at fractional indices (N, 2)."""
         cell = np.clip(index.astype(np.int64), 0, np.array(self._coefficients.shape[:2]) - 1)
         along_i, along_j = np.moveaxis(np.stack(_powers(index - cell), axis=-2), 1, 0)
-        # contraction over i for the value and the slope at once, then over j: two products of small matrices a place
+        # contract over i for value and slope at once, then over j
         over_i = along_i @ self._coefficients[cell[:, 0], cell[:, 1]].reshape(-1, 4, 12)
         over_i = over_i.reshape(-1, 2, 4, 3)
         at_place = along_j @ over_i[:, 0]
@@ -552,7 +595,7 @@ class GridFlank:
 
     @cached_property
     def nodes(self) -> tuple[Array, Array, Array]:
-        """Points of the grid and their partials, (I J, 3)."""
+        """Points of the grid and their partial derivatives, (I J, 3) each."""
         shape = self.grid.shape[:2]
         return self.jet(np.stack(np.unravel_index(np.arange(shape[0] * shape[1]), shape), axis=-1).astype(float))
 
@@ -561,7 +604,7 @@ class GridFlank:
         inside = np.flatnonzero((z.max(axis=0) >= low) & (z.min(axis=0) <= high))
         if not inside.size:
             return None
-        # a cell more, and as many lines as a spline needs
+        # one cell more, and at least the four lines that a spline needs
         first, last = max(int(inside[0]) - 1, 0), min(int(inside[-1]) + 1, z.shape[1] - 1)
         first = max(min(first, last - 3), 0)
         end = max(last, first + 3)
@@ -573,30 +616,37 @@ class GridFlank:
 
 @dataclass(frozen=True)
 class GridField:
-    """A grid over a chart: the indices over given flat coordinates by Newton from the nearest grid point.
+    """A grid over a chart: Newton's method finds indices over flat coordinates from the nearest grid point.
 
-    Where lines of the chart are tangent to the grid it has two sheets: each is met by itself, and the better counts.
+    The grid has two sheets if lines of the chart are tangent to it. Each sheet is intersected separately, and the
+    better hit counts.
     """
 
+    #: chart of the field
     chart: HeightChart
+    #: the flank in its member's frame
     flank: GridFlank
+    #: transform from the member's frame to the chart's frame
     own_to_chart: Rigid
+    #: +1 if the highest of several hits counts, -1 if the lowest
     side: float
+    #: True, as a spline is smooth
     smooth: bool = True
 
     @cached_property
     def _sheets(self) -> list[tuple[cKDTree, NDArray[np.intp]]]:
-        """Trees of the grid points of every sheet over the flat coordinates, and which grid points these are."""
+        """Search trees of the grid points of every sheet over the flat coordinates, and the numbers of the points."""
         from scipy.spatial import cKDTree
 
         own, own_i, own_j = self.flank.nodes
         point = self.own_to_chart.point(own)
         flat = self.chart.split(point)[0]
+        # the sign of the area element over the flat coordinates tells the sheets apart
         turning = plane_cross(
             self.chart.rate(point, self.own_to_chart.vector(own_i)),
             self.chart.rate(point, self.own_to_chart.vector(own_j)),
         )
-        slack = FLAT * np.abs(turning).max()
+        slack = SHEET_TOLERANCE * np.abs(turning).max()
         sheets = [np.flatnonzero(sign * turning >= -slack) for sign in (1.0, -1.0)]
         whole = [sheet for sheet in sheets if len(sheet) == len(flat)]
         return [(cKDTree(flat[sheet]), sheet) for sheet in whole[:1] or sheets]
@@ -645,13 +695,13 @@ class GridField:
         return first
 
     def _from(self, tree: cKDTree, nodes: NDArray[np.intp], flat: Array) -> Hits:
-        """Hits found from the nearest of some grid points."""
+        """Return hits found from the nearest of the grid points numbered `nodes`."""
         distance, nearest = tree.query(flat)
         index = np.stack(np.unravel_index(nodes[nearest], self.flank.grid.shape[:2]), axis=-1).astype(float)
         hits = _misses(len(flat))
-        # a place in a cell is no farther from its nearest corner than the cell is long
+        # a place in a cell is no farther from the nearest corner than the longest diagonal
         todo = np.flatnonzero(distance <= self._longest)
-        for _ in range(GRID_ITERATIONS):
+        for _ in range(MAX_GRID_STEPS):
             if todo.size == 0:
                 break
             own, own_i, own_j = self.flank.jet(index[todo])
@@ -659,16 +709,16 @@ class GridField:
             r_i, r_j = self.own_to_chart.vector(own_i), self.own_to_chart.vector(own_j)
             here, height = self.chart.split(point)
             residual = flat[todo] - here
-            met = np.abs(residual).max(axis=-1) <= GRID_RESIDUAL
+            met = np.abs(residual).max(axis=-1) <= GRID_RESIDUAL_MM
             done = todo[met]
             hits.height[done], hits.point[done] = height[met], point[met]
             hits.normal[done] = _uphill(self.chart, point[met], cross(r_i[met], r_j[met]))
             wanted = index[todo] + np.clip(
                 _solve(self.chart.rate(point, r_i), self.chart.rate(point, r_j), residual), -5.0, 5.0
             )
-            # places beyond the rim stay on it with a residual: they are misses
+            # a place beyond the rim comes to rest on the rim with a residual: this is a miss
             moved = np.clip(wanted, 0.0, self.flank.last)
-            resting = (moved != wanted).any(axis=-1) & (np.abs(moved - index[todo]) < AT_REST).all(axis=-1)
+            resting = (moved != wanted).any(axis=-1) & (np.abs(moved - index[todo]) < RESTING_STEP_CELLS).all(axis=-1)
             going = ~met & ~resting & (moved != index[todo]).any(axis=-1) & np.isfinite(moved).all(axis=-1)
             index[todo[going]] = moved[going]
             todo = todo[going]
@@ -677,7 +727,7 @@ class GridField:
 
 @dataclass(frozen=True)
 class PatchedFlank:
-    """Several flanks in one frame that are one: the links of a tooth, or the parts of a link between two corners."""
+    """Several flanks in one frame as one flank: the links of a tooth, or the parts of a link between two corners."""
 
     patches: tuple[HeightFlank, ...]
 
@@ -690,7 +740,7 @@ class PatchedFlank:
         return replace(self, patches=tuple(parts.values())) if parts else None
 
     def parts_between(self, low: float, high: float) -> dict[int, HeightFlank]:
-        """What patches have between two z (mm), and a little more, by their numbers."""
+        """Return the parts of the patches between two z (mm), slightly extended, by patch numbers."""
         return {k: part for k, patch in enumerate(self.patches) if (part := patch.between(low, high)) is not None}
 
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
@@ -699,16 +749,16 @@ class PatchedFlank:
 
 @dataclass(frozen=True)
 class PatchedField:
-    """Fields over one chart; of several hits the better counts, and the rim is that of every one."""
+    """Several fields over one chart: the better of several hits counts, and the rim contains the rims of all fields."""
 
     fields: tuple[Field, ...]
     side: float
 
     @cached_property
     def _boxes(self) -> Array:
-        """Boxes (K, 2, 2) of the fields, and a little more."""
+        """Boxes (K, 2, 2) of the fields, slightly extended."""
         boxes = np.stack([field.box for field in self.fields])
-        margin = 1e-3 * (boxes[:, 1] - boxes[:, 0]) + GRID_RESIDUAL
+        margin = 1e-3 * (boxes[:, 1] - boxes[:, 0]) + GRID_RESIDUAL_MM
         return boxes + np.stack((-margin, margin), axis=1)
 
     @property
@@ -734,10 +784,10 @@ class PatchedField:
         hits = _misses(len(segment))
         flat, rate = np.empty((len(segment), 2)), np.empty((len(segment), 2))
         for k, field in enumerate(self.fields):
-            own = np.flatnonzero(owner == k)
-            places = field.rim(segment[own] - self._first[k], share[own])
-            flat[own], rate[own] = places.flat, places.rate
-            _put(hits, own, places.hits, k)
+            owned = np.flatnonzero(owner == k)
+            places = field.rim(segment[owned] - self._first[k], share[owned])
+            flat[owned], rate[owned] = places.flat, places.rate
+            _put(hits, owned, places.hits, k)
         return RimPlaces(flat, rate, hits)
 
     def at(self, flat: Array) -> Hits:
@@ -745,26 +795,26 @@ class PatchedField:
         for k, (field, (low, high)) in enumerate(zip(self.fields, self._boxes, strict=True)):
             near = np.flatnonzero(((flat >= low) & (flat <= high)).all(axis=-1))
             if near.size:
-                own = _misses(len(flat))
-                _put(own, near, field.at(flat[near]), k)
-                best = best.better(own, self.side)
+                field_hits = _misses(len(flat))
+                _put(field_hits, near, field.at(flat[near]), k)
+                best = best.better(field_hits, self.side)
         return best
 
 
 def _put(hits: Hits, where: NDArray[np.intp], some: Hits, part: int) -> None:
-    """Write hits of one part into those of all."""
+    """Write hits of one part into the hits of all parts."""
     hits.height[where], hits.point[where], hits.normal[where] = some.height, some.point, some.normal
     hits.part[where] = part
 
 
 def _powers(t: Array) -> tuple[Array, Array]:
-    """Cubes, squares, t, 1 and their derivatives, (..., 4), at t (...,)."""
+    """Return t^3, t^2, t, 1 and their derivatives, (..., 4) each, at t (...,)."""
     one, zero = np.ones_like(t), np.zeros_like(t)
     return np.stack((t**3, t**2, t, one), axis=-1), np.stack((3.0 * t**2, 2.0 * t, one, zero), axis=-1)
 
 
 def _solve(first: Array, second: Array, right: Array) -> Array:
-    """Solutions (N, 2) of x0 first + x1 second = right, all (N, 2); not finite where they are parallel."""
+    """Solve x0 first + x1 second = right, all (N, 2), for x (N, 2); not finite where `first` and `second` are parallel."""
     with np.errstate(all="ignore"):
         determinant = plane_cross(first, second)
         x0, x1 = plane_cross(right, second) / determinant, plane_cross(first, right) / determinant
@@ -772,22 +822,23 @@ def _solve(first: Array, second: Array, right: Array) -> Array:
 
 
 def _uphill(chart: HeightChart, point: Array, normal: Array) -> Array:
-    """Unit normals (N, 3) turned to the side where the height grows."""
+    """Return unit normals (N, 3) turned to the side of increasing height."""
     normal = unit(normal)
     return np.where(dot(normal, chart.uphill(point)) < 0.0, -1.0, 1.0)[:, None] * normal
 
 
 def _misses(count: int) -> Hits:
+    """Return hits without an intersection."""
     nan = np.full((count, 3), np.nan)
     return Hits(np.full(count, np.nan), nan, nan.copy(), np.zeros(count, dtype=np.int64))
 
 
 def _expand(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """For counts (N,): every owner repeated as often as it counts, and the running number within the owner."""
+    """Return for counts (N,) every owner repeated by its count, and the running number within the owner."""
     owner = np.repeat(np.arange(len(counts)), counts)
     return owner, np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def _wrap(angle: Array) -> Array:
-    """Angles (...,) in [-pi, pi)."""
+    """Return angles (...,) in [-pi, pi)."""
     return np.mod(angle + np.pi, 2.0 * np.pi) - np.pi

@@ -1,16 +1,18 @@
-"""Whole members rolled against each other: which teeth touch first, with what, and how much play there is.
+"""Whole members rolled against each other: the teeth that touch first, their regions, and the backlash.
 
-As the roll test it knows nothing but surfaces and the positions of the members. Of every tooth it takes a half, from the middle of
-the root to the middle of the land: fillet, flank, broken edge and land on dense grids of exact points (`tooth_half`), and
-turns the gear until the halves of all tooth pairs in reach are free (`touch.first_touch`). The same for the other halves
-turns the gear the other way; what lies between is the backlash.
+Like the roll test, this check knows only surfaces and positions of the members. It takes one half of every tooth, from
+the middle of the root to the middle of the land: fillet, flank, broken edge and land, on dense grids of exact points
+(`tooth_half`). It turns the gear until the halves of all tooth pairs within reach are free (`touch.first_touch`). The
+other halves are treated in the same way and turn the gear the other way; the backlash lies between the two.
 
-Tooth pair k does at phi1 what pair 0 does at phi1 - k pitches: its teeth are those of pair 0 turned back by k pitches of
-the pinion and by as many of the gear. On the coast side the pinion's tooth k meets the gear's tooth before that of pair k.
-The gear's own root and land, which are surfaces of revolution, or planes along a rack, are left out: turning (sliding) moves them
-in themselves (within the eccentricity of a gear that has one). A pinion's tip deeper than the gear's root is not seen;
-`root_clearance` sees it. A gear's tip deeper than the pinion's root touches that: such gears are jammed, and
-phi2 is not that of the contact solver's curve, which is of flanks and fillets and has no root.
+Tooth pair k does at phi1 what pair 0 does at phi1 - k pitches: its teeth are the teeth of pair 0 turned back by k
+pitches of the pinion and by as many pitches of the gear. On the coast side the pinion's tooth k meets the gear's tooth
+before the tooth of pair k.
+
+The gear's own root and land are left out. They are surfaces of revolution, or planes along a rack, so that turning
+(sliding) moves them in themselves, within the eccentricity of an eccentric gear. A pinion's tip deeper than the gear's
+root is not seen here; `root_clearance` sees it. A gear's tip deeper than the pinion's root touches this root: such
+gears are jammed. Their phi2 differs from the contact solver's curve, which includes flanks and fillets but no root.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ from numpy.typing import ArrayLike
 from gearmesh.check.heightfield import Field, GridFlank, PatchedFlank, along
 from gearmesh.check.roll import arcs_over
 from gearmesh.check.touch import first_touch
-from gearmesh.check.windings import WOUND, WoundTouch, in_mesh, middle, turns, windings
+from gearmesh.check.windings import MIN_WOUND_TURNS, WoundTouch, in_mesh, middle, turns, windings
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair
@@ -34,51 +36,58 @@ from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.tooth import Tooth
 
-#: cells of the grids along a flank's profile and face: doubling them moves phi2 by less than 0.005 arcsec (tests)
-FLANK_CELLS, HALF_CELLS = 80, 40
-#: cells across other links, as a share of those across the flank
-SHARE = {**dict.fromkeys(FILLETS.values(), 1.0), **dict.fromkeys(EDGES.values(), 0.5), Region.LAND: 0.25}
-FEWEST_CELLS = 4
-#: mm: links that are nowhere longer are left out
-NOTHING = 1e-9
-#: no pair is looked at farther than this many pitches from the one that is nominally in mesh
-MOST_PITCHES = 12
-#: pairs that are behind the first by more than this share of a gear pitch end the search on their side
-BEHIND = 0.5
+#: cells of a flank's grid in either direction; twice as many move phi2 by less than 0.005 arcsec (tests)
+FLANK_CELLS = 80
+#: cells of a half tooth's grids along a flank's profile and along the face
+HALF_CELLS = 40
+#: cells across other links, relative to the cells across the flank
+CELL_SHARES = {**dict.fromkeys(FILLETS.values(), 1.0), **dict.fromkeys(EDGES.values(), 0.5), Region.LAND: 0.25}
+#: smallest number of cells across a grid
+MIN_CELLS = 4
+#: links that are nowhere longer are left out
+MIN_LINK_LENGTH_MM = 1e-9
+#: largest distance of an examined pair from the pair nominally in mesh, in pitches
+MAX_PITCHES = 12
+#: lag behind the first pair, in gear pitches, at which the search ends on one side
+MAX_LAG_PITCHES = 0.5
 
 
 @dataclass(frozen=True)
 class ToothTouch:
-    """The gear's rotation `phi2` (rad) at which it is touched first, by which tooth pair, and where.
+    """First touch of the gear."""
 
-    `regions` of pinion and gear that touch; `on_rims`: whether either does so with the rim of that region, an edge;
-    `point` (3,) in the fixed frame, mm.
-    """
-
+    #: rotation of the gear, rad
     phi2: float
+    #: number of the tooth pair that touches
     tooth: int
+    #: touching regions of pinion and gear
     regions: tuple[Region, Region]
+    #: True for a member that touches with the rim of its region, an edge
     on_rims: tuple[bool, bool]
+    #: point of contact (3,), mm, in the fixed frame
     point: Array
 
 
 @dataclass(frozen=True)
 class MemberRoll:
-    """Both first touches at the pinion's rotation phi1 (rad); None on a side where nothing is in reach.
+    """First touches on both sides at one rotation of the pinion."""
 
-    `direction` +1: the drive side pushes the gear to larger phi2. `pairs` and `coast_pairs`: phi2 of every pair in reach.
-    """
-
+    #: rotation of the pinion, rad
     phi1: float
+    #: +1 if the drive side pushes the gear to larger phi2, else -1
     direction: int
+    #: first touch on the drive side; None if nothing is within reach
     drive: ToothTouch | None
+    #: first touch on the coast side; None if nothing is within reach
     coast: ToothTouch | None
+    #: phi2 (rad) of every pair within reach on the drive side, by pair number
     pairs: dict[int, float]
+    #: phi2 (rad) of every pair within reach on the coast side, by pair number
     coast_pairs: dict[int, float]
 
     @property
     def backlash(self) -> float:
-        """Rotation of the gear (rad) from one touch to the other: negative where the members overlap, NaN without both."""
+        """Rotation of the gear (rad) between the touches: negative if the members overlap, NaN without both touches."""
         if self.drive is None or self.coast is None:
             return float("nan")
         return self.direction * (self.coast.phi2 - self.drive.phi2)
@@ -94,8 +103,8 @@ def roll_members(
 ) -> tuple[MemberRoll, ...]:
     """Roll whole members at pinion rotations phi1 (P,), rad: first touch on the drive side and on the coast side.
 
-    Without `coast` the drive side alone, half of the work. Whole turns are added to phi2 to bring it next to `guess_phi2` (P,)
-    or (), by default ratio * phi1. Raises TrimError where a tooth cannot be trimmed.
+    Without `coast` only the drive side is rolled, which is half of the work. Whole turns are added to phi2 to bring it
+    next to `guess_phi2` (P,) or (), by default ratio * phi1. Raises TrimError if a tooth cannot be trimmed.
     """
     angles, guesses = _rotations(pair, phi1, guess_phi2)
     drive_side = _RolledSide.of(pair, coast=False, cells=cells)
@@ -103,17 +112,20 @@ def roll_members(
     rolls = []
     for angle, guess in zip(angles.tolist(), guesses.tolist(), strict=True):
         drive, drive_pairs = drive_side.at(angle, guess)
-        back, back_pairs = (None, dict[int, float]()) if coast_side is None else coast_side.at(angle, guess)
-        if coast_side is not None and drive is not None and back is None:
-            back, back_pairs = coast_side.at(angle, drive.phi2)
-        rolls.append(MemberRoll(angle, pair.drive, drive, back, drive_pairs, back_pairs))
+        coast_touch, coast_pairs = (None, dict[int, float]()) if coast_side is None else coast_side.at(angle, guess)
+        if coast_side is not None and drive is not None and coast_touch is None:
+            coast_touch, coast_pairs = coast_side.at(angle, drive.phi2)
+        rolls.append(MemberRoll(angle, pair.drive, drive, coast_touch, drive_pairs, coast_pairs))
     return tuple(rolls)
 
 
 def roll_flanks(
     pair: GearPair, phi1: ArrayLike, cells: int = FLANK_CELLS, guess_phi2: ArrayLike | None = None
 ) -> tuple[ToothTouch | None, ...]:
-    """Roll the flanks of one tooth pair alone, on exact grids; as `roll_members`. None where they never meet."""
+    """Roll the flanks of one tooth pair alone, on exact grids. None where they never meet.
+
+    The arguments are those of `roll_members`.
+    """
     halves = [flank_patches(m.one_tooth, side, cells) for m, side in zip(pair.both, pair.flanks, strict=True)]
     return _RolledSide.make(pair, pair.drive, 0, (halves[0], halves[1])).alone(*_rotations(pair, phi1, guess_phi2))
 
@@ -121,12 +133,15 @@ def roll_flanks(
 def roll_teeth(
     pair: GearPair, phi1: ArrayLike, cells: int = HALF_CELLS, guess_phi2: ArrayLike | None = None
 ) -> tuple[ToothTouch | None, ...]:
-    """Roll the teeth of one pair alone, fillets and edges with their flanks, on the drive side; as `roll_members`."""
+    """Roll the teeth of one pair alone on the drive side, including fillets and edges.
+
+    The arguments are those of `roll_members`.
+    """
     return _RolledSide.of(pair, coast=False, cells=cells).alone(*_rotations(pair, phi1, guess_phi2))
 
 
 def _rotations(pair: GearPair, phi1: ArrayLike, guess_phi2: ArrayLike | None) -> tuple[Array, Array]:
-    """Rotations (P,) of the pinion and next to which those of the gear are reported."""
+    """Return the pinion's rotations (P,), and rotations (P,) next to which the gear's rotations are reported."""
     angles = np.atleast_1d(np.asarray(phi1, dtype=float))
     return angles, np.broadcast_to(pair.ratio * angles if guess_phi2 is None else np.asarray(guess_phi2), angles.shape)
 
@@ -136,7 +151,7 @@ def _rotations(pair: GearPair, phi1: ArrayLike, guess_phi2: ArrayLike | None) ->
 
 @dataclass(frozen=True)
 class Half:
-    """A half of a tooth, own frame: its grids and the region that each is of."""
+    """Half of a tooth in the member's frame: its grids, and the region of each grid."""
 
     flank: PatchedFlank
     regions: tuple[Region, ...]
@@ -146,7 +161,7 @@ class Half:
         return self.flank.points
 
     def between(self, low: float, high: float) -> Half | None:
-        """The part of it between two z (mm), and a little more; None where there is none."""
+        """Return the part of the half between two z (mm), slightly extended; None if there is none."""
         parts = self.flank.parts_between(low, high)
         if not parts:
             return None
@@ -155,16 +170,17 @@ class Half:
 
 @dataclass(frozen=True)
 class _RolledSide:
-    """One side of all teeth: `drive` +-1 the sense in which the gear is pushed, `pinion` the pinion's half tooth, in pieces of less
-    than a turn.
+    """One side of all teeth."""
 
-    `gear_arcs(k)`: the gear's half tooth that the pinion's tooth k meets, gear not turned, over circles about its axis.
-    """
-
+    #: pair of members
     pair: GearPair
+    #: +1 or -1, direction of phi2 in which the gear is pushed
     drive: int
+    #: half tooth of the pinion, in pieces of less than a turn
     pinion: tuple[Half, ...]
+    #: half tooth of the gear
     gear: Half
+    #: half tooth of the unturned gear that meets the pinion's tooth k, over circles about the gear's axis
     gear_arcs: Callable[[int], Field]
 
     @staticmethod
@@ -176,7 +192,10 @@ class _RolledSide:
 
     @staticmethod
     def make(pair: GearPair, drive: int, ahead: int, halves: tuple[Half, Half]) -> _RolledSide:
-        """`ahead`: the gear's tooth counted from that of the pair, in pitches of growing phi2."""
+        """Return a rolled side.
+
+        `ahead` is the gear's tooth counted from the tooth of the pair, in pitches of growing phi2.
+        """
         mount, tooth = pair.gear.mount, pair.gear.tooth
 
         @cache
@@ -188,7 +207,7 @@ class _RolledSide:
         return _RolledSide(pair, drive, windings(halves[0], turns(pair.pinion.tooth)), halves[1], gear_arcs)
 
     def at(self, phi1: float, guess: float) -> tuple[ToothTouch | None, dict[int, float]]:
-        """First touch of all pairs in reach, and phi2 of every one."""
+        """Return the first touch of all pairs within reach, and phi2 of every pair."""
         first: ToothTouch | None = None
         all_pairs: dict[int, float] = {}
         start = round(phi1 / self.pair.pitch)
@@ -205,21 +224,25 @@ class _RolledSide:
                 met, all_pairs[k] = True, touch.phi2
                 if first is None or self.drive * (touch.phi2 - first.phi2) > 0.0:
                     first = touch
-                elif self.drive * (first.phi2 - touch.phi2) > BEHIND * self.pair.gear.tooth.pitch_angle:
+                # pairs farther out lag even more
+                elif self.drive * (first.phi2 - touch.phi2) > MAX_LAG_PITCHES * self.pair.gear.tooth.pitch_angle:
                     break
         return first, all_pairs
 
     @property
     def _reach(self) -> int:
-        """Pairs that are looked at on either side: no tooth of the pinion twice, but for those that go round their axis."""
-        return MOST_PITCHES if len(self.pinion) > 1 else min(MOST_PITCHES, (self.pair.pinion.tooth.teeth - 1) // 2)
+        """Number of pairs examined on either side: no tooth of the pinion occurs twice, except on wound threads."""
+        return MAX_PITCHES if len(self.pinion) > 1 else min(MAX_PITCHES, (self.pair.pinion.tooth.teeth - 1) // 2)
 
     def alone(self, phi1: Array, guess: Array) -> tuple[ToothTouch | None, ...]:
-        """First touch of tooth pair 0 alone at every phi1 (P,)."""
+        """Return the first touch of tooth pair 0 alone at every phi1 (P,)."""
         return tuple(self.touch(0, a, g, anywhere=True) for a, g in zip(phi1.tolist(), guess.tolist(), strict=True))
 
     def touch(self, k: int, phi1: float, guess: float, *, anywhere: bool = False) -> ToothTouch | None:
-        """First touch of tooth pair k alone; of a thread the winding next to phi2 = `guess`, or the nearest `anywhere`."""
+        """Return the first touch of tooth pair k alone.
+
+        On a thread the winding next to phi2 = `guess` counts, or the nearest winding with `anywhere`.
+        """
         first, second = self.pair.mounts
         pinion_turn = Rigid.about_z(-first.sign * k * self.pair.pitch)
         pinion_to_base = second.base.inverse @ first.at(phi1) @ pinion_turn
@@ -242,7 +265,7 @@ class _RolledSide:
 
 
 def _outwards(start: int, most: int) -> Iterator[range]:
-    """Pairs from the one nominally in mesh on, one way and then the other, so many at most."""
+    """Yield pair numbers from the pair nominally in mesh outwards, `most` in one direction and then in the other."""
     yield range(start, start + most + 1)
     yield range(start - 1, start - most - 1, -1)
 
@@ -251,21 +274,21 @@ def _outwards(start: int, most: int) -> Iterator[range]:
 
 
 def flank_patches(tooth: Tooth, side: Side, cells: int) -> Half:
-    """The trimmed flank alone on exact grids of about `cells` cells either way, cut where its form point has corners."""
+    """Return the trimmed flank alone on exact grids of about `cells` x `cells` cells, cut at corners of its form point."""
     s = np.linspace(0.0, 1.0, cells + 1)
     grids = [tooth.flank_grid(side, s, t).points for t in _spans(tooth, cells)]
     return Half(PatchedFlank(tuple(GridFlank(grid) for grid in grids)), (FLANKS[side],) * len(grids))
 
 
 def tooth_half(tooth: Tooth, side: Side, cells: int, *, turned: bool = True) -> Half:
-    """Half of a tooth on exact grids, `cells` along the flank's profile and its face; without `turned` no land and root.
+    """Return half of a tooth on exact grids, with `cells` cells along the flank's profile and along the face.
 
-    Raises TrimError where the tooth cannot be trimmed.
+    Land and root are included if `turned`. Raises TrimError if the tooth cannot be trimmed.
     """
     middle = (0.0, 0.5) if side is Side.RIGHT else (0.5, 1.0)
     links = [(FLANKS[side], (0.0, 1.0), 0.0), (FILLETS[side], (0.0, 1.0), 0.0), (EDGES[side], (0.0, 1.0), 0.0)]
     if turned:
-        # of the right flank's root the second half, of the left one's the first half of the next
+        # right flank: second half of the root before the tooth; left flank: first half of the root after the tooth
         next_root = 0.0 if side is Side.RIGHT else tooth.pitch_angle
         links += [(Region.LAND, middle, 0.0), (Region.ROOT, (1.0 - middle[1], 1.0 - middle[0]), next_root)]
     grids, regions = [], []
@@ -274,18 +297,21 @@ def tooth_half(tooth: Tooth, side: Side, cells: int, *, turned: bool = True) -> 
         for region, (start, end), turn in links:
             if region not in tooth.chain:
                 continue
-            count = max(FEWEST_CELLS, round(cells * SHARE.get(region, SHARE[Region.LAND] if not region.side else 1.0)))
+            count = max(
+                MIN_CELLS, round(cells * CELL_SHARES.get(region, CELL_SHARES[Region.LAND] if not region.side else 1.0))
+            )
             grid = tooth.grid(region, np.linspace(start, end, count + 1), sections).points
-            if np.linalg.norm(np.diff(grid, axis=0), axis=-1).sum(axis=0).max() > NOTHING:
+            if np.linalg.norm(np.diff(grid, axis=0), axis=-1).sum(axis=0).max() > MIN_LINK_LENGTH_MM:
                 grids.append(GridFlank(tooth.joint.to(turn).point(grid)))
                 regions.append(region)
     return Half(PatchedFlank(tuple(grids)), tuple(regions))
 
 
 def root_clearance(pair: GearPair, phi1: float, phi2: float, cells: int = HALF_CELLS) -> tuple[float, float]:
-    """Clearance (mm) of the pinion's tips over the gear's root and of the gear's over the pinion's, negative inside.
+    """Return clearances (mm) of the pinion's tips over the gear's root, and of the gear's tips over the pinion's root.
 
-    Of all teeth, on grids of their lands. inf where no tip is between the other member's ends.
+    Clearances are negative inside the root, and inf if no tip lies between the other member's ends. All teeth are
+    included, on grids of their lands.
     """
     places = [mount.at(phi) for mount, phi in zip(pair.mounts, (phi1, phi2), strict=True)]
     clearances = []
@@ -294,8 +320,8 @@ def root_clearance(pair: GearPair, phi1: float, phi2: float, cells: int = HALF_C
         land = tooth.grid(
             Region.LAND, np.linspace(0.0, 1.0, cells + 1), tooth.sections(np.linspace(0.0, 1.0, cells + 1))
         )
-        every = tooth.joint.to(tooth.joint.places(tooth.teeth)[:, None] * tooth.pitch_angle)
-        points = (places[root].inverse @ places[tip]).point(every.point(land.points.reshape(-1, 3)).reshape(-1, 3))
+        to_teeth = tooth.joint.to(tooth.joint.places(tooth.teeth)[:, None] * tooth.pitch_angle)
+        points = (places[root].inverse @ places[tip]).point(to_teeth.point(land.points.reshape(-1, 3)).reshape(-1, 3))
         station = blank.axial.value(points)
         between = (station - blank.extent[0]) * (station - blank.extent[1]) <= 0.0
         over = blank.root.value(points[between])
@@ -304,8 +330,8 @@ def root_clearance(pair: GearPair, phi1: float, phi2: float, cells: int = HALF_C
 
 
 def _spans(tooth: Tooth, cells: int) -> list[Array]:
-    """Stations t of grids from toe to heel, one for each part between corners of the form point of flank and fillet."""
+    """Return stations t of grids from toe to heel, one array per part between corners of the form point."""
     ends = np.concatenate(([0.0], tooth.breaks, [1.0]))
-    # as many for every turn of a thread
-    cells = round(cells * count) if (count := turns(tooth)) >= WOUND else cells
-    return [np.linspace(a, b, max(FEWEST_CELLS, int(np.ceil(cells * (b - a)))) + 1) for a, b in pairwise(ends) if b > a]
+    # a thread gets `cells` cells per turn
+    cells = round(cells * count) if (count := turns(tooth)) >= MIN_WOUND_TURNS else cells
+    return [np.linspace(a, b, max(MIN_CELLS, int(np.ceil(cells * (b - a)))) + 1) for a, b in pairwise(ends) if b > a]

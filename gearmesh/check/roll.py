@@ -1,12 +1,12 @@
-"""The roll test: turn the gear until two flanks first touch, and see where they are closer than delta.
+"""The roll test: the gear is turned until two flanks first touch, and the region closer than delta is measured.
 
-It knows nothing but two flanks (triangle meshes, or dense grids of exact points) and the positions of the members: an
-independent check of the contact solver, with which it shares no equation. There are no curvatures and no
-tangency conditions in it, only distances.
+The test knows only two flanks (triangle meshes, or dense grids of exact points) and the positions of the members. It is
+an independent check of the contact solver, with which it shares no equation: it contains distances, but no curvatures
+and no tangency conditions.
 
-1. Touch. Every circle about the gear's axis that meets both flanks says by how much the gear must turn for these
-   two points to meet; the greatest need decides (`touch.first_touch`).
-2. Patch. In the common tangent plane, distances along the common normal; the part closer than delta is measured by
+1. Touch. Every circle about the gear's axis that meets both flanks gives the turn of the gear at which its two points meet. The
+   largest turn is the first touch (`touch.first_touch`).
+2. Patch. Distances are measured along the common normal over the common tangent plane. The part closer than delta is measured by
    its area, centroid and second moments (`_patch`). An ellipse with semi-axis a has the second moment a^2 / 4.
 """
 
@@ -27,47 +27,60 @@ from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
 
-DELTA = 0.00635
-# Lattices that look for the patch, and the final one; 4 m + 1 points, so that every second point is a lattice too.
-SEARCH_POINTS, PATCH_POINTS = 33, 97
-# Half sides of the lattice over semi-axes of the patch.
-MARGIN = 1.4
+#: default gap that bounds the patch
+DEFAULT_DELTA_MM = 0.00635
+#: points across a lattice that searches the patch; 4 m + 1, so that every second point forms a lattice, too
+SEARCH_POINTS = 33
+#: points across the final lattice; 4 m + 1, too
+PATCH_POINTS = 97
+#: half sides of a lattice, in semi-axes of the patch
+LATTICE_MARGIN = 1.4
 
 
 @dataclass(frozen=True)
 class RollContact:
-    """One position of the roll test; vectors in the fixed frame, mm and rad. NaN where the flanks never meet.
+    """Contact at one position of the roll test; vectors are in the fixed frame, NaN where the flanks never meet.
 
-    phi2 as the source counts it; point where the flanks first touch; normal the mean of the two members' there, out
-    of the pinion (on meshes those of facets). The patch closer than delta: its area in the common tangent plane
-    (mm^2), its centre (in that plane), semi-axes semi_major >= semi_minor and unit vectors major, minor of the
-    ellipse with the same second moments; cut_by_edge where it runs into the edge of a flank, so that these are not
-    the moments of an ellipse. The centre is off the contact point by an amount proportional to delta, because the
-    gap is not symmetric; `centre_limit` is the line through the centres for delta and delta / 2, followed to 0, and
-    on meshes a far better contact point than `point`, which is where the highest facets happen to be.
-    `lattice_points` counts the places evaluated. The gap map: points (M, N, 3) on the pinion in its *own* frame, and
-    gap (M, N) in mm, NaN beyond the flanks.
+    The patch is the part of the common tangent plane in which the flanks are closer than delta. Its semi-axes belong to
+    the ellipse with the same second moments. The centre deviates from the contact point in proportion to delta, because
+    the gap is not symmetric. `centre_limit` extrapolates the centres for delta and delta / 2 to 0. On meshes it is a
+    far better contact point than `point`, which is at the highest facets.
     """
 
+    #: rotation of the pinion, rad
     phi1: float
+    #: rotation of the gear, rad, as the source counts it
     phi2: float
+    #: point of first touch (3,), mm
     point: Array
+    #: mean unit normal (3,) of both members there, out of the pinion; on meshes the normal of facets
     normal: Array
+    #: larger semi-axis of the patch, mm
     semi_major: float
+    #: smaller semi-axis of the patch, mm
     semi_minor: float
+    #: unit vector (3,) along the larger semi-axis
     major: Array
+    #: unit vector (3,) along the smaller semi-axis
     minor: Array
+    #: centroid (3,) of the patch in the tangent plane, mm
     centre: Array
+    #: centroid (3,) extrapolated to delta = 0, mm
     centre_limit: Array
+    #: area of the patch in the tangent plane, mm^2
     area: float
+    #: True if the patch reaches the edge of a flank, so that its moments are not those of an ellipse
     cut_by_edge: bool
+    #: number of evaluated places
     lattice_points: int
+    #: gap map: points (M, N, 3) of the pinion in the pinion's frame, mm
     map_points: Array = field(repr=False)
+    #: gap map: gap (M, N), mm, NaN beyond the flanks
     map_gap: Array = field(repr=False)
 
     @property
     def touching(self) -> bool:
-        """Whether the flanks meet at all in a full turn of the gear."""
+        """True if the flanks meet within a full turn of the gear."""
         return bool(np.isfinite(self.phi2))
 
 
@@ -78,18 +91,23 @@ def roll(
     ratio: float,
     phi1: ArrayLike,
     drive: int,
-    delta: float = DELTA,
+    delta: float = DEFAULT_DELTA_MM,
     guess_phi2: ArrayLike | None = None,
     turns: float = 0.0,
 ) -> tuple[RollContact, ...]:
     """Roll two flanks against each other at pinion rotations phi1 (P,), rad.
 
-    `pinion`, `gear`: the touching flank of one tooth each, in the members' own frames: triangle meshes, or structured
-    grids of exact points (I, J, 3). `drive` +1: the pinion pushes the gear towards larger phi2, and phi2 is the
-    smallest at which nothing penetrates; -1: towards smaller phi2, and it is the largest. `delta` in mm. Whole turns
-    are added to phi2 to bring it next to `guess_phi2` (P,) or (); without it the first position is within half a turn
-    of 0, and each following one near its predecessor by the nominal `ratio` d phi2 / d phi1. `turns`: how often the pinion's
-    flank goes round its axis: of a thread the winding next to that phi2 counts.
+    - `pinion`, `gear`: the touching flank of one tooth each, in the members' own frames: triangle meshes, or structured
+      grids of exact points (I, J, 3).
+    - `drive`: +1 if the pinion pushes the gear towards larger phi2; phi2 is then the smallest rotation without
+      penetration. -1 if it pushes towards smaller phi2; phi2 is then the largest such rotation.
+    - `delta`: gap that bounds the patch, mm.
+    - `guess_phi2`: (P,) or (). Whole turns are added to phi2 to bring it next to this rotation. Without it the first
+      position is within half a turn of 0, and each following position is near its predecessor by the nominal `ratio` d
+      phi2 / d phi1.
+    - `turns`: number of turns of the pinion's flank about its axis. On a thread the winding next to the guessed phi2
+      counts.
+
     Raises DesignError for a drive other than +-1 or a delta that is not positive.
     """
     if drive not in (1, -1):
@@ -125,22 +143,25 @@ def _roll_once(
     delta: float,
     guess: float,
 ) -> RollContact:
-    """One position; `gear_arcs` is the gear, not turned, over circles about its axis."""
-    # everything happens in the frame of the gear's bearing: z is the gear's axis
+    """Return the contact at one position; `gear_arcs` is the unturned gear over circles about its axis."""
+    # all computations are in the frame of the gear's bearing, whose z axis is the gear's axis
     base_to_fixed = mounts[1].base
     pinion_to_base = base_to_fixed.inverse @ mounts[0].at(phi1)
     sense, joint = drive * mounts[1].sign, mounts[1].joint
     touches = []
     for piece in pieces:
         arcs = arcs_over(piece, pinion_to_base, sense, side=1.0, joint=joint)
-        if (first := first_touch(arcs, gear_arcs, along(joint, sense, 0.0))) is not None:
-            aside = abs(float(pinion_to_base.inverse.point(first.point)[2]) - middle(piece))
-            touches.append(WoundTouch(piece, first, joint.nearest(mounts[1].zero + drive * first.turn, guess), aside))
+        if (contact := first_touch(arcs, gear_arcs, along(joint, sense, 0.0))) is not None:
+            aside = abs(float(pinion_to_base.inverse.point(contact.point)[2]) - middle(piece))
+            touches.append(
+                WoundTouch(piece, contact, joint.nearest(mounts[1].zero + drive * contact.turn, guess), aside)
+            )
     best = in_mesh(touches, guess, ratio, drive, anywhere=True)
     if best is None:
         return _nowhere(phi1)
     pinion, touch, phi2 = best.piece, best.touch, best.phi2
 
+    # the patch: gaps along the mean normal at the point of first touch, with the gear turned to touch
     gear_to_base = joint.to(sense * touch.turn) @ mounts[1].own_to_turning
     normal = unit(touch.pinion_normal + gear_to_base.vector(touch.gear_normal))
     base_to_tangent = _tangent_frame(touch.point, normal).inverse
@@ -187,7 +208,10 @@ def _no_map() -> tuple[Array, Array]:
 def arcs_over(
     flank: HeightFlank, own_to_base: Rigid, sense: float, side: float, joint: Joint = REVOLUTE_JOINT
 ) -> Field:
-    """A flank over circles about the gear's axis, or the lines along which it slides; heights grow the way the gear is pushed."""
+    """Return a flank over circles about the gear's axis, or over the lines along which it slides.
+
+    Heights increase in the direction in which the gear is pushed.
+    """
     x, y, _ = own_to_base.point(flank.points).mean(axis=0)
     return flank.over(along(joint, sense, float(np.arctan2(y, x))), own_to_base, side)
 
@@ -197,17 +221,21 @@ def arcs_over(
 
 @dataclass(frozen=True)
 class _PatchShape:
-    """Area, centre (2,), semi-axes (2,) ascending and axes as columns (2, 2), in the tangent plane."""
+    """Moments of a patch in the tangent plane."""
 
+    #: area, mm^2
     area: float
+    #: centroid (2,), mm
     centre: Array
+    #: semi-axes (2,), ascending, mm
     halves: Array
+    #: unit vectors along the semi-axes as columns (2, 2)
     axes: Array
 
 
 @dataclass(frozen=True)
 class _Lattice:
-    """Gap (M, M) in mm at points (M, M, 3) of the pinion, tangent frame; NaN beyond the flanks."""
+    """Gap (M, M) in mm at points (M, M, 3) of the pinion, in the tangent frame; NaN beyond the flanks."""
 
     points: Array
     gap: Array
@@ -217,7 +245,7 @@ class _Lattice:
         return bool((rim < delta).any())
 
     def is_cut(self, delta: float) -> bool:
-        """Whether a place closer than delta has a neighbour beyond the flanks."""
+        """Return True if a place closer than delta has a neighbour beyond the flanks."""
         missing = np.pad(np.isnan(self.gap), 1)
         beside = missing[:-2, 1:-1] | missing[2:, 1:-1] | missing[1:-1, :-2] | missing[1:-1, 2:]
         return bool((beside & (self.gap < delta)).any())
@@ -225,31 +253,38 @@ class _Lattice:
 
 @dataclass(frozen=True)
 class _Patch:
-    """The shape closer than delta, its centre as delta vanishes (2,), and the lattice it was measured on."""
+    """Measured patch, and the lattice on which it was measured."""
 
+    #: shape of the part closer than delta
     shape: _PatchShape
+    #: centroid (2,) extrapolated to delta = 0, mm
     centre_limit: Array
+    #: points (M, M, 3) of the pinion on the lattice, mm
     points: Array
+    #: gaps (M, M), mm
     gap: Array
+    #: True if the patch reaches the edge of a flank
     cut_by_edge: bool
+    #: number of evaluated places
     count: int
 
 
 def _patch(pinion: Field, gear: Field, delta: float, start: float) -> _Patch:
-    """The part of the tangent plane where the flanks are closer than delta.
+    """Return the part of the tangent plane in which the flanks are closer than delta.
 
-    A lattice is laid over the contact, turned and stretched to the patch that it finds, and so on until it fits: a
-    patch that fills the lattice makes it grow by 1.6 each time. Then the fine one follows. The gaps are along the
-    common normal, times its cosine with the mean of the two local normals: the shortest distance, to second order.
-    NaN if no lattice fits, which happens on edges that hold next to nothing.
+    A lattice is laid over the contact and then turned and stretched to the patch found on it, until both agree. A patch
+    that fills the lattice makes the lattice larger. The final lattice is finer. Gaps are measured along the common
+    normal times its cosine with the mean of the two local normals: the shortest distance, to second order. The result
+    is NaN if no lattice fits, as on edges with almost no patch.
     """
     shape = _PatchShape(0.0, np.zeros(2), np.full(2, start), np.eye(2))
-    margin, points, count = MARGIN, SEARCH_POINTS, 0
+    margin, points, count = LATTICE_MARGIN, SEARCH_POINTS, 0
     for _ in range(60):
         sides = margin * shape.halves
         lattice = _lattice(pinion, gear, shape.centre, shape.axes * sides, points)
         count += lattice.gap.size
         better = _measure(lattice, shape, sides, delta)
+        # no place closer than delta: try a smaller lattice
         if better is None:
             shape = _PatchShape(0.0, shape.centre, shape.halves / 4.0, shape.axes)
             continue
@@ -268,27 +303,27 @@ def _patch(pinion: Field, gear: Field, delta: float, start: float) -> _Patch:
 
 
 def _fits(own: _PatchShape, shape: _PatchShape) -> bool:
-    """Whether the shape found is about the one that the lattice was made for, seen in units of the latter."""
+    """Return True if the measured shape is about the shape for which the lattice was made, in units of the latter."""
     spread = (shape.axes / shape.halves).T @ own.axes * own.halves
     offset = (own.centre - shape.centre) @ shape.axes / shape.halves
     return bool(np.abs(spread @ spread.T - np.eye(2)).max() < 0.3 and np.abs(offset).max() < 0.2)
 
 
 def _lattice(pinion: Field, gear: Field, centre: Array, stretch: Array, count: int) -> _Lattice:
-    """Gaps on count x count places over the rectangle centre +- columns of `stretch` (2, 2)."""
+    """Return gaps at count x count places over the rectangle centre +- columns of `stretch` (2, 2)."""
     steps = np.linspace(-1.0, 1.0, count)
     flat = centre + np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2) @ stretch.T
-    one, other = pinion.at(flat), gear.at(flat)
-    mean = one.normal + other.normal
-    gap = (other.height - one.height) * mean[:, 2] / np.sqrt(dot(mean, mean))
-    return _Lattice(one.point.reshape(count, count, 3), gap.reshape(count, count))
+    pinion_hits, gear_hits = pinion.at(flat), gear.at(flat)
+    mean = pinion_hits.normal + gear_hits.normal
+    gap = (gear_hits.height - pinion_hits.height) * mean[:, 2] / np.sqrt(dot(mean, mean))
+    return _Lattice(pinion_hits.point.reshape(count, count, 3), gap.reshape(count, count))
 
 
 def _measure(lattice: _Lattice, shape: _PatchShape, sides: Array, delta: float) -> _PatchShape | None:
-    """Area, centre and axes of the patch on a lattice laid by `shape`; None if nothing is closer than delta.
+    """Return area, centre and axes of the patch on a lattice made for `shape`; None if no place is closer than delta.
 
-    Linear interpolation cuts the convex gap's patch short by a relative h^2/8: the moments on the lattice and on every
-    second point of it are extrapolated.
+    Linear interpolation makes the patch of a convex gap smaller by a relative error of h^2/8. The moments on the
+    lattice and on every second point of it are therefore extrapolated.
     """
     steps = np.linspace(-1.0, 1.0, len(lattice.gap))
     places = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1)
@@ -308,10 +343,10 @@ def _measure(lattice: _Lattice, shape: _PatchShape, sides: Array, delta: float) 
 
 
 def _moments(places: Array, value: Array) -> Array:
-    """Integrals (3, 3) of (1, x, y) (1, x, y)^T over {value < 0}, linear on the two triangles of every lattice cell.
+    """Return integrals (3, 3) of (1, x, y) (1, x, y)^T over {value < 0}.
 
-    places (M, N, 2), value (M, N); triangles with a NaN corner are left out. Triangles with two corners inside are
-    whole ones less the corner cut off.
+    `places` is (M, N, 2), `value` (M, N), linear on the two triangles of every lattice cell. Triangles with a NaN
+    corner are left out. Triangles with two corners inside are whole triangles minus the part at the corner outside.
     """
     quads = [np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]]
     homogeneous = np.concatenate((np.ones((*value.shape, 1)), places), axis=-1)
@@ -322,18 +357,22 @@ def _moments(places: Array, value: Array) -> Array:
     used = np.isfinite(values).all(axis=1) & (values < 0.0).any(axis=1)
     corners, values = corners[used], values[used]
 
+    # part of a triangle: the tip at the odd corner, cut at the zero of the linear interpolation
     inside = values < 0.0
     number = inside.sum(axis=1)
     odd = np.where(number == 1, inside.argmax(axis=1), inside.argmin(axis=1))
     order = (odd[:, None] + np.arange(3)) % 3
     mixed = number < 3
-    own = np.take_along_axis(corners, order[..., None], axis=1)[mixed]
+    triangles = np.take_along_axis(corners, order[..., None], axis=1)[mixed]
     ends = np.take_along_axis(values, order, axis=1)[mixed]
     share = ends[:, :1] / (ends[:, :1] - ends[:, 1:])
-    cut = np.concatenate((own[:, :1], own[:, :1] + share[..., None] * (own[:, 1:] - own[:, :1])), axis=1)
+    cut = np.concatenate(
+        (triangles[:, :1], triangles[:, :1] + share[..., None] * (triangles[:, 1:] - triangles[:, :1])), axis=1
+    )
     pieces = np.concatenate((corners[number >= 2], cut))
     weight = np.concatenate((np.ones(int((number >= 2).sum())), np.where(number[mixed] == 1, 1.0, -1.0)))
 
+    # exact integrals of products of linear functions over triangles
     area = weight * np.abs(np.linalg.det(pieces)) / 2.0
     total = pieces.sum(axis=1)
     squares = np.einsum("t,tki,tkj->ij", area, pieces, pieces)
@@ -342,12 +381,12 @@ def _moments(places: Array, value: Array) -> Array:
 
 
 def _tangent_frame(point: Array, normal: Array) -> Rigid:
-    """tangent_to_base: z along the normal (3,), origin at the point (3,)."""
+    """Return tangent_to_base: z along the normal (3,), origin at the point (3,)."""
     x = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
     x /= np.linalg.norm(x)
     return Rigid(np.stack((x, np.cross(normal, x), normal), axis=-1), point)
 
 
 def _in_space(flat: Array) -> Array:
-    """Points (..., 3) of the tangent plane from coordinates (..., 2)."""
+    """Return points (..., 3) of the tangent plane from coordinates (..., 2)."""
     return np.concatenate((flat, np.zeros((*flat.shape[:-1], 1))), axis=-1)

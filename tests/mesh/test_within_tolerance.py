@@ -47,7 +47,7 @@ def test_a_flank_that_ends_at_its_base_is_continued_by_the_fillet() -> None:
     for patch in mesh.patches:
         if patch.region not in FLANKS.values():
             continue
-        q, t = ((deviation.PLACES @ each[patch.triangles]) for each in (patch.points, patch.nodes.t[:, None]))
+        q, t = ((deviation.SAMPLE_WEIGHTS @ each[patch.triangles]) for each in (patch.points, patch.nodes.t[:, None]))
         back = turn[1] - turn[0] - (turn[2] - turn[0]) * t[..., 0]
         x, y = q[..., 0], q[..., 1]
         turned = np.stack((x * np.cos(back) - y * np.sin(back), x * np.sin(back) + y * np.cos(back)), axis=-1)

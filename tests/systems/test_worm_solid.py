@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from gearmesh.app import cli
 from gearmesh.check import deviation
-from gearmesh.check.deviation import INSIDE, deviations, triangle_distance
+from gearmesh.check.deviation import SURFACE_SAMPLE_WEIGHTS, deviations, triangle_distance
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
@@ -211,13 +211,13 @@ def test_teeth_may_go_round_more_than_half_a_turn() -> None:
 
 def test_distance_from_the_facets_is_that_of_the_closest_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """Against all facets of the thread: where cells are long and skew the closest one is often not the point's own."""
-    monkeypatch.setattr(deviation, "BATCH", 1)
+    monkeypatch.setattr(deviation, "FIRST_BATCH", 1)
     mesh = tessellate(worm_member(worm(), racks(), 6.0).tooth, 0.2)
     facets = teeth_mesh(mesh, "worm", np.array([0]))
     corners = facets.vertices[facets.triangles]
     found = deviations(mesh)
     for patch in mesh.patches:
-        s, t = (INSIDE @ each[patch.triangles][..., None] for each in (patch.nodes.s, patch.nodes.t))
+        s, t = (SURFACE_SAMPLE_WEIGHTS @ each[patch.triangles][..., None] for each in (patch.nodes.s, patch.nodes.t))
         sections = mesh.tooth.sections(np.unique(t))[np.unique(t, return_inverse=True)[1].ravel()]
         points = mesh.tooth.grid(patch.region, s.reshape(1, -1), sections).points[0]
         largest = max(triangle_distance(q[:, None], corners).min(axis=1).max() for q in np.array_split(points, 20))
